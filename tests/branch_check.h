@@ -68,6 +68,24 @@ static inline branch_record branch_run(const saltus_spec *spec, int periods, con
     return record;
 }
 
+/* A run from what a trajectory settles on. */
+static inline branch_record branch_run_settled(const saltus_spec *spec, const saltus_branch_options *options,
+                                               const char *label) {
+    saltus_system *system = build(spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double state[SALTUS_SCENE_STATE_MAX];
+    check_ok(saltus_system_default_state(system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    assert_string_equal(motion.label, label);
+    int periods = motion.periods > 0 ? motion.periods : 1;
+    branch_record record = branch_run(spec, periods, motion.state, options);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    return record;
+}
+
 static inline saltus_branch_options branch_along(const char *key, double low, double high) {
     saltus_branch_options options = saltus_branch_defaults();
     snprintf(options.key[0], sizeof options.key[0], "%s", key);

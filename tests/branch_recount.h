@@ -120,7 +120,7 @@ static inline void recount_multipliers(const saltus_branch_point *p, const saltu
     }
     if (!orbit.sticks) {
         double trace =
-            saltus_system_trace(system, p->state); /* of a linear oscillator: everywhere the same */
+            saltus_system_trace(system, p->state, 0); /* of a linear oscillator: everywhere the same */
         double rule = again->log_restitution + trace * p->periods * saltus_system_period(system);
         check_near(p->sum_rule, rule, 1e-7 * (1 + fabs(rule)));
         check_near(p->log_volume, rule, 1e-6 * (1 + fabs(rule)));
@@ -202,7 +202,7 @@ static inline void recount_volume(const saltus_branch_point *p) {
         if (p->spec.stops[k].r != p->spec.stops[0].r)
             return;
     saltus_system *system = build(&p->spec);
-    double rule = saltus_system_trace(system, p->state) * p->periods * saltus_system_period(system);
+    double rule = saltus_system_trace(system, p->state, 0) * p->periods * saltus_system_period(system);
     if (p->impacts)
         rule += (double)p->impacts * 2 * log(p->spec.stops[0].r);
     /* Beside a grazing the flow may meet the impact or not. */

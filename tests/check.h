@@ -33,6 +33,12 @@ static inline void check_ok_at(saltus_status status, const saltus_message *messa
         fail_msg("%s:%d: %s: %s", file, line, saltus_status_name(status), message->text);
 }
 
+/* Long ways through code that shorter tests go through, too, are left out where everything is slow. */
+static inline void skip_where_slow(void) {
+    if (getenv("SALTUS_SANITIZED"))
+        skip();
+}
+
 static inline void set_parameter(saltus_spec *spec, const char *name, double value) {
     int k = saltus_model_parameter_index(spec->model, name);
     assert_true(k >= 0);

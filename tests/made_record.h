@@ -105,7 +105,7 @@ static inline figure draw(const saltus_system *system, const saltus_diagnosis *d
     char path[path_size];
     saltus_scene scene = scene_of(system);
     saltus_flow_options options = saltus_flow_defaults();
-    check_ok(saltus_write_sheet(&scene, system, diagnosis, &options, NULL, path_in("sheet.svg", path), NULL,
+    check_ok(saltus_write_sheet(path_in("sheet.svg", path), &scene, system, &options, diagnosis, NULL, NULL,
                                 &message),
              &message);
     figure f = figure_taken(folder);

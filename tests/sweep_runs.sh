@@ -112,6 +112,14 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
     $together -n 2 "$saltus" sweep $many -o inbox.h5 --threads 1 --json >summary || fail "many points on two ranks do not run"
     [ "$(number rows) $(number computed) $(number ranks)" = '19200 19200 2' ] || fail "many points on two ranks: $(cat summary)"
     same many.h5 inbox.h5 "many points on two ranks"
+    # Without forcing rows are counted by returns to the section; ranks change nothing of it.
+    unforced="relief-valve --over q=1:7:9 --what turning,stroboscopic,impacts,lyapunov --transient 300 --measure 600 --lifetime 100 --quiet"
+    # shellcheck disable=SC2086
+    "$saltus" sweep $unforced -o unforced.h5 --threads 1 >/dev/null || fail "a sweep without forcing does not run"
+    # shellcheck disable=SC2086
+    $together -n 2 "$saltus" sweep $unforced -o unforced_ranks.h5 --threads 1 >/dev/null 2>err ||
+        fail "a sweep without forcing on two ranks does not run: $(cat err)"
+    same unforced.h5 unforced_ranks.h5 "a sweep without forcing on two ranks"
     # One point is done by one of them, and not by the first, who lets the others choose before; they learn that there
     # is nothing else to do.
     # shellcheck disable=SC2086,SC2016

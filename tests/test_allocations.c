@@ -406,23 +406,15 @@ static saltus_branch_options branch_options(void) {
     return how;
 }
 
-static saltus_status follow_branch(trial *t, const saltus_branch_options *how, double force, int most) {
-    saltus_scene scene;
-    saltus_system *system = NULL;
+static saltus_status follow_from(trial *t, const saltus_branch_options *how, const saltus_scene *scene,
+                                 int periods, const double *state, int most) {
     saltus_branch *branch = NULL;
     saltus_branch_output *output = NULL;
     const saltus_branch_point *point = NULL;
-    double state[SALTUS_SCENE_STATE_MAX];
     int made = 0;
-    load("impact-oscillator", &scene);
-    set_parameter(&scene.spec, "F", force);
-    saltus_status status = open_system(&scene, &system, state, t);
+    saltus_status status = saltus_branch_new(&scene->spec, periods, state, how, &branch, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_motion_settle(system, &how->orbit.flow, 200, state, &t->message);
-    if (status == SALTUS_OK)
-        status = saltus_branch_new(&scene.spec, 1, state, how, &branch, &t->message);
-    if (status == SALTUS_OK)
-        status = saltus_branch_output_open(t->path, &scene, 1, state, how, NULL, &output, &t->message);
+        status = saltus_branch_output_open(t->path, scene, periods, state, how, NULL, &output, &t->message);
     do {
         if (status == SALTUS_OK)
             status = saltus_branch_step(branch, &point, &t->message);
@@ -434,8 +426,22 @@ static saltus_status follow_branch(trial *t, const saltus_branch_options *how, d
     } while (status == SALTUS_OK && point && ++made < most);
     saltus_status closed = saltus_branch_output_close(output, true, status == SALTUS_OK ? &t->message : NULL);
     saltus_branch_free(branch);
-    saltus_system_free(system);
     return status == SALTUS_OK ? closed : status;
+}
+
+static saltus_status follow_branch(trial *t, const saltus_branch_options *how, double force, int most) {
+    saltus_scene scene;
+    saltus_system *system = NULL;
+    double state[SALTUS_SCENE_STATE_MAX];
+    load("impact-oscillator", &scene);
+    set_parameter(&scene.spec, "F", force);
+    saltus_status status = open_system(&scene, &system, state, t);
+    if (status == SALTUS_OK)
+        status = saltus_motion_settle(system, &how->orbit.flow, 200, state, &t->message);
+    if (status == SALTUS_OK)
+        status = follow_from(t, how, &scene, 1, state, most);
+    saltus_system_free(system);
+    return status;
 }
 
 static saltus_status continue_branch(trial *t) {
@@ -450,6 +456,38 @@ static saltus_status continue_locus(trial *t) {
     how.low[1] = 0.5;
     how.high[1] = 1.5;
     return follow_branch(t, &how, 0.105, 3); /* just above grazing */
+}
+
+/* Equilibria over a Hopf point and a stop, and the curve of Hopf points. */
+static saltus_status follow_rests(trial *t, saltus_point_kind locus) {
+    static const char text[] = "model:\n  parameters: {mu: {default: -0.2}, F: {default: 0}}\n"
+                               "  motion: {x: mu*x' - x^2*x' - x + F + 4*mu}\n"
+                               "stop: {coordinate: x, d: 1, r: 0.5, sides: upper}\n";
+    saltus_branch_options how = branch_options();
+    saltus_scene scene;
+    const double rest[2] = {-0.8, 0};
+    strcpy(how.key[0], "mu");
+    how.low[0] = -0.2;
+    how.high[0] = 0.4;
+    how.direction = 1;
+    how.locus = locus;
+    strcpy(how.key[1], locus ? "F" : "");
+    how.low[1] = -0.1;
+    how.high[1] = 0.1;
+    saltus_status status = saltus_scene_parse(text, sizeof text - 1, "rests", &scene, &t->message);
+    if (status != SALTUS_OK)
+        return status;
+    status = follow_from(t, &how, &scene, 0, rest, 12);
+    saltus_scene_clear(&scene);
+    return status;
+}
+
+static saltus_status continue_rests(trial *t) {
+    return follow_rests(t, SALTUS_POINT_REGULAR);
+}
+
+static saltus_status continue_hopf(trial *t) {
+    return follow_rests(t, SALTUS_POINT_HB);
 }
 
 static saltus_status run_sweep(trial *t, const saltus_axis *axes, int count, bool basins) {
@@ -513,7 +551,7 @@ static saltus_status record(trial *t, const char *ending) {
     if (status == SALTUS_OK)
         status = saltus_trajectory_record(system, state, &how, 2, 40, 4, &made, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_write_trajectory(&made, &scene, system, &how, NULL, path, &t->message);
+        status = saltus_write_trajectory(path, &scene, system, &how, &made, NULL, &t->message);
     if (status == SALTUS_OK)
         note_file(t, path);
     saltus_trajectory_clear(&made);
@@ -547,7 +585,7 @@ static saltus_status read_sweep(trial *t) {
     snprintf(path, sizeof path, "%s.csv", t->path);
     saltus_status status = saltus_sweep_file_read(kept_sweep, &file, &t->message);
     for (int table = SALTUS_TABLE_ROWS; table <= SALTUS_TABLE_STROBES && status == SALTUS_OK; table++) {
-        status = saltus_sweep_file_csv(&file, (saltus_table)table, path, &t->message);
+        status = saltus_write_sweep_csv(path, &file, (saltus_table)table, &t->message);
         if (status == SALTUS_OK)
             note_file(t, path);
     }
@@ -585,15 +623,15 @@ static saltus_status draw_branch(trial *t) {
     const saltus_plot_options how = saltus_plot_defaults();
     char figure[160];
     snprintf(figure, sizeof figure, "%s.svg", t->path);
-    return saltus_plot(paths, 1, &how, figure, &t->message);
+    return saltus_plot(figure, paths, 1, &how, &t->message);
 }
 
 static saltus_status draw_sweep(trial *t) {
     char figure[160];
     const saltus_sweep_view turning = {.view = SALTUS_VIEW_TURNING}, plane = {.view = SALTUS_VIEW_AUTOMATIC};
     snprintf(figure, sizeof figure, "%s.svg", t->path);
-    saltus_status status = saltus_plot_sweep(kept_sweep, &turning, figure, &t->message);
-    return status == SALTUS_IO ? saltus_plot_sweep(kept_basins, &plane, figure, &t->message) : status;
+    saltus_status status = saltus_plot_sweep(figure, kept_sweep, &turning, &t->message);
+    return status == SALTUS_IO ? saltus_plot_sweep(figure, kept_basins, &plane, &t->message) : status;
 }
 
 static saltus_status draw_sheet(trial *t) {
@@ -621,7 +659,7 @@ static saltus_status draw_sheet(trial *t) {
         status = saltus_motion_spectra(system, &motion, &lines, &spectra, &t->message);
     const saltus_diagnosis diagnosis = {&motion, &made, NULL, &spectra};
     if (status == SALTUS_OK)
-        status = saltus_write_sheet(&scene, system, &diagnosis, &how.flow, NULL, figure, NULL, &t->message);
+        status = saltus_write_sheet(figure, &scene, system, &how.flow, &diagnosis, NULL, NULL, &t->message);
     saltus_spectra_clear(&spectra);
     saltus_trajectory_clear(&made);
     saltus_motion_clear(&motion);
@@ -730,6 +768,8 @@ static void fail_each(const char *name, saltus_status (*operation)(trial *)) {
     X(harvest_orbits)                                                                                        \
     X(continue_branch)                                                                                       \
     X(continue_locus)                                                                                        \
+    X(continue_rests)                                                                                        \
+    X(continue_hopf)                                                                                         \
     X(read_axis)                                                                                             \
     X(sweep_parameters)                                                                                      \
     X(sweep_states)                                                                                          \

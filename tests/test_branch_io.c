@@ -398,7 +398,7 @@ static void foreign_files_are_named(void **state) {
     check_ok(
         saltus_trajectory_record(f->system, f->reference.states[0], &options, 0, 2, 20, &record, &message),
         &message);
-    check_ok(saltus_write_trajectory(&record, &f->scene, f->system, &options, NULL, path, &message),
+    check_ok(saltus_write_trajectory(path, &f->scene, f->system, &options, &record, NULL, &message),
              &message);
     refuse_file(path, "trajectory");
     saltus_trajectory_clear(&record);
@@ -811,7 +811,7 @@ static void refuse_plot(const fixture *f, const char *const *paths, int count, c
                         const char *name, const char *word) {
     saltus_message message = {.text = ""};
     char figure[160];
-    assert_int_equal(saltus_plot(paths, count, how, path_in(f, name, figure), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot(path_in(f, name, figure), paths, count, how, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, word));
     assert_int_not_equal(access(figure, F_OK), 0);
 }
@@ -835,7 +835,7 @@ static void diagrams_are_drawn(void **state) {
     write_branch(f, path_in(f, "b.h5", path), point_count, true);
     for (int k = 0; k < 3; k++) {
         how.show = k ? SALTUS_SHOW_IMPACTS : SALTUS_SHOW_AUTOMATIC;
-        check_ok(saltus_plot(paths, 1 + k % 2, &how, path_in(f, names[k], figure), &message), &message);
+        check_ok(saltus_plot(path_in(f, names[k], figure), paths, 1 + k % 2, &how, &message), &message);
         char *picture = read_all(figure, &length);
         assert_true(length > 5000);
         assert_memory_equal(picture, heads[k], 4);
@@ -898,7 +898,7 @@ static char *draw_text(const fixture *f, const char *const *paths, int count,
     saltus_message message = {.text = ""};
     char figure[160];
     size_t length;
-    check_ok(saltus_plot(paths, count, how, path_in(f, "d.svg", figure), &message), &message);
+    check_ok(saltus_plot(path_in(f, "d.svg", figure), paths, count, how, &message), &message);
     char *picture = read_all(figure, &length);
     remove(figure);
     return picture;

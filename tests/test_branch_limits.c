@@ -71,7 +71,7 @@ static void refusals_name_their_numbers(void **unused) {
     snprintf(bad.key[1], sizeof bad.key[1], "omega");
     check_refused(&bad, "omega and omega: a curve needs two parameters, not one twice");
     bad.locus = SALTUS_POINT_CH;
-    check_refused(&bad, "locus = 6: must be none, LP, PD, NS, BP or GR");
+    check_refused(&bad, "locus = 6: must be none, LP, PD, NS, BP, GR, HB or BE");
     bad = fine;
     bad.low[0] = -INFINITY;
     check_refused(&bad, "omega=-inf:1.5: the range must be finite");
@@ -96,9 +96,9 @@ static void refusals_name_their_numbers(void **unused) {
     }
     assert_string_equal(saltus_point_word(SALTUS_POINT_KINDS), "");
     assert_string_equal(saltus_point_word((saltus_point_kind)-1), "");
-    static const char *const words[] = {"",      "LP",    "PD", "NS", "BP",    "GR",    "CH",    "ST",
-                                        "UZ",    "EP",    "HB", "CP", "GR-LP", "GR-PD", "GR-NS", "GR-GR",
-                                        "GR-BP", "CH-GR", "R1", "R2", "R3",    "R4"};
+    static const char *const words[] = {
+        "",      "LP",    "PD",    "NS",    "BP",    "GR",    "CH", "ST", "UZ", "EP", "HB", "BE", "CP",
+        "GR-LP", "GR-PD", "GR-NS", "GR-GR", "GR-BP", "CH-GR", "R1", "R2", "R3", "R4", "BT", "GH"};
     for (int k = 0; k < SALTUS_POINT_KINDS; k++)
         assert_string_equal(saltus_point_word((saltus_point_kind)k), words[k]);
 }

@@ -278,7 +278,7 @@ static void a_point_is_told_in_json(void **state) {
                            {"iterations", p->iterations},
                            {"log_volume", p->log_volume},
                            {"sum_rule", p->sum_rule},
-                           {"accuracy", p->kind == SALTUS_POINT_REGULAR ? NAN : p->accuracy},
+                           {"accuracy", p->accuracy},
                            {"state.0", p->state[0]},
                            {"state.3", p->state[3]},
                            {"multipliers.1.0", p->multipliers[1].re},

@@ -5,8 +5,10 @@
 #include "folder.h"
 
 #include "flow/flow.h"
+#include "system/kept.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -110,9 +112,9 @@ static void interpret(saltus_flow *flow) {
 
 static int asked; /* of the compiled function */
 static saltus_compiled_function *compiled_function;
-static void count_expansions(void *work) {
+static void count_expansions(void *work, int from, int to) {
     asked++;
-    compiled_function(work);
+    compiled_function(work, from, to);
 }
 
 /* Two flows tell the same of their next event, to the last bit. False: neither has any more. */
@@ -249,6 +251,73 @@ static void foreign_files(void **unused) {
     folder_files(kept, true);
 }
 
+static void put_file(const char *name, int days_ago) {
+    char path[2 * file_name_max];
+    snprintf(path, sizeof path, "%s/%s", kept, name);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_int_equal(fclose(file), 0);
+    const struct timespec then = {.tv_sec = time(NULL) - (time_t)days_ago * 24 * 3600}, both[] = {then, then};
+    assert_int_equal(utimensat(AT_FDCWD, path, both, 0), 0);
+}
+
+static bool is_there(const char *name) {
+    char path[2 * file_name_max];
+    snprintf(path, sizeof path, "%s/%s", kept, name);
+    return access(path, F_OK) == 0;
+}
+
+/* Functions that have not been used for long go, and of many those used longest ago; nothing else does. A
+ * function that is taken from its file has been used. */
+static void the_folder_stays_small(void **unused) {
+    (void)unused;
+    static const char key[] = "0123456789abcdef0123456789abcdef", other[] = "notes of the user's.so";
+    char old[64], young[64], left[64], under_way[64], name[file_name_max];
+    snprintf(old, sizeof old, "%s-alone-20-0-0.so", key);
+    snprintf(young, sizeof young, "%s-alone-20-2-0.so", key);
+    snprintf(left, sizeof left, "%s-alone-20-0-0.so.1f.2e", key);
+    snprintf(under_way, sizeof under_way, "%s-alone-20-2-0.so.1f.2e", key);
+    put_file(old, SALTUS_KEPT_DAYS + 1);
+    put_file(young, SALTUS_KEPT_DAYS - 1);
+    put_file(left, 2);
+    put_file("source.abcdef", 2);
+    put_file(under_way, 0);
+    put_file("source.ghijkl", 0);
+    put_file(other, 10 * SALTUS_KEPT_DAYS);
+    saltus_kept_trim(kept);
+    assert_false(is_there(old) || is_there(left) || is_there("source.abcdef"));
+    assert_true(is_there(young) && is_there(under_way) && is_there("source.ghijkl") && is_there(other));
+    assert_int_equal(folder_files(kept, false), 4);
+    for (int k = 0; k < SALTUS_KEPT_MOST + 7; k++) {
+        snprintf(name, sizeof name, "%.28s%04x-lanes-20-0-0.so", key, k);
+        put_file(name, k % 7);
+    }
+    saltus_kept_trim(kept);
+    /* The young one, the oldest of all, has gone, too, with seven of those of six days. */
+    assert_int_equal(folder_files(kept, false), SALTUS_KEPT_MOST + 3);
+    assert_false(is_there(young));
+    for (int k = 0; k < SALTUS_KEPT_MOST + 7; k++) {
+        snprintf(name, sizeof name, "%.28s%04x-lanes-20-0-0.so", key, k);
+        assert_true(k % 7 == 6 || is_there(name));
+    }
+    folder_files(kept, true);
+    put_file(young, SALTUS_KEPT_DAYS - 1);
+    snprintf(name, sizeof name, "%s/%s", kept, young);
+    saltus_kept_use(name);
+    put_file(old, SALTUS_KEPT_DAYS + 1);
+    if (has_compiler()) /* A run that needs another function trims, too. */
+        comes(&ways[4]);
+    else
+        saltus_kept_trim(kept);
+    assert_true(is_there(young) && !is_there(old));
+    struct stat s;
+    assert_int_equal(stat(name, &s), 0);
+    assert_true(time(NULL) - s.st_mtime < 3600);
+    while (has_compiler() && !comes(&ways[4]))
+        pause_briefly();
+    folder_files(kept, true);
+}
+
 /* Without a compiler, or with one that fails, runs go on as before and leave no file. */
 static void no_compiler(void **unused) {
     (void)unused;
@@ -304,6 +373,7 @@ static int remove_cache(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(no_compiler), cmocka_unit_test(same_bits),
-                                       cmocka_unit_test(foreign_files), cmocka_unit_test(no_folder)};
+                                       cmocka_unit_test(foreign_files), cmocka_unit_test(no_folder),
+                                       cmocka_unit_test(the_folder_stays_small)};
     return cmocka_run_group_tests(tests, make_cache, remove_cache);
 }

@@ -274,7 +274,7 @@ static void traces_are_the_fields(void **unused) {
             sum += columns[i * s.n + i];
             size += fabs(columns[i * s.n + i]);
         }
-        check_near(saltus_system_trace(s.system, s.state), sum, 1e-12 * (1 + size));
+        check_near(saltus_system_trace(s.system, s.state, s.phase), sum, 1e-12 * (1 + size));
         saltus_flow_free(flow);
         saltus_system_free(s.system);
     }

@@ -155,7 +155,7 @@ static void eigenvalues_of_a_loaded_chain(void **unused) {
                              e.eigenvalues[i].im < e.eigenvalues[i - 1].im));
         }
         if (row == 0)
-            check_near(sum, saltus_system_trace(system, e.state), 1e-13);
+            check_near(sum, saltus_system_trace(system, e.state, 0), 1e-13);
         saltus_equilibrium_clear(&e);
         saltus_system_free(system);
     }

@@ -495,6 +495,7 @@ static double *section_points(const saltus_system *system, const double *state, 
 /* The motion goes on from its state as it was when it was judged: the same opinions. */
 static void opinions_are_repeated(void **unused) {
     (void)unused;
+    skip_where_slow();
     enum { count = 1500 };
     saltus_system *systems[] = {struck_oscillator(0.1, 0.8, 0), two_masses(torus, true),
                                 struck_oscillator(0, 2.8, 0)};
@@ -753,6 +754,7 @@ static void those_who_left_are_named(void **unused) {
 /* What a motion without a period reaches: of a torus any 400 periods tell, of chaos at least the stop. */
 static void extremes_are_found_again(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_system *systems[] = {two_masses(torus, true), struck_oscillator(0.1, 0.8, 0)};
     for (int k = 0; k < 2; k++) {
         enum { samples = 64 };

@@ -1,12 +1,9 @@
 /* Expressions: their values, their errors, and the series made of them, against plain evaluation.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "check.h"
+#include "random_text.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
-
-#include "system/system.h"
-#include "system/text.h"
 
 static void values(void **unused) {
     (void)unused;
@@ -94,81 +91,6 @@ static void errors_tell_the_column(void **unused) {
     assert_int_equal(saltus_constant_value(deep, &value, NULL), SALTUS_BAD_INPUT);
 }
 
-/* A random expression of x, x', a state z, the forcing and a parameter: its text, and itself for plain
- * evaluation.
- */
-enum { nodes_max = 64, text_max = 2000 };
-typedef struct tree {
-    struct {
-        int kind, left, right;
-        double number;
-    } node[nodes_max];
-    int count;
-} tree;
-enum { leaf_x, leaf_v, leaf_z, leaf_t, leaf_a, leaf_number, plus, minus, times, over, power, first_function };
-static const char *const function_names[] = {"sin",  "cos",  "exp", "tanh", "sqrt", "log",  "atan",
-                                             "sinh", "cosh", "tan", "asin", "acos", "atan2"};
-enum { functions = sizeof function_names / sizeof function_names[0] };
-
-static unsigned long random_state = 20;
-static unsigned draw(unsigned below) {
-    random_state = random_state * 6364136223846793005UL + 1442695040888963407UL;
-    return (unsigned)(random_state >> 33) % below;
-}
-
-static int grow(tree *t, int depth) {
-    const int place = t->count++;
-    int kind = depth == 0 || t->count > nodes_max - 8 ? (int)draw(6) : (int)draw(first_function + functions);
-    t->node[place].kind = kind;
-    t->node[place].number = 0.25 * (1 + draw(8)) * (draw(2) ? 1 : -1);
-    t->node[place].left = kind >= plus ? grow(t, depth - 1) : -1;
-    bool two = (kind >= plus && kind <= over) || kind == first_function + 12;
-    t->node[place].right = two ? grow(t, depth - 1) : -1;
-    if (kind == power)
-        t->node[place].number = (double)(2 + draw(4)) - (draw(3) == 0 ? 0.5 : 0);
-    return place;
-}
-
-/* What is divided by or taken the root of is kept away from zero. */
-static void print(const tree *t, int k, char *text, size_t *used) {
-    int kind = t->node[k].kind, left = t->node[k].left, right = t->node[k].right;
-    static const char *const leaves[] = {"x", "x'", "z", "sin(omega*t)", "a"};
-#define PUT(...) (*used += (size_t)snprintf(text + *used, text_max - *used, __VA_ARGS__))
-    if (kind == leaf_number)
-        PUT("(%g)", t->node[k].number);
-    else if (kind < leaf_number)
-        PUT("%s", leaves[kind]);
-    else if (kind <= over) {
-        PUT("(");
-        print(t, left, text, used);
-        PUT(kind == plus ? " + " : kind == minus ? " - " : kind == times ? "*" : "/(2 + ");
-        if (kind == over)
-            PUT("(");
-        print(t, right, text, used);
-        PUT(kind == over ? ")^2))" : ")");
-    } else if (kind == power) {
-        bool whole = t->node[k].number == floor(t->node[k].number);
-        PUT(whole ? "tanh(" : "(2 + tanh(");
-        print(t, left, text, used);
-        PUT(whole ? ")^%g" : "))^%g", t->node[k].number);
-    } else {
-        int f = kind - first_function;
-        PUT("%s(", function_names[f]);
-        PUT(f == 4 || f == 5                       ? "2 + ("
-            : f == 2 || f == 7 || f == 8 || f == 9 ? "tanh("
-            : f >= 10 && f < 12                    ? "0.5*sin("
-                                                   : "(");
-        print(t, left, text, used);
-        PUT(f == 4 || f == 5 ? ")^2" : ")");
-        if (f == 12) {
-            PUT(", 2 + (");
-            print(t, right, text, used);
-            PUT(")^2");
-        }
-        PUT(")");
-    }
-}
-
 static double plain(const tree *t, int k, const double *leaf) {
     int kind = t->node[k].kind;
     double l = t->node[k].left < 0 ? 0 : plain(t, t->node[k].left, leaf),
@@ -221,12 +143,6 @@ static double plain(const tree *t, int k, const double *leaf) {
     }
 }
 
-/* x'' = a tanh of one expression, z' = that of another: what flows of such systems are compared with. */
-typedef struct pair {
-    tree motion, rate;
-    double a;
-} pair;
-
 static int field(double t, const double *y, double *rate, void *context) {
     const pair *p = context;
     const double leaf[] = {y[0], y[1], y[2], sin(0.5 * t), p->a};
@@ -242,29 +158,9 @@ static void random_systems(void **unused) {
     (void)unused;
     const double span = 0.7, start[3] = {0.3, -0.4, 0.2};
     for (int trial = 0; trial < 300; trial++) {
-        pair p = {.a = 0.6};
-        char texts[2][text_max + 40] = {"tanh(", "tanh("};
-        for (int k = 0; k < 2; k++) {
-            size_t used = 5;
-            grow(k ? &p.rate : &p.motion, 3);
-            print(k ? &p.rate : &p.motion, 0, texts[k], &used);
-            snprintf(texts[k] + used, sizeof texts[k] - used, k ? ")" : ") - x");
-        }
-        const saltus_equation motion[] = {{"x", texts[0], 1}}, states[] = {{"z", texts[1], 2}};
-        const saltus_equation seen = {"seen", "a*x", 4};
-        const saltus_text_parameter parameters[] = {{.name = "a", .fallback = 0.6, .min = -9, .max = 9},
-                                                    {.name = "omega", .fallback = 0.5, .min = 0, .max = 9}};
-        const saltus_text text = {.origin = "test",
-                                  .parameters = parameters,
-                                  .parameter_count = 2,
-                                  .motion = {motion, 1},
-                                  .states = {states, 1},
-                                  .observe = {&seen, 1}, /* a parameter must be somewhere */
-                                  .forcing = {"forcing", "omega", 3}};
-        const saltus_model *model;
+        pair p = random_pair(3);
+        const saltus_model *model = model_of(&p);
         saltus_message message = {.text = ""};
-        if (saltus_text_model_new(&text, &model, &message) != SALTUS_OK)
-            fail_msg("%s\n%s\n%s", message.text, texts[0], texts[1]);
         saltus_spec spec = saltus_spec_defaults(model);
         saltus_system *system = build(&spec);
         saltus_flow_options options = saltus_flow_defaults();
@@ -304,7 +200,7 @@ static void random_systems(void **unused) {
                 double got = c < 0 ? state[i] : columns[3 * c + i];
                 if (!(fabs(got - expected) <= (c < 0 ? 1e-11 : 3e-4) * (1 + fabs(expected))))
                     fail_msg("column %d, entry %d: %.15g instead of %.15g\nx'' = %s\nz' = %s", c, i, got,
-                             expected, texts[0], texts[1]);
+                             expected, p.text[0], p.text[1]);
             }
         }
         saltus_flow_free(flow);
@@ -313,11 +209,40 @@ static void random_systems(void **unused) {
     }
 }
 
+/* Steep tanh, as friction is often written: far from its step it is 1 to the last bit, and at it as exact as
+ * a number can be. */
+static void steep_friction(void **unused) {
+    (void)unused;
+    const saltus_equation motion[] = {{"x", "-tanh(x'/1e-6) - x", 1}};
+    const saltus_text text = {.origin = "test", .motion = {motion, 1}};
+    const saltus_model *model;
+    saltus_message message = {.text = ""};
+    check_ok(saltus_text_model_new(&text, &model, &message), &message);
+    saltus_spec spec = saltus_spec_defaults(model);
+    saltus_system *system = build(&spec);
+    saltus_flow_options options = saltus_flow_defaults();
+    const double start[2] = {0.2, 1}, span = 0.1;
+    saltus_flow *flow = open_flow(system, &options, 0, start);
+    double state[2], rate[2];
+    advance(flow, span / saltus_system_period(system), 0);
+    saltus_flow_state(flow, 0, state);
+    check_near(state[0], 1.2 * cos(span) + sin(span) - 1, 1e-14);
+    check_near(state[1], -1.2 * sin(span) + cos(span), 1e-14);
+    const double slow[2] = {0, 1e-20};
+    check_ok(saltus_flow_place(flow, 0, (saltus_time){0, 0}, slow, 0, &message), &message);
+    saltus_flow_field(flow, 0, rate);
+    check_near(rate[1], -1e-14, 1e-29);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    saltus_model_release(model);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(values),
         cmocka_unit_test(errors_tell_the_column),
         cmocka_unit_test(random_systems),
+        cmocka_unit_test(steep_friction),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

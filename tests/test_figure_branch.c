@@ -98,7 +98,7 @@ static figure draw_files(const char *const *names, int count, const saltus_plot_
     const char *paths[4];
     for (int k = 0; k < count; k++)
         paths[k] = path_in(names[k], path[k]);
-    check_ok(saltus_plot(paths, count, how, path_in("b.svg", out), &message), &message);
+    check_ok(saltus_plot(path_in("b.svg", out), paths, count, how, &message), &message);
     return figure_taken(folder);
 }
 
@@ -310,17 +310,12 @@ static void impacts_are_curves_of_their_own(void **state) {
 static const struct {
     const char *word, *meaning;
 } kinds[SALTUS_POINT_CP + 1] = {
-    [SALTUS_POINT_LP] = {"LP", "fold"},
-    [SALTUS_POINT_PD] = {"PD", "flip"},
-    [SALTUS_POINT_NS] = {"NS", "torus"},
-    [SALTUS_POINT_BP] = {"BP", "branch point"},
-    [SALTUS_POINT_GR] = {"GR", "grazing"},
-    [SALTUS_POINT_CH] = {"CH", "chatter"},
-    [SALTUS_POINT_ST] = {"ST", "sticking"},
-    [SALTUS_POINT_UZ] = {"UZ", "wanted"},
-    [SALTUS_POINT_EP] = {"EP", "end"},
-    [SALTUS_POINT_HB] = {"HB", "Hopf"},
-    [SALTUS_POINT_CP] = {"co", "codimension two"},
+    [SALTUS_POINT_LP] = {"LP", "fold"},         [SALTUS_POINT_PD] = {"PD", "flip"},
+    [SALTUS_POINT_NS] = {"NS", "torus"},        [SALTUS_POINT_BP] = {"BP", "branch point"},
+    [SALTUS_POINT_GR] = {"GR", "grazing"},      [SALTUS_POINT_CH] = {"CH", "chatter"},
+    [SALTUS_POINT_ST] = {"ST", "sticking"},     [SALTUS_POINT_UZ] = {"UZ", "wanted"},
+    [SALTUS_POINT_EP] = {"EP", "end"},          [SALTUS_POINT_HB] = {"HB", "Hopf"},
+    [SALTUS_POINT_BE] = {"BE", "meets a stop"}, [SALTUS_POINT_CP] = {"co", "codimension two"},
 };
 
 /* The mark that the legend gives a kind, as "pt N", or none. */
@@ -362,6 +357,7 @@ static void special_points_are_marked_at_their_rows(void **state) {
         for (int kind = SALTUS_POINT_CP; kind < SALTUS_POINT_KINDS; kind++)
             made.point[kind + 21].kind = (saltus_point_kind)kind;
         made.point[50].kind = SALTUS_POINT_HB;
+        made.point[51].kind = SALTUS_POINT_BE;
         made.point[89].kind = made.point[60].kind = SALTUS_POINT_EP;
         made.options.low[0] = made.point[60].value[0];
         write_branch("b.h5");
@@ -421,9 +417,9 @@ static void the_legend_explains_what_there_is(void **state) {
     char path[path_size], out[path_size];
     const char *paths[] = {path_in("b.h5", path)};
     part = (saltus_plot_part){"omega", 2.2, 2.4};
-    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), SALTUS_BAD_INPUT);
     part = (saltus_plot_part){"d", 0.2, 2.4};
-    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), SALTUS_BAD_INPUT);
 }
 
 /* The place of a label in the numbers of the axes. */
@@ -745,7 +741,7 @@ static void other_structures_have_other_pages(void **state) {
         const char *const paths[2] = {path_in(turned ? "b.h5" : "a.h5", a),
                                       path_in(turned ? "a.h5" : "b.h5", b)};
         saltus_message message = {.text = ""};
-        assert_int_equal(saltus_plot(paths, 2, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_plot(path_in("b.svg", out), paths, 2, &how, &message), SALTUS_BAD_INPUT);
         if (strncmp(message.text, paths[1], strlen(paths[1])) != 0 || !strstr(message.text, "stops differ"))
             fail_msg("%s", message.text);
     }
@@ -823,7 +819,7 @@ static void branches_lie_over_clouds(void **state) {
     saltus_sweep_view how = {.branches = paths, .branch_count = 1};
     for (int k = 0; k < 3; k++) {
         how.view = views[k];
-        check_ok(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), &message);
+        check_ok(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), &message);
         figure f = figure_taken(folder);
         const figure_panel *panel = &f.panel[0];
         figure_check_page(&f);
@@ -851,7 +847,7 @@ static void branches_lie_over_clouds(void **state) {
     }
     /* What does not belong over the sweep is refused: another view, another system, another key. */
     how.view = SALTUS_VIEW_LARGEST;
-    assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), SALTUS_BAD_INPUT);
     how.view = SALTUS_VIEW_SPEED;
     const saltus_spec own = made.scene.spec;
     for (int k = 0; k < 5; k++) {
@@ -868,13 +864,13 @@ static void branches_lie_over_clouds(void **state) {
         else
             set_parameter(&made.scene.spec, "omega", 1.1); /* the axis's own */
         made_write(path, &made.scene, &axis, 1, &options, fill_sweep, 100);
-        assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message),
+        assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message),
                          k < 4 ? SALTUS_BAD_INPUT : SALTUS_OK);
     }
     made.scene.spec = own;
     strcpy(axis.key, "k");
     made_write(path, &made.scene, &axis, 1, &options, fill_sweep, 100);
-    assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), SALTUS_BAD_INPUT);
     /* A sweep is no branch, and says so in its own words. */
     saltus_branch_file file;
     char expected[2 * path_size];
@@ -967,7 +963,7 @@ static figure draw_over(const char *const *names, int count, const saltus_figure
     saltus_sweep_view how = {.branches = list, .branch_count = count};
     if (look)
         how.look = *look;
-    check_ok(saltus_plot_sweep(path_in("map.h5", sweep), &how, path_in("s.png", out), &message), &message);
+    check_ok(saltus_plot_sweep(path_in("s.png", out), path_in("map.h5", sweep), &how, &message), &message);
     return figure_taken(folder);
 }
 
@@ -1025,16 +1021,16 @@ static void special_points_lie_over_maps(void **state) {
     const saltus_sweep_view how = {.branches = list, .branch_count = 1};
     strcpy(axes[1].key, "c");
     made_write(path, &scene, axes, 2, &options, fill_map, 100);
-    assert_int_equal(saltus_plot_sweep(path, &how, "s.png", &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot_sweep("s.png", path, &how, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "the sweep is over omega and c"));
     strcpy(axes[1].key, "d");
     set_parameter(&scene.spec, "c", 0.25);
     made_write(path, &scene, axes, 2, &options, fill_map, 100);
-    assert_int_equal(saltus_plot_sweep(path, &how, "s.png", &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot_sweep("s.png", path, &how, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "has another c than the sweep"));
     make_branch();
     write_branch("a.h5");
-    assert_int_equal(saltus_plot_sweep(path, &how, "s.png", &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot_sweep("s.png", path, &how, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "are periodic orbits in omega"));
 }
 
@@ -1119,7 +1115,7 @@ static void pages_have_the_size_asked_for(void **state) {
         saltus_plot_options how = saltus_plot_defaults();
         how.look.width = 85;
         how.look.no_heading = true;
-        check_ok(saltus_plot(paths, 1, &how, path_in(cases[k].picture, out), &message), &message);
+        check_ok(saltus_plot(path_in(cases[k].picture, out), paths, 1, &how, &message), &message);
         figure f = figure_taken(folder);
         const double *frame = f.panel[0].frame;
         assert_non_null(strstr(f.terminal, cases[k].terminal));
@@ -1133,7 +1129,7 @@ static void pages_have_the_size_asked_for(void **state) {
     double top[3];
     for (int k = 0; k < 3; k++) {
         how.look.title = k == 0 ? NULL : k == 1 ? "own {title}" : "";
-        check_ok(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), &message);
+        check_ok(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), &message);
         figure f = figure_taken(folder);
         top[k] = f.panel[0].frame[3];
         assert_true((figure_mark_of(&f.panel[0], 'l', "own \\{title\\}", 0) != NULL) == (k == 1));
@@ -1145,7 +1141,7 @@ static void pages_have_the_size_asked_for(void **state) {
     for (int k = 0; k < 4; k++) {
         how.look.width = sizes[k][0];
         how.look.height = sizes[k][1];
-        assert_int_equal(saltus_plot(paths, 1, &how, out, &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_plot(out, paths, 1, &how, &message), SALTUS_BAD_INPUT);
     }
 }
 
@@ -1177,13 +1173,13 @@ static void axes_are_laid_out_as_asked(void **state) {
     figure_free(&f);
     how.look.logarithmic = keys + 2;
     how.look.logarithmic_count = 1;
-    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "displacement: the figure shows omega and speed"));
     how.show = SALTUS_SHOW_DISPLACEMENT;
     for (int k = 0; k < points; k++)
         made.state[k][0] -= 1;
     write_branch("b.h5");
-    assert_int_equal(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "positive"));
 }
 
@@ -1203,7 +1199,7 @@ static void scripts_are_kept(void **state) {
     saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
     const char *const paths[] = {path_in("b.h5", path)};
-    check_ok(saltus_plot(paths, 1, &how, path_in("b.svg", out), &message), &message);
+    check_ok(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), &message);
     char *plain = read_all(path_in("script", drawn), &other);
     const char *named = strstr(script, "set output 'b.svg'\n");
     assert_non_null(named);
@@ -1214,7 +1210,7 @@ static void scripts_are_kept(void **state) {
     free(script);
     free(plain);
     how.look.script = "kept.txt";
-    assert_int_equal(saltus_plot(paths, 1, &how, out, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_plot(out, paths, 1, &how, &message), SALTUS_BAD_INPUT);
 }
 
 int main(void) {

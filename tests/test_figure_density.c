@@ -133,7 +133,7 @@ static void densities_are_those_of_the_points(void **state) {
         saltus_message message = {.text = ""};
         made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill, 1000);
         saltus_sweep_file file = made_read(path);
-        check_ok(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), &message);
+        check_ok(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), &message);
         figure f = figure_taken(folder);
         const figure_panel *panel = &f.panel[0];
         const figure_element *e = figure_element_of(panel, "binary", 0);

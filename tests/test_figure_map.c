@@ -17,7 +17,7 @@ static saltus_scene made_scene(void) {
 static figure draw(const saltus_sweep_view *view, const char *picture) {
     saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
-    check_ok(saltus_plot_sweep(path_in("s.h5", path), view, path_in(picture, out), &message), &message);
+    check_ok(saltus_plot_sweep(path_in(picture, out), path_in("s.h5", path), view, &message), &message);
     figure f = figure_taken(folder);
     figure_check_page(&f);
     return f;

@@ -570,7 +570,7 @@ static void the_script_kept_is_the_one_drawn(void **state) {
         saltus_message message = {.text = ""};
         char picture[path_size], data[path_size], path[path_size];
         size_t length, other;
-        check_ok(saltus_write_sheet(&scene, system, &diagnosis, &options, NULL, path_in(names[k][0], picture),
+        check_ok(saltus_write_sheet(path_in(names[k][0], picture), &scene, system, &options, &diagnosis, NULL,
                                     path_in("d.x.h5", data), &message),
                  &message);
         char *kept = read_all(path_in("d.x.gp", path), &length),
@@ -615,7 +615,7 @@ static void what_is_no_page_is_refused(void **state) {
         const saltus_diagnosis diagnosis = {
             .motion = &motion, .record = cases[k].record, .section = cases[k].section};
         saltus_status status =
-            saltus_write_sheet(&scene, system, &diagnosis, &options, NULL, path_in(cases[k].picture, picture),
+            saltus_write_sheet(path_in(cases[k].picture, picture), &scene, system, &options, &diagnosis, NULL,
                                cases[k].data ? path_in(cases[k].data, data) : NULL, &message);
         assert_int_equal(status, cases[k].words ? SALTUS_BAD_INPUT : SALTUS_OK);
         assert_true(!cases[k].words || strstr(message.text, cases[k].words));

@@ -24,7 +24,7 @@ static figure draw_spectra(const saltus_spectra *spectra, const char *label) {
     saltus_motion motion = {.verdict = SALTUS_PERIODIC, .periods = spectra->periods};
     strcpy(motion.label, label);
     check_ok(
-        saltus_spectra_write(&scene, system, &motion, spectra, &flow, NULL, path_in("s.svg", path), &message),
+        saltus_write_spectra(path_in("s.svg", path), &scene, system, &flow, &motion, spectra, NULL, &message),
         &message);
     saltus_system_free(system);
     figure f = figure_taken(folder);
@@ -483,7 +483,7 @@ static figure draw_convergence(const saltus_lyapunov *l) {
     saltus_scene scene = made_scene();
     saltus_system *system = build(&scene.spec);
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    check_ok(saltus_write_convergence(&scene, system, &options, l, NULL, path_in("c.svg", path), &message),
+    check_ok(saltus_write_convergence(path_in("c.svg", path), &scene, system, &options, l, NULL, &message),
              &message);
     saltus_system_free(system);
     figure f = figure_taken(folder);

@@ -17,7 +17,7 @@ static saltus_scene scene_of(double d, saltus_sides sides) {
 static figure draw(const char *name, const saltus_sweep_view *view, const char *picture) {
     saltus_message message = {.text = ""};
     char path[path_size], out[path_size];
-    check_ok(saltus_plot_sweep(path_in(name, path), view, path_in(picture, out), &message), &message);
+    check_ok(saltus_plot_sweep(path_in(picture, out), path_in(name, path), view, &message), &message);
     figure f = figure_taken(folder);
     figure_check_page(&f);
     return f;
@@ -394,7 +394,7 @@ static void wishes_for_branches_are_refused(void **state) {
         saltus_plot_options how = {.show = k == 0 ? SALTUS_SHOW_PERIOD : SALTUS_SHOW_AUTOMATIC,
                                    .label_count = k == 1};
         saltus_message message = {.text = ""};
-        saltus_status status = saltus_plot(paths, k == 4 ? 0 : 1 + (k == 2), &how, picture, &message);
+        saltus_status status = saltus_plot(picture, paths, k == 4 ? 0 : 1 + (k == 2), &how, &message);
         snprintf(words, sizeof words, "%s: %s", path, k < 3 ? said[k] : "");
         assert_int_equal(status, k == 3 ? SALTUS_OK : SALTUS_BAD_INPUT);
         if (k < 3)
@@ -541,6 +541,35 @@ static void numbers_are_those_of_the_rows(void **state) {
         figure_free(&f);
     }
     saltus_sweep_file_clear(&file);
+}
+
+/* Without forcing there are no periods of it to count by: returns to the section are, or time. */
+static void unforced_numbers_are_named(void **state) {
+    (void)state;
+    static const char text[] = "model:\n  parameters: {mu: 1}\n  motion: {x: mu*(1 - x^2)*x' - x}\n"
+                               "stop: {coordinate: x, d: 1.5, r: 0.7}\n";
+    static const struct {
+        saltus_view view;
+        const char *name;
+    } names[] = {{SALTUS_VIEW_CLASS, "returns to the section"},
+                 {SALTUS_VIEW_RATE, "return to the section"},
+                 {SALTUS_VIEW_SETTLED, "time until"}};
+    saltus_axis axis = {.key = "mu", .count = kinds_made, .low = 0.5, .high = 1.5};
+    saltus_message message = {.text = ""};
+    saltus_scene scene;
+    saltus_sweep_options options = number_options();
+    char path[path_size];
+    check_ok(saltus_scene_parse(text, strlen(text), "text", &scene, &message), &message);
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_kinds, 100);
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        saltus_sweep_view how = {.view = names[k].view};
+        figure f = draw("s.h5", &how, "s.png");
+        assert_non_null(strstr(f.panel[0].label[1], names[k].name));
+        assert_null(strstr(f.panel[0].label[1], "forcing"));
+        assert_null(strstr(f.panel[0].label[1], "{/:Italic T}"));
+        figure_free(&f);
+    }
+    saltus_scene_clear(&scene);
 }
 
 /* The number of attractors met from several starts is that of the distinct ones. */
@@ -822,7 +851,7 @@ static void logarithmic_tics_are_round(void **state) {
         saltus_message message = {.text = ""};
         char out[path_size];
         size_t length;
-        check_ok(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), &message);
+        check_ok(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), &message);
         char *script = read_all(path_in("script", out), &length), *at = strstr(script, "set xtics (");
         assert_non_null(at);
         double last = 0, ratio = ends[k][1] / ends[k][0];
@@ -939,13 +968,13 @@ static void views_are_chosen_by_what_there_is(void **state) {
         figure_says(&f, words[k]);
         figure_free(&f);
         how.view = lacking[k];
-        assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), SALTUS_BAD_INPUT);
     }
     /* Parts of keys that are not shown, and parts where there is nothing, are refused. */
     static const saltus_plot_part wrong[] = {{"d", 0, 1}, {"omega", 1.7, 2}, {"omega", 0.1, 0.2}};
     for (int k = 0; k < 3; k++) {
         saltus_sweep_view how = {.parts = &wrong[k], .part_count = 1};
-        assert_int_equal(saltus_plot_sweep(path, &how, path_in("s.png", out), &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), SALTUS_BAD_INPUT);
     }
 }
 
@@ -1010,7 +1039,7 @@ static void views_that_cannot_be_shown_are_named(void **state) {
                                        .branches = none,
                                        .branch_count = cases[k].branches};
         path_in(cases[k].file, path);
-        saltus_status status = saltus_plot_sweep(path, &how, path_in("s.png", out), &message);
+        saltus_status status = saltus_plot_sweep(path_in("s.png", out), path, &how, &message);
         if (status != SALTUS_BAD_INPUT || strncmp(message.text, path, strlen(path)) != 0 ||
             !strstr(message.text, cases[k].words))
             fail_msg("'%s' does not say '%s'", status ? message.text : "drawn", cases[k].words);
@@ -1027,6 +1056,7 @@ int main(void) {
         cmocka_unit_test(stops_near_the_points_widen_the_range),
         cmocka_unit_test(wishes_for_branches_are_refused),
         cmocka_unit_test(numbers_are_those_of_the_rows),
+        cmocka_unit_test(unforced_numbers_are_named),
         cmocka_unit_test(attractors_are_counted_by_point),
         cmocka_unit_test(exponents_stand_on_zero),
         cmocka_unit_test(the_strip_tells_the_motion_at_each_value),

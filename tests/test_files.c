@@ -353,11 +353,11 @@ static void a_trajectory_is_the_same_in_every_format(void **state) {
     char path[128];
     size_t length;
     int n = r->dimension;
-    check_ok(saltus_write_trajectory(r, &f->scene, f->system, &f->options, NULL, path_in(f, "run.csv", path),
+    check_ok(saltus_write_trajectory(path_in(f, "run.csv", path), &f->scene, f->system, &f->options, r, NULL,
                                      &message),
              &message);
     char *text = read_all(path, &length), *rest = text;
-    check_ok(saltus_write_trajectory(r, &f->scene, f->system, &f->options, NULL, path_in(f, "run.h5", path),
+    check_ok(saltus_write_trajectory(path_in(f, "run.h5", path), &f->scene, f->system, &f->options, r, NULL,
                                      &message),
              &message);
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
@@ -538,7 +538,7 @@ static void the_longest_words_come_back_whole(void **state) {
         check_ok(saltus_sweep_file_read(path, &file, &message), &message);
         assert_string_equal(file.scene, scene.name);
         assert_string_equal(file.title, scene.title);
-        check_ok(saltus_sweep_file_csv(&file, SALTUS_TABLE_ROWS, path_in(f, "s.csv", path), &message),
+        check_ok(saltus_write_sweep_csv(path_in(f, "s.csv", path), &file, SALTUS_TABLE_ROWS, &message),
                  &message);
         saltus_sweep_file_clear(&file);
         for (int k = 0; k < 2; k++) {
@@ -550,7 +550,7 @@ static void the_longest_words_come_back_whole(void **state) {
             free(text);
             path_in(f, "r.csv", path);
             check_ok(
-                saltus_write_trajectory(&f->record, &scene, f->system, &f->options, NULL, path, &message),
+                saltus_write_trajectory(path, &scene, f->system, &f->options, &f->record, NULL, &message),
                 &message);
         }
         folder_files(f->folder, true);

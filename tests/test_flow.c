@@ -293,6 +293,38 @@ static void work_is_counted(void **unused) {
     }
 }
 
+/* The flights of a chatter take fewer orders than an order that is asked for makes them; what comes of it is
+ * the same within the tolerance. */
+static void short_flights_take_few_orders(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(5, 10);
+    add_stop(&spec, 0.025, 0.9, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    const int n = saltus_system_dimension(system);
+    double start[scene_dimension_max], state[2][scene_dimension_max];
+    saltus_message message = {.text = ""};
+    saltus_flow_info info[2];
+    saltus_flow_options options = saltus_flow_defaults();
+    options.rtol = 1e-10;
+    options.atol = 1e-13;
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    for (int asked = 0; asked < 2; asked++) {
+        saltus_flow *flow = open_flow(system, &options, 0, start);
+        advance(flow, 1, SALTUS_WATCH_STEP);
+        options.order = (int)saltus_flow_information(flow, 0).field_evaluations;
+        advance(flow, 20, 0);
+        saltus_flow_state(flow, 0, state[asked]);
+        info[asked] = saltus_flow_information(flow, 0);
+        saltus_flow_free(flow);
+    }
+    assert_true(info[0].sticks > 5 && info[0].sticks == info[1].sticks);
+    assert_true(info[1].field_evaluations == options.order * info[1].steps);
+    assert_true((double)info[0].field_evaluations < 0.8 * (double)(options.order * info[0].steps));
+    for (int i = 0; i < n; i++)
+        check_near(state[0][i], state[1][i], 100 * options.rtol * saltus_system_scale(system)[i]);
+    saltus_system_free(system);
+}
+
 /* The order that is chosen from the tolerance costs little more than the best one would, for the pipe that it
  * was measured on: a step of a series of products costs about the square of its order. */
 static void the_order_is_chosen_well(void **unused) {
@@ -907,6 +939,7 @@ int main(void) {
         cmocka_unit_test(dense_output_is_the_motion),
         cmocka_unit_test(fields_and_their_derivatives),
         cmocka_unit_test(work_is_counted),
+        cmocka_unit_test(short_flights_take_few_orders),
         cmocka_unit_test(the_order_is_chosen_well),
         cmocka_unit_test(an_interrupted_run_goes_on),
         cmocka_unit_test(lanes_are_flows_of_their_own),

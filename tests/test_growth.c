@@ -82,11 +82,42 @@ static void intervals_do_not_matter(void **unused) {
     saltus_system_free(system);
 }
 
+/* Damping that depends on time and on the state, with impacts: both sides of the sum rule, of an orbit and of
+ * exponents, agree. */
+static void volumes_shrink_as_the_trace_says(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {c: 0.1, F: 0.8, omega: 1.1}\n"
+        "  motion:\n"
+        "    x: \"-x - c*(1 + 0.7*sin(omega*t) + 0.4*cos(3*omega*t) + z^2)*x' + F*cos(omega*t)\"\n"
+        "  states: {z: \"x - (0.8 + 0.6*sin(omega*t))*z\"}\n"
+        "  forcing: omega\n"
+        "stop: {coordinate: x, d: 0.3, r: 0.8}\n";
+    saltus_scene scene = {.title = ""};
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    check_ok(saltus_scene_parse(text, strlen(text), "text", &scene, &message), &message);
+    saltus_system *system = build(&scene.spec);
+    const saltus_classify_options options = saltus_classify_defaults();
+    double state[3] = {0.1, 0, 0};
+    check_ok(saltus_classify(system, state, &options, &motion, &message), &message);
+    assert_true(motion.verdict == SALTUS_PERIODIC && motion.impacts > 0);
+    check_near(motion.log_volume, motion.sum_rule, 1e-12);
+    saltus_lyapunov l = measure(system, 0, 0, 1);
+    check_near(l.sum, l.sum_rule, 1e-10);
+    saltus_lyapunov_clear(&l);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_fades_beyond_numbers_is_measured),
         cmocka_unit_test(rates_far_apart_are_told_apart),
         cmocka_unit_test(intervals_do_not_matter),
+        cmocka_unit_test(volumes_shrink_as_the_trace_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

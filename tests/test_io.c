@@ -60,13 +60,13 @@ static const char *path_in(const fixture *f, const char *name, char path[128]) {
 }
 
 static saltus_status write_record(const fixture *f, const char *path, saltus_message *message) {
-    return saltus_write_trajectory(&f->record, &f->scene, f->system, &f->options, NULL, path, message);
+    return saltus_write_trajectory(path, &f->scene, f->system, &f->options, &f->record, NULL, message);
 }
 
 static saltus_status write_sheet(const fixture *f, const char *path, const char *data,
                                  saltus_message *message) {
     const saltus_diagnosis diagnosis = {.motion = &f->motion, .record = &f->record};
-    return saltus_write_sheet(&f->scene, f->system, &diagnosis, &f->options, NULL, path, data, message);
+    return saltus_write_sheet(path, &f->scene, f->system, &f->options, &diagnosis, NULL, data, message);
 }
 
 static char *json_of(const fixture *f) {
@@ -497,8 +497,8 @@ static char *script_of(const fixture *f, const saltus_system *drawn, const saltu
     saltus_message message = {.text = ""};
     char path[128], data[128], command[512];
     size_t length;
-    saltus_status status = saltus_write_sheet(&f->scene, drawn, diagnosis, &f->options, NULL,
-                                              path_in(f, "s.svg", path), path_in(f, "d.h5", data), &message);
+    saltus_status status = saltus_write_sheet(path_in(f, "s.svg", path), &f->scene, drawn, &f->options,
+                                              diagnosis, NULL, path_in(f, "d.h5", data), &message);
     if (gnuplot_is_there()) {
         check_ok(status, &message);
         snprintf(command, sizeof command,

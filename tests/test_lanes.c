@@ -105,6 +105,7 @@ static saltus_flow_info compare(int modes, const saltus_flow_options *options) {
         assert_memory_equal(alone[k].state, together[k].state, sizeof alone[k].state);
         assert_memory_equal(alone[k].tangents, together[k].tangents, sizeof alone[k].tangents);
         assert_true(alone[k].info.steps == together[k].info.steps &&
+                    alone[k].info.field_evaluations == together[k].info.field_evaluations &&
                     alone[k].info.impacts == together[k].info.impacts);
         sum.impacts += alone[k].info.impacts;
         sum.sticks += alone[k].info.sticks;

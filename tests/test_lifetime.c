@@ -3,6 +3,7 @@
 #include "sweep_check.h"
 
 #include "motion/evidence.h"
+#include "motion/long_period.h"
 
 #include <gsl/gsl_randist.h>
 
@@ -49,6 +50,7 @@ static void bounds_hold_as_often_as_they_say(void **unused) {
 /* Chaos is asserted where it has been watched for three times the lifetime asked for, and not before. */
 static void chaos_is_asserted_for_its_lifetime(void **unused) {
     (void)unused;
+    skip_where_slow();
     for (int k = 0; k < 2; k++) {
         saltus_classify_options options = saltus_classify_defaults();
         options.transient = 500;
@@ -89,6 +91,7 @@ static void rows_are_irregular_until_then(void **unused) {
  * is found, and it is one. */
 static void locked_motions_have_a_period(void **unused) {
     (void)unused;
+    skip_where_slow();
     const saltus_classify_options options = saltus_classify_defaults();
     saltus_motion motion = classify_with("pipe", "d=0.033 omega=52.25", &options);
     saltus_scene scene = scene_of("pipe", "d=0.033 omega=52.25");
@@ -112,6 +115,7 @@ static void locked_motions_have_a_period(void **unused) {
  * until rounding counts, that is said, and no period is asserted. */
 static void rounding_decides_long_superstable_periods(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const cases[][2] = {{"budd-dux", "omega=4.85 d=.01"},
                                            {"pipe", "N=1 omega=35.164427 d=0.010235 r=0.6187 sides=both"}};
     for (int k = 0; k < 2; k++) {
@@ -128,6 +132,7 @@ static void rounding_decides_long_superstable_periods(void **unused) {
  * separate until then prove nothing. */
 static void rare_contacts_count_from_any_start(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_scene scene = scene_of("budd-dux", "omega=4.85 d=.01");
     saltus_message message = {.text = ""};
     saltus_system *system = build(&scene.spec);
@@ -142,10 +147,65 @@ static void rare_contacts_count_from_any_start(void **unused) {
     saltus_system_free(system);
 }
 
+/* The same rule in a sweep: what classification calls superstable is no chaos in a row. */
+static void rare_contacts_count_in_rows(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const struct {
+        const char *settings;
+        double omega;
+    } cases[] = {{"d=.01", 4.85}, {"d=-0.03333333333333334", 5.2949152542372886}};
+    for (int k = 0; k < 2; k++) {
+        saltus_scene scene = scene_of("budd-dux", cases[k].settings);
+        saltus_sweep_options options = saltus_sweep_defaults();
+        options.keep = SALTUS_KEEP_LYAPUNOV;
+        single s = run_single(&scene, "omega", cases[k].omega, &options);
+        assert_string_equal(s.label, "long-period");
+        assert_true(s.result.rows->lyapunov == -INFINITY && isnan(s.result.rows->lifetime_at_least));
+        close_single(&s);
+    }
+}
+
+/* The contact that is told is the first one, whichever trajectory meets it: the same one, to the last bit,
+ * where the trajectories are given in another order, and one of those that they meet by themselves. */
+static void first_contact_is_told(void **unused) {
+    (void)unused;
+    enum { trajectories = 11 };
+    saltus_scene scene = scene_of("budd-dux", "omega=6.0424242424242429 d=-0.06 r=0.5");
+    saltus_system *system = build(&scene.spec);
+    saltus_message message = {.text = ""};
+    const saltus_flow_options options = saltus_flow_defaults();
+    double start[trajectories][2], after[trajectories][2], told[2], reversed[2];
+    const double *ahead[trajectories], *back[trajectories];
+    int distinct = 0, among = 0;
+    bool found;
+    for (int k = 0; k < trajectories; k++) {
+        start[k][0] = -0.07 - 0.05 * k;
+        start[k][1] = 0.01 * k;
+        ahead[k] = back[trajectories - 1 - k] = start[k];
+        check_ok(
+            saltus_motion_meets_contact(system, &options, &ahead[k], 1, 1000, after[k], &found, &message),
+            &message);
+        assert_true(found);
+        distinct += memcmp(after[k], after[0], sizeof after[k]) != 0;
+    }
+    check_ok(saltus_motion_meets_contact(system, &options, ahead, trajectories, 1000 * trajectories, told,
+                                         &found, &message),
+             &message);
+    check_ok(saltus_motion_meets_contact(system, &options, back, trajectories, 1000 * trajectories, reversed,
+                                         &found, &message),
+             &message);
+    for (int k = 0; k < trajectories; k++)
+        among += memcmp(after[k], told, sizeof told) == 0;
+    assert_true(distinct > 0 && among > 0 && memcmp(told, reversed, sizeof told) == 0);
+    saltus_system_free(system);
+}
+
 /* A window of periodic motion, its chaos being a transient of some 40,000 periods: the orbit is found or a
  * trajectory comes to it, and it is told as the end. */
 static void long_orbits_amid_chaos_are_found(void **unused) {
     (void)unused;
+    skip_where_slow();
     const saltus_classify_options options = saltus_classify_defaults();
     saltus_motion motion = classify_with("pipe", "d=0.03 r=0.8 omega=37.547169811320757", &options);
     const saltus_evidence *e = &motion.evidence;
@@ -165,6 +225,8 @@ int main(void) {
         cmocka_unit_test(locked_motions_have_a_period),
         cmocka_unit_test(rounding_decides_long_superstable_periods),
         cmocka_unit_test(rare_contacts_count_from_any_start),
+        cmocka_unit_test(rare_contacts_count_in_rows),
+        cmocka_unit_test(first_contact_is_told),
         cmocka_unit_test(long_orbits_amid_chaos_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -139,8 +139,7 @@ static void reference_orbits(void **unused) {
 /* Scenes of these orbits as a user starts them, and the orbits of others by shooting. */
 static void scenes_and_shooting(void **unused) {
     (void)unused;
-    if (getenv("SALTUS_SANITIZED"))
-        skip();
+    skip_where_slow();
     static const char *const rows[][2] = {{"fig3", ""},        {"two-mass", ""}, {"near-grazing", ""},
                                           {"impact-pair", ""}, {"fig7b", ""},    {"fig6", "omega=14"},
                                           {"fig7d", ""},       {"fig2", ""},     {"chatter", ""}};
@@ -395,8 +394,7 @@ static void iterate_map(const impactor *o, int impacts, double *exponent, double
 /* Chaos of a bouncing ball and of Budd and Dux's oscillator, of a damped one: both exponents. */
 static void exact_impact_maps(void **unused) {
     (void)unused;
-    if (getenv("SALTUS_SANITIZED"))
-        skip();
+    skip_where_slow();
     static const impactor rows[] = {{0, 0, -3, 1, 1, 0, 0.95},
                                     {0, 1, 1, 0, 2.8, 0, 0.8},
                                     {0, 1, 1, 0, 3.2, 0, 0.8},
@@ -538,8 +536,7 @@ static double dimension_of(const saltus_lyapunov *l) {
 /* All exponents: those computed before are the same; the sum rule, the dimension. */
 static void whole_spectrum(void **unused) {
     (void)unused;
-    if (getenv("SALTUS_SANITIZED"))
-        skip();
+    skip_where_slow();
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
     const char *settings = at_length() ? "omega=10" : "omega=10 N=3";
     options.precision = at_length() ? 0.03 : 0.1;
@@ -569,8 +566,7 @@ static void whole_spectrum(void **unused) {
 /* The scatter over seeds is what the stated errors say: 68 % within one, chi-square of the scatter. */
 static void errors_are_calibrated(void **unused) {
     (void)unused;
-    if (getenv("SALTUS_SANITIZED"))
-        skip();
+    skip_where_slow();
     static const struct {
         const char *scene, *settings;
         double precision;

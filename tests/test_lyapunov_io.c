@@ -135,7 +135,7 @@ static const char *path_in(const fixture *f, const char *name, char path[128]) {
 }
 
 static saltus_status write_file(const fixture *f, const char *path, saltus_message *message) {
-    return saltus_write_convergence(&f->scene, f->system, &f->options, &f->result, NULL, path, message);
+    return saltus_write_convergence(path, &f->scene, f->system, &f->options, &f->result, NULL, message);
 }
 
 /* As many digits as two of the error's. */

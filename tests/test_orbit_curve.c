@@ -319,12 +319,12 @@ static void reframed_orbits_are_the_same(void **state) {
             open_begin(k, &f, &orbit);
             place_closed(&f, &orbit, 0.5, heading, &s);
             double base = s.sequence.base;
-            assert_false(saltus_solution_reframe(&f.orbits, true, &s, &scratch, order));
+            assert_false(saltus_solution_reframe(&f.orbits, true, false, &s, &scratch, order));
             assert_true(s.sequence.base == base);
             place_closed(&f, &orbit, 0.03, heading, &s);
             base = s.sequence.base;
             double slope = s.at.tangent[s.at.unknowns - 1];
-            assert_true(saltus_solution_reframe(&f.orbits, true, &s, &scratch, order));
+            assert_true(saltus_solution_reframe(&f.orbits, true, false, &s, &scratch, order));
             assert_true(s.sequence.base != base);
             assert_true(slope * heading > 0 && s.at.tangent[s.at.unknowns - 1] * heading > 0);
             check_solution(&f, &s);

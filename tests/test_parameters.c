@@ -320,6 +320,35 @@ static void event_delays(void **unused) {
     }
 }
 
+/* An observed quantity with parameters in it, once a stop's row at their values, too: the zeros of its
+ * velocity move with them. */
+static void observed_rows_have_derivatives(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {c: 0.6, k: 1.7, omega: 1.1}\n"
+        "  motion:\n"
+        "    x: -x - 0.1*x' - 0.3*y + cos(omega*t)\n"
+        "    y: -k*y - 0.2*y' - 0.3*x - y^3\n"
+        "  forcing: omega\n"
+        "  observe: {turned: \"c*x + sqrt(1 - c^2)*(y + k*x)\", one: \"x*c/0.6\", own: \"x - k*c*y\"}\n"
+        "stops:\n"
+        "  - {coordinate: x, d: 5, r: 0.8}\n"
+        "  - {coordinate: \"x - k*c*y\", d: 6, r: 0.8}\n";
+    static const char *const observed[] = {"turned", "one", "own", "stop1", "stop2", "y"};
+    static const char *const keys[] = {"c", "k", "omega"};
+    saltus_scene scene = {.title = ""};
+    saltus_message message = {.text = ""};
+    check_ok(saltus_scene_parse(text, strlen(text), "text", &scene, &message), &message);
+    for (size_t o = 0; o < sizeof observed / sizeof observed[0]; o++)
+        for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
+            motion m = {.spec = scene.spec, .state = {0.3, -0.2, 0.4, 0.7}, .start = 0.2, .end = 3};
+            strcpy(m.spec.observe, observed[o]);
+            check_delay(&m, keys[k], SALTUS_TURNING);
+        }
+    saltus_scene_clear(&scene);
+}
+
 /* m x'' + k x = F cos(omega t) at a fixed phase: x = A cos(omega t) + (x0 - A) cos(nu t) + v0 / nu sin(nu t)
  * with A = F / (k - m omega^2) and nu^2 = k / m. */
 static void undamped_response(void **unused) {
@@ -574,6 +603,7 @@ int main(void) {
         cmocka_unit_test(one_mass),
         cmocka_unit_test(two_masses),
         cmocka_unit_test(event_delays),
+        cmocka_unit_test(observed_rows_have_derivatives),
         cmocka_unit_test(undamped_response),
         cmocka_unit_test(bouncing_ball),
         cmocka_unit_test(combined_directions),

@@ -275,7 +275,7 @@ static void a_system_tells_what_it_was_built_from(void **unused) {
         }
         for (int i = 0; i < m.dimension; i++)
             assert_true(saltus_system_scale(system)[i] > 0 && isfinite(saltus_system_scale(system)[i]));
-        check_near(saltus_system_trace(system, s.state), stress_trace(&m, s.state), 1e-10);
+        check_near(saltus_system_trace(system, s.state, s.phase), stress_trace(&m, s.state), 1e-10);
         for (int k = 0; k <= 20; k++) {
             const double xi = k / 20.0;
             double shape = 0;

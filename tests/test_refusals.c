@@ -93,7 +93,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"continue pipe --in omega=40:44 --locus PD -o never.h5", 2, "continue: --locus and --and "},
         {"continue pipe --in omega=40:44 --and d=0.02:0.04 -o never.h5", 2, "continue: --locus and --and "},
         {"continue pipe --in omega=40:44 --locus EP --and d=0.02:0.04 -o never.h5", 2,
-         "--locus EP: |LP, PD, NS, BP or GR"},
+         "--locus EP: |LP, PD, NS, BP, GR, HB or BE"},
         {"continue pipe --in omega=40:44 --direction left -o never.h5", 2,
          "--direction left: |up, down or both"},
         {"continue pipe --in omega=40:44 --at 41,49,48 -o never.h5", 2, "--at 49: |of --in, 40 to 44"},
@@ -104,7 +104,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"continue twice.yaml --in omega=2.69:2.71 --transient 3 -o never.h5", 2,
          "twice: its motion is no periodic orbit |, but irregular: no stable orbit |; name one by --from"},
         {"continue impact-oscillator --set F=0 --in F=0:1 -o never.h5", 2,
-         "impact-oscillator: its motion is no periodic orbit |, but equilibrium; name one by --from"},
+         "F=0:1: with F = 1 the scene is forced"},
 
         {"lyapunov pipe --all --exponents 3", 2, "--all and --exponents 3: "},
         {"lyapunov pipe --set N=3 --exponents 7", 2, "--exponents 7: the scene has 6"},
@@ -179,11 +179,25 @@ static void ranges_have_one_form(void **state) {
         {"continue two-mass --in F=0.4:0.6 --locus PD -o never.h5", "--and"},
         {"plot two.h5 -o never.png", "--range"},
     };
-    static const char *const texts[] = {
-        "F",       "F=",     "F=:",    "F=1",
-        "F=1:",    "F=:1",   "=1:2",   "F=1:2x",
-        "F=1x:2",  "F=2:1",  "F=1:1",  "F=0:nan",
-        "F=0:inf", "F=1=:2", "F==1:2", "a-key-of-more-than-thirty-characters=1:2"};
+    static const char *const texts[] = {"F",
+                                        "F=",
+                                        "F=:",
+                                        "F=1",
+                                        "F=1:",
+                                        "F=:1",
+                                        "=1:2",
+                                        "F=1:2x",
+                                        "F=1x:2",
+                                        "F=2:1",
+                                        "F=1:1",
+                                        "F=0:nan",
+                                        "F=0:inf",
+                                        "F=1=:2",
+                                        "F==1:2",
+                                        "F=pi:",
+                                        "F=1:F",
+                                        "F=1:1/0",
+                                        "a-key-of-more-than-thirty-characters=1:2"};
     char line[300], words[120];
     for (size_t c = 0; c < sizeof commands / sizeof commands[0]; c++)
         for (size_t k = c; k < sizeof texts / sizeof texts[0]; k += c ? 6 : 1) {

@@ -216,6 +216,26 @@ static void births_end_with_the_room(void **state) {
     assert_int_equal(check_order(&old, &fresh, order), 2);
 }
 
+/* What has been gone through twice repeats, by as much as one of its events is moved, and not on other faces;
+ * what hits one face after the other is mirrored. */
+static void check_repeats(const saltus_sequence *twice, int half, unsigned long long *seed) {
+    saltus_sequence moved = *twice;
+    if (half == 0) {
+        assert_true(isinf(saltus_sequence_repeats(twice, 2, false)));
+        return;
+    }
+    check_near(saltus_sequence_repeats(twice, 2, false), 0, 1e-14 * twice->periods);
+    assert_true(isinf(saltus_sequence_repeats(twice, 2, true)));
+    assert_true(half % 2 == 0 || isinf(saltus_sequence_repeats(twice, 4, false)));
+    moved.mark[below(seed, moved.count)].time += 1e-3;
+    check_near(saltus_sequence_repeats(&moved, 2, false), 1e-3, 1e-14 * twice->periods);
+    moved = *twice;
+    for (int k = half; k < moved.count; k++)
+        moved.mark[k].face += faces;
+    check_near(saltus_sequence_repeats(&moved, 2, true), 0, 1e-14 * twice->periods);
+    assert_true(isinf(saltus_sequence_repeats(&moved, 2, false)));
+}
+
 /* Two orbits one after the other: the first one's marks in its time, the second one's an orbit later. */
 static void orbits_are_joined(void **state) {
     (void)state;
@@ -238,6 +258,7 @@ static void orbits_are_joined(void **state) {
         assert_true(saltus_sequence_double(&first, &twice));
         assert_true(saltus_sequence_join(&first, &first, &both));
         check_same(&twice, &both);
+        check_repeats(&twice, first.count, &seed);
     }
     saltus_sequence large = {.periods = 1, .cuts = 1, .count = SALTUS_MARKS_MAX / 2}, fresh;
     assert_true(saltus_sequence_double(&large, &fresh));

@@ -550,7 +550,7 @@ static void attractors_are_numbered_by_orbits(void **unused) {
         int least, transient;
     } cases[] = {{"fig3", "", "omega", 14, 2, 500},
                  {"pipe", "N=1 sigma=0 omega=20 free", "d", 0, 2, 500},
-                 {"impact-oscillator", "F=0 omega=1 q1=-50000", "omega", 1, 2, 95},
+                 {"impact-oscillator", "F=0 omega=1 q1=-50000", "omega", 1, 2, 30},
                  {"pipe", "N=1 sigma=0 omega=20 d=0.015", "d", 0.015, 2, 500},
                  {"impact-oscillator", "q1=5", "omega", 1.3, 1, 400},
                  {"near-grazing", "c=0.08 F=0.37", "omega", 0.85, 1, 2000},

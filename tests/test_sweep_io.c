@@ -132,7 +132,8 @@ static void make_row(saltus_sweep_row *row, unsigned long long key) {
                               .contact_fraction = real(key, 9),
                               .lyapunov = mix(key, 15) % 7 ? real(key, 10) : -INFINITY,
                               .lyapunov_error = mix(key, 15) % 7 ? real(key, 16) : 0,
-                              .lifetime_at_least = mix(key, 17) % 5 ? real(key, 18) : NAN};
+                              .lifetime_at_least = mix(key, 17) % 5 ? real(key, 18) : NAN,
+                              .period = mix(key, 19) % 3 ? real(key, 20) : NAN};
     row->attractor = row->verdict == SALTUS_FAILED ? -1 : (int)(mix(key, 11) % seeds);
     if (row->verdict == SALTUS_PERIODIC) {
         row->impacts = (int)(mix(key, 12) % 12) - 1;
@@ -247,6 +248,7 @@ static void check_rows(const saltus_sweep_file *file, const saltus_sweep *sweep)
             there->lyapunov_error == expected.lyapunov_error &&
             (there->lifetime_at_least == expected.lifetime_at_least ||
              (isnan(there->lifetime_at_least) && isnan(expected.lifetime_at_least))));
+        assert_true(there->period == expected.period || (isnan(there->period) && isnan(expected.period)));
         if (isnan(expected.largest)) {
             assert_memory_equal(&there->largest, &nan, sizeof nan);
             assert_memory_equal(&there->smallest, &nan, sizeof nan);
@@ -1172,7 +1174,7 @@ static void check_table(const fixture *f, char *const *lines, int count) {
     assert_int_equal(count, 1 + seeds * f->places);
     assert_string_equal(lines[0], "omega,d,pass,seed,verdict,impacts,periods,sticking,attractor,settled,"
                                   "settled_impacts,recorded,largest,smallest,rms,impact_rate,largest_speed,"
-                                  "contact_fraction,lyapunov,lyapunov_error,lifetime_at_least,label");
+                                  "contact_fraction,lyapunov,lyapunov_error,lifetime_at_least,period,label");
     for (int line = 1; line < count; line++) {
         int row = line - 1, place = row / seeds, s = row % seeds;
         char *text = lines[line];
@@ -1183,14 +1185,23 @@ static void check_table(const fixture *f, char *const *lines, int count) {
         check_word(&text, place < 35 ? "reset" : "down");
         check_number(&text, s);
         check_word(&text, verdicts[r->verdict]);
-        const double whole[] = {r->impacts,          r->periods,
-                                r->sticking,         r->attractor,
-                                (double)r->settled,  (double)r->settled_impacts,
-                                (double)r->recorded, r->largest,
-                                r->smallest,         r->rms,
-                                r->impact_rate,      r->largest_speed,
-                                r->contact_fraction, r->lyapunov,
-                                r->lyapunov_error,   r->lifetime_at_least};
+        const double whole[] = {r->impacts,
+                                r->periods,
+                                r->sticking,
+                                r->attractor,
+                                (double)r->settled,
+                                (double)r->settled_impacts,
+                                (double)r->recorded,
+                                r->largest,
+                                r->smallest,
+                                r->rms,
+                                r->impact_rate,
+                                r->largest_speed,
+                                r->contact_fraction,
+                                r->lyapunov,
+                                r->lyapunov_error,
+                                r->lifetime_at_least,
+                                r->period};
         for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
             check_number(&text, whole[k]);
         char label[32];
@@ -1222,8 +1233,8 @@ static void tables_hold_all_rows(void **state) {
     /* The same from a file. */
     free(finished_bytes(f, sweep, "c.h5", &length));
     check_ok(saltus_sweep_file_read(path_in(f, "c.h5", table), &file, &message), &message);
-    check_ok(saltus_sweep_file_csv(&file, SALTUS_TABLE_ROWS, path, &message), &message);
-    assert_int_equal(saltus_sweep_file_csv(&file, SALTUS_TABLE_IMPACTS, path, &message), SALTUS_BAD_INPUT);
+    check_ok(saltus_write_sweep_csv(path, &file, SALTUS_TABLE_ROWS, &message), &message);
+    assert_int_equal(saltus_write_sweep_csv(path, &file, SALTUS_TABLE_IMPACTS, &message), SALTUS_BAD_INPUT);
     saltus_sweep_file_clear(&file);
     lines = table_lines(path, &others);
     check_table(f, lines, others);
@@ -1292,8 +1303,8 @@ static void tables_that_are_lacking_are_refused(void **state) {
     check_ok(saltus_sweep_file_read(path, &file, &message), &message);
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         write_all(path_in(f, "t.csv", path), "as before", 9);
-        saltus_status status = saltus_sweep_file_csv(&file, (saltus_table)cases[k].table,
-                                                     path_in(f, cases[k].name, path), &message);
+        saltus_status status = saltus_write_sweep_csv(path_in(f, cases[k].name, path), &file,
+                                                      (saltus_table)cases[k].table, &message);
         assert_int_equal(status, cases[k].status);
         assert_true(!cases[k].words || strstr(message.text, cases[k].words));
         path_in(f, "t.csv", path);
@@ -1353,8 +1364,8 @@ static void clouds_go_to_tables(void **state) {
     const long long *counts[] = {file.turning_count, file.impact_count, file.strobe_count};
     for (int k = 0; k < 3; k++) {
         int count, line = 1;
-        check_ok(saltus_sweep_file_csv(&file, (saltus_table)(SALTUS_TABLE_TURNING + k),
-                                       path_in(f, "t.csv", table), &message),
+        check_ok(saltus_write_sweep_csv(path_in(f, "t.csv", table), &file,
+                                        (saltus_table)(SALTUS_TABLE_TURNING + k), &message),
                  &message);
         char **lines = table_lines(table, &count);
         assert_string_equal(lines[0], names[k]);

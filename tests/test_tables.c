@@ -100,12 +100,12 @@ static void write_tables(const saltus_scene *scene, const saltus_system *system,
     char path[path_size];
     size_t length;
     make_record(&m, system, 1, NULL, 0);
-    check_ok(saltus_write_trajectory(&m.record, scene, system, flow, NULL, path_in("t.csv", path), &message),
+    check_ok(saltus_write_trajectory(path_in("t.csv", path), scene, system, flow, &m.record, NULL, &message),
              &message);
     text[0] = read_all(path, &length);
-    check_ok(saltus_spectra_write(scene, system, &motion, &spectra, flow, NULL, path, &message), &message);
+    check_ok(saltus_write_spectra(path, scene, system, flow, &motion, &spectra, NULL, &message), &message);
     text[1] = read_all(path, &length);
-    check_ok(saltus_write_convergence(scene, system, options, lyapunov, NULL, path, &message), &message);
+    check_ok(saltus_write_convergence(path, scene, system, options, lyapunov, NULL, &message), &message);
     text[2] = read_all(path, &length);
 }
 
@@ -341,7 +341,7 @@ static void what_does_not_fit_leaves_nothing(void **state) {
         small.rlim_cur = 2000;
         setrlimit(RLIMIT_FSIZE, &small);
         saltus_status status =
-            saltus_write_trajectory(&m.record, &scene, system, &flow, NULL, path, &message);
+            saltus_write_trajectory(path, &scene, system, &flow, &m.record, NULL, &message);
         setrlimit(RLIMIT_FSIZE, &before);
         assert_int_equal(status, SALTUS_IO);
         assert_non_null(strstr(message.text, "could not be written completely: File too large"));

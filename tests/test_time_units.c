@@ -76,8 +76,7 @@ static void periodic_motions(void **unused) {
 /* A torus with impacts, where the largest exponent is no number of its own, and one without. */
 static void quasi_periodic_motions(void **unused) {
     (void)unused;
-    if (getenv("SALTUS_SANITIZED")) /* sanitizers are slow; test_verdict shows them tori */
-        skip();
+    skip_where_slow(); /* sanitizers are slow; test_verdict shows them tori */
     static const char *const settings[] = {"omega=1.7133", "d=-0.1797", "r=0.323", "c=0.07",
                                            "c2=0.07",      "m2=1.57",   "k2=2.51"};
     saltus_scene scene;

@@ -40,6 +40,7 @@ static const char *const chaotic_pipe[] = {"omega=10", "d=0.035", NULL};
 /* The exponent of an independent computation is 0.756 +- 0.01. */
 static void chaos_is_proven(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_motion motion = judge_scene("fig6", chaotic_pipe);
     const saltus_evidence *e = &motion.evidence;
     assert_int_equal(motion.verdict, SALTUS_CHAOTIC);
@@ -81,6 +82,7 @@ static void verdicts_repeat_bit_for_bit(void **unused) {
  */
 static void tori_are_quasi_periodic(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const settings[] = {"omega=1.7133", "d=-0.1797", "r=0.323", "c=0.07",
                                            "c2=0.07",      "m2=1.57",   "k2=2.51", NULL};
     saltus_spec spec = scene_spec("two-mass", settings);

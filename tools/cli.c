@@ -4,6 +4,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "ranks.h"
+#include "scene/scene.h"
 #include "target.h"
 
 #include <ctype.h>
@@ -15,6 +16,11 @@
 
 const cli_option cli_set = {
     "--set", CLI_SETTINGS, 0, 0, 0, 0, "key=value ...", "change parameters of the scene"};
+const cli_option cli_section = CLI_TEXT_OPTION(
+    "--section", section, "section",
+    "what an orbit without forcing returns to, for scenes of equations: maxima, \"impact: 1, side: lower\" "
+    "or "
+    "\"zero: x - 1, direction: up\"; the scene's own unless given, else maxima of the observed displacement");
 const cli_option cli_json = CLI_FLAG_OPTION("--json", json, "one JSON object on stdout");
 const cli_option cli_output =
     CLI_TEXT_OPTION("-o", output, "file", "where the result goes; - is standard output (not for HDF5)");
@@ -363,6 +369,12 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
         if (status != SALTUS_OK)
             return saltus_fail(message, status, "--set %.100s: %.380s", request->settings[k], reason.text);
     }
+    if (request->section) {
+        saltus_message reason = {.text = ""};
+        saltus_status status = saltus_scene_set_section(scene, request->section, &reason);
+        if (status != SALTUS_OK)
+            return saltus_fail(message, status, "--section %.100s: %.380s", request->section, reason.text);
+    }
     /* A title describes the scene as it was written; changed, it would contradict the parameters beside it.
      */
     size_t used = 0;
@@ -497,17 +509,13 @@ bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS
                      double *high) {
     const char *equals = strchr(text, '=');
     size_t length = equals ? (size_t)(equals - text) : 0;
-    char *colon = NULL, *end = NULL;
+    const char *end = NULL;
     bool good = length > 0 && length < SALTUS_KEY_MAX;
     if (good) {
         memcpy(key, text, length);
         key[length] = '\0';
-        *low = strtod(equals + 1, &colon);
-        good = colon != equals + 1 && *colon == ':';
-    }
-    if (good) {
-        *high = strtod(colon + 1, &end);
-        good = end != colon + 1 && *end == '\0' && isfinite(*low) && isfinite(*high) && *low < *high;
+        end = saltus_read_number_until(equals + 1, ":", low);
+        good = end && *end == ':' && saltus_read_number_until(end + 1, "", high) && *low < *high;
     }
     if (!good)
         fprintf(stderr, "saltus: %s %s: must have the form key=low:high, low below high\n", option->name,

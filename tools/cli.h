@@ -46,7 +46,7 @@ typedef struct cli_request {
     bool json, quiet, help, derivatives, unstable, mirror, verbose, resume, force, quick, all;
     bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
     const char *output, *data, *from, *range, *second_range, *values, *show;
-    const char *start, *what, *table, *figure, *format, *view, *size;
+    const char *start, *what, *table, *figure, *format, *view, *size, *section;
     cli_list parts, labels, over, of, logarithmic;
     long seeds, seed, transient, periods, samples;
     const cli_command *command;
@@ -125,7 +125,7 @@ struct cli_command {
 extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check, cmd_orbit,
     cmd_continue, cmd_lyapunov, cmd_plot, cmd_spectrum, cmd_sweep, cmd_basins, cmd_export, cmd_paper;
 
-extern const cli_option cli_set, cli_json, cli_output, cli_from, cli_resume, cli_force, cli_size,
+extern const cli_option cli_set, cli_section, cli_json, cli_output, cli_from, cli_resume, cli_force, cli_size,
     cli_no_heading, cli_title, cli_keep_script;
 
 /* Endings of figures; of figures that may be tables; of records. */

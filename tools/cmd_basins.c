@@ -10,8 +10,8 @@
 static const cli_table tables[] = {
     CLI_TABLE(saltus_sweep_table, sweep, "--seeds --seed --what --record --measure --lifetime"),
     {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,    &sweep_over, &cli_output,
-                                            &cli_resume, &sweep_json, NULL};
+static const cli_option *const options[] = {&cli_set,    &cli_section, &sweep_over, &cli_output,
+                                            &cli_resume, &sweep_json,  NULL};
 
 /* Whether an axis moves an entry of the initial state: q1, v1, z1 or the names of a text. */
 static bool moves_start(const saltus_scene *scene, const char *axis) {

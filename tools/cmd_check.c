@@ -16,8 +16,11 @@ static void print_stop(const saltus_spec *spec, int s) {
     const saltus_stop *stop = &spec->stops[s];
     const char *coordinate = saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE);
     static const char *const sides[] = {"", "upper", "lower", "both"};
+    const char *law = saltus_restitution_law(spec, s);
     printf("stop %d: %s side%s, d = %g, r = %g, ", s + 1, sides[stop->sides],
            stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
+    if (law)
+        printf("which is the limit of %s at small closing speeds, ", law);
     if (coordinate) {
         printf("coordinate = %s\n", coordinate);
         return;

@@ -13,7 +13,7 @@ static const cli_option seeds = CLI_WHOLE_OPTION(
 static const cli_option seed =
     CLI_WHOLE_OPTION("--seed", seed, "s", 1, 0, 4294967295.0, "seed of the random initial states");
 static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set, &cli_json, &seeds, &seed, NULL};
+static const cli_option *const options[] = {&cli_set, &cli_section, &cli_json, &seeds, &seed, NULL};
 
 static saltus_status classify_once(const cli_request *request, const cli_setup *setup, bool *cut,
                                    saltus_message *message) {
@@ -105,7 +105,9 @@ const cli_command cmd_classify = {
         "points stand beside the exponent as second opinions.\n"
         "--json gives label, impacts (null with chatter), periods, sticking_intervals, impacts_by_side, "
         "state (displacements, then velocities, at section phase 0), section_states, events (event, side, "
-        "time_over_T, normal_velocity_before), multipliers ([re, im] by decreasing modulus) with "
+        "time_over_T, normal_velocity_before), multipliers ([re, im] by decreasing modulus; of a rest "
+        "without "
+        "forcing eigenvalues, by decreasing real part) with "
         "log_moduli, stable, mirror, residual, sum_rule; of motions without a period lyapunov with "
         "lyapunov_standard_error, lifetime_at_least and evidence; reason, parameters, version.",
     .examples = examples,

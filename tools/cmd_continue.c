@@ -7,6 +7,7 @@
 #include "motion/options.h"
 #include "origin.h"
 #include "progress.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,8 +29,9 @@ static const cli_option json = CLI_FLAG_OPTION("--json", json, "one JSON object 
 static const cli_table tables[] = {CLI_TABLE(saltus_branch_table, branch, "--segments"),
                                    CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
                                    {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set, &cli_from,   &range, &second_range, &periods,
-                                            &values,  &cli_resume, &json,  &cli_output,   NULL};
+static const cli_option *const options[] = {&cli_set,      &cli_section, &cli_from, &range,
+                                            &second_range, &periods,     &values,   &cli_resume,
+                                            &json,         &cli_output,  NULL};
 
 static const char *const endings[] = {".h5", NULL};
 
@@ -49,13 +51,13 @@ typedef struct run_state {
 static bool read_values(const char *text, run_state *run) {
     const saltus_branch_options *o = &run->options;
     while (text) {
-        char *end;
+        double value;
+        const char *end = saltus_read_number_until(text, ",", &value);
         if (run->options.value_count == values_max) {
             fprintf(stderr, "saltus: --at %s: only %d values can be given\n", text, values_max);
             return false;
         }
-        double value = strtod(text, &end);
-        if (end == text || !isfinite(value) || (*end && *end != ',')) {
+        if (!end) {
             fprintf(stderr, "saltus: --at %s: must be numbers with commas between them\n", text);
             return false;
         }
@@ -95,16 +97,43 @@ static bool read_options(run_state *run) {
     return read_values(r->values, run);
 }
 
-/* Without --from: the orbit that the scene settles on. */
+/* A scene without forcing begins at the end of the range that it is followed from, where the command line
+ * gives no other value. */
+static saltus_status go_to_first(run_state *run, saltus_message *message) {
+    const saltus_branch_options *o = &run->options;
+    cli_setup *setup = &run->setup;
+    const size_t length = strlen(o->key[0]);
+    char setting[SALTUS_KEY_MAX + 32];
+    if (saltus_system_forced(setup->system))
+        return SALTUS_OK;
+    for (int k = 0; k < run->request->setting_count; k++)
+        if (strncmp(run->request->settings[k], o->key[0], length) == 0 &&
+            run->request->settings[k][length] == '=')
+            return SALTUS_OK;
+    const double first = o->direction < 0 ? o->high[0] : o->low[0];
+    snprintf(setting, sizeof setting, "%s=%.17g", o->key[0], first);
+    saltus_status status = saltus_scene_set(&setup->scene, setting, message);
+    saltus_system_free(setup->system);
+    setup->system = NULL;
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&setup->scene.spec, &setup->system, message);
+    return status == SALTUS_OK ? saltus_scene_state(&setup->scene, setup->system, setup->start.state, message)
+                               : status;
+}
+
+/* Without --from: the orbit that the scene settles on, or, without forcing, the equilibrium. */
 static saltus_status classify_start(run_state *run, saltus_message *message) {
     saltus_classify_options how = cli_classify_options(run->request);
     how.measure = 0; /* without a period there is no orbit to start from, whatever the exponent */
     saltus_motion motion = {0};
-    saltus_status status = saltus_classify(run->setup.system, run->setup.start.state, &how, &motion, message);
+    saltus_status status = go_to_first(run, message);
+    if (status == SALTUS_OK)
+        status = saltus_classify(run->setup.system, run->setup.start.state, &how, &motion, message);
     cli_progress_end(run->request);
-    if (status == SALTUS_OK && motion.periods < 1 && interrupt_asked())
+    run->setup.start.rests = status == SALTUS_OK && motion.eigenvalues;
+    if (status == SALTUS_OK && motion.periods < 1 && !run->setup.start.rests && interrupt_asked())
         status = SALTUS_INTERRUPTED;
-    if (status == SALTUS_OK && motion.periods < 1)
+    if (status == SALTUS_OK && motion.periods < 1 && !run->setup.start.rests)
         status =
             saltus_fail(message, SALTUS_BAD_INPUT,
                         "%s: its motion is no periodic orbit to start from, but %s%s%s; name one by --from",
@@ -125,7 +154,11 @@ static int begin_anew(run_state *run, saltus_message *message) {
     int code = cli_build(r, &run->setup);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = cli_on_orbit(&run->setup) ? SALTUS_OK : classify_start(run, message);
+    const bool given = cli_on_orbit(&run->setup) || run->setup.start.rests;
+    saltus_status status = given ? SALTUS_OK : classify_start(run, message);
+    if (r->periods && status == SALTUS_OK && run->setup.start.rests)
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "--periods %ld: the start is an equilibrium, which has no period", r->periods);
     if (r->periods)
         run->setup.start.periods = (int)r->periods;
     return cli_report(status, message);
@@ -174,6 +207,7 @@ static int begin_again(run_state *run, saltus_message *message) {
         snprintf(run->setup.scene.name, sizeof run->setup.scene.name, "%s", file->scene);
         snprintf(run->setup.scene.title, sizeof run->setup.scene.title, "%s", file->title);
         run->setup.start.periods = file->periods;
+        run->setup.start.rests = file->periods == 0;
         memcpy(run->setup.start.state, file->state, (size_t)file->dimension * sizeof *file->state);
         run->options = file->options;
         run->options.orbit.flow.stop = interrupt_flag();
@@ -186,9 +220,10 @@ static int begin_again(run_state *run, saltus_message *message) {
 static void show_progress(const run_state *run, const saltus_branch_point *point) {
     if (!cli_shows_progress(run->request))
         return;
-    double largest = point->dimension ? exp(point->multipliers[0].log_modulus) : 0;
-    progress_line("branch %d  step %d  %s = %.9g  %s  largest multiplier %.4g%s%s", point->branch,
-                  point->step, run->options.key[0], point->value[0], point->label, largest,
+    const double leading = point->multiplier_count ? point->multipliers[0].log_modulus : -INFINITY;
+    progress_line("branch %d  step %d  %s = %.9g  %s  largest %s %.4g%s%s", point->branch, point->step,
+                  run->options.key[0], point->value[0], point->label,
+                  point->periods ? "multiplier" : "real part", point->periods ? exp(leading) : leading,
                   point->kind == SALTUS_POINT_REGULAR ? "" : "  ", saltus_point_word(point->kind));
 }
 
@@ -259,8 +294,11 @@ static int open_branch(run_state *run, saltus_message *message) {
     if (status != SALTUS_OK && status != SALTUS_NO_MEMORY && status != SALTUS_BAD_INPUT &&
         !interrupt_asked()) {
         saltus_message reason = *message;
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "the start is no orbit of period %d T: %.400s",
-                             start->periods, reason.text);
+        status =
+            start->rests
+                ? saltus_fail(message, SALTUS_BAD_INPUT, "the start is no equilibrium: %.400s", reason.text)
+                : saltus_fail(message, SALTUS_BAD_INPUT, "the start is no orbit of period %d T: %.400s",
+                              start->periods, reason.text);
     }
     cli_origin origin = {.command = NULL};
     if (status == SALTUS_OK)
@@ -333,6 +371,8 @@ static const cli_example examples[] = {
     {"plot branch.h5 -o branch.png", "draw the branch"},
     {"continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and d=0.9:1.1 -o flip.h5",
      "the curve of flips in two parameters"},
+    {"continue relief-valve --set q=9 --in q=7:9.5 --switch 1 -o valve.h5",
+     "an equilibrium over the flow rate, and the cycles born at its Hopf point"},
     {"continue impact-oscillator --from branch.h5:PD1 --in omega=0.9:1.1 -o again.h5",
      "from the first flip of the file"},
     {NULL, NULL}};
@@ -343,18 +383,22 @@ const cli_command cmd_continue = {
     .usage =
         "SCENE [--set key=value ...] [--from orbit] --in omega=lo:hi [--locus PD --and d=lo:hi] -o branch.h5 "
         "[--json]",
-    .help = "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), "
-            "flips (PD), bifurcates to a torus (NS), meets another branch (BP) or grazes a stop (GR), and "
-            "where chatter completes (CH) or sticking changes (ST). Without --from the start is the orbit "
-            "that the scene settles on; with it, the file's parameters hold where --set does not say "
-            "otherwise. With --locus such points are followed in two parameters, through points of "
-            "codimension two; there --switch also follows the other curves that meet: that of grazing, those "
-            "of folds, flips, tori and branch points at grazing, the grazing of orbits that branch off where "
-            "a flip or branch point grazes, tori and folds or flips at a double "
-            "multiplier 1 (R1) or -1 (R2), the other impact's where two graze. At R3 and R4 only orbits of "
-            "period 3 and 4 begin, which are branches, no such curves. The file can be plotted, "
-            "and read, while it grows; with --resume the options are those of the interrupted run, and the "
-            "file becomes the one that it would have left.",
+    .help =
+        "Follow a periodic orbit as a parameter changes, stable or not, and find where it folds (LP), "
+        "flips (PD), bifurcates to a torus (NS), meets another branch (BP) or grazes a stop (GR), and "
+        "where chatter completes (CH) or sticking changes (ST). Without --from the start is the orbit "
+        "that the scene settles on; with it, the file's parameters hold where --set does not say "
+        "otherwise. A scene without forcing starts at the range's first value (with --direction down its "
+        "last), if --set gives no other, "
+        "and may rest there: then equilibria are followed, to folds (LP), branch points (BP), Hopf points "
+        "(HB) and stops (BE). With --locus such points are followed in two parameters, through points of "
+        "codimension two; there --switch also follows the other curves that meet: that of grazing, those "
+        "of folds, flips, tori and branch points at grazing, the grazing of orbits that branch off where "
+        "a flip or branch point grazes, tori and folds or flips at a double "
+        "multiplier 1 (R1) or -1 (R2), the other impact's where two graze. At R3 and R4 only orbits of "
+        "period 3 and 4 begin, which are branches, no such curves. The file can be plotted, "
+        "and read, while it grows; with --resume the options are those of the interrupted run, and the "
+        "file becomes the one that it would have left.",
     .needs_scene = true,
     .endings = endings,
     .kind = "branch",
@@ -363,29 +407,35 @@ const cli_command cmd_continue = {
     .options = options,
     .notes =
         "Labels: LP fold, PD flip, NS torus (Neimark-Sacker), BP branch point, GR grazing, CH complete "
-        "chatter begins or ends, ST sticking begins, splits or ends, HB Hopf: without forcing an orbit "
-        "shrinks to "
-        "an equilibrium, UZ a value asked for by --at, EP end "
-        "of a branch, with its reason. Where the contact is permanent (held) a point tells its smallest "
+        "chatter begins or ends, ST sticking begins, splits or ends, UZ a value asked for by --at, EP end "
+        "of a branch, with its reason. Without forcing: HB Hopf, an orbit shrinks to an equilibrium, or "
+        "cycles are born at one, stable ones where the first Lyapunov coefficient is negative "
+        "(supercritical); BE an equilibrium meets a stop, on which it rests from there on, or leaves it, and "
+        "cycles with one impact may begin, whose size is in proportion to the distance. A "
+        "branch of cycles whose period grows without bound ends, with the distance to the saddle that they "
+        "pass (homoclinic). Where the contact is permanent (held) a point tells its smallest "
         "force over the orbit: where that is zero the contact lets go. Points of codimension two on a "
         "curve: CP cusp, R1 to R4 resonances (double multipliers 1 and -1, pairs at a third and a quarter "
         "of the circle), GR-LP, GR-PD, GR-NS, GR-BP where the curve meets grazing, GR-GR two grazings, "
-        "CH-GR grazing meets the end of chatter.\n"
+        "CH-GR grazing meets the end of chatter; of equilibria, whose curves are LP, HB and BE, CP, BT two "
+        "eigenvalues zero (Bogdanov-Takens) and GH a first Lyapunov coefficient zero (generalised Hopf).\n"
         "An orbit is followed with its sequence of events as given, so a branch does not lose its way "
         "where a multiplier grows without bound at grazing. The event-driven flow then checks every point: "
         "it is admissible if the flow has the same events and closes. Where that ends, the place is "
         "located (GR, CH, ST) and the branch goes on with the new sequence, or says why not. At grazing an "
         "impact is born or dies; the branch goes through, or turns back there like a fold but with a "
-        "corner. --switch k also follows what branches off at PD and BP, and orbits of twice the period at "
-        "GR, to depth k.\n"
+        "corner. --switch k also follows what branches off at PD and BP, orbits of twice the period at GR, "
+        "and cycles from the HB of equilibria, to depth k.\n"
         "Nothing is followed twice: a branch that comes back to a special point, or reaches another "
         "branch's, ends there and says so. Every few seconds, and when interrupted, all points go to the "
         "file; its layout stands in saltus/record.h. FILE.h5:12 (row) and FILE.h5:PD1 (first flip) are "
         "orbits for --from.\n"
         "--json gives one object for each point: label, values (of the continued parameters), motion "
-        "(n/p), motion_after (GR, CH, ST), impacts, periods, sticking_intervals, stable, unstable "
-        "(multipliers outside the unit circle), admissible, state, events, grazing (GR: side, stop and "
-        "time_over_T of the touch), multipliers, log_moduli, arclength, heading, branch, parent, step, "
+        "(n/p, equilibrium or held), motion_after (GR, CH, ST, BE), impacts, periods, sticking_intervals, "
+        "stable, unstable "
+        "(multipliers outside the unit circle), admissible, state, events, grazing (GR, BE: side, stop and "
+        "time_over_T of the touch), multipliers, log_moduli (of equilibria, whose periods is 0, eigenvalues "
+        "in their place, and lyapunov_coefficient at HB), arclength, heading, branch, parent, step, "
         "residual, iterations, log_volume, sum_rule, accuracy, reason, parameters, scene, version. A "
         "branch file has the same in columns, the touch as grazing_time, grazing_stop, grazing_side.",
     .examples = examples,

@@ -29,7 +29,7 @@ static int run(const cli_request *request) {
     const saltus_file_facts facts = saltus_file_identify(request->inputs[0]);
     if (strcmp(facts.kind, "branch") == 0 || strcmp(facts.kind, "trajectory") == 0) {
         saltus_status written =
-            saltus_file_csv(request->inputs[0], request->table, request->output, &message);
+            saltus_write_csv(request->output, request->inputs[0], request->table, &message);
         if (written == SALTUS_OK)
             cli_tell_written(request, "table");
         return cli_report(written, &message);
@@ -41,7 +41,7 @@ static int run(const cli_request *request) {
     saltus_status status = saltus_sweep_file_read(request->inputs[0], &file, &message);
     if (status != SALTUS_OK)
         return cli_report(status, &message);
-    status = saltus_sweep_file_csv(&file, (saltus_table)wanted, request->output, &message);
+    status = saltus_write_sweep_csv(request->output, &file, (saltus_table)wanted, &message);
     saltus_sweep_file_clear(&file);
     if (status == SALTUS_OK)
         cli_tell_written(request, "table");

@@ -8,8 +8,8 @@
 
 static const cli_option all = CLI_FLAG_OPTION("--all", all, "all exponents, not the largest one alone");
 static const cli_table tables[] = {CLI_TABLE(saltus_lyapunov_table, lyapunov, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,    &cli_from,          &all, &cli_json,
-                                            &cli_output, CLI_FIGURE_OPTIONS, NULL};
+static const cli_option *const options[] = {&cli_set,  &cli_section, &cli_from,          &all,
+                                            &cli_json, &cli_output,  CLI_FIGURE_OPTIONS, NULL};
 
 /* A measurement under way, `context` being its result. */
 static void show(void *context, double done, double at_most) {
@@ -44,7 +44,7 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
     if (!request->output)
         return SALTUS_OK;
     saltus_status status =
-        saltus_write_convergence(&setup->scene, setup->system, how, result, look, request->output, message);
+        saltus_write_convergence(request->output, &setup->scene, setup->system, how, result, look, message);
     if (status == SALTUS_OK && !request->json)
         cli_tell_written(request, "convergence");
     return status;

@@ -7,7 +7,8 @@
 #include "progress.h"
 
 static const cli_option periods =
-    CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6, "period of the orbit, in forcing periods");
+    CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6,
+                     "period of the orbit, in forcing periods, without forcing in returns to the section");
 static const cli_option transient =
     CLI_WHOLE_OPTION("--transient", transient, "n", 200, 0, 1e12,
                      "without --from: periods of the flow before Newton's method begins");
@@ -22,8 +23,8 @@ static const cli_option unstable = CLI_FLAG_OPTION(
 static const cli_table tables[] = {CLI_TABLE(saltus_orbit_table, orbit, NULL),
                                    CLI_TABLE(saltus_harvest_table, harvest, NULL),
                                    {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,  &periods,  &cli_from, &transient, &mirror,
-                                            &unstable, &cli_json, &verbose,  NULL};
+static const cli_option *const options[] = {&cli_set, &cli_section, &periods,  &cli_from, &transient,
+                                            &mirror,  &unstable,    &cli_json, &verbose,  NULL};
 
 static void print_step(void *context, int iteration, double residual, const char *what) {
     (void)context;
@@ -34,7 +35,7 @@ static void print_step(void *context, int iteration, double residual, const char
 static saltus_status prepare(const cli_request *request, cli_setup *setup, saltus_message *message) {
     const saltus_flow_options *flow = &request->orbit.flow;
     saltus_status status = SALTUS_OK;
-    if (!cli_on_orbit(setup))
+    if (!cli_on_orbit(setup) && !setup->start.rests)
         status = saltus_motion_settle(setup->system, flow, request->transient, setup->start.state, message);
     if (status == SALTUS_OK && request->mirror)
         status = saltus_motion_mirror(setup->system, flow, setup->start.state, message);

@@ -2,13 +2,16 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "scene/scene.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const cli_option show = CLI_TEXT_OPTION(
     "--show", show, "what",
-    "speed (largest of an orbit), impacts (the speed of each), displacement, velocity or period");
+    "speed (largest of an orbit), impacts (the speed of each), displacement, velocity, period or amplitude "
+    "(largest and smallest displacement)");
 
 static const cli_option range = CLI_KEYS_OPTION(
     "--range", parts, "key=lo:hi",
@@ -43,7 +46,8 @@ typedef struct plot_wishes {
 } plot_wishes;
 
 /* The words of saltus_show and saltus_view, in their order after the automatic choice. */
-static const char *const shows[] = {"speed", "impacts", "displacement", "velocity", "period", NULL};
+static const char *const shows[] = {"speed",     "impacts", "displacement", "velocity", "period",
+                                    "amplitude", NULL};
 static const char *const views[] = {"turning", "impacts", "stroboscopic", "class",   "attractors", "largest",
                                     "rms",     "speed",   "rate",         "contact", "lyapunov",   "settled",
                                     NULL};
@@ -51,13 +55,12 @@ static const char *const views[] = {"turning", "impacts", "stroboscopic", "class
 /* "key=value," at the beginning of a text; what follows it, or NULL. */
 static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {
     size_t length = strcspn(text, "=,");
-    char *end = NULL;
     if (length == 0 || length >= SALTUS_KEY_MAX || text[length] != '=')
         return NULL;
     memcpy(key, text, length);
     key[length] = '\0';
-    *value = strtod(text + length + 1, &end);
-    return end != text + length + 1 && *end == ',' && isfinite(*value) ? end + 1 : NULL;
+    const char *end = saltus_read_number_until(text + length + 1, ",", value);
+    return end && *end == ',' ? end + 1 : NULL;
 }
 
 static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
@@ -99,7 +102,7 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes,
                         "files of saltus continue\n");
         return CLI_BAD_INPUT;
     }
-    saltus_status status = saltus_plot_sweep(request->inputs[0], &how, request->output, &message);
+    saltus_status status = saltus_plot_sweep(request->output, request->inputs[0], &how, &message);
     if (status == SALTUS_OK)
         cli_tell_written(request, "figure");
     return cli_report(status, &message);
@@ -114,7 +117,7 @@ static int draw_trajectory(const cli_request *request, const saltus_figure_optio
                 request->inputs[0]);
         return CLI_BAD_INPUT;
     }
-    saltus_status status = saltus_plot_trajectory(request->inputs[0], look, request->output, &message);
+    saltus_status status = saltus_plot_trajectory(request->output, request->inputs[0], look, &message);
     if (status == SALTUS_OK)
         cli_tell_written(request, "figure");
     return cli_report(status, &message);
@@ -142,7 +145,7 @@ static int run(const cli_request *request) {
     how.labels = wishes.labels;
     how.label_count = request->labels.count;
     saltus_status status =
-        saltus_plot(request->inputs, request->input_count, &how, request->output, &message);
+        saltus_plot(request->output, request->inputs, request->input_count, &how, &message);
     if (status == SALTUS_OK)
         cli_tell_written(request, "figure");
     return cli_report(status, &message);
@@ -163,7 +166,8 @@ const cli_command cmd_plot = {
         "FILE.h5 [FILE.h5 ...] -o figure.png|pdf|svg [--show what | --view name] [--over file.h5 ...] ...",
     .help = "Draw a file of saltus sweep or basins: a diagram over one axis with the class of motion along "
             "it, a map over two; or files of saltus continue. Branches of periodic orbits: solid where "
-            "stable, dashed where not, n/p along them, special points marked. Curves of special points, over "
+            "stable, dashed where not, n/p along them, special points marked; without forcing amplitudes of "
+            "cycles and equilibria. Curves of special points, over "
             "their two parameters: solid where they bound stable orbits, dotted where not. Several files of "
             "one sort are laid over each other. A file of saltus simulate: phase portrait and time history.",
     .inputs = CLI_INPUTS_MAX,

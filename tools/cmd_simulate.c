@@ -7,15 +7,16 @@
 #include "origin.h"
 #include "progress.h"
 
-static const cli_option periods =
-    CLI_WHOLE_OPTION("--periods", periods, "n", 0, 1, 1e6, "forcing periods to record");
+static const cli_option periods = CLI_WHOLE_OPTION(
+    "--periods", periods, "n", 0, 1, 1e6,
+    "forcing periods to record; without forcing units of time, or with --from periods of the orbit");
 static const cli_option transient =
-    CLI_WHOLE_OPTION("--transient", transient, "m", 0, 0, 1e12, "periods to run before the recording");
-static const cli_option samples =
-    CLI_WHOLE_OPTION("--samples", samples, "k", 200, 1, 1e5, "samples per forcing period");
+    CLI_WHOLE_OPTION("--transient", transient, "m", 0, 0, 1e12, "as many to run before the recording");
+static const cli_option samples = CLI_WHOLE_OPTION(
+    "--samples", samples, "k", 200, 1, 1e5, "samples per forcing period, without forcing per unit of time");
 static const cli_table tables[] = {CLI_TABLE(saltus_flow_table, flow, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set, &cli_from,   &periods, &transient,
-                                            &samples, &cli_output, NULL};
+static const cli_option *const options[] = {&cli_set,   &cli_section, &cli_from,   &periods,
+                                            &transient, &samples,     &cli_output, NULL};
 
 static void show(void *context, double periods, double all) {
     static const double pause = 0.1; /* seconds between two lines */
@@ -64,12 +65,13 @@ static int run(const cli_request *request) {
     if (status == SALTUS_OK || cut)
         status = cli_origin_new(request, &origin, &message);
     if (status == SALTUS_OK)
-        status = saltus_write_trajectory(&record, &setup.scene, setup.system, &flow, &origin.told,
-                                         request->output, &message);
+        status = saltus_write_trajectory(request->output, &setup.scene, setup.system, &flow, &record,
+                                         &origin.told, &message);
     cli_origin_clear(&origin);
     if (status == SALTUS_OK && !request->quiet && !request->to_stdout)
-        printf("%s: %lld samples, %lld events over %.9g periods\n", request->output, record.samples,
-               record.event_count, record.time[record.samples - 1]);
+        printf("%s: %lld samples, %lld events over %.9g %s\n", request->output, record.samples,
+               record.event_count, record.time[record.samples - 1],
+               saltus_system_forced(setup.system) ? "periods" : "T");
     saltus_trajectory_clear(&record);
     saltus_motion_clear(&motion);
     cli_clear(&setup);

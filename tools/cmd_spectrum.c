@@ -11,8 +11,8 @@ static const cli_option of = CLI_LIST_OPTION(
 static const cli_table tables[] = {CLI_TABLE(saltus_spectrum_table, spectrum, NULL),
                                    CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
                                    {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,    &cli_from,          &of, &cli_json,
-                                            &cli_output, CLI_FIGURE_OPTIONS, NULL};
+static const cli_option *const options[] = {&cli_set,  &cli_section, &cli_from,          &of,
+                                            &cli_json, &cli_output,  CLI_FIGURE_OPTIONS, NULL};
 
 /* What is asked for, checked before anything is computed. */
 static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
@@ -49,7 +49,7 @@ static saltus_status analyse(const cli_request *request, cli_setup *setup, const
     if (status == SALTUS_OK)
         status = saltus_motion_spectra(system, &motion, &wishes, &spectra, message);
     if (status == SALTUS_OK && request->output)
-        status = saltus_spectra_write(scene, system, &motion, &spectra, &wishes.flow, look, request->output,
+        status = saltus_write_spectra(request->output, scene, system, &wishes.flow, &motion, &spectra, look,
                                       message);
     if (status == SALTUS_OK)
         (request->json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system,

@@ -19,8 +19,8 @@ static const cli_option what =
                     "always told (default turning,impacts over one axis, class over two)");
 
 static const cli_table tables[] = {CLI_TABLE(saltus_sweep_table, sweep, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,    &sweep_over, &start,      &what, &transient,
-                                            &cli_output, &cli_resume, &sweep_json, NULL};
+static const cli_option *const options[] = {&cli_set,   &cli_section, &sweep_over, &start,      &what,
+                                            &transient, &cli_output,  &cli_resume, &sweep_json, NULL};
 
 /* The words of a list with commas, as bits; false after a message. */
 static bool read_what(const char *text, unsigned *keep) {

@@ -39,13 +39,22 @@ static const manual_part parts[] = {
     {MANUAL_WORDS,
      "the parameter that is the angular frequency. Then t is the time and phase = t/T, T = 2 pi/omega; time "
      "must "
-     "enter with the period T, which is checked. Without it t and phase are refused, and the system can be "
-     "simulated."},
+     "enter with the period T, which is checked. Without it t and phase are refused, and orbits have periods "
+     "of their own, found and counted by their returns to a section."},
     {MANUAL_TERM, "observe"},
     {MANUAL_WORDS,
      "named quantities, columns of saltus simulate -o run.csv. The first one, where it is a sum of "
      "displacements, is what diagrams show; otherwise the first stop's coordinate, or the first "
      "displacement. --set observe=NAME chooses another."},
+    {MANUAL_TERM, "section"},
+    {MANUAL_WORDS,
+     "without forcing: what the returns are that orbits are counted by. maxima (of the observed "
+     "displacement, "
+     "smooth or by an impact; the default), {impact: 1, side: lower} (impacts on a stop; either side unless "
+     "one "
+     "is named), or {zero: x - 1, direction: up} (an expression of the state passes through zero, rising, or "
+     "falling with down; also by the jump of an impact). A lasting contact or complete chatter counts once. "
+     "Periods, multipliers and exponents do not depend on it. --section chooses another."},
     {MANUAL_TERM, "scale"},
     {MANUAL_WORDS, "typical sizes by the names of the state, for random starts and distances, where the "
                    "program's guess will "
@@ -67,14 +76,15 @@ static const manual_part parts[] = {
      "and the time."},
     {MANUAL_HEAD, "THE REST OF THE SCENE"},
     {MANUAL_TERM, "stop, stops"},
-    {MANUAL_WORDS,
-     "coordinate: a sum of displacements with constant factors, such as y - x, and a constant, which shifts "
-     "the "
-     "stop. d is the clearance (upper "
-     "forbids "
-     "coordinate > d, lower coordinate < -d), r the restitution; each is a number, which --set d= or r= "
-     "changes, "
-     "or an expression of parameters, which are then what is set. sides: upper, lower or both."},
+    {MANUAL_WORDS, "coordinate: a sum of displacements with constant factors, such as y - x, and a constant, "
+                   "which shifts the "
+                   "stop. d is the clearance (upper forbids coordinate > d, lower coordinate < -d), r the "
+                   "restitution; each is a "
+                   "number, which --set d= or r= changes, or an expression of parameters, which are then "
+                   "what is set. r may use "
+                   "speed, the closing speed: r0/(1 + speed/s0)^0.25; complete chatter takes its limit at 0, "
+                   "which must be below 1. "
+                   "sides: upper, lower or both."},
     {MANUAL_TERM, "initial"},
     {MANUAL_WORDS,
      "by names: {x: 0.5, x': 0, p: 2*delta}; parameters may stand in it. What is not set starts as it does "
@@ -83,7 +93,9 @@ static const manual_part parts[] = {
     {MANUAL_WORDS,
      "a path relative to the scene's own file, in place of the mapping: equations in a file of their own, or "
      "those of another scene."},
-    {MANUAL_WORDS, "A number anywhere in any scene may be an expression of numbers: omega: 2*pi/5."},
+    {MANUAL_WORDS, "A number anywhere in any scene may be an expression of numbers, omega: 2*pi/5, and so "
+                   "may those of --set, "
+                   "--over, --in, --and, --at: --in omega=pi/2:2*pi."},
     {MANUAL_HEAD, "YAML"},
     {MANUAL_WORDS,
      "Inside { } and [ ] a comma ends a value, also between parentheses: write {x: \"min(a, b)\"}, or one "
@@ -98,7 +110,9 @@ static const manual_part parts[] = {
      "for each way of running them, alone, side by side, with so many derivatives. The run goes on and takes "
      "each over when it is there. The results are the same to the last bit. The functions are kept for later "
      "runs in $XDG_CACHE_HOME/saltus "
-     "or ~/.cache/saltus, which must be the user's alone; what is in there may be deleted at any time. "
+     "or ~/.cache/saltus, which must be the user's alone; those that no run has used for 60 days, and of "
+     "more than 1000 those "
+     "used longest ago, are removed when another one is made, and all may be deleted at any time. "
      "saltus check tells how it stands."},
     {MANUAL_TERM, "SALTUS_COMPILE"},
     {MANUAL_WORDS, "environment variable: 0 for no compiling, or the compiler's name or path; default cc."},

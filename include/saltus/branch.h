@@ -26,7 +26,9 @@ typedef enum saltus_point_kind {
     SALTUS_POINT_ST, /* a sticking interval begins, splits or ends otherwise */
     SALTUS_POINT_UZ, /* a value asked for */
     SALTUS_POINT_EP, /* end of the branch; `reason` says why */
-    SALTUS_POINT_HB, /* without forcing: an orbit shrinks to an equilibrium, Hopf */
+    SALTUS_POINT_HB, /* without forcing: Hopf, an orbit shrinks to an equilibrium */
+    SALTUS_POINT_BE, /* without forcing: an equilibrium meets a stop, or its contact force falls to zero; an
+                        orbit with impacts shrinks to it */
     /* On loci, where one condition more holds: */
     SALTUS_POINT_CP,    /* cusp: two folds meet */
     SALTUS_POINT_GR_LP, /* a fold meets grazing */
@@ -42,6 +44,8 @@ typedef enum saltus_point_kind {
     SALTUS_POINT_R2, /* a double multiplier -1, */
     SALTUS_POINT_R3, /* a pair at a third */
     SALTUS_POINT_R4, /* or a quarter of the circle */
+    SALTUS_POINT_BT, /* of equilibria: two eigenvalues zero (Bogdanov-Takens), */
+    SALTUS_POINT_GH, /* a first Lyapunov coefficient zero (generalised Hopf) */
     SALTUS_POINT_KINDS
 } saltus_point_kind;
 
@@ -60,8 +64,9 @@ typedef struct saltus_branch_point {
     double value[2];         /* of the continued parameters (the second one: loci only, otherwise NAN) */
     double heading;          /* d value[0] / d arclength */
     saltus_spec spec;        /* all parameters */
-    int periods;   /* p; of orbits of a period of their own the returns to the section, as in saltus_motion */
-    double period; /* in units of time */
+    int periods; /* p; of orbits of a period of their own the returns to the section, as in saltus_motion; 0:
+                    an equilibrium */
+    double period; /* in units of time; of an equilibrium that of the cycles born there (HB), otherwise NAN */
     long long impacts; /* n per orbit; -1 with complete chatter */
     int sticking_intervals;
     char label[SALTUS_LABEL_MAX];       /* "4/4", "chatter/2": as classify says it */
@@ -70,24 +75,32 @@ typedef struct saltus_branch_point {
     double *state;        /* at section phase 0, or at the highest maximum, as in saltus_motion */
     saltus_event *events; /* of one orbit, times in periods from phase 0 */
     int event_count;
-    saltus_multiplier *multipliers; /* room for dimension of them */
-    int multiplier_count;           /* dimension; of an orbit of a period of its own one less */
-    double trivial_multiplier;      /* of such an orbit, along the flow: 1 but for errors; otherwise 0 */
-    int unstable;                   /* multipliers not inside the unit circle (saltus_multipliers_unstable) */
-    bool stable;                    /* false at LP, PD, NS and BP, where one is on it */
+    /* Room for dimension of them. Of an equilibrium its eigenvalues, by decreasing real part, which is their
+     * log_modulus: of what they make of a perturbation in a unit of time. */
+    saltus_multiplier *multipliers;
+    int multiplier_count; /* dimension; of an orbit of a period of its own one less; of an equilibrium two
+                             less for each contact that holds */
+    double trivial_multiplier; /* of such an orbit, along the flow: 1 but for errors; otherwise 0 */
+    int unstable; /* multipliers not inside the unit circle (saltus_multipliers_unstable), or eigenvalues with
+                     a positive real part */
+    bool stable;  /* false at LP, PD, NS, BP and HB, where one is on it */
+    /* HB of equilibria: the first Lyapunov coefficient in Kuznetsov's normalisation (eigenvector of unit
+     * length); negative: the cycles born there are stable as far as the pair goes. NAN elsewhere. */
+    double lyapunov_coefficient;
     bool admissible; /* the event-driven flow closes on this orbit with this sequence of events */
     double residual; /* scaled, at the last evaluation; a Newton step from there ends in rounding */
     int iterations;  /* Newton steps */
     double log_volume, sum_rule; /* as in saltus_orbit */
-    double accuracy;     /* special points: bound on the error of value[0], from the last bracket, from what a
-                            flow of     ten times the tolerance finds, and from rounding */
-    double grazing_time; /* GR: of the touch, in periods from phase 0, in [0, periods); of several the worst;
-                            NAN elsewhere, and where no more is known than that the label changes */
+    double accuracy;     /* special points, and where returns to the section come or go: bound on the error of
+                            value[0], from the last bracket, from what a flow of ten times the tolerance finds,
+                            and from rounding; NAN or 0 elsewhere */
+    double grazing_time; /* BE: 0. GR: of the touch, in periods from phase 0, in [0, periods); of several the
+                            worst; NAN elsewhere, and where no more is known than that the label changes */
     double contact_force; /* in contact all the time ("held"): the smallest force of its contacts over the
                              orbit, as saltus_flow_forces has them (pipe: per modal mass, (n.f)/(n.n); masses:
                              in the units of F); zero where a contact lets go; NAN elsewhere */
-    int grazing_stop, grazing_side; /* GR: stop from 1, side +1 or -1; 0 where grazing_time is NAN */
-    char reason[SALTUS_REASON_MAX]; /* EP: why; GR, CH, ST: what changes */
+    int grazing_stop, grazing_side; /* GR, BE: stop from 1, side +1 or -1; 0 where grazing_time is NAN */
+    char reason[SALTUS_REASON_MAX]; /* EP: why; GR, CH, ST, BE: what changes; HB: which cycles are born */
 } saltus_branch_point;
 
 typedef struct saltus_branch_options {
@@ -95,18 +108,22 @@ typedef struct saltus_branch_options {
     char key[2][SALTUS_KEY_MAX]; /* continued parameters, as in --set; the second one for loci, else "" */
     double low[2], high[2];      /* their ranges */
     double step, step_max; /* first and largest step of arclength: the parameter in units of its range, the
-                              state in units of the system's scale */
-    int points;            /* at most, per branch, special points and its end among them */
-    int direction;         /* +1 up first and only, -1 down only, 0 both */
-    int switches; /* how often to switch branches: at flips and branch points, and at grazing to orbits of
-                     twice the period that graze in one half only; of loci, at points of codimension two to
-                     the other curves that meet there, each of which is followed once; 0 ... */
+                              state in units of the system's scale; default 0.005 and 0.02 */
+    int points;            /* at most, per branch, special points and its end among them; default 2000 */
+    int direction;         /* +1 up first and only, -1 down only, 0 both; default 0 */
+    int switches; /* how often to switch branches: at flips, branch points and Hopf points of equilibria,
+                     where an equilibrium meets a stop to the cycles with one impact that begin there, and at
+                     grazing to orbits of twice the period that graze in one half only; of loci, at points of
+                     codimension two to the other curves that meet there, each of which is followed once;
+                     default 0 */
     const double *values; /* where UZ points are wanted; caller's */
-    int value_count;
-    saltus_point_kind locus; /* LP, PD, NS, BP or GR: follow such points in both parameters; else REGULAR */
+    int value_count;      /* how many; default 0 */
+    /* LP, PD, NS, BP or GR, of equilibria LP, HB or BE: follow such points in both parameters; default
+     * REGULAR, a branch in one parameter. */
+    saltus_point_kind locus;
 } saltus_branch_options;
 
-/* step 0.005, step_max 0.02, 2000 points, both directions, no switching. */
+/* As told beside the options; those of the orbit are saltus_orbit_defaults. */
 saltus_branch_options saltus_branch_defaults(void);
 
 typedef struct saltus_branch saltus_branch;
@@ -115,7 +132,8 @@ typedef struct saltus_branch saltus_branch;
  * the first point of its kind is sought along key[0], then followed. Errors: SALTUS_BAD_INPUT (unknown key,
  * range that excludes the start, ...), those of saltus_orbit_find. With options->orbit.free_period the orbits
  * have periods of their own, from that of the specification (saltus_spec_set_omega) on; `periods` is not
- * needed then. */
+ * needed then. Without, and with periods = 0, the branch is one of equilibria, through that near `state`;
+ * where it is switched at a Hopf point the branches of cycles come after those of equilibria. */
 saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const double *state,
                                 const saltus_branch_options *options, saltus_branch **branch,
                                 saltus_message *message);

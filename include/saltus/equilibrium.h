@@ -8,11 +8,12 @@
 SALTUS_API_BEGIN
 
 typedef struct saltus_equilibrium_options {
-    int iterations;   /* Newton steps at most, for each set of contacts tried */
-    double tolerance; /* last Newton step relative to the system's scales at which it has converged */
+    int iterations;   /* Newton steps at most, for each set of contacts tried; default 50 */
+    double tolerance; /* last Newton step relative to the system's scales at which it has converged; default
+                         1e-12 */
 } saltus_equilibrium_options;
 
-/* 50 iterations, tolerance 1e-12. */
+/* As told beside the options. */
 saltus_equilibrium_options saltus_equilibrium_defaults(void);
 
 /* An eigenvalue of the linearised motion: perturbations go with exp((re + i im) t). */

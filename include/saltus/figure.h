@@ -11,19 +11,20 @@ SALTUS_API_BEGIN
  * caller's. */
 typedef struct saltus_figure_options {
     double width, height; /* on paper, in mm, with type of 8 points; height 0: chosen by the figure; width 0:
-                             a page for screens, 1600 x 1200 dots, in a PDF file 297 x 223 mm */
-    bool no_heading;      /* neither the heading nor the lines of parameters and method above the panels */
-    const char *title;    /* in place of the heading's own words; "": none; NULL: its own */
-    bool swap;            /* exchange the axes across and up the page (of what is drawn by saltus_plot, where
-                             it has two parameters or shows branches) */
+                             a page for screens, 1600 x 1200 dots, in a PDF file 297 x 223 mm; default 0, 0 */
+    bool no_heading;   /* neither the heading nor the lines of parameters and method above the panels; default
+                          false */
+    const char *title; /* in place of the heading's own words; "": none; NULL: its own; default NULL */
+    bool swap;         /* exchange the axes across and up the page (of what is drawn by saltus_plot, where
+                          it has two parameters or shows branches); default false */
     const char *const *logarithmic; /* keys of the axes that are logarithmic, parameters or "measure"; of what
                                        is drawn by saltus_plot */
-    int logarithmic_count;
+    int logarithmic_count;          /* default 0 */
     const char *script; /* keep gnuplot's script there, data included, as a file that ends in .gp and draws
-                           the figure again; NULL: not kept */
+                           the figure again; NULL: not kept; default NULL */
 } saltus_figure_options;
 
-/* The usual page: zeros. */
+/* As told beside the options. */
 saltus_figure_options saltus_figure_defaults(void);
 /* Whether a figure can be drawn so at a path, before a long computation: its ending is .png, .pdf or .svg,
  * its size from 30 to 2000 mm, its script's ending .gp. Nothing is written. Errors: SALTUS_BAD_INPUT. */
@@ -33,10 +34,10 @@ saltus_status saltus_figure_check(const char *path, const saltus_figure_options 
 /* How the estimate of the largest exponent converged: a figure (.png, .pdf, .svg) or its rows (.csv),
  * complete or not at all. `look` may be NULL, here and below: the defaults. Errors: SALTUS_BAD_INPUT for
  * another ending or an unsound size, SALTUS_IO. */
-saltus_status saltus_write_convergence(const saltus_scene *scene, const saltus_system *system,
-                                       const saltus_lyapunov_options *options,
+saltus_status saltus_write_convergence(const char *path, const saltus_scene *scene,
+                                       const saltus_system *system, const saltus_lyapunov_options *options,
                                        const saltus_lyapunov *lyapunov, const saltus_figure_options *look,
-                                       const char *path, saltus_message *message);
+                                       saltus_message *message);
 /* Whether the ending of a path is one of these and the file can be written, before a long computation.
  * Nothing is left behind. Errors: SALTUS_BAD_INPUT, SALTUS_IO. */
 saltus_status saltus_convergence_check(const char *path, saltus_message *message);
@@ -44,10 +45,10 @@ saltus_status saltus_convergence_check(const char *path, saltus_message *message
 /* As a table (.csv: all lines of whole orbits, all bins of a density) or a figure (.png, .pdf, .svg),
  * complete or not at all. Errors: SALTUS_BAD_INPUT for another ending, SALTUS_IO (file not writable; gnuplot
  * absent or failed). */
-saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_system *system,
-                                   const saltus_motion *motion, const saltus_spectra *spectra,
-                                   const saltus_flow_options *flow, const saltus_figure_options *look,
-                                   const char *path, saltus_message *message);
+saltus_status saltus_write_spectra(const char *path, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_flow_options *flow, const saltus_motion *motion,
+                                   const saltus_spectra *spectra, const saltus_figure_options *look,
+                                   saltus_message *message);
 
 /* What the page of a motion is made of; all the caller's. */
 typedef struct saltus_diagnosis {
@@ -63,19 +64,21 @@ typedef struct saltus_diagnosis {
  * caption. `path` ends in .png, .pdf or .svg. With `data` (a .h5 path, may be NULL) the record goes there
  * and, unless `look` names another place, gnuplot's script beside it, with the ending .gp. Errors:
  * SALTUS_BAD_INPUT, SALTUS_IO (gnuplot absent or failed, file not writable). */
-saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system *system,
-                                 const saltus_diagnosis *diagnosis, const saltus_flow_options *options,
-                                 const saltus_figure_options *look, const char *path, const char *data,
+saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, const saltus_system *system,
+                                 const saltus_flow_options *options, const saltus_diagnosis *diagnosis,
+                                 const saltus_figure_options *look, const char *data,
                                  saltus_message *message);
 
 /* What a bifurcation diagram shows of an orbit, up the page. */
 typedef enum saltus_show {
-    SALTUS_SHOW_AUTOMATIC,    /* impact speeds where there are impacts, otherwise displacements */
-    SALTUS_SHOW_SPEED,        /* of its fastest impact */
-    SALTUS_SHOW_IMPACTS,      /* of all of them */
+    SALTUS_SHOW_AUTOMATIC, /* impact speeds where there are impacts, otherwise displacements; without forcing
+                              amplitudes */
+    SALTUS_SHOW_SPEED,     /* of its fastest impact */
+    SALTUS_SHOW_IMPACTS,   /* of all of them */
     SALTUS_SHOW_DISPLACEMENT, /* observed displacement at phase 0 */
     SALTUS_SHOW_VELOCITY,     /* its rate */
-    SALTUS_SHOW_PERIOD
+    SALTUS_SHOW_PERIOD,
+    SALTUS_SHOW_AMPLITUDE /* largest and smallest observed displacement of an orbit, that of an equilibrium */
 } saltus_show;
 
 /* A part of an axis. */
@@ -108,8 +111,8 @@ saltus_plot_options saltus_plot_defaults(void);
  * .svg. A sweep file alone is drawn in its automatic view (saltus_plot_sweep). Errors: SALTUS_BAD_INPUT
  * (files that cannot be read, do not fit together or have no point in the range), SALTUS_IO (gnuplot absent
  * or failed, figure not writable), SALTUS_NO_MEMORY. */
-saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
-                          const char *figure, saltus_message *message);
+saltus_status saltus_plot(const char *figure, const char *const *paths, int count,
+                          const saltus_plot_options *options, saltus_message *message);
 
 /* What a figure of a sweep shows. */
 typedef enum saltus_view {
@@ -139,11 +142,11 @@ typedef struct saltus_sweep_view {
 } saltus_sweep_view;
 
 /* Draw a sweep file. Errors as saltus_plot. */
-saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view, const char *figure,
+saltus_status saltus_plot_sweep(const char *figure, const char *path, const saltus_sweep_view *view,
                                 saltus_message *message);
 /* Draw a recorded trajectory: phase portrait and time history, with points where a forcing period begins.
  * `look` may be NULL; its axes are neither swapped nor logarithmic. Errors as saltus_plot. */
-saltus_status saltus_plot_trajectory(const char *path, const saltus_figure_options *look, const char *figure,
+saltus_status saltus_plot_trajectory(const char *figure, const char *path, const saltus_figure_options *look,
                                      saltus_message *message);
 
 SALTUS_API_END

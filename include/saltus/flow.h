@@ -36,21 +36,22 @@ typedef enum saltus_integrator {
 } saltus_integrator;
 
 typedef struct saltus_flow_options {
-    double rtol; /* local error of a step relative to the state's norm; 1e-15 <= rtol <= 1e-3 */
-    double atol; /* the same, absolute, in displacements; 0 <= atol <= 1 */
-    saltus_integrator integrator;
-    int order;   /* Taylor order, 8 to 40; 0: chosen from rtol */
-    int columns; /* tangent vectors carried along, 0 to 256 */
+    double rtol; /* local error of a step relative to the state's norm, 1e-15 to 1e-3; default 1e-13 */
+    double atol; /* the same, absolute, in displacements, 0 to 1; default 1e-16 */
+    saltus_integrator integrator; /* default SALTUS_AUTOMATIC */
+    int order;   /* Taylor order, 8 to 40; default 0: chosen from rtol, lower where stability bounds the steps
+                  */
+    int columns; /* tangent vectors carried along, 0 to 256; default 0 */
     /* How many of them, the last ones, are parameter columns: derivatives of the state with respect to a
      * parameter at fixed phase, 0 to SALTUS_DIRECTIONS_MAX (saltus_flow_set_directions). */
-    int directions;
+    int directions; /* default 0 */
     /* Where it points to a number other than 0, which a signal handler or another thread may have put there,
      * no further step is made: the call under way returns SALTUS_INTERRUPTED, or what it has so far where its
      * description says so. NULL: nobody will ask to stop. */
-    const volatile sig_atomic_t *stop;
+    const volatile sig_atomic_t *stop; /* default NULL */
 } saltus_flow_options;
 
-/* rtol 1e-13, atol 1e-16, automatic integrator and order, no tangent vectors. */
+/* As told beside the options. */
 saltus_flow_options saltus_flow_defaults(void);
 
 typedef enum saltus_event_kind {

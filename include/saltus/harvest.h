@@ -9,20 +9,20 @@ SALTUS_API_BEGIN
 
 typedef struct saltus_harvest_options {
     saltus_flow_options flow; /* `columns` is ignored; `stop` ends the search with what there is */
-    int longest;              /* longest period sought, in forcing periods */
-    long long transient;      /* periods left out at the beginning */
-    long long periods;        /* periods searched for close returns */
-    double recurrence;        /* returns closer than this, relative to the system's scales, are candidates */
-    int tries;                /* candidates kept for each period, the closest ones */
-    int most;                 /* orbits at most */
-    double tolerance;         /* residual relative to the state's scale that an orbit may have */
-    const double *state;      /* initial state at phase 0; NULL: a random admissible one from `seed` */
-    unsigned long seed;
+    int longest;              /* longest period sought, in forcing periods; default 8 */
+    long long transient;      /* periods left out at the beginning; default 100 */
+    long long periods;        /* periods searched for close returns; default 5000 */
+    double recurrence;   /* returns closer than this, relative to the system's scales, are candidates; default
+                            0.1 */
+    int tries;           /* candidates kept for each period, the closest ones; default 40 */
+    int most;            /* orbits at most; default 1000 */
+    double tolerance;    /* residual relative to the state's scale that an orbit may have; default 1e-11 */
+    const double *state; /* initial state at phase 0; default NULL: a random admissible one from `seed` */
+    unsigned long seed;  /* default 1 */
     saltus_progress progress; /* share of the work, of 1 */
 } saltus_harvest_options;
 
-/* Flow defaults, periods up to 8, 100 periods left out, 5000 searched, recurrence 0.1, 40 tries, at most 1000
- * orbits, tolerance 1e-11, random state from seed 1. */
+/* As told beside the options. */
 saltus_harvest_options saltus_harvest_defaults(void);
 
 typedef struct saltus_harvest_orbit {

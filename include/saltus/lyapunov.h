@@ -13,24 +13,23 @@ SALTUS_API_BEGIN
 
 typedef struct saltus_lyapunov_options {
     saltus_flow_options flow; /* columns and directions are set by the method; `stop` ends the measurement
-                                 with what there is */
-    int exponents;            /* how many, the largest ones; 0: all */
-    int members;              /* trajectories that share the work, 1 to 64 */
-    long long transient;      /* periods before the measurement */
-    long long periods;        /* measured at most, by all trajectories together */
+                                 with what there is; rtol is 1e-10 and atol 1e-14 by default */
+    int exponents;            /* how many, the largest ones; 0: all; default 1 */
+    int members;              /* trajectories that share the work, 1 to 64; default 8 */
+    long long transient;      /* periods before the measurement; default 1000 */
+    long long periods;        /* measured at most, by all trajectories together; default 1e6 */
     double precision;         /* the measurement ends when the largest exponent's standard error is below
-                                 this part of it, or below 1e-6 per period */
+                                 this part of it, or below 1e-6 per period; default 0.01 */
     double interval;          /* periods between orthonormalisations: a whole number, or one divided by one;
-                                 0: chosen from the growth */
+                                 0: chosen from the growth; default 0 */
     unsigned long seed;       /* of the tangent vectors; other than 0 the initial state is disturbed too, by
-                                 1e-6 of the system's scales */
+                                 1e-6 of the system's scales; default 0 */
     /* Periods measured, 0 in the transient; the result's `history` and `history_count` are up to date when it
      * is shown. */
     saltus_progress progress;
 } saltus_lyapunov_options;
 
-/* rtol 1e-10, atol 1e-14, the largest exponent, 8 trajectories, transient 1000 periods, at most 1e6 measured,
- * precision 0.01, seed 0. */
+/* As told beside the options. */
 saltus_lyapunov_options saltus_lyapunov_defaults(void);
 
 /* The largest exponent as it was known after some time. */

@@ -3,6 +3,7 @@
 #ifndef SALTUS_MOTION_H
 #define SALTUS_MOTION_H
 
+#include "saltus/equilibrium.h"
 #include "saltus/lyapunov.h"
 #include "saltus/orbit.h"
 
@@ -43,19 +44,18 @@ typedef enum saltus_mirror {
 
 typedef struct saltus_classify_options {
     saltus_flow_options flow;
-    long long transient; /* periods to wait at most for the motion to settle */
+    long long transient; /* periods to wait at most for the motion to settle; default 20000 */
     long long measure;   /* periods at most over which the largest exponent is measured where no period is
-                            found, by 8 trajectories together; 0: such a motion is irregular */
+                            found, by 8 trajectories together; 0: such a motion is irregular; default 256000 */
     long long lifetime;  /* periods: chaos is asserted where its mean lifetime is at least this, with 95 %
-                            confidence; that takes three times as many periods without an escape */
-    int longest;         /* longest period tried, in forcing periods */
+                      confidence; that takes three times as many periods without an escape; default 10000 */
+    int longest;         /* longest period tried, in forcing periods; default 64 */
     /* Periods simulated until the motion has settled, then periods measured. From saltus_attractors_find:
      * initial states done, the one under way counted by the part of its longest time. */
     saltus_progress progress;
 } saltus_classify_options;
 
-/* Flow defaults, at most 20000 periods, at most 256000 to measure an exponent, lifetime 10000, longest period
- * 64. */
+/* As told beside the options. */
 saltus_classify_options saltus_classify_defaults(void);
 
 /* What the verdict on a motion without a period rests on. Numbers are NAN where they were not computed. */
@@ -89,7 +89,8 @@ typedef struct saltus_motion {
     saltus_verdict verdict;
     char label[32];         /* "4/4", "0/1", "chatter/2", "equilibrium", "held", "quasi-periodic", "chaotic",
                                "transient", "long-period", "irregular", "undecided" */
-    char reason[384];       /* motions without a period: what is known, what is lacking */
+    char reason[384];       /* motions without a period: what is known, what is lacking; of an orbit of a
+                               conservative scene that it is one of a continuum */
     int periods;            /* p, least period in forcing periods, without forcing in returns to the section;
                                0 if not periodic */
     double period;          /* least period in units of time; NAN if not periodic */
@@ -101,15 +102,19 @@ typedef struct saltus_motion {
     int face_count;
     int dimension;
     double *state;          /* at section phase 0: q, q', extra states; of an orbit without forcing at its
-                               highest maximum of the observed displacement */
+                               first section point: the highest of maxima, the fastest of impacts */
     double *section_states; /* periods x dimension: the orbit's stroboscopic points, without forcing its
-                               maxima */
+                               returns to the section (saltus_poincare) */
     saltus_event *events;   /* of one orbit, times from its start */
     int event_count;
     saltus_multiplier *multipliers; /* multiplier_count of them, by decreasing modulus */
     int multiplier_count;
     double trivial_multiplier; /* of an orbit without forcing that along the flow, which is none of the
                                   others: 1 but for errors; otherwise 0 */
+    /* Of a rest without forcing, by decreasing real part; with a contact held those of the motion that keeps
+     * it. NULL elsewhere, and where the rest is not isolated. */
+    saltus_eigenvalue *eigenvalues;
+    int eigenvalue_count;
     bool stable;
     double residual; /* of Newton's iteration, relative to the state's scale */
     int iterations;

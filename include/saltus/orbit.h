@@ -24,19 +24,19 @@ int saltus_multipliers_unstable(const saltus_multiplier *multipliers, int count)
 
 typedef struct saltus_orbit_options {
     saltus_flow_options flow; /* `columns` and `directions` are ignored */
-    double phase;             /* section phase, 0 <= phase < 1 */
-    int iterations;           /* Newton steps at most, of each formulation that is tried; >= 0 */
-    double tolerance;         /* residual relative to the state's scale at which Newton has converged */
+    double phase;             /* section phase, 0 <= phase < 1; default 0 */
+    int iterations;           /* Newton steps at most, of each formulation that is tried; >= 0; default 20 */
+    double tolerance; /* residual relative to the state's scale where Newton has converged; default 1e-12 */
     /* The period is an unknown: for scenes without forcing, whose orbits have periods of their own. It is
      * sought from `periods` times the system's. */
-    bool free_period;
-    int segments; /* shooting segments; 0: chosen from the growth of the tangent vectors */
+    bool free_period; /* default false */
+    int segments;     /* shooting segments; 0: chosen from the growth of the tangent vectors; default 0 */
     /* Called with each Newton step's residual and the formulation in use; may be NULL. */
     void (*history)(void *context, int iteration, double residual, const char *what);
     void *context;
 } saltus_orbit_options;
 
-/* Flow defaults, phase 0, 20 iterations, tolerance 1e-12, the period given, automatic segments. */
+/* As told beside the options. */
 saltus_orbit_options saltus_orbit_defaults(void);
 
 typedef struct saltus_orbit {

@@ -1,4 +1,5 @@
-/* Results as text, JSON, CSV and HDF5.
+/* Results as text, JSON, CSV and HDF5. Every writer, here and of figures, takes first where it writes to,
+ * then the scene and its system, options, the results, and how they are to look or came about.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_RECORD_H
 #define SALTUS_RECORD_H
@@ -64,9 +65,10 @@ typedef struct saltus_origin {
  * out like that of a branch: its head, the flow's options as attributes, the groups /trajectory (samples),
  * /events and /strobe (stroboscopic points); `origin` may be NULL. Errors: SALTUS_BAD_INPUT for another
  * ending, SALTUS_IO. */
-saltus_status saltus_write_trajectory(const saltus_trajectory *record, const saltus_scene *scene,
+saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scene,
                                       const saltus_system *system, const saltus_flow_options *options,
-                                      const saltus_origin *origin, const char *path, saltus_message *message);
+                                      const saltus_trajectory *record, const saltus_origin *origin,
+                                      saltus_message *message);
 
 /* What a file is, as its beginning tells. */
 typedef struct saltus_file_facts {
@@ -84,16 +86,18 @@ saltus_file_facts saltus_file_identify(const char *path);
 typedef struct saltus_start {
     saltus_spec spec; /* parameters and stops */
     int periods;      /* p of a periodic orbit; 0: it is another motion */
+    bool rests;       /* that is an equilibrium of a scene without forcing, known by its eigenvalues */
     bool own_period;  /* the scene is not forced: `spec` counts time by the orbit's period */
     int dimension;    /* of the state; 0: there is none, the scene's initial state leads to the motion */
     double state[SALTUS_SCENE_STATE_MAX]; /* at section phase 0 */
     char label[SALTUS_LABEL_MAX];         /* what the file calls the motion, such as "4/4" */
 } saltus_start;
 
-/* Read an orbit: a JSON object of classify, orbit or continue (`orbit.json`; `lines.json:12` takes line 12),
- * a point of a branch file (`branch.h5:12` takes row 12 counted from 1, `branch.h5:PD1` the first flip), or a
- * row of a sweep or of basins (`sweep.h5:12`, counted from 1 as saltus_sweep_file_csv writes them).
- * Errors: SALTUS_BAD_INPUT with a sentence that names the file and what is wrong with it, SALTUS_NO_MEMORY.
+/* Read an orbit or an equilibrium: a JSON object of classify, orbit or continue (`orbit.json`;
+ * `lines.json:12` takes line 12), a point of a branch file (`branch.h5:12` takes row 12 counted from 1,
+ * `branch.h5:PD1` the first flip), or a row of a sweep or of basins (`sweep.h5:12`, counted from 1 as
+ * saltus_write_sweep_csv writes them). Errors: SALTUS_BAD_INPUT with a sentence that names the file and what
+ * is wrong with it, SALTUS_NO_MEMORY.
  */
 saltus_status saltus_start_read(const char *source, saltus_start *start, saltus_message *message);
 /* Release what a start holds: the model, where it is one of equations. A zeroed start is accepted. */
@@ -118,9 +122,10 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
  *                     run goes on from (saltus_branch_save; empty once it is complete)
  *     /points         one row per point, in the order of computation: kind (enumeration regular, LP, ...),
  *                     branch, parent, step, arclength, value[2], heading, parameters[names],
- *                     stops[stop][xi, weight1, weight2, d, r], periods, impacts (-1: complete chatter),
- *                     sticking_intervals, motion, motion_after, reason, state, multipliers[k][re, im],
- *                     log_moduli, unstable, stable, admissible, residual, iterations, log_volume,
+ *                     stops[stop][xi, weight1, weight2, d, r], periods (0: an equilibrium), period, impacts
+ *                     (-1: complete chatter), sticking_intervals, motion, motion_after, reason, state,
+ *                     multipliers[k][re, im] (of equilibria eigenvalues), log_moduli, trivial_multiplier,
+ *                     lyapunov_coefficient, unstable, stable, admissible, residual, iterations, log_volume,
  *                     sum_rule, accuracy, event_first and event_count (its own rows of /events, from 0)
  *     /events         the orbits' events one after the other: kind, stop, side, time (in T, from phase
  *                     0), phase, velocity_before, velocity_after, displacement
@@ -266,13 +271,13 @@ typedef enum saltus_table {
 } saltus_table;
 /* One line per row or cloud point, the axes' values, pass and seed first. Complete or not at all. Errors:
  * SALTUS_BAD_INPUT where the file does not hold the table, SALTUS_IO. */
-saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table table, const char *path,
-                                    saltus_message *message);
+saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *file, saltus_table table,
+                                     saltus_message *message);
 
 /* A table of a branch ("points", "events") or a trajectory ("samples", "events", "strobe") as CSV, complete
  * or not at all; `name` NULL: the first. A row of several numbers has a column for each. Errors:
  * SALTUS_BAD_INPUT, SALTUS_IO, SALTUS_NO_MEMORY. */
-saltus_status saltus_file_csv(const char *path, const char *name, const char *to, saltus_message *message);
+saltus_status saltus_write_csv(const char *to, const char *path, const char *name, saltus_message *message);
 
 SALTUS_API_END
 #endif

@@ -37,6 +37,11 @@ void saltus_scene_clear(saltus_scene *scene);
  * of the initial state, and so do the names of a text (saltus_system_state_name); in a scene that gives none
  * the others stay those of the system's default state. The scene is unchanged on error. */
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message);
+/* Choose the section of a scene of equations without forcing, as its key `section` does: "maxima", "impact:
+ * 1, side: lower", "zero: x - 1, direction: up", with or without braces. Copies of the scene made before are
+ * good only as long as systems made of them are. The scene is unchanged on error. Errors: SALTUS_BAD_INPUT,
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_scene_set_section(saltus_scene *scene, const char *section, saltus_message *message);
 /* Where a scene's trajectory starts, at section phase 0, in the system that was built from its `spec`: the
  * scene's initial state, what it leaves open being that of saltus_system_default_state. `state` has length
  * saltus_system_dimension. Errors: SALTUS_BAD_INPUT where the scene's state has another number of entries, is

@@ -26,16 +26,18 @@ typedef struct saltus_series_points {
 } saltus_series_points;
 
 typedef struct saltus_series_options {
-    unsigned long seed;
-    double resolution; /* differences up to this, relative to the largest weighted value, are none */
-    int frequencies;   /* of the 0-1 test */
-    long long window;  /* points no farther apart in time than this are not compared; -1: chosen, three times
-                          the lag at which the autocorrelation has fallen to 1/e, at most a tenth of all */
-    long long pairs;   /* of points compared for the dimension, at most: all where they are no more than
-                          these, else drawn at random */
+    unsigned long seed; /* default 1 */
+    double resolution;  /* differences up to this, relative to the largest weighted value, are none; default
+                           1e-9 */
+    int frequencies;    /* of the 0-1 test; default 100 */
+    long long window;   /* points no farther apart in time than this are not compared; -1: chosen, three times
+                           the lag at which the autocorrelation has fallen to 1/e, at most a tenth of all;
+                           default -1 */
+    long long pairs;    /* of points compared for the dimension, at most: all where they are no more than
+                           these, else drawn at random; default 8 million, all of 4000 points */
 } saltus_series_options;
 
-/* Seed 1, resolution 1e-9, 100 frequencies, window chosen, 8 million pairs (all of 4000 points). */
+/* As told beside the options. */
 saltus_series_options saltus_series_defaults(void);
 
 /* The outcome of the 0-1 test. */

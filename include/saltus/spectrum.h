@@ -28,22 +28,23 @@ saltus_state_name saltus_quantity_name(const saltus_system *system, saltus_quant
 typedef struct saltus_spectrum_options {
     saltus_flow_options flow;
     saltus_quantity quantities[SALTUS_QUANTITIES_MAX];
-    int quantity_count;
+    int quantity_count; /* default 2, displacement and velocity of the observed coordinate */
     int per_period; /* samples a forcing period, a multiple of 4 from 16 to 65536; 0: as few as make `reach`
-                       trustworthy */
+                       trustworthy; default 0 */
     double reach; /* frequency up to which the spectra are wanted, where per_period is 0; 0: 32 for lines, 16
-                     for densities */
+                     for densities; default 0 */
     long long periods; /* to analyse; 0: 8 orbits (fewer where p is long), or 2048 periods of motion without
-                          period. Of periodic motion the whole orbits in it, 2 at least */
+                          period. Of periodic motion the whole orbits in it, 2 at least; default 0 */
     long long segment; /* length of Welch's segments in periods, then for periodic motion too; 0: a sixteenth
-                          of `periods`, and whole orbits where the motion is periodic */
-    double confidence; /* of the band, between 0 and 1 */
-    bool resting;      /* the system is at rest: what moves less than 1e-8 of the scale does not move */
-    bool anew;         /* start each orbit from the given state, for unstable orbits; otherwise run on */
+                          of `periods`, and whole orbits where the motion is periodic; default 0 */
+    double confidence; /* of the band, between 0 and 1; default 0.95 */
+    bool resting;      /* the system is at rest: what moves less than 1e-8 of the scale does not move; default
+                          false */
+    bool anew; /* start each orbit from the given state, for unstable orbits; otherwise run on; default
+                          false */
 } saltus_spectrum_options;
 
-/* Flow defaults, displacement and velocity of the observed coordinate, automatic lengths and
- * samples, confidence 0.95. */
+/* As told beside the options. */
 saltus_spectrum_options saltus_spectrum_defaults(void);
 
 /* The spectra of one motion. */

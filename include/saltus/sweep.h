@@ -54,28 +54,28 @@ enum {
 
 typedef struct saltus_sweep_options {
     saltus_flow_options flow; /* columns and directions are the sweep's own business; `stop` ends a run
-                                 with what has been taken so far */
-    unsigned keep;
-    unsigned passes; /* bits 1 << saltus_pass */
-    int seeds;       /* initial states per point; the first is the scene's own, the others are random */
-    unsigned long seed;
+                                 with what has been taken so far; rtol is 1e-10 and atol 1e-14 by default */
+    unsigned keep;            /* bits of what a row holds (SALTUS_KEEP_...); default 0 */
+    unsigned passes;          /* bits 1 << saltus_pass; default SALTUS_PASS_RESET alone */
+    int seeds; /* initial states per point; the first is the scene's own, the others are random; default 1 */
+    unsigned long seed; /* default 0 */
     /* Adaptive: a trajectory is recorded as soon as its least period is certain and the orbit is no farther
      * away than the larger of 1e-10 and 10 flow.rtol, relative to the system's scales; over one orbit, or
      * where none is certain after `transient` periods, over `record` of them. Otherwise `transient` periods
      * are run and `record` recorded whatever the motion. */
-    bool adaptive;
-    long long transient, record;
+    bool adaptive;               /* default true */
+    long long transient, record; /* default 2000 and 100 */
     long long measure;  /* with SALTUS_KEEP_LYAPUNOV: periods at most over which the exponent of a motion
-                           without a period is measured; 0: not at all */
+                           without a period is measured; 0: not at all; default 32000 */
     long long lifetime; /* periods: chaos is asserted where its mean lifetime is at least this, with 95 %
-                           confidence; three times as many must be measured, or the row is irregular */
-    int longest;        /* longest period looked for, 1 to 256 */
-    int lanes;          /* at most; 0: as many as the processor has */
-    int threads;        /* at most; 0: as many as there are cores */
+                           confidence; three times as many must be measured, or the row is irregular; default
+                           10000 */
+    int longest;        /* longest period looked for, 1 to 256; default 20 */
+    int lanes;          /* at most; 0: as many as the processor has; default 0 */
+    int threads;        /* at most; 0: as many as there are cores; default 0 */
 } saltus_sweep_options;
 
-/* rtol 1e-10, atol 1e-14; nothing kept, one pass from reset, one seed, adaptive with at most 2000 periods,
- * 100 recorded, 32000 measured, lifetime 10000, longest period 20, all lanes and threads. */
+/* As told beside the options. */
 saltus_sweep_options saltus_sweep_defaults(void);
 
 /* A sweep is made of a scene, its axes and its options, checked together; it is not changed by running. */
@@ -113,14 +113,14 @@ typedef struct saltus_sweep_row {
     int verdict;   /* saltus_verdict; quasi-periodic, chaotic, transient, long-period and undecided only with
                       SALTUS_KEEP_LYAPUNOV: a motion without a period is irregular otherwise */
     int impacts;   /* periodic: n per orbit, -1 where complete chatter makes it infinite; otherwise 0 */
-    int periods;   /* periodic: p */
+    int periods;   /* periodic: p, forcing periods or returns to the section */
     int sticking;  /* periodic: sticking intervals per orbit */
     int attractor; /* which of the distinct attractors met at this point in this pass, from 0 by seeds; all
                       chaotic motions of a point count as one, and so do all quasi-periodic, all unsettled
                       and all undecided ones; -1: failed */
-    long long settled;         /* periods until the verdict */
+    long long settled;         /* periods until the verdict; without forcing units of time */
     long long settled_impacts; /* impacts on the way */
-    long long recorded;        /* periods recorded */
+    long long recorded;        /* periods recorded; here and below returns to the section without forcing */
     double largest, smallest;  /* observed displacement; NAN where nothing was recorded */
     double rms;                /* its root mean square */
     double impact_rate;        /* impacts per forcing period, those simulated one by one */
@@ -131,6 +131,7 @@ typedef struct saltus_sweep_row {
     double lyapunov_error; /* its standard error; 0 where an orbit's multipliers give it */
     double lifetime_at_least; /* of chaos, in periods, with 95 % confidence; NAN where no positive exponent
                                  was measured */
+    double period;            /* periodic: of the orbit, in units of time; otherwise NAN */
 } saltus_sweep_row;
 
 /* A row of which nothing but the verdict is known: no attractor, numbers NAN. */

@@ -84,7 +84,7 @@ typedef struct saltus_stop {
     double xi;        /* position along the pipe, 0 < xi < 1 (pipe only) */
     double weight[2]; /* the coordinate that the stop limits (oscillator only) */
     double d;         /* clearance; negative is a pre-load, possible for a one-sided stop only */
-    double r;         /* coefficient of restitution, 0 <= r <= 1 */
+    double r;         /* coefficient of restitution, 0 <= r <= 1; its limit at small closing speeds */
     saltus_sides sides;
 } saltus_stop;
 
@@ -119,6 +119,8 @@ typedef enum saltus_stop_part {
     SALTUS_STOP_RESTITUTION
 } saltus_stop_part;
 const char *saltus_stop_text(const saltus_spec *spec, int stop, saltus_stop_part part);
+/* The expression of a restitution that depends on the closing speed, `speed`; NULL: r is a number. */
+const char *saltus_restitution_law(const saltus_spec *spec, int stop);
 
 /* The model's defaults without any stop. */
 saltus_spec saltus_spec_defaults(const saltus_model *model);
@@ -160,7 +162,7 @@ typedef struct saltus_face {
     int stop; /* index into the spec's stops */
     int side; /* +1 upper, -1 lower */
     double d; /* clearance */
-    double r; /* restitution */
+    double r; /* restitution; where it depends on the closing speed, its limit at 0 */
 } saltus_face;
 
 /* Check a specification and build a system from it.
@@ -206,6 +208,8 @@ bool saltus_system_forced(const saltus_system *system);
 bool saltus_system_mirror_symmetric(const saltus_system *system, bool *shift);
 int saltus_system_face_count(const saltus_system *system);
 saltus_face saltus_system_face(const saltus_system *system, int face);
+/* A face's restitution at a closing speed, which most do not depend on. */
+double saltus_system_restitution(const saltus_system *system, int face, double speed);
 /* Row vector n with g = n.q for a stop (length dof). */
 const double *saltus_system_stop_normal(const saltus_system *system, int stop);
 /* The inverse of the mass matrix, dof x dof: the metric of impacts. */
@@ -234,6 +238,25 @@ const char *saltus_system_observable_name(const saltus_system *system, int k);
 void saltus_system_observe(const saltus_system *system, const double *state, double phase, double *values);
 /* That displacement of a vector of displacements, or its rate of one of velocities (length dof). */
 double saltus_system_observed(const saltus_system *system, const double *vector);
+/* The Poincare section of a scene without forcing, whose returns an orbit's period is counted by. */
+typedef enum saltus_poincare_kind {
+    SALTUS_POINCARE_MAXIMA, /* maxima of the observed displacement, smooth or by an impact */
+    SALTUS_POINCARE_IMPACT, /* impacts on a stop */
+    SALTUS_POINCARE_ZERO    /* an expression passes through zero */
+} saltus_poincare_kind;
+
+typedef struct saltus_poincare {
+    saltus_poincare_kind kind;
+    int stop;         /* impact: from 0, ... */
+    int side;         /* ... 1 its upper face, -1 its lower one, 0 either */
+    int direction;    /* zero: 1 rising, -1 falling */
+    const char *text; /* zero: the expression as written; the model's */
+} saltus_poincare;
+
+/* What the model's text chooses under `section`; else the maxima. */
+saltus_poincare saltus_system_poincare(const saltus_system *system);
+/* The value of its expression, times its direction, at a state; NAN where it is none. */
+double saltus_system_poincare_value(const saltus_system *system, const double *state);
 /* A small admissible initial state for scenes that give none. Errors: SALTUS_BAD_INPUT when none could be
  * found (contradicting pre-loads). */
 saltus_status saltus_system_default_state(const saltus_system *system, double *state,
@@ -241,9 +264,12 @@ saltus_status saltus_system_default_state(const saltus_system *system, double *s
 /* Check that a state is finite and beyond no stop. `message` names the stop and the displacement. */
 saltus_status saltus_system_check_state(const saltus_system *system, const double *state,
                                         saltus_message *message);
-/* Trace of the Jacobian of the vector field at a state (model.md, section 1), for the sum rule of exponents.
- */
-double saltus_system_trace(const saltus_system *system, const double *state);
+/* Trace of the Jacobian of the vector field at a state and a phase of the forcing in [0, 1) (model.md,
+ * section 1), for the sum rule of exponents. NAN where it has no value, or no memory for many equations. */
+double saltus_system_trace(const saltus_system *system, const double *state, double phase);
+/* Whether a scene without forcing keeps volumes: the trace is zero and every stop has r = 1. Nothing attracts
+ * then, and orbits form continua. */
+bool saltus_system_conservative(const saltus_system *system);
 /* Bound on the decay rates of the system's linear part: how fast the fastest direction contracts. */
 double saltus_system_fastest_decay(const saltus_system *system);
 /* Displacement at position xi along the structure (0..1): eta(xi) of a pipe, the masses of an oscillator

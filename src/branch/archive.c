@@ -241,6 +241,11 @@ void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
     archive_survey(a, &s->survey);
 }
 
+void saltus_archive_orbits(saltus_archive *a, saltus_orbits *o) {
+    if (o->options.free_period)
+        saltus_archive_finite(a, &o->cocycle.wanted, 1);
+}
+
 void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
     saltus_sequence sequence = *saltus_shooting_sequence(shooting);
     saltus_message ignored;

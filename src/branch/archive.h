@@ -37,6 +37,8 @@ void saltus_archive_sequence(saltus_archive *archive, saltus_sequence *sequence)
 void saltus_archive_point(saltus_archive *archive, saltus_curve_point *point);
 /* A solution with its survey, as far as later steps may use it. */
 void saltus_archive_solution(saltus_archive *archive, saltus_solution *solution);
+/* What orbits of periods of their own have shown of those to come: nothing of others. */
+void saltus_archive_orbits(saltus_archive *archive, saltus_orbits *orbits);
 /* The sequence that a shooting has, which reading it takes on: marks belong to the segments that they were in
  * when it did, wherever they are now. */
 void saltus_archive_shape(saltus_archive *archive, saltus_shooting *shooting);

@@ -7,13 +7,17 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/progress.h"
 #include "branch/archive.h"
+#include "branch/boundary.h"
 #include "branch/change.h"
+#include "branch/ending.h"
+#include "branch/equilibria.h"
+#include "branch/hopf.h"
 #include "branch/locus.h"
 #include "branch/options.h"
 #include "branch/point.h"
 #include "branch/sequence.h"
 #include "branch/special.h"
-#include "orbit/maxima.h"
+#include "orbit/poincare.h"
 #include "orbit/returns.h"
 #include "orbit/sequence.h"
 
@@ -29,8 +33,9 @@ static const char enough_points[] = "as many points as asked for";
 
 /* What the next step of a run does. */
 typedef enum run_phase {
-    RUN_BEGIN, /* take up the next start */
-    RUN_FOLLOW /* go on along the branch under way */
+    RUN_BEGIN,  /* take up the next start */
+    RUN_FOLLOW, /* go on along the branch under way */
+    RUN_REST    /* go on along the branches of equilibria */
 } run_phase;
 
 /* The last places where impacts were born, one after the other. */
@@ -50,6 +55,8 @@ typedef struct trace {
     bool fresh; /* no step made since the branch was switched to */
     birth_run run;
     double first_value;
+    int returns;      /* of the last point, to the section of a scene without forcing; -1: not known, ... */
+    double counted;   /* ... and its value */
     saltus_lap first; /* section points of the orbit it began with */
     saltus_solution *here;
 } trace;
@@ -82,7 +89,8 @@ struct saltus_branch {
     int queue_count, queue_next, queue_room;
     saltus_branch_point given;
     long long given_count;
-    saltus_locus *locus; /* NULL: none is followed yet */
+    saltus_locus *locus;           /* NULL: none is followed yet */
+    saltus_equilibria *equilibria; /* branches of equilibria that come first; NULL: none, or all are done */
 };
 
 static saltus_status no_memory(saltus_message *message) {
@@ -146,8 +154,18 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
         status = saltus_branch_check(options, spec, message);
     if (status == SALTUS_OK)
         status = saltus_orbits_open(o, message);
+    const bool rests = periods == 0 && !options->orbit.free_period && status == SALTUS_OK &&
+                       !saltus_system_forced(o->system);
+    o->options.free_period |= rests;
+    const bool of_rests = options->locus == SALTUS_POINT_HB || options->locus == SALTUS_POINT_BE;
+    if (status == SALTUS_OK && of_rests && saltus_system_forced(o->system))
+        status =
+            saltus_fail(message, SALTUS_BAD_INPUT,
+                        "locus = %s: the scene is forced: it has no equilibria, which such points are of",
+                        saltus_point_word(options->locus));
     if (status == SALTUS_OK)
-        status = open_starts(b, periods, state, message);
+        status = rests ? saltus_equilibria_new(spec, options, state, &b->starts, &b->equilibria, message)
+                       : open_starts(b, periods, state, message);
     if (status != SALTUS_OK) {
         saltus_branch_free(b);
         return status;
@@ -181,6 +199,7 @@ void saltus_branch_free(saltus_branch *b) {
     for (int k = 0; k < 5; k++)
         saltus_solution_clear(&b->solutions[k]);
     saltus_locus_free(b->locus);
+    saltus_equilibria_free(b->equilibria);
     saltus_lap_close(&b->trace.first);
     saltus_orbits_close(&b->orbits);
     free(b);
@@ -249,6 +268,11 @@ static bool is_kept(saltus_point_kind kind) {
            kind == SALTUS_POINT_GR || kind == SALTUS_POINT_CH || kind == SALTUS_POINT_ST;
 }
 
+/* Whether the locus that was asked for has been begun. */
+static bool on_locus(const saltus_branch *b) {
+    return b->locus || b->equilibria;
+}
+
 /* What is to be said of a point beside what its solution tells. */
 typedef struct notice {
     saltus_point_kind kind;
@@ -259,6 +283,30 @@ typedef struct notice {
     bool change;                   /* of events: label and counts are those of `here` */
     const saltus_breach *grazing;  /* the touch at grazing; NULL: none is known */
 } notice;
+
+static void tell_returns(const saltus_branch *b, int returns, int before, double until, char *reason) {
+    snprintf(reason, SALTUS_REASON_MAX, "returns to the section: %d, were %d until %s = %.12g%s", returns,
+             before, b->options.key[0], until, returns ? "" : "; another section would count the orbit");
+}
+
+/* How often an orbit of a period of its own comes back to its section. One that does not meet it has the
+ * solution's own state in the place of a section point. */
+static int count_returns(const saltus_solution *s, int periods, const double *point, int n) {
+    return periods == 1 && memcmp(point, s->state, (size_t)n * sizeof *point) == 0 ? 0 : periods;
+}
+
+/* Orbits of a period of their own go on where they lose or gain a return to their section, a maximum, say:
+ * the first point behind says so, and since which value. */
+static void compare_returns(saltus_branch *b, const saltus_solution *s, saltus_branch_point *point) {
+    trace *t = &b->trace;
+    if (!(s->sequence.omega > 0) || !s->survey.walked)
+        return;
+    int returns = count_returns(s, point->periods, point->state, point->dimension);
+    if (t->returns >= 0 && returns != t->returns && !point->reason[0])
+        tell_returns(b, returns, t->returns, t->counted, point->reason);
+    t->returns = returns;
+    t->counted = point->value[0];
+}
 
 /* A surveyed solution goes into the queue. A branch ends with its point of kind EP; where it has been at a
  * special point before, and where there are enough points, it ends too. */
@@ -293,6 +341,7 @@ static saltus_status give(saltus_branch *b, const saltus_solution *s, notice wha
     snprintf(point->label_after, sizeof point->label_after, "%s", what.after ? what.after : "");
     snprintf(point->reason, sizeof point->reason, "%s%s", what.reason ? what.reason : "",
              what.addition ? what.addition : "");
+    compare_returns(b, s, point);
     if (is_kept(point->kind)) {
         int earlier = find_visited(b, point);
         if (earlier < 0)
@@ -309,7 +358,7 @@ static saltus_status give(saltus_branch *b, const saltus_solution *s, notice wha
         point->kind = SALTUS_POINT_EP;
         snprintf(point->reason, sizeof point->reason, "%s", enough_points);
     }
-    if (point->kind == SALTUS_POINT_GR && what.grazing)
+    if ((point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_BE) && what.grazing)
         saltus_point_mark_grazing(&b->orbits, what.grazing, point);
     if (point->kind == SALTUS_POINT_EP)
         b->phase = RUN_BEGIN;
@@ -337,6 +386,65 @@ static void swap(saltus_solution **a, saltus_solution **b) {
     *b = kept;
 }
 
+/* The returns of `trial`, as far along the step as that; -1 where it cannot be had. */
+static int returns_at(saltus_branch *b, double ahead) {
+    saltus_lap lap = {0};
+    saltus_message ignored;
+    saltus_status status = saltus_solution_visit(&b->orbits, b->trace.here, ahead, b->trial, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_orbits_noted(&b->orbits, saltus_cycle_around(&b->orbits, b->trial, &lap, &ignored));
+    int returns = status == SALTUS_OK ? count_returns(b->trial, lap.periods, lap.points, b->orbits.n) : -1;
+    saltus_lap_close(&lap);
+    return returns;
+}
+
+/* The returns, `before` on `here`, have become others on `next`, the last point given out: a point is put
+ * before it wherever one comes or goes, where the section's function has an extremum of zero. By the side on
+ * which the orbit meets it, as the isolation of zeros is sharp to rounding. */
+static saltus_status locate_returns(saltus_branch *b, int before, saltus_message *message) {
+    enum { halvings = 60 };
+    const double sharp = 1e-13;
+    const int last = b->queue_count - 1, after = b->trace.returns;
+    double low = 0;
+    saltus_status status = SALTUS_OK;
+    int count = returns_at(b, 0);
+    if (count != before)
+        return status;
+    while (status == SALTUS_OK && count != after && b->trace.made + 1 < b->options.points) {
+        double high = b->next->at.ahead;
+        int beyond = after;
+        for (int k = 0; k < halvings && high - low > sharp && beyond >= 0; k++) {
+            const double middle = 0.5 * (low + high);
+            const int found = returns_at(b, middle);
+            *(found == count ? &low : &high) = middle;
+            beyond = found == count ? beyond : found;
+        }
+        /* At its begin the step may have led over another change, which has been told. */
+        if (beyond < 0 || high < 1e-9 || returns_at(b, high) != beyond)
+            break;
+        const double error = b->orbits.options.flow.rtol + fabs(saltus_solution_heading(b->trial)) * sharp;
+        notice what = {.ahead = high, .accuracy = error * b->orbits.family.unit[0]};
+        char reason[SALTUS_REASON_MAX];
+        tell_returns(b, beyond, count, b->trial->value, reason);
+        what.reason = reason;
+        status = saltus_solution_survey(&b->orbits, b->trial, message);
+        b->trace.returns = beyond;
+        if (status == SALTUS_OK)
+            status = give(b, b->trial, what, message);
+        low = high;
+        count = beyond;
+    }
+    b->trace.returns = after;
+    if (count == after && status == SALTUS_OK)
+        b->queue[last].reason[0] = 0;
+    for (int k = last; k + 1 < b->queue_count; k++) {
+        saltus_branch_point point = b->queue[k];
+        b->queue[k] = b->queue[k + 1];
+        b->queue[k + 1] = point;
+    }
+    return status;
+}
+
 /* `next` becomes `here`, and a regular point where it is far enough from the last, or `must` be one. `bends`:
  * both have the same sequence. */
 static saltus_status accept(saltus_branch *b, bool bends, bool must, const char *reason,
@@ -346,8 +454,11 @@ static saltus_status accept(saltus_branch *b, bool bends, bool must, const char 
     int order[SALTUS_MARKS_MAX];
     double apart = t->arclength + b->next->at.ahead - t->shown;
     if (must || apart >= 0.02 * b->options.step_max || t->regular == 0) {
+        const int returns = t->returns;
         status = give(b, b->next, (notice){.ahead = b->next->at.ahead, .accuracy = NAN, .reason = reason},
                       message);
+        if (status == SALTUS_OK && bends && returns >= 0 && t->returns != returns && b->phase == RUN_FOLLOW)
+            status = locate_returns(b, returns, message);
         t->shown = t->arclength + b->next->at.ahead;
         t->regular++;
     }
@@ -357,7 +468,7 @@ static saltus_status accept(saltus_branch *b, bool bends, bool must, const char 
     if (bends)
         saltus_curve_bend(&b->next->at, &t->here->at);
     if (status == SALTUS_OK && b->phase == RUN_FOLLOW)
-        saltus_solution_reframe(&b->orbits, true, t->here, b->trial, order);
+        saltus_solution_reframe(&b->orbits, true, false, t->here, b->trial, order);
     return status;
 }
 
@@ -400,7 +511,13 @@ static saltus_status open_locus(saltus_branch *b, const saltus_solution *at, con
                                 saltus_message *message) {
     saltus_message why = {.text = ""};
     drop_queue(b);
-    saltus_status status = saltus_locus_new(&b->orbits.family.spec, &b->options, at, beyond, &b->locus, &why);
+    const saltus_spec *spec = &b->orbits.family.spec;
+    const saltus_sequence *s = &at->sequence;
+    saltus_status status =
+        b->options.locus == SALTUS_POINT_HB
+            ? saltus_equilibria_take_up(spec, &b->options, s->contacts, at->state, at->parameter[0],
+                                        s->omega / s->periods, &b->starts, &b->equilibria, &why)
+            : saltus_locus_new(spec, &b->options, at, beyond, &b->locus, &why);
     return status == SALTUS_OK
                ? status
                : saltus_fail(message, status, "no curve of %s points can be begun at %s = %.12g: %.200s",
@@ -425,6 +542,27 @@ static bool has_come_back(saltus_branch *b, const saltus_solution *s) {
     return back;
 }
 
+/* At a pitchfork the parameter turns back in the very place where the other branch crosses: of a fold and a
+ * branch point that cannot be told apart only the branch point is given. */
+static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *special) {
+    return ((last->kind == SALTUS_POINT_LP && special->kind == SALTUS_POINT_BP) ||
+            (last->kind == SALTUS_POINT_BP && special->kind == SALTUS_POINT_LP)) &&
+           isfinite(last->accuracy + special->accuracy) &&
+           fabs(last->value[0] - special->value) <= last->accuracy + special->accuracy;
+}
+
+/* That cycles shrink to an equilibrium: what is left of their distance, and their period. */
+static saltus_status tell_shrinking(saltus_branch *b, const saltus_solution *at, char *reason,
+                                    saltus_message *message) {
+    saltus_passed passed = {.found = false};
+    saltus_status status = saltus_cycle_passes(&b->orbits, at, &passed, message);
+    int length = snprintf(reason, SALTUS_REASON_MAX, "the orbit shrinks to an equilibrium: period %.9g",
+                          2 * M_PI * at->sequence.periods / at->sequence.omega);
+    if (passed.found)
+        snprintf(reason + length, SALTUS_REASON_MAX - (size_t)length, ", distance %.2g", passed.distance);
+    return status;
+}
+
 /* One special point of the step from `here` to `next`. */
 static saltus_status give_special(saltus_branch *b, saltus_special *special, saltus_message *message) {
     trace *t = &b->trace;
@@ -433,7 +571,8 @@ static saltus_status give_special(saltus_branch *b, saltus_special *special, sal
         saltus_special_visit(&b->orbits, t->here, b->next->at.ahead, special, b->trial, &is_one, message);
     if (status != SALTUS_OK || !is_one)
         return status;
-    if (b->options.locus && b->options.locus == special->kind && !special->end)
+    if (b->options.locus && b->options.locus == special->kind &&
+        (!special->end || special->kind == SALTUS_POINT_HB))
         return open_locus(b, b->trial, NULL, message);
     notice what = {.kind = special->kind,
                    .ahead = special->ahead,
@@ -452,9 +591,24 @@ static saltus_status give_special(saltus_branch *b, saltus_special *special, sal
         what.reason = "the branch is closed: it has come back";
         return give(b, b->trial, what, message);
     }
+    saltus_branch_point *last = b->queue_count ? &b->queue[b->queue_count - 1] : NULL;
+    if (last && is_pitchfork(last, special)) {
+        if (special->kind == SALTUS_POINT_LP)
+            return status;
+        saltus_branch_point_clear(last);
+        b->queue_count--;
+        t->made--;
+    }
     status = give(b, b->trial, what, message);
     if (status == SALTUS_OK && special->end && b->phase == RUN_FOLLOW) {
+        char reason[SALTUS_REASON_MAX];
         drop_starts(b, &b->queue[b->queue_count - 1]);
+        if (special->kind == SALTUS_POINT_HB) {
+            status = tell_shrinking(b, b->trial, reason, message);
+            what.reason = reason;
+        }
+        if (status != SALTUS_OK)
+            return status;
         what.kind = SALTUS_POINT_EP;
         return give(b, b->trial, what, message);
     }
@@ -474,7 +628,7 @@ static saltus_status give_specials(saltus_branch *b, saltus_message *message) {
     int count = saltus_special_find(&b->orbits, t->here, b->next, t->fresh, b->targets, b->target_kinds,
                                     targets, b->specials, b->trial);
     saltus_status status = SALTUS_OK;
-    for (int k = 0; k < count && status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus; k++)
+    for (int k = 0; k < count && status == SALTUS_OK && b->phase == RUN_FOLLOW && !on_locus(b); k++)
         status = give_special(b, &b->specials[k], message);
     return status;
 }
@@ -647,9 +801,9 @@ static saltus_status graze(saltus_branch *b, double accuracy, saltus_message *me
     swap(&b->next, &b->trial);
     t->step = fmax(b->next->at.ahead, 0.25 * t->step);
     status = give_specials(b, message);
-    if (status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus)
+    if (status == SALTUS_OK && b->phase == RUN_FOLLOW && !on_locus(b))
         status = accept(b, true, false, NULL, message);
-    return status == SALTUS_OK && b->phase == RUN_FOLLOW && !b->locus && t->run.count == run_length
+    return status == SALTUS_OK && b->phase == RUN_FOLLOW && !on_locus(b) && t->run.count == run_length
                ? complete_run(b, false, &completes, message)
                : status;
 }
@@ -686,6 +840,54 @@ static saltus_status settle(saltus_branch *b, saltus_message *message) {
     return accept(b, !retraced, !same, same ? NULL : "impacts in the tail of a long run come or go", message);
 }
 
+/* Where along a branch of cycles the period grows and the parameter stands still: *ended, and the branch ends
+ * at `at`, which tells how near it comes to an equilibrium. */
+static saltus_status end_at_saddle(saltus_branch *b, const saltus_solution *at, double ahead, bool *ended,
+                                   saltus_message *message) {
+    const double near = 1e-2, still = 1e-3;
+    const double stretching = fabs(at->at.tangent[at->at.unknowns - 2]);
+    saltus_passed passed = {.found = false};
+    char reason[SALTUS_REASON_MAX], where[64] = "; no equilibrium is near";
+    *ended = at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching;
+    if (!*ended)
+        return SALTUS_OK;
+    saltus_status status = saltus_cycle_passes(&b->orbits, at, &passed, message);
+    if (status != SALTUS_OK)
+        return status;
+    const bool meets = passed.found && passed.distance < near, saddle = passed.unstable && passed.stable;
+    if (meets)
+        snprintf(where, sizeof where, " at a distance of %.2g from %s%s", passed.distance,
+                 saddle ? "a saddle" : "an equilibrium", passed.contacts ? " on a stop" : "");
+    snprintf(reason, sizeof reason, "%sthe period grows without bound, here %.6g%s",
+             meets && saddle ? "homoclinic: " : "", 2 * M_PI * at->sequence.periods / at->sequence.omega,
+             where);
+    return end(b, at, ahead, reason, message);
+}
+
+/* Where cycles with impacts shrink to an equilibrium that touches a stop: *ended, and the branch ends there.
+ */
+static saltus_status end_at_boundary(saltus_branch *b, bool *ended, saltus_message *message) {
+    saltus_zero zero;
+    double value;
+    *ended = saltus_boundary_reach(&b->orbits, b->trace.here, b->next, b->trial, &zero, &value);
+    if (!*ended)
+        return saltus_shooting_shape(b->orbits.shooting, &b->trace.here->sequence, message);
+    notice what = {.kind = SALTUS_POINT_BE,
+                   .ahead = zero.ahead,
+                   .accuracy = zero.accuracy,
+                   .reason = "the orbit shrinks to an equilibrium on a stop",
+                   .value = value,
+                   .grazing = &b->trial->breaches[0]};
+    saltus_status status = saltus_solution_survey(&b->orbits, b->trial, message);
+    if (status == SALTUS_OK)
+        status = give(b, b->trial, what, message);
+    if (status != SALTUS_OK || b->phase != RUN_FOLLOW)
+        return status;
+    drop_starts(b, &b->queue[b->queue_count - 1]);
+    what.kind = SALTUS_POINT_EP;
+    return give(b, b->trial, what, message);
+}
+
 /* Whether the parameter does not change along the branch, but for rounding. */
 static bool is_vertical(const saltus_solution *s) {
     return fabs(saltus_solution_heading(s)) < 1e-10;
@@ -707,11 +909,28 @@ static double hidden_breach(saltus_branch *b) {
     return 0;
 }
 
+/* Whether a step has led to orbits that close, or are their own mirror images, after half of the period, from
+ * orbits that do not: the branch meets theirs, and the step was too long to see it turn back there. */
+static bool has_strayed(saltus_branch *b) {
+    const double closes = 1e-8, open = 1e-6;
+    const saltus_solution *here = b->trace.here, *next = b->next;
+    bool even = here->sequence.periods % 2 == 0;
+    if (here->sequence.count == 0)
+        return even && saltus_solution_half_distance(&b->orbits, next, false) < closes &&
+               saltus_solution_half_distance(&b->orbits, here, false) > open;
+    for (int mirrored = even ? 0 : 1; mirrored < 2; mirrored++)
+        if (saltus_sequence_repeats(&here->sequence, 2, mirrored) > open &&
+            saltus_sequence_repeats(&next->sequence, 2, mirrored) < closes)
+            return true;
+    return false;
+}
+
 /* One step along the branch under way. */
 static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_orbits *o = &b->orbits;
     trace *t = &b->trace;
     const saltus_curve_bound bound = {o->equations->count, b->range[0], b->range[1]};
+    const double step_least = 1e-5;
     saltus_zero breach = {.accuracy = NAN};
     saltus_message why = {.text = ""};
     int reached;
@@ -721,8 +940,25 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         status = saltus_solution_see(o, b->next, message);
     if (status == SALTUS_NO_MEMORY)
         return no_memory(message);
-    if (status != SALTUS_OK)
-        return leap(b, 2 * t->step, SALTUS_LEAP_LOST, why.text, message);
+    bool ended = false;
+    if (status != SALTUS_OK) {
+        status = end_at_saddle(b, t->here, 0, &ended, message);
+        return ended || status != SALTUS_OK ? status
+                                            : leap(b, 2 * t->step, SALTUS_LEAP_LOST, why.text, message);
+    }
+    if (has_strayed(b) && b->next->at.ahead > step_least) {
+        t->step = 0.5 * b->next->at.ahead;
+        return SALTUS_OK;
+    }
+    /* A touch in the very place where the orbit is cut open would not be seen. */
+    if (saltus_solution_base_beyond(o, b->next) && b->next->at.ahead > step_least) {
+        int order[SALTUS_MARKS_MAX];
+        t->step = 0.5 * b->next->at.ahead;
+        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+        if (status == SALTUS_OK)
+            saltus_solution_reframe(o, false, true, t->here, b->trial, order);
+        return status;
+    }
     bool breached = b->next->worst.value > 0;
     if (breached) {
         breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, b->next, b->trial);
@@ -740,6 +976,15 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (status != SALTUS_OK)
         return status;
     saltus_breach_kind kind = b->next->worst.kind;
+    if (saltus_boundary_is_near(t->here, b->next))
+        status = end_at_boundary(b, &ended, message);
+    if (ended || status != SALTUS_OK)
+        return status;
+    if (is_vertical(t->here) && is_vertical(b->next)) {
+        status = end_at_saddle(b, b->next, b->next->at.ahead, &ended, message);
+        if (ended || status != SALTUS_OK)
+            return status;
+    }
     if (is_vertical(t->here) && is_vertical(b->next))
         return end(b, b->next, b->next->at.ahead, "the orbits of one value of the parameter form a family",
                    message);
@@ -752,7 +997,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         return SALTUS_OK;
     }
     status = give_specials(b, message);
-    if (status != SALTUS_OK || b->phase != RUN_FOLLOW || b->locus)
+    if (status != SALTUS_OK || b->phase != RUN_FOLLOW || on_locus(b))
         return status;
     t->step = saltus_curve_next_step(t->step, b->next->at.iterations, b->options.step_max);
     if (reached >= 0)
@@ -817,6 +1062,7 @@ static saltus_status begin_at(saltus_branch *b, const saltus_branch_start *start
     saltus_message why = {.text = ""};
     int order[SALTUS_MARKS_MAX];
     *t = (trace){.number = b->starts.begun - 1,
+                 .returns = -1,
                  .parent = start->parent,
                  .depth = start->depth,
                  .step = b->options.step,
@@ -825,6 +1071,19 @@ static saltus_status begin_at(saltus_branch *b, const saltus_branch_start *start
                  .here = t->here};
     saltus_lap_close(&t->first);
     b->phase = RUN_FOLLOW;
+    if (start->origin == SALTUS_POINT_HB || start->origin == SALTUS_POINT_BE) {
+        saltus_status found = start->origin == SALTUS_POINT_HB
+                                  ? saltus_hopf_begin(o, start, t->here, &why)
+                                  : saltus_boundary_begin(o, start, t->here, &why);
+        if (found == SALTUS_OK)
+            found = saltus_solution_survey(o, t->here, &why);
+        if (found == SALTUS_OK)
+            found = give_first(b, start, message);
+        if (found == SALTUS_OK)
+            return keep_first(b, message);
+        b->phase = RUN_BEGIN;
+        return found == SALTUS_NO_MEMORY ? no_memory(message) : give_up(b, start, why.text, message);
+    }
     if (start->grazes) {
         bool found =
             saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here, b->next);
@@ -851,7 +1110,7 @@ static saltus_status begin_at(saltus_branch *b, const saltus_branch_start *start
     if (status == SALTUS_OK)
         status = keep_first(b, message);
     if (status == SALTUS_OK && !start->tangent)
-        saltus_solution_reframe(o, true, t->here, b->trial, order);
+        saltus_solution_reframe(o, true, false, t->here, b->trial, order);
     return status;
 }
 
@@ -873,6 +1132,21 @@ static saltus_status advance_locus(saltus_branch *b, saltus_message *message) {
     return status;
 }
 
+/* One more point of the equilibria; once all are done the cycles that have left them follow. */
+static saltus_status advance_equilibria(saltus_branch *b, saltus_message *message) {
+    bool more;
+    saltus_branch_point *point = queue_place(b, message);
+    if (!point)
+        return SALTUS_NO_MEMORY;
+    saltus_status status = saltus_equilibria_step(b->equilibria, point, &more, message);
+    b->queue_count += status == SALTUS_OK && more;
+    if (status == SALTUS_OK && !more && !b->options.locus) {
+        saltus_equilibria_free(b->equilibria);
+        b->equilibria = NULL;
+    }
+    return status;
+}
+
 saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **point,
                                  saltus_message *message) {
     saltus_status status = SALTUS_OK;
@@ -885,6 +1159,10 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
         if (b->locus) {
             status = advance_locus(b, message);
             if (status == SALTUS_OK && b->queue_count == 0)
+                return status;
+        } else if (b->equilibria) {
+            status = advance_equilibria(b, message);
+            if (status == SALTUS_OK && b->queue_count == 0 && b->options.locus)
                 return status;
         } else if (b->phase == RUN_FOLLOW) {
             status = advance(b, message);
@@ -900,7 +1178,7 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
         if (b->orbits.starved)
             return no_memory(message);
         /* While the first point of a locus is sought, the points on the way are not wanted. */
-        if (b->options.locus && !b->locus)
+        if (b->options.locus && !on_locus(b))
             drop_queue(b);
     }
     if (status != SALTUS_OK)
@@ -929,7 +1207,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
     /* The first number is the version of what follows. */
-    const double own[] = {3,         a->n,         a->faces,    o->low[0],     o->high[0],
+    const double own[] = {4,         a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
     bool same = archive_same(a, own, sizeof own / sizeof own[0]);
@@ -974,6 +1252,8 @@ static void archive_trace(saltus_branch *b, saltus_archive *a) {
     t->run.count = (int)saltus_archive_whole(a, t->run.count, 0, run_length);
     saltus_archive_finite(a, t->run.place, (size_t)t->run.count);
     saltus_archive_finite(a, &t->first_value, 1);
+    t->returns = (int)saltus_archive_whole(a, t->returns, -1, INT_MAX);
+    saltus_archive_finite(a, &t->counted, 1);
     size_t periods = first->points ? (size_t)first->periods : 0;
     periods = saltus_archive_length(a, periods, (size_t)a->n);
     if (a->reading && a->sound && periods && !saltus_lap_reserve(first, (int)periods, a->n))
@@ -997,9 +1277,22 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
     if (saltus_archive_flag(a, b->locus != NULL)) {
         status = saltus_locus_archive(&b->orbits.family.spec, &b->options, &b->locus, a, message);
     } else {
-        b->phase = (run_phase)saltus_archive_whole(a, b->phase, RUN_BEGIN, RUN_FOLLOW);
+        b->phase =
+            (run_phase)saltus_archive_whole(a, b->equilibria ? RUN_REST : b->phase, RUN_BEGIN, RUN_REST);
         saltus_archive_starts(a, &b->starts);
-        archive_visited(b, a);
+        saltus_archive_orbits(a, &b->orbits);
+        if (b->phase == RUN_REST && !b->equilibria)
+            status = saltus_equilibria_new(&b->orbits.family.spec, &b->options, NULL, &b->starts,
+                                           &b->equilibria, message);
+        if (b->phase == RUN_REST) {
+            if (status == SALTUS_OK)
+                status = saltus_equilibria_archive(b->equilibria, a, message);
+            b->phase = RUN_BEGIN;
+        } else {
+            saltus_equilibria_free(b->equilibria);
+            b->equilibria = NULL;
+            archive_visited(b, a);
+        }
         if (b->phase == RUN_FOLLOW)
             archive_trace(b, a);
     }
@@ -1013,7 +1306,8 @@ saltus_status saltus_branch_save(saltus_branch *b, double **state, int *count, s
     saltus_archive archive = {.reading = false};
     *state = NULL;
     *count = 0;
-    if (b->queue_next < b->queue_count || (b->locus && !saltus_locus_rests(b->locus)))
+    if (b->queue_next < b->queue_count || (b->locus && !saltus_locus_rests(b->locus)) ||
+        (b->equilibria && !saltus_equilibria_rests(b->equilibria)))
         return SALTUS_OK;
     saltus_status status = archive_run(b, &archive, message);
     if (status != SALTUS_OK) {

@@ -17,6 +17,55 @@ static bool leads_on(saltus_orbits *o, const saltus_solution *here, double ahead
            saltus_solution_survey(o, next, &ignored) == SALTUS_OK && next->survey.follows;
 }
 
+/* The speeds of two impacts at a place of the curve aside of a solution. False where they cannot be had. */
+static bool speeds_aside(saltus_orbits *o, const saltus_solution *s, const double *way, double by,
+                         const int *marks, double *u, double *speeds) {
+    saltus_message ignored;
+    int count;
+    for (int j = 0; j < s->at.unknowns; j++)
+        u[j] = s->at.u[j] + by * way[j];
+    if (saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, u, &ignored)) != SALTUS_OK)
+        return false;
+    const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &count);
+    for (int k = 0; k < count; k++)
+        for (int i = 0; i < 2; i++)
+            if (breaches[k].kind == SALTUS_BREACH_SPEED && breaches[k].mark == marks[i])
+                speeds[i] = -breaches[k].value / by;
+    return true;
+}
+
+/* Where two impacts are born at once on an orbit that forgets when they are, as that of a planar flow does,
+ * each of them may come without the other: the equations have a null plane. The curve that is followed leaves
+ * along the vector by which both become equally fast. */
+static void leave_alike(saltus_orbits *o, saltus_solution *s) {
+    const double still = 1e-9, nothing = 1e-8, apart = 1e-6;
+    const size_t m = (size_t)s->at.unknowns;
+    int marks[2] = {0}, count = 0;
+    double values[2], speeds[2][2], length = 0, *plane = NULL;
+    saltus_message ignored;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(s->breaches[k].value) < still && count++ < 2)
+            marks[count - 1] = s->breaches[k].mark;
+    if (count != 2 ||
+        saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, s->at.u, &ignored)) != SALTUS_OK)
+        return;
+    plane = calloc(3 * m, sizeof *plane);
+    saltus_status status =
+        plane ? saltus_null_plane(o->equations, plane, values, &ignored) : SALTUS_NO_MEMORY;
+    bool found = saltus_orbits_noted(o, status) == SALTUS_OK && fabs(values[1]) < nothing;
+    for (int k = 0; k < 2 && found; k++)
+        found = speeds_aside(o, s, plane + (size_t)k * m, apart, marks, plane + 2 * m, speeds[k]);
+    const double share[2] = {found ? speeds[1][1] - speeds[1][0] : 0,
+                             found ? speeds[0][0] - speeds[0][1] : 0};
+    for (size_t j = 0; j < m && found; j++) {
+        plane[2 * m + j] = share[0] * plane[j] + share[1] * plane[m + j];
+        length = hypot(length, plane[2 * m + j]);
+    }
+    for (size_t j = 0; j < m && length > 0; j++)
+        s->at.tangent[j] = plane[2 * m + j] / length;
+    free(plane);
+}
+
 bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const double *parameters,
                         const double *state, const double *old, saltus_solution *here,
                         saltus_solution *next) {
@@ -26,6 +75,7 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
         return false;
     if (old)
         saltus_curve_align(&here->at, old);
+    leave_alike(o, here);
     for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
         for (int way = 0; way < 2; way++) {
             if (leads_on(o, here, ahead[k], next))
@@ -58,6 +108,7 @@ static int pick_change(const saltus_solution *at, saltus_breach *picked) {
 saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message) {
+    const double still = 1e-7;
     int order[SALTUS_MARKS_MAX];
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
     *change = (saltus_change){.kind = SALTUS_POINT_GR};
@@ -75,7 +126,10 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
     if (saltus_change_pass(o, beyond, at->parameter, at->state, old, here, next)) {
         memcpy(change->after, next->survey.label, sizeof change->after);
-        change->turns_back = saltus_solution_heading(at) * saltus_solution_heading(here) < 0;
+        /* An orbit that forgets all perturbations leaves with the parameter standing still. */
+        double onward = fabs(saltus_solution_heading(here)) > still ? saltus_solution_heading(here)
+                                                                    : next->parameter[0] - at->parameter[0];
+        change->turns_back = saltus_solution_heading(at) * onward < 0;
         change->distance = next->at.ahead;
     } else {
         change->kind = SALTUS_POINT_EP;
@@ -181,26 +235,46 @@ static bool is_held(const saltus_survey *survey) {
     return survey->walked && saltus_lap_held(&survey->lap);
 }
 
-/* The speed of the slowest impact, INFINITY without any. */
-static double slowest(const saltus_survey *survey) {
-    double speed = INFINITY;
-    for (int k = 0; k < survey->lap.event_count; k++)
-        if (survey->lap.events[k].kind == SALTUS_IMPACT)
-            speed = fmin(speed, fabs(survey->lap.events[k].velocity_before));
-    return speed;
+/* The speed of the last impact of the run of ever slower ones on a face that goes on at a time of an orbit of
+ * so many periods. */
+static double last_speed(const saltus_survey *survey, int periods, int face, double time) {
+    const saltus_event *last = NULL, *event;
+    double since, shortest = INFINITY;
+    for (int k = 0; k < survey->lap.event_count; k++) {
+        event = &survey->lap.events[k];
+        since = time - saltus_time_periods(event->time);
+        since -= periods * floor(since / periods);
+        if (event->kind == SALTUS_IMPACT && event->face == face && since < shortest) {
+            shortest = since;
+            last = event;
+        }
+    }
+    for (event = last; event && event < survey->lap.events + survey->lap.event_count; event++)
+        if (event->kind == SALTUS_IMPACT && event->face == face) {
+            if (fabs(event->velocity_before) > fabs(last->velocity_before))
+                break;
+            last = event;
+        }
+    return last ? fabs(last->velocity_before) : INFINITY;
 }
 
-/* Whether the branch of `here`, at which many impacts have just taken the place of complete chatter, leads on
- * along its tangent to where the last of them dies, which the parameter's way does not tell as such a branch
- * folds time and again, or back into chatter. */
-static bool leads_away(saltus_orbits *o, const saltus_solution *here, double distance,
-                       saltus_solution *scratch) {
+/* Whether the branch of `here`, at which many impacts have just taken the place of complete chatter at `at`,
+ * leads on along its tangent to where the last of them dies, which the parameter's way does not tell as such
+ * a branch folds time and again, or back into chatter. */
+static bool leads_away(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
+                       double distance, saltus_solution *scratch) {
     saltus_message ignored;
+    if (at->worst.kind != SALTUS_BREACH_HOLD)
+        return true;
+    const double ahead = fmax(0.01 * distance, 1e-6);
+    const double time = at->worst.time;
+    const int periods = at->sequence.periods, face = at->worst.face;
+    double speed = last_speed(&here->survey, periods, face, time);
     for (int way = 1; way >= -1; way -= 2)
-        if (saltus_solution_visit(o, here, way * 0.01 * distance, scratch, &ignored) == SALTUS_OK &&
+        if (saltus_solution_visit(o, here, way * ahead, scratch, &ignored) == SALTUS_OK &&
             saltus_solution_walk(o, scratch, &ignored) == SALTUS_OK &&
             scratch->survey.impacts == here->survey.impacts)
-            return way * (slowest(&scratch->survey) - slowest(&here->survey)) <= 0;
+            return way * (last_speed(&scratch->survey, periods, face, time) - speed) <= 0;
     return true;
 }
 
@@ -209,86 +283,145 @@ static bool leads_away(saltus_orbits *o, const saltus_solution *here, double dis
  * parameter. */
 static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
                       double distance, double apart, saltus_solution *end, double *accuracy) {
+    const double touches = -1e-9;
     double slope_here = fabs(saltus_solution_heading(here));
     double back = 2 * distance / fmax(slope_here, 1e-3);
     double width = bracket(o, here, -back, &here->survey, end);
     *accuracy = (width + beyond_contact(here, end, end->at.ahead)) * slope(o, end);
-    return width < back && end->at.ahead > -0.99 * back && fabs(end->parameter[0] - at->parameter[0]) < apart;
+    bool grazes = end->worst.value > touches &&
+                  (end->worst.kind == SALTUS_BREACH_GAP || end->worst.kind == SALTUS_BREACH_SPEED);
+    return width < back && end->at.ahead > -0.99 * back && !grazes &&
+           fabs(end->parameter[0] - at->parameter[0]) < apart;
 }
 
 /* So far beyond the last grazing of a run, at which impacts are slow to rounding, chatter may complete. */
 static const double rest_of_run = 1e-6;
 
-/* The branch of `here`, beyond the change at `at`, heads away from that. Where it is told better from beyond
- * goes to the change. */
-static void head_on(saltus_orbits *o, const saltus_solution *at, double heading, saltus_leap leap,
-                    saltus_solution *here, saltus_solution *scratch, saltus_change *change) {
+/* Whether an orbit near where chatter completes is easy to follow: no impact is left to the flow, nor so slow
+ * that rounding tells. */
+static bool is_easy(const saltus_solution *s) {
+    const double slow = 1e-6; /* beside the fastest */
+    double slowest = INFINITY, fastest = 0;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED) {
+            slowest = fmin(slowest, -s->breaches[k].value);
+            fastest = fmax(fastest, -s->breaches[k].value);
+        }
+    return !saltus_sequence_has_tail(&s->sequence) && slowest > slow * fastest;
+}
+
+/* How far an orbit that was hit upon beyond a change is one that the branch goes on with. */
+typedef enum belonging {
+    BELONGS_NOT,  /* it is another branch's */
+    BELONGS_ELSE, /* none better is found */
+    BELONGS
+} belonging;
+
+/* The branch of `here`, hit upon beyond the change at `at`, heads away from that. Where the change is told
+ * better from beyond goes to it. */
+static belonging head_on(saltus_orbits *o, const saltus_solution *at, double heading, saltus_leap leap,
+                         saltus_solution *here, saltus_solution *scratch, saltus_change *change) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
-    saltus_solution_head(here, heading);
     double accuracy;
+    saltus_solution_head(here, heading);
     /* Flights that shrink to nothing end among the flow's tolerances; the force of a contact has a sharp
      * zero. */
-    if (is_held(after) &&
-        begins_at(o, at, here, change->distance, 0.1 * change->distance, scratch, &accuracy)) {
+    if (is_held(after)) {
+        if (!begins_at(o, at, here, change->distance, 0.1 * change->distance, scratch, &accuracy))
+            return BELONGS_ELSE;
         change->value = scratch->value;
         change->accuracy = accuracy;
+        return BELONGS;
     }
-    if (before->impacts < 0 && after->impacts > 0 && !leads_away(o, here, change->distance, scratch))
-        saltus_curve_turn(&here->at);
-    if (is_held(before) || before->impacts < 0)
-        return;
+    /* Near where chatter completes there are orbits with any number of impacts. */
+    if (change->kind == SALTUS_POINT_CH && before->impacts < 0) {
+        if (!leads_away(o, at, here, change->distance, scratch))
+            saltus_curve_turn(&here->at);
+        return after->follows && is_easy(here) ? BELONGS : BELONGS_ELSE;
+    }
+    if (is_held(before))
+        return after->follows ? BELONGS : BELONGS_ELSE;
     /* From beyond chatter that completes is told sharper. Where the curve was lost, and what was found does
      * not begin there, an orbit of another branch was hit upon. */
     double close = leap == SALTUS_LEAP_RUN ? rest_of_run : 0.01 * change->distance;
     double apart = after->impacts < 0 ? close : 1e-7;
     bool begins = begins_at(o, at, here, change->distance, apart, scratch, &accuracy);
-    if (begins && after->impacts < 0) {
+    if (begins && before->impacts >= 0 && after->impacts < 0) {
         change->value = scratch->value;
         change->accuracy = accuracy;
-    } else if (!begins && leap != SALTUS_LEAP_EVENTS && change->kind != SALTUS_POINT_REGULAR) {
-        change->kind = SALTUS_POINT_EP;
-        change->after[0] = 0;
     }
+    if (after->follows && (begins || change->kind == SALTUS_POINT_REGULAR))
+        return BELONGS;
+    bool told = leap == SALTUS_LEAP_EVENTS && before->impacts >= 0;
+    return begins || told || change->kind == SALTUS_POINT_REGULAR ? BELONGS_ELSE : BELONGS_NOT;
+}
+
+/* Whether the contact after complete chatter has shrunk to nothing. */
+static bool ceases_to_complete(const saltus_solution *at) {
+    const double nothing = 1e-5; /* periods */
+    return at->survey.impacts < 0 && at->worst.kind == SALTUS_BREACH_HOLD && at->worst.value > -nothing;
+}
+
+/* What changes between `at` and `here`. */
+static saltus_change compare(const saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
+                             double width, const char *why, const saltus_solution *here) {
+    const saltus_survey *before = &at->survey, *after = &here->survey;
+    saltus_change change = {.reason = why, .accuracy = width * slope(o, at)};
+    memcpy(change.after, after->label, sizeof change.after);
+    if (is_held(before) != is_held(after))
+        change.reason = is_held(after) ? "a contact becomes permanent" : "a contact lets go";
+    bool completes = (before->impacts < 0) != (after->impacts < 0);
+    bool ceases = ceases_to_complete(at) && after->sticking_intervals < before->sticking_intervals;
+    change.kind = completes || ceases                                       ? SALTUS_POINT_CH
+                  : before->sticking_intervals != after->sticking_intervals ? SALTUS_POINT_ST
+                  : before->impacts != after->impacts                       ? SALTUS_POINT_GR
+                                                                            : SALTUS_POINT_REGULAR;
+    if (change.kind == SALTUS_POINT_CH)
+        change.accuracy += beyond_contact(from, at, at->at.ahead) * slope(o, at);
+    return change;
 }
 
 saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead,
                                  saltus_leap leap, const char *why, const double range[2],
                                  saltus_solution *at, saltus_solution *here, saltus_solution *scratch,
                                  saltus_change *change, saltus_message *message) {
-    static const double reach[] = {1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
+    static const double reach[] = {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
+    enum { reaches = sizeof reach / sizeof reach[0], wide = 2 };
     double width = bracket(o, from, ahead, from->survey.walked ? &from->survey : NULL, at);
     double heading = saltus_solution_heading(at);
     *change = (saltus_change){.kind = SALTUS_POINT_EP, .reason = why, .accuracy = NAN};
     if (isnan(width))
         return SALTUS_OK;
+    if (ceases_to_complete(at))
+        change->reason = why = "chatter ceases to complete: the contact after it shrinks to nothing";
     change->accuracy = width * slope(o, at);
     double *state = calloc((size_t)o->n, sizeof *state), border = range[heading > 0];
     if (!state)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     change->at_border =
         fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, state, here);
-    bool found = false;
-    for (size_t k = 0; k < sizeof reach / sizeof reach[0] && !found && !change->at_border; k++) {
-        double parameter = at->parameter[0] + copysign(reach[k], heading);
-        if (parameter < range[0] || parameter > range[1])
+    /* Where chatter completes changes follow one another closely; where grazings do, the parameter turns back
+     * time and again. The last try is the first one at which nothing better than else was found. */
+    bool near = leap == SALTUS_LEAP_RUN || (at->survey.impacts < 0 && !is_held(&at->survey));
+    int tries = change->at_border ? 0 : 2 * reaches, other = -1;
+    for (int k = near ? 0 : 2 * wide; k < tries + (other >= 0); k++) {
+        int own = k < tries ? k : other;
+        double distance = reach[own / 2], way = own % 2 ? -heading : heading;
+        double parameter = at->parameter[0] + copysign(distance, way);
+        if ((own % 2 && leap != SALTUS_LEAP_RUN) || parameter < range[0] || parameter > range[1] ||
+            !shoot_ahead(o, at, parameter, state, here))
+            continue;
+        saltus_change found = compare(o, from, at, width, why, here);
+        found.distance = distance;
+        belonging belongs = head_on(o, at, way, leap, here, scratch, &found);
+        if (belongs == BELONGS || k == tries) {
+            *change = found;
             break;
-        found = shoot_ahead(o, at, parameter, state, here);
-        change->distance = reach[k];
+        }
+        if (belongs == BELONGS_ELSE && other < 0 && distance >= reach[wide])
+            other = own;
     }
     free(state);
-    if (!found)
-        return SALTUS_OK;
-    const saltus_survey *before = &at->survey, *after = &here->survey;
-    memcpy(change->after, after->label, sizeof change->after);
-    if (is_held(before) != is_held(after))
-        change->reason = is_held(after) ? "a contact becomes permanent" : "a contact lets go";
-    change->kind = (before->impacts < 0) != (after->impacts < 0)             ? SALTUS_POINT_CH
-                   : before->sticking_intervals != after->sticking_intervals ? SALTUS_POINT_ST
-                   : before->impacts != after->impacts                       ? SALTUS_POINT_GR
-                                                                             : SALTUS_POINT_REGULAR;
-    if (change->kind == SALTUS_POINT_CH)
-        change->accuracy += beyond_contact(from, at, at->at.ahead) * slope(o, at);
-    head_on(o, at, heading, leap, here, scratch, change);
     return SALTUS_OK;
 }
 
@@ -307,9 +440,11 @@ static double find_vanishing(saltus_orbits *o, const saltus_solution *here, doub
         if (isnan(width) || (at->at.ahead == 0 && !vanishes))
             return NAN;
         *ahead += at->at.ahead;
+        if (at->at.ahead < -0.99 * back)
+            back *= 4;
         /* The last part may have ended for want of a tangent there, too. */
         if (vanishes && fabs(at->at.ahead) < still)
-            return at->survey.impacts < 0 ? width : NAN;
+            return same_contacts(&at->survey, &here->survey) ? width : NAN;
         saltus_solution reached = *at;
         *at = *scratch;
         *scratch = reached;
@@ -330,11 +465,12 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
         double parameter = at->parameter[0], before = at->worst.value;
         double back = fmax(beyond * beyond_contact(here, at, *ahead), 1e-10);
         memcpy(state, at->survey.lap.points, (size_t)o->n * sizeof *state);
-        if (!shoot_freely(o, &at->sequence, &parameter, state, scratch) || scratch->survey.impacts >= 0)
+        if (!shoot_freely(o, &at->sequence, &parameter, state, scratch) ||
+            !same_contacts(&scratch->survey, &here->survey))
             break;
         saltus_solution_head(scratch, way);
         width = bracket(o, scratch, -back, NULL, at);
-        if (at->survey.impacts >= 0)
+        if (!same_contacts(&at->survey, &here->survey))
             width = NAN;
         *ahead += at->at.ahead;
         if (at->worst.kind != SALTUS_BREACH_HOLD || !(at->worst.value > nearer * before))
@@ -354,12 +490,14 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
     bool found = false, there = false;
     if (!state)
         saltus_orbits_noted(o, SALTUS_NO_MEMORY);
-    for (size_t k = 0; k < sizeof reach / sizeof reach[0] && state && !there; k++) {
-        double way = copysign(1, rest), distance = reach[k] * fabs(rest), ahead;
+    /* On the far side first: where impacts are born as the parameter turns back it may be the near one. */
+    for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && state && !there; k++) {
+        double way = copysign(1, k % 2 ? -rest : rest), distance = reach[k / 2] * fabs(rest), ahead;
         double parameter = limit + way * distance;
         memcpy(state, from->state, (size_t)o->n * sizeof *state);
         if (parameter < range[0] || parameter > range[1] ||
-            !shoot_freely(o, &from->sequence, &parameter, state, here) || here->survey.impacts >= 0)
+            !shoot_freely(o, &from->sequence, &parameter, state, here) ||
+            here->survey.sticking_intervals <= from->survey.sticking_intervals)
             continue;
         saltus_solution_head(here, way);
         double slope_here = fmax(fabs(saltus_solution_heading(here)), 1e-3);

@@ -87,19 +87,21 @@ static saltus_status anchor(saltus_orbits *o, const saltus_solution *s, const do
     return status;
 }
 
-/* Where an orbit of a period of its own had better begin, `state` (n) there: at a turning point. NAN: as it
- * does. */
-static double better_section(saltus_orbits *o, const saltus_solution *s, double *state) {
+/* Whether an orbit of a period of its own had better begin at another *time: at a turning point, *turning,
+ * `state` (n) there, or at any other place where the turning points are near stops. */
+static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leaves, double *time,
+                           double *state, bool *turning) {
     const double least_onward = 0.5;
-    double time = s->sequence.base;
+    const double begin = *time = s->sequence.base;
     saltus_message ignored;
     memcpy(state, s->state, (size_t)o->n * sizeof *state);
-    if (!(s->sequence.omega > 0) || s->onward > least_onward || !s->survey.follows ||
-        saltus_orbits_tune(o, s->parameter, s->sequence.omega, &ignored) != SALTUS_OK ||
-        !saltus_orbit_turning(o->flow, s->sequence.periods, &time, state))
-        return NAN;
-    double end = s->sequence.base + s->sequence.periods;
-    return time < end ? time : s->sequence.base;
+    if (!(s->sequence.omega > 0) || (s->onward > least_onward && !leaves) || !s->survey.follows ||
+        saltus_orbits_tune(o, s->parameter, s->sequence.omega, &ignored) != SALTUS_OK)
+        return false;
+    *turning = saltus_orbit_turning(o->flow, s->sequence.periods, time, state);
+    if (*time >= begin + s->sequence.periods)
+        *time = begin;
+    return *turning || *time != begin;
 }
 
 /* A solution again, with another sequence; `turning`: the state at its base begins `work`. */
@@ -122,14 +124,14 @@ static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_se
     return status;
 }
 
-bool saltus_solution_reframe(saltus_orbits *o, bool trims, saltus_solution *s, saltus_solution *scratch,
-                             int *order) {
+bool saltus_solution_reframe(saltus_orbits *o, bool trims, bool leaves, saltus_solution *s,
+                             saltus_solution *scratch, int *order) {
     saltus_sequence fresh;
     saltus_message ignored;
-    double speed[SALTUS_MARKS_MAX], state[SALTUS_STATE_MAX], section = better_section(o, s, state);
-    const bool turning = !isnan(section);
+    double speed[SALTUS_MARKS_MAX], state[SALTUS_STATE_MAX], section;
+    bool turning = false;
     saltus_solution_speeds(o, s, speed);
-    if (turning)
+    if (better_section(o, s, leaves, &section, state, &turning))
         saltus_sequence_turn(&s->sequence, section, count_cuts(o, s), &fresh, order);
     else if (!saltus_sequence_reframe(&s->sequence, speed, count_cuts(o, s), trims, &fresh, order))
         return false;
@@ -148,4 +150,14 @@ bool saltus_solution_reframe(saltus_orbits *o, bool trims, saltus_solution *s, s
     *s = *scratch;
     *scratch = swap;
     return true;
+}
+
+bool saltus_solution_base_beyond(const saltus_orbits *o, const saltus_solution *s) {
+    const saltus_system *system = saltus_shooting_system(o->shooting);
+    if (s->sequence.contacts || !(s->sequence.omega > 0))
+        return false;
+    for (int f = 0; f < saltus_system_face_count(system); f++)
+        if (saltus_system_gap(system, f, s->state) > 0)
+            return true;
+    return false;
 }

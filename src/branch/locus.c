@@ -463,7 +463,8 @@ static saltus_status install(saltus_locus *l, const saltus_sequence *old, const 
 static saltus_status reframe(saltus_locus *l, saltus_message *message) {
     int order[SALTUS_MARKS_MAX];
     saltus_sequence old = l->orbit.sequence;
-    if (!saltus_solution_reframe(&l->x.orbits, l->x.kind != SALTUS_POINT_GR, &l->orbit, &l->scratch, order))
+    if (!saltus_solution_reframe(&l->x.orbits, l->x.kind != SALTUS_POINT_GR, false, &l->orbit, &l->scratch,
+                                 order))
         return SALTUS_OK;
     double *tangent = calloc((size_t)l->here.unknowns, sizeof *tangent);
     if (!tangent)
@@ -489,10 +490,12 @@ static void step_on(saltus_locus *l) {
 
 /* From `here`, a point of codimension two, a little on, as in the very place the signs of functions mean
  * nothing; `turns`: the other way if the orbit is not admissible this way; `leaves`: another curve of the
- * same kind crosses there. *found: whether it is. Errors: SALTUS_NO_MEMORY. */
-static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found, saltus_message *message) {
+ * same kind crosses there. *found: whether it is; otherwise `why` says what the equations fail by, if they
+ * do. Errors: SALTUS_NO_MEMORY. */
+static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found, saltus_message *why,
+                           saltus_message *message) {
     double ahead = leaves ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
-    saltus_message why = {.text = ""};
+    *why = (saltus_message){.text = ""};
     /* Where curves cross the equations are singular, and a residual moves a point near there by much. */
     l->x.equations.tolerance = leaves ? 1e-12 : usual;
     saltus_status status = SALTUS_OK;
@@ -500,9 +503,9 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
     for (int way = 0; way < 1 + turns && !*found && status != SALTUS_NO_MEMORY; way++) {
         if (way > 0)
             saltus_curve_turn(&l->here);
-        status = saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->next, &why);
+        status = saltus_curve_visit(&l->x.equations, &l->here, ahead, &l->next, why);
         if (status == SALTUS_OK)
-            status = see_all(l, &l->next, &l->scratch, l->corners_ahead, &why);
+            status = see_all(l, &l->next, &l->scratch, l->corners_ahead, why);
         *found = status == SALTUS_OK && saltus_corner_breach(&l->x, &l->scratch) < 0;
     }
     l->x.equations.tolerance = usual;
@@ -535,7 +538,7 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, s
     if (status == SALTUS_OK && l->options.switches)
         status = saltus_locus_starts_pass(&l->x, &l->orbit, false, &l->starts, closes, &why);
     if (status == SALTUS_OK)
-        status = leave(l, true, false, passed, message);
+        status = leave(l, true, false, passed, &why, message);
     return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
 }
 
@@ -573,12 +576,15 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     bool resonance = l->begun_at == SALTUS_POINT_R1 || l->begun_at == SALTUS_POINT_R2;
     if (status != SALTUS_OK || !l->begun_at || (resonance && l->x.kind == SALTUS_POINT_NS) || l->ended)
         return status;
-    status = leave(l, l->one_way, leaves, &found, message);
+    saltus_message why;
+    char reason[SALTUS_REASON_MAX];
+    status = leave(l, l->one_way, leaves, &found, &why, message);
     memcpy(l->first_way, l->here.tangent + l->x.orbits.equations->count, sizeof l->first_way);
-    if (status == SALTUS_OK && !found)
-        status = give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
-                      "the curve does not go on this way with admissible orbits", message);
-    return status;
+    if (status != SALTUS_OK || found)
+        return status;
+    snprintf(reason, sizeof reason, "the curve does not go on this way with admissible orbits%s%.80s",
+             why.text[0] ? ": " : "", why.text);
+    return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0, reason, message);
 }
 
 /* Another curve, from where it meets one that was followed. Where none can be begun one point says why. */
@@ -882,9 +888,17 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
     return status;
 }
 
+/* Whether a contact after complete chatter has all but shrunk to nothing. */
+static bool ceases_to_complete(const saltus_solution *s) {
+    const double little = 1e-3;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].value > -little && saltus_corner_ends_chatter(s, &s->breaches[k]))
+            return true;
+    return false;
+}
+
 /* The curve ends where it is, as it does not go on. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    const double little = 1e-3;
     bool contact = false, closes = false;
     saltus_corner corner = {.kind = SALTUS_POINT_CH_GR};
     saltus_status status = l->lost ? SALTUS_OK : end_contact(l, &contact, message);
@@ -894,12 +908,11 @@ static saltus_status give_end(saltus_locus *l, saltus_message *message) {
     }
     if (status != SALTUS_OK)
         return status;
-    const saltus_breach *worst = saltus_corner_worst(&l->x, &l->orbit);
-    bool ceases = worst && worst->value > -little && saltus_corner_ends_chatter(&l->orbit, worst);
     if (!contact && !corner.joins)
         return give(l, &l->orbit, &l->here, SALTUS_POINT_EP, 0,
-                    ceases ? "chatter ceases to complete: the contact after it shrinks to nothing"
-                           : "the curve ends: its orbit changes its events or the curve has a corner",
+                    ceases_to_complete(&l->orbit)
+                        ? "chatter ceases to complete: the contact after it shrinks to nothing"
+                        : "the curve ends: its orbit changes its events or the curve has a corner",
                     message);
     const char *reason = corner.kind == SALTUS_POINT_GR_PD
                              ? "its orbits join those of half the period, whose flip meets grazing"
@@ -919,6 +932,7 @@ static saltus_status give_end(saltus_locus *l, saltus_message *message) {
 
 /* One step along the curve under way, with the corners on it. */
 static saltus_status advance(saltus_locus *l, saltus_message *message) {
+    const double just_before = 1e-7;
     int reached;
     bool found, moved = false;
     crossings crossed;
@@ -942,7 +956,16 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         location self = {l, crossed.corner[k]};
         double value;
         l->x.sharp = true;
+        /* At a touch the flow meets the impact or not by chance: the survey is that of an orbit just before.
+         */
+        saltus_solution before = {.value = 0};
+        if (l->corners_ahead[self.corner].breach && l->x.kind != SALTUS_POINT_GR &&
+            corner_at(&self, crossed.place[k] - just_before, &value))
+            saltus_survey_swap(&before, &l->located);
         found = corner_at(&self, crossed.place[k], &value);
+        if (before.survey.walked)
+            saltus_survey_swap(&before, &l->located);
+        saltus_solution_clear(&before);
         l->x.sharp = false;
         /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding;
          * where a pair of multipliers becomes real, the next one takes its place with a jump. */
@@ -1027,7 +1050,8 @@ static void archive_first(saltus_locus *l, saltus_archive *a) {
     saltus_archive_sequence(a, &l->first);
     l->first_mark = (int)saltus_archive_whole(a, l->first_mark, 0, SALTUS_MARKS_MAX - 1);
     a->sound = a->sound && (l->x.kind != SALTUS_POINT_GR || l->first_mark < l->first.count);
-    saltus_archive_array(a, &l->beginning, (size_t)(l->first.cuts * a->n + l->first.count + 2 + l->x.extra));
+    saltus_archive_array(a, &l->beginning,
+                         (size_t)(saltus_sequence_unknowns(&l->first, a->n) + 2 + l->x.extra));
     saltus_archive_finite(a, l->first_plane, 2);
     saltus_archive_finite(a, l->first_way, 2);
 }
@@ -1079,6 +1103,7 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, const saltus_branch_
         return status;
     saltus_locus *l = *locus;
     saltus_locus_starts_archive(a, &l->starts);
+    saltus_archive_orbits(a, &l->x.orbits);
     archive_start(l, a);
     archive_first(l, a);
     l->number = (int)saltus_archive_whole(a, l->number, 0, INT_MAX);

@@ -7,13 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-static const saltus_word locus_words[] = {{"none", SALTUS_POINT_REGULAR},
-                                          {"LP", SALTUS_POINT_LP},
-                                          {"PD", SALTUS_POINT_PD},
-                                          {"NS", SALTUS_POINT_NS},
-                                          {"BP", SALTUS_POINT_BP},
-                                          {"GR", SALTUS_POINT_GR},
-                                          {NULL, 0}};
+static const saltus_word locus_words[] = {
+    {"none", SALTUS_POINT_REGULAR}, {"LP", SALTUS_POINT_LP}, {"PD", SALTUS_POINT_PD},
+    {"NS", SALTUS_POINT_NS},        {"BP", SALTUS_POINT_BP}, {"GR", SALTUS_POINT_GR},
+    {"HB", SALTUS_POINT_HB},        {"BE", SALTUS_POINT_BE}, {NULL, 0}};
 static const saltus_word direction_words[] = {{"up", 1}, {"down", -1}, {"both", 0}, {NULL, 0}};
 
 #define MEMBER(member, name, meaning, ...)                                                                   \

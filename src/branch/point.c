@@ -6,30 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-const saltus_word saltus_point_words[] = {{"regular", SALTUS_POINT_REGULAR},
-                                          {"LP", SALTUS_POINT_LP},
-                                          {"PD", SALTUS_POINT_PD},
-                                          {"NS", SALTUS_POINT_NS},
-                                          {"BP", SALTUS_POINT_BP},
-                                          {"GR", SALTUS_POINT_GR},
-                                          {"CH", SALTUS_POINT_CH},
-                                          {"ST", SALTUS_POINT_ST},
-                                          {"UZ", SALTUS_POINT_UZ},
-                                          {"EP", SALTUS_POINT_EP},
-                                          {"HB", SALTUS_POINT_HB},
-                                          {"CP", SALTUS_POINT_CP},
-                                          {"GR-LP", SALTUS_POINT_GR_LP},
-                                          {"GR-PD", SALTUS_POINT_GR_PD},
-                                          {"GR-NS", SALTUS_POINT_GR_NS},
-                                          {"GR-GR", SALTUS_POINT_GR_GR},
-                                          {"GR-BP", SALTUS_POINT_GR_BP},
-                                          {"CH-GR", SALTUS_POINT_CH_GR},
-                                          {"R1", SALTUS_POINT_R1},
-                                          {"R2", SALTUS_POINT_R2},
-                                          {"R3", SALTUS_POINT_R3},
-                                          {"R4", SALTUS_POINT_R4},
-
-                                          {NULL, 0}};
+const saltus_word saltus_point_words[] = {{"regular", SALTUS_POINT_REGULAR}, {"LP", SALTUS_POINT_LP},
+                                          {"PD", SALTUS_POINT_PD},           {"NS", SALTUS_POINT_NS},
+                                          {"BP", SALTUS_POINT_BP},           {"GR", SALTUS_POINT_GR},
+                                          {"CH", SALTUS_POINT_CH},           {"ST", SALTUS_POINT_ST},
+                                          {"UZ", SALTUS_POINT_UZ},           {"EP", SALTUS_POINT_EP},
+                                          {"HB", SALTUS_POINT_HB},           {"BE", SALTUS_POINT_BE},
+                                          {"CP", SALTUS_POINT_CP},           {"GR-LP", SALTUS_POINT_GR_LP},
+                                          {"GR-PD", SALTUS_POINT_GR_PD},     {"GR-NS", SALTUS_POINT_GR_NS},
+                                          {"GR-GR", SALTUS_POINT_GR_GR},     {"GR-BP", SALTUS_POINT_GR_BP},
+                                          {"CH-GR", SALTUS_POINT_CH_GR},     {"R1", SALTUS_POINT_R1},
+                                          {"R2", SALTUS_POINT_R2},           {"R3", SALTUS_POINT_R3},
+                                          {"R4", SALTUS_POINT_R4},           {"BT", SALTUS_POINT_BT},
+                                          {"GH", SALTUS_POINT_GH},           {NULL, 0}};
 
 const char *saltus_point_word(saltus_point_kind kind) {
     const char *word = kind ? saltus_word_of(saltus_point_words, (int)kind) : NULL;
@@ -88,7 +77,8 @@ static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, 
                                           .velocity_before = face.side * speed[k],
                                           .displacement = face.side * face.d};
         if (mark->kind == SALTUS_IMPACT)
-            point->events[k].velocity_after = -face.side * face.r * speed[k];
+            point->events[k].velocity_after =
+                -face.side * saltus_system_restitution(o->system, mark->face, speed[k]) * speed[k];
         point->impacts += mark->kind != SALTUS_RELEASE;
         point->sticking_intervals += mark->kind == SALTUS_STICK;
     }
@@ -147,6 +137,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
         .sum_rule = survey->sum_rule,
         .grazing_time = NAN,
         .contact_force = NAN,
+        .lyapunov_coefficient = NAN,
         .state = calloc(n, sizeof *point->state),
         .events = calloc(events + 1, sizeof *point->events),
         .multipliers = calloc(n, sizeof *point->multipliers)};

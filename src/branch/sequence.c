@@ -77,12 +77,32 @@ bool saltus_sequence_double(const saltus_sequence *old, saltus_sequence *fresh) 
     return saltus_sequence_join(old, old, fresh);
 }
 
+double saltus_sequence_repeats(const saltus_sequence *s, int parts, bool mirrored) {
+    int part = s->count / parts;
+    double largest = 0;
+    for (int k = 0; k < s->count; k++) {
+        const saltus_mark *mark = &s->mark[k], *later = &s->mark[(k + part) % s->count];
+        double since = later->time - mark->time - (double)s->periods / parts;
+        if (mark->kind != later->kind || (mark->face != later->face) != mirrored)
+            return INFINITY;
+        largest = fmax(largest, fabs(remainder(since, s->periods)));
+    }
+    return part > 0 && part * parts == s->count ? largest : INFINITY;
+}
+
 /* Whether chatter completes in the piece after a driven mark: the next mark of its face is the release. */
 static bool chatter_completes(const saltus_sequence *s, int k) {
     for (int j = k + 1; j < s->count; j++)
         if (s->mark[j].face == s->mark[k].face)
             return s->mark[j].kind == SALTUS_RELEASE;
     return false;
+}
+
+bool saltus_sequence_has_tail(const saltus_sequence *s) {
+    bool tail = s->driven && !(s->count && s->mark[0].kind == SALTUS_RELEASE);
+    for (int k = 0; k < s->count; k++)
+        tail = tail || (s->mark[k].driven && !chatter_completes(s, k));
+    return tail;
 }
 
 /* Whether a face holds, or the flow finds its own events, just after each mark. */

@@ -19,6 +19,14 @@ bool saltus_sequence_double(const saltus_sequence *old, saltus_sequence *fresh);
 bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *second,
                           saltus_sequence *fresh);
 
+/* How far, in periods, the marks are from repeating after each of so many equal parts of the orbit:
+ * `mirrored`, each on another face than the one a part before. INFINITY where faces or kinds do not repeat,
+ * or nothing can be told as there are no marks. */
+double saltus_sequence_repeats(const saltus_sequence *sequence, int parts, bool mirrored);
+
+/* Whether impacts are left to the flow but for those that complete chatter: the tail of a long run. */
+bool saltus_sequence_has_tail(const saltus_sequence *sequence);
+
 /* The sequence cut open at a time within the orbit, with `cuts` cuts in free flight; order: where the marks
  * stood. */
 void saltus_sequence_turn(const saltus_sequence *old, double base, int cuts, saltus_sequence *fresh,

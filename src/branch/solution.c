@@ -6,8 +6,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/solution.h"
 
-#include "orbit/maxima.h"
 #include "orbit/multipliers.h"
+#include "orbit/poincare.h"
 #include "orbit/sequence.h"
 
 #include <math.h>

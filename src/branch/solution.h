@@ -94,7 +94,7 @@ saltus_status saltus_solution_visit(saltus_orbits *orbits, const saltus_solution
                                     saltus_solution *out, saltus_message *message);
 /* Let the event-driven flow go around a solution that has the shooting's sequence. */
 saltus_status saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solution, saltus_message *message);
-/* Once around an orbit of a period of its own, from maximum to maximum (orbit/maxima.h). Errors: those of the
+/* Once around an orbit of a period of its own, from return to return (orbit/poincare.h). Errors: those of the
  * flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_around(saltus_orbits *orbits, const saltus_solution *solution, saltus_lap *lap,
                                   saltus_message *message);
@@ -113,11 +113,15 @@ saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solut
  * Errors: those of the flow. */
 saltus_status saltus_solution_contact_force(saltus_orbits *orbits, const saltus_solution *solution,
                                             double *force, saltus_message *message);
-/* Cut the orbit open elsewhere, into more segments, or with fewer marks, where that is better (sequence.h);
- * `scratch` is overwritten. order (SALTUS_MARKS_MAX entries): where the marks stood before. False: it is as
- * it was, and so is the shooting. */
-bool saltus_solution_reframe(saltus_orbits *orbits, bool trims, saltus_solution *solution,
+/* Cut the orbit open elsewhere, into more segments, or with fewer marks, where that is better (sequence.h),
+ * or where it `leaves` a base that is about to touch a stop; `scratch` is overwritten. order
+ * (SALTUS_MARKS_MAX entries): where the marks stood before. False: it is as it was, and so is the shooting.
+ */
+bool saltus_solution_reframe(saltus_orbits *orbits, bool trims, bool leaves, saltus_solution *solution,
                              saltus_solution *scratch, int *order);
+/* Whether the base of the orbit that the shooting has last evaluated, which has a period of its own, is
+ * beyond a stop. */
+bool saltus_solution_base_beyond(const saltus_orbits *orbits, const saltus_solution *solution);
 
 /* A shooting of its own for a sequence, and its unknowns at a state at the base: the solution's shooting
  * stays as it is. The caller's, to be freed in any case. Errors: those of the flow, SALTUS_NO_MEMORY. */

@@ -21,6 +21,16 @@ static int insert(saltus_special found, saltus_special *specials, int count) {
     return count + 1;
 }
 
+/* Whether a step begins at grazing, with an impact of no speed. There the determinants of orbits whose
+ * multipliers pass through grazing, as those of planar flows do, are zero to rounding and tell nothing. */
+static bool begins_at_grazing(const saltus_solution *from) {
+    const double still = 1e-9;
+    for (int k = 0; k < from->breach_count; k++)
+        if (from->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(from->breaches[k].value) < still)
+            return true;
+    return false;
+}
+
 /* Locate one; insert in order of arclength. */
 static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
                saltus_point_kind kind, saltus_test test, double target, saltus_special *specials, int count,
@@ -28,7 +38,9 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
     double near = saltus_test_value(test, target, from, from);
     double far = saltus_test_value(test, target, to, from);
     saltus_special found = {.kind = kind, .test = test, .target = target, .ahead = to->at.ahead};
-    if (!crosses(near, far))
+    const double rounding = 1e-8;
+    if (!crosses(near, far) ||
+        (test != SALTUS_TEST_VALUE && fabs(near) < rounding * fabs(far) && begins_at_grazing(from)))
         return count;
     if (far != 0) {
         saltus_zero zero = saltus_solution_zero(o, test, target, from, to, scratch);
@@ -267,35 +279,82 @@ static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solutio
     return isfinite(*parameter);
 }
 
-double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_solution *at) {
-    enum { cautious = 4 }; /* two flows, or few points, differ by less than their errors now and then */
-    saltus_orbits other = {.family = o->family, .origin = o->origin, .options = o->options};
-    saltus_solution there = {.value = 0}, scratch = {.value = 0};
-    double here, beyond, scatter[2], doubt = INFINITY, *rtol = &other.options.flow.rtol;
+/* Two flows, or few points, differ by less than their errors now and then. */
+static const double cautious = 4;
+
+/* Orbits of a flow of another tolerance, at a solution of the shooting's sequence. Close both in any case. */
+static saltus_status open_other(const saltus_orbits *o, const saltus_solution *at, saltus_orbits *other,
+                                saltus_solution *there) {
     saltus_message ignored;
+    *other = (saltus_orbits){.family = o->family, .origin = o->origin, .options = o->options};
+    *there = (saltus_solution){.value = 0};
+    double *rtol = &other->options.flow.rtol;
     *rtol = *rtol < 1e-4 ? 10 * *rtol : *rtol / 10;
-    saltus_status status = saltus_orbits_open(&other, &ignored);
+    saltus_status status = saltus_orbits_open(other, &ignored);
     if (status == SALTUS_OK)
         status =
-            saltus_solution_place(&other, &at->sequence, at->parameter, at->state, false, &there, &ignored);
-    if (status == SALTUS_OK && there.at.unknowns == at->at.unknowns) {
-        size_t size = (size_t)at->at.unknowns * sizeof *at->at.u;
-        memcpy(there.at.u, at->at.u, size);
-        memcpy(there.at.tangent, at->at.tangent, size);
-        there.flip = at->flip;
-        /* On one side where a domain ends. */
-        for (int side = 0; side < 3 && isinf(doubt); side++) {
-            double middle = (side == 2 ? -1 : side) * apart;
-            if (zero_around(o, test, at, middle, &scratch, &here, &scatter[0]) &&
-                zero_around(&other, test, &there, middle, &scratch, &beyond, &scatter[1]))
-                doubt = cautious * o->family.unit[0] * (fabs(beyond - here) + fmax(scatter[0], scatter[1]));
-        }
+            saltus_solution_place(other, &at->sequence, at->parameter, at->state, false, there, &ignored);
+    if (status == SALTUS_OK && there->at.unknowns != at->at.unknowns)
+        status = SALTUS_NO_CONVERGENCE;
+    if (status != SALTUS_OK)
+        return status;
+    size_t size = (size_t)at->at.unknowns * sizeof *at->at.u;
+    memcpy(there->at.u, at->at.u, size);
+    memcpy(there->at.tangent, at->at.tangent, size);
+    /* Beside a crossing a prediction that is less sharp might lead to the other curve. */
+    there->at.bent = at->at.bent;
+    if (at->at.bent)
+        memcpy(there->at.bend, at->at.bend, 2 * size);
+    there->at.crossing = at->at.crossing;
+    there->flip = at->flip;
+    return status;
+}
+
+double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_solution *at) {
+    saltus_orbits other;
+    saltus_solution there, scratch = {.value = 0};
+    double here, beyond, scatter[2], doubt = INFINITY;
+    saltus_status status = open_other(o, at, &other, &there);
+    /* On one side where a domain ends. */
+    for (int side = 0; side < 3 && isinf(doubt) && status == SALTUS_OK; side++) {
+        double middle = (side == 2 ? -1 : side) * apart;
+        if (zero_around(o, test, at, middle, &scratch, &here, &scatter[0]) &&
+            zero_around(&other, test, &there, middle, &scratch, &beyond, &scatter[1]))
+            doubt = cautious * o->family.unit[0] * (fabs(beyond - here) + fmax(scatter[0], scatter[1]));
     }
     saltus_orbits_noted(o, other.starved ? SALTUS_NO_MEMORY : status);
     saltus_solution_clear(&there);
     saltus_solution_clear(&scratch);
     saltus_orbits_close(&other);
     return doubt;
+}
+
+/* The same for a crossing of curves near `ahead` from `from`, which was found at a value. */
+static double doubt_of_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from, double ahead,
+                                double reach, double value) {
+    saltus_orbits other;
+    saltus_solution there, scratch = {.value = 0};
+    double doubt = INFINITY;
+    saltus_status status = open_other(o, from, &other, &there);
+    if (status == SALTUS_OK) {
+        there.onward = from->onward;
+        if (saltus_solution_crossing(&other, by, &there, ahead, reach, &scratch).found)
+            doubt = cautious * fabs(scratch.value - value);
+    }
+    saltus_orbits_noted(o, other.starved ? SALTUS_NO_MEMORY : status);
+    saltus_solution_clear(&there);
+    saltus_solution_clear(&scratch);
+    saltus_orbits_close(&other);
+    return doubt;
+}
+
+/* Orbits that forget all perturbations fold and flip nowhere: where an impact of theirs has just been born
+ * the tests are zero to rounding. */
+static bool forgets_all(const saltus_survey *survey) {
+    bool all = survey->walked;
+    for (int k = 0; k < survey->multiplier_count; k++)
+        all = all && survey->multipliers[k].log_modulus == -INFINITY;
+    return all && survey->multiplier_count > 0;
 }
 
 saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
@@ -305,21 +364,22 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     saltus_zero crossing = {.found = false};
     const double still = 0.2; /* of the speed on the orbit before */
     *is_one = false;
-    if (special->kind == SALTUS_POINT_BP)
-        crossing = saltus_solution_crossing(o, SALTUS_TEST_CROSSING, from, special->ahead, reach, at);
-    if (special->kind == SALTUS_POINT_HB)
-        crossing = saltus_solution_crossing(o, SALTUS_TEST_ONWARD, from, special->ahead, reach, at);
+    saltus_test by = special->kind == SALTUS_POINT_HB ? SALTUS_TEST_ONWARD : SALTUS_TEST_CROSSING;
+    if (special->kind == SALTUS_POINT_BP || special->kind == SALTUS_POINT_HB)
+        crossing = saltus_solution_crossing(o, by, from, special->ahead, reach, at);
     if (crossing.found)
-        special->accuracy = crossing.accuracy;
+        special->accuracy =
+            crossing.accuracy + doubt_of_crossing(o, by, from, special->ahead, reach, at->value);
     else if (saltus_solution_visit(o, from, special->ahead, at, &ignored) != SALTUS_OK)
         return SALTUS_OK;
     saltus_status status = saltus_solution_survey(o, at, message);
     if (status != SALTUS_OK)
         return status;
     special->value = at->value;
-    *is_one = special->kind == SALTUS_POINT_NS   ? saltus_pair_on_circle(&at->survey)
-              : special->kind == SALTUS_POINT_HB ? at->speed < still
-                                                 : true;
+    *is_one = special->kind == SALTUS_POINT_NS ? saltus_pair_on_circle(&at->survey)
+              : special->kind == SALTUS_POINT_HB
+                  ? at->speed < still
+                  : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     bool joins = is_fold && (joins_half(o, at, special) || joins_image(o, from, at, special));
     if (*is_one && !joins && !crossing.found && special->test != SALTUS_TEST_VALUE)

@@ -11,9 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Whether there are equilibria, or orbits. */
+static bool shows(const saltus_plot_page *page, bool rests) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            if ((page->files[i].points[k].periods == 0) == rests)
+                return true;
+    return false;
+}
+
 /* Whether the orbits have periods of their own. */
 static bool shows_cycles(const saltus_plot_page *page) {
-    return page->files[0].point_count > 0 && page->files[0].points[0].trivial_multiplier != 0;
+    return page->files[0].point_count > 0 &&
+           (page->files[0].points[0].trivial_multiplier != 0 || shows(page, true));
 }
 
 static void name_measure(const saltus_plot_page *page, saltus_line *line) {
@@ -27,6 +37,10 @@ static void name_measure(const saltus_plot_page *page, saltus_line *line) {
     case SALTUS_SHOW_VELOCITY:
         saltus_observed_name(page->system, true, name, sizeof name);
         saltus_line_add(line, "%s  %s", name, where);
+        break;
+    case SALTUS_SHOW_AMPLITUDE:
+        saltus_observed_name(page->system, false, name, sizeof name);
+        saltus_line_add(line, "%s%s", name, shows(page, false) ? "  largest and smallest of an orbit" : "");
         break;
     case SALTUS_SHOW_PERIOD:
         saltus_line_add(line, shows_cycles(page) ? "period" : "period in {/:Italic T}");
@@ -74,7 +88,11 @@ static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
     const saltus_branch_options *o = &page->files[0].options;
     saltus_line head = {.length = 0}, parameters = {.length = 0};
     saltus_line_plain(&head, page->files[0].scene);
-    saltus_line_add(&head, ":  %s in ", page->locus ? "special points" : "periodic orbits");
+    saltus_line_add(&head, ":  %s in ",
+                    page->locus          ? "special points"
+                    : !shows(page, true) ? "periodic orbits"
+                    : shows(page, false) ? "equilibria and periodic orbits"
+                                         : "equilibria");
     saltus_line_symbol(&head, o->key[0]);
     if (page->locus) {
         saltus_line_add(&head, " and ");
@@ -111,6 +129,8 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
 static saltus_show choose_measure(const saltus_plot_page *page, saltus_show wanted) {
     if (wanted != SALTUS_SHOW_AUTOMATIC)
         return wanted;
+    if (shows_cycles(page))
+        return SALTUS_SHOW_AMPLITUDE;
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++)
             if (page->files[i].points[k].event_count > 0)
@@ -189,7 +209,8 @@ static void find_ranges(saltus_plot_page *page) {
 
 /* Which axes are logarithmic. */
 static saltus_status choose_scales(saltus_plot_page *page, saltus_message *message) {
-    static const char *const words[] = {"speed", "speed", "impacts", "displacement", "velocity", "period"};
+    static const char *const words[] = {"speed",    "speed",  "impacts",  "displacement",
+                                        "velocity", "period", "amplitude"};
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_figure_options *look = &page->options->look;
     const char *const keys[2] = {o->key[0], page->locus ? o->key[1] : words[page->show]};
@@ -242,6 +263,7 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
                              .swap = options->look.swap && !locus,
                              .locus = locus};
     page.show = choose_measure(&page, options->show);
+    page.turning = page.amplitude = !locus && page.show == SALTUS_SHOW_AMPLITUDE;
     status = choose_scales(&page, message);
     if (status == SALTUS_OK)
         status = saltus_plot_find_visits(&page, message);
@@ -336,11 +358,11 @@ static saltus_status draw_sweep(const char *const *paths, int count, const saltu
     if (options->show != SALTUS_SHOW_AUTOMATIC || options->label_count)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is a sweep; what is shown of it is chosen as a view", paths[0]);
-    return saltus_plot_sweep(paths[0], &view, figure, message);
+    return saltus_plot_sweep(figure, paths[0], &view, message);
 }
 
-saltus_status saltus_plot(const char *const *paths, int count, const saltus_plot_options *options,
-                          const char *figure, saltus_message *message) {
+saltus_status saltus_plot(const char *figure, const char *const *paths, int count,
+                          const saltus_plot_options *options, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     int read = 0;
     status = saltus_figure_check(figure, &options->look, message);

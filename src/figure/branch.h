@@ -28,6 +28,7 @@ typedef struct saltus_plot_page {
     const saltus_system *system; /* of the first file's start */
     bool locus;                  /* a second parameter goes up the page */
     bool turning;                /* displacements where orbits turn, in place of what `show` says */
+    bool amplitude;              /* of those the largest and the smallest of each orbit */
     bool swap;                   /* the parameter goes up the page and what is shown of orbits across it */
     bool over_map;               /* curves lie on colours, from which a rim lifts them off */
     bool logarithmic[2];         /* across the page, up it */
@@ -63,7 +64,7 @@ typedef enum saltus_stroke {
     SALTUS_STROKE_UNSTABLE,
     SALTUS_STROKE_FOREIGN
 } saltus_stroke;
-enum { SALTUS_STROKES = 3, SALTUS_HUES = 6 };
+enum { SALTUS_STROKES = 3, SALTUS_HUES = 7 };
 
 /* How a curve goes on from a point to the next one of its branch. */
 saltus_stroke saltus_plot_stroke(const saltus_branch_file *file, int from, int to);
@@ -71,6 +72,8 @@ saltus_stroke saltus_plot_stroke(const saltus_branch_file *file, int from, int t
 /* Which hue a branch has: of its kind of special point, of its file where there are several, otherwise of how
  * often it was switched. */
 int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
+/* The kind of special point that a hue of curves of such points is of. */
+saltus_point_kind saltus_plot_locus(int hue);
 
 /* The kind whose mark a kind has: points of codimension two share one, with their names beside it. */
 enum { SALTUS_PLOT_MARKS = SALTUS_POINT_CP + 1 };

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f",
-                                              "#8a5aa0", "#b08a00", "#555555"};
+static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f", "#8a5aa0",
+                                              "#b08a00", "#555555", "#b0006a"};
 
 /* How special points are marked, and what they are. */
 static const struct {
@@ -23,11 +23,12 @@ static const struct {
     [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
     [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
     [SALTUS_POINT_HB] = {3, 1.5, "#b00020", "HB  Hopf"},
+    [SALTUS_POINT_BE] = {10, 1.4, "#00696b", "BE  equilibrium meets a stop"},
     [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
 };
 
 static const char *hue_colour(const saltus_plot_page *page, int hue) {
-    return page->locus ? marks[SALTUS_POINT_LP + hue].colour : hues[hue];
+    return page->locus ? marks[saltus_plot_locus(hue)].colour : hues[hue];
 }
 
 /* Whether any point of a hue exists. */
@@ -95,7 +96,7 @@ void saltus_plot_curves(const saltus_plot_page *page) {
         }
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
         if (has_hue(page, hue)) {
-            const int kind = SALTUS_POINT_LP + hue;
+            const saltus_point_kind kind = saltus_plot_locus(hue);
             fprintf(page->file,
                     "     $signs_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n"
                     "     $signs_%d using 1:2 with points pt %d ps %g lc rgb '%s' notitle, \\\n",
@@ -107,7 +108,8 @@ void saltus_plot_curves(const saltus_plot_page *page) {
 /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
 void saltus_plot_marks(const saltus_plot_page *page) {
     for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
-        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST;
+        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
+                     kind != SALTUS_POINT_BE;
         if (!has_kind(page, (saltus_point_kind)kind))
             continue;
         if (solid)
@@ -126,8 +128,8 @@ static void put_line_legend(const saltus_plot_page *page) {
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
         if (has_hue(page, hue))
             fprintf(page->file, "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
-                    marks[SALTUS_POINT_LP + hue].point_type, 0.7 * marks[SALTUS_POINT_LP + hue].size,
-                    hue_colour(page, hue), marks[SALTUS_POINT_LP + hue].meaning);
+                    marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
+                    hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
     for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
         saltus_line name = {.length = 0};
         saltus_line_plain(&name, page->files[i].scene);

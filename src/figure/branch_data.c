@@ -144,7 +144,7 @@ static double measure(const saltus_plot_page *page, const saltus_branch_point *p
     case SALTUS_SHOW_VELOCITY:
         return saltus_system_observed(page->system, point->state + saltus_system_dof(page->system));
     case SALTUS_SHOW_PERIOD:
-        return point->trivial_multiplier != 0 ? point->period : point->periods;
+        return point->trivial_multiplier != 0 || !point->periods ? point->period : point->periods;
     case SALTUS_SHOW_IMPACTS:
         return point->kind == SALTUS_POINT_GR ? grazing_speed(page, point) : largest_speed(point);
     default:
@@ -164,8 +164,8 @@ static bool find_impacts(const saltus_branch_point *point, saltus_visits *visits
     return visits->list != NULL;
 }
 
-/* The displacements at which an orbit turns, freely or at a stop, from once around it. One that cannot be
- * followed, such as one that the equations have beyond a stop, shows none. */
+/* The displacements at which an orbit turns, freely or at a stop, from once around it, and that of a rest.
+ * One that cannot be followed, such as one that the equations have beyond a stop, shows none. */
 static saltus_status find_turnings(const saltus_branch_point *point, saltus_visits *visits,
                                    saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();
@@ -177,25 +177,53 @@ static saltus_status find_turnings(const saltus_branch_point *point, saltus_visi
     if (status == SALTUS_OK)
         status = saltus_flow_new((const saltus_system *const *)&system, 1, &options, &flow, message);
     bool sound = status == SALTUS_OK;
+    /* With a period of its own an orbit is one period of the system. */
+    const int periods = point->trivial_multiplier != 0 ? 1 : point->periods;
     if (sound && saltus_flow_start(flow, 0, (saltus_time){0, 0}, point->state, &unfollowed) == SALTUS_OK) {
         saltus_lap_begin(&lap, system, point->state);
-        saltus_lap_run(&lap, flow, (saltus_time){point->periods, 0}, true, &unfollowed);
+        saltus_lap_run(&lap, flow, (saltus_time){periods, 0}, true, &unfollowed);
     }
-    visits->list = sound ? calloc((size_t)lap.event_count + 1, sizeof *visits->list) : NULL;
+    visits->list = sound ? calloc((size_t)lap.event_count + 2, sizeof *visits->list) : NULL;
     if (sound && !visits->list)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the turning points of a branch");
+    /* The state of a rest, or where an orbit with a period of its own has its highest maximum: an event there
+     * would be found by chance. */
+    const double apart = 1e-6;
+    const bool own = point->trivial_multiplier != 0;
+    if ((own || !point->periods) && visits->list)
+        visits->list[visits->count++] =
+            (saltus_visit){.value = saltus_system_observed(system, point->state), .face = -1};
     for (int k = 0; k < lap.event_count && visits->list; k++) {
         const saltus_event *event = &lap.events[k];
+        const double time = saltus_time_periods(event->time);
+        if (own && (time < apart || time > periods - apart))
+            continue;
         bool turns = event->kind == SALTUS_TURNING ||
                      (event->kind != SALTUS_RELEASE &&
                       saltus_system_stop_observed(system, saltus_system_face(system, event->face).stop));
         if (turns)
-            visits->list[visits->count++] =
-                (saltus_visit){saltus_time_periods(event->time), event->displacement, -1};
+            visits->list[visits->count++] = (saltus_visit){time, event->displacement, -1};
     }
     saltus_lap_close(&lap);
     saltus_flow_free(flow);
     saltus_system_free(system);
+    return status;
+}
+
+/* Of those the largest and the smallest, among them the one that the state may be; a rest has one. */
+static saltus_status find_extremes(const saltus_plot_page *page, const saltus_branch_point *point,
+                                   saltus_visits *visits, saltus_message *message) {
+    saltus_status status = find_turnings(point, visits, message);
+    if (status != SALTUS_OK || !point->periods || !visits->count)
+        return status;
+    double high = saltus_system_observed(page->system, point->state), low = high;
+    for (int k = 0; k < visits->count; k++) {
+        high = fmax(high, visits->list[k].value);
+        low = fmin(low, visits->list[k].value);
+    }
+    visits->list[0] = (saltus_visit){.value = high, .face = -1};
+    visits->list[1] = (saltus_visit){.value = low, .face = -1};
+    visits->count = 2;
     return status;
 }
 
@@ -208,7 +236,9 @@ saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *me
         const saltus_branch_file *f = &page->files[i];
         page->visits[i] = calloc((size_t)f->point_count + 1, sizeof *page->visits[i]);
         for (int k = 0; k < f->point_count && page->visits[i] && status == SALTUS_OK; k++)
-            if (page->turning)
+            if (page->amplitude)
+                status = find_extremes(page, &f->points[k], &page->visits[i][k], message);
+            else if (page->turning)
                 status = find_turnings(&f->points[k], &page->visits[i][k], message);
             else if (!find_impacts(&f->points[k], &page->visits[i][k]))
                 status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
@@ -236,10 +266,22 @@ static const saltus_branch_point *first_of(const saltus_branch_file *f, int bran
     return NULL;
 }
 
+static const saltus_point_kind loci[SALTUS_HUES] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
+                                                    SALTUS_POINT_BP, SALTUS_POINT_GR, SALTUS_POINT_HB,
+                                                    SALTUS_POINT_BE};
+
+saltus_point_kind saltus_plot_locus(int hue) {
+    return loci[hue];
+}
+
 int saltus_plot_hue(const saltus_plot_page *page, int file, int branch) {
     const saltus_branch_point *first = first_of(&page->files[file], branch);
+    const saltus_point_kind locus = first ? first->locus : page->files[file].options.locus;
+    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
+        if (loci[hue] == locus)
+            return hue;
     if (page->locus)
-        return ((first ? first->locus : page->files[file].options.locus) - SALTUS_POINT_LP) % SALTUS_HUES;
+        return 0;
     if (page->count > 1)
         return file % SALTUS_HUES;
     int depth = 0;
@@ -255,8 +297,22 @@ static double from_critical(const saltus_multiplier *m, saltus_point_kind kind) 
     return hypot(m->re - (kind == SALTUS_POINT_PD ? -1 : 1), m->im);
 }
 
+/* Whether eigenvalues of an equilibrium have a positive real part other than those that make it special. */
+static bool others_grow(const saltus_branch_point *point, saltus_point_kind kind) {
+    const double still = 1e-6;
+    const int critical = kind == SALTUS_POINT_HB ? 2 : kind == SALTUS_POINT_LP ? 1 : 0;
+    int growing = 0, near = 0;
+    for (int k = 0; k < point->multiplier_count; k++) {
+        growing += point->multipliers[k].re > still;
+        near += fabs(point->multipliers[k].re) <= still;
+    }
+    return growing > (near < critical ? critical - near : 0);
+}
+
 /* Whether multipliers are outside the unit circle other than those that make the point special. */
 static bool others_outside(const saltus_branch_point *point, saltus_point_kind kind) {
+    if (!point->periods)
+        return others_grow(point, kind);
     const double inside = 1e-6;
     int critical = 0, outside = 0;
     for (int k = 1; k < point->dimension; k++)
@@ -483,10 +539,13 @@ static int nearest_visit(const saltus_visit *from, const saltus_visits *b, int p
 static int partner(const saltus_plot_page *page, int file, int k, int v) {
     const saltus_branch_point *points = page->files[file].points;
     const saltus_visits *a = &page->visits[file][k], *b = &page->visits[file][k + 1];
+    if (page->amplitude)
+        return points[k].branch == points[k + 1].branch && v < b->count ? v : -1;
+    const int periods = points[k].periods ? points[k].periods : 1;
     int found = points[k].periods == points[k + 1].periods && points[k].branch == points[k + 1].branch
-                    ? nearest_visit(&a->list[v], b, points[k].periods)
+                    ? nearest_visit(&a->list[v], b, periods)
                     : -1;
-    return found >= 0 && nearest_visit(&b->list[found], a, points[k].periods) == v ? found : -1;
+    return found >= 0 && nearest_visit(&b->list[found], a, periods) == v ? found : -1;
 }
 
 /* Each visit as a curve of its own, from where it is born to where it dies. */

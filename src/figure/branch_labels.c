@@ -202,12 +202,14 @@ static bool named_below(const saltus_plot_page *page, int file, int row) {
     return false;
 }
 
-/* The name of a stretch on its curve where that is long enough, otherwise beside it. */
-static void name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
+/* The name of a stretch on its curve where that is long enough, otherwise beside it; whether there was a
+ * place. */
+static bool name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
     static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
-    static const double shift[][2] = {{0, 0}, {1.6, 0.9}, {-1.6, 0.9}, {1.6, -0.9}, {-1.6, -0.9}};
-    static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#1f6650",
-                                                    "#634078", "#7a5c00", "#444444"};
+    static const double shift[][2] = {{0, 0},     {0.9, 0.8},  {-0.9, 0.8}, {0.9, -0.8}, {-0.9, -0.8},
+                                      {1.6, 0.9}, {-1.6, 0.9}, {1.6, -0.9}, {-1.6, -0.9}};
+    static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#1f6650", "#634078",
+                                                    "#7a5c00", "#444444", "#7d004b"};
     const saltus_branch_file *f = &page->files[file];
     saltus_line name = {.length = 0};
     int letters = stretch_name(page, file, s, &name);
@@ -215,7 +217,7 @@ static void name_stretch(const saltus_plot_page *page, int file, stretch s, plac
     bool long_enough = s.length >= 1.5 * letter_width * letters + 1;
     const size_t ways = page->locus ? 1 : sizeof shift / sizeof shift[0];
     if (s.length < 0.8 || (page->locus && !long_enough) || named_below(page, file, row_at(page, f, s, 0.5)))
-        return;
+        return false;
     for (size_t way = long_enough ? 0 : 1; way < ways; way++)
         for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
             char style[96];
@@ -233,20 +235,33 @@ static void name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                      page->locus ? "#202020" : colour[hue]);
             put_label(page, &name, wanted, style);
             take_place(all, wanted);
-            return;
+            return true;
         }
+    return false;
+}
+
+/* Whether two branches set out from one orbit: what it is called stands on one of them. */
+static bool same_start(const saltus_plot_page *page, const saltus_branch_point *a,
+                       const saltus_branch_point *b) {
+    place here = place_of(page, a, 0), there = place_of(page, b, 0);
+    return a->branch != b->branch && strcmp(a->label, b->label) == 0 &&
+           hypot(here.x - there.x, here.y - there.y) < 0.1;
 }
 
 /* The stretches of one stability; those at the same place of the page with one name have one label. */
 static void name_stretches(const saltus_plot_page *page, bool stable, places *all) {
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
+        const saltus_branch_point *begun = NULL; /* where the last named stretch began */
         for (int k = 0; k < f->point_count;) {
             stretch s = find_stretch(page, f, k);
             bool solid =
                 s.last > s.first && saltus_plot_stroke(f, s.first, s.first + 1) == SALTUS_STROKE_STABLE;
-            if (saltus_plot_shown(page, &f->points[s.first]) && solid == stable)
-                name_stretch(page, i, s, all);
+            bool begins = k == 0 || f->points[k - 1].branch != f->points[k].branch;
+            bool known = begins && begun && same_start(page, begun, &f->points[k]);
+            if (saltus_plot_shown(page, &f->points[s.first]) && solid == stable && !known &&
+                name_stretch(page, i, s, all))
+                begun = &f->points[k];
             k = s.last > s.first && s.last + 1 < f->point_count &&
                         f->points[s.last + 1].branch == f->points[s.last].branch &&
                         strcmp(f->points[s.last + 1].label, f->points[s.last].label) == 0 &&

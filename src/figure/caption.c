@@ -36,32 +36,36 @@ void saltus_line_number(saltus_line *l, const char *format, double value) {
     saltus_line_add(l, "%s%s", value < 0 ? "−" : "", text);
 }
 
-/* Whether what is behind a letter is its index, k2, F02, kz, and not the rest of a word, gap. */
-static bool is_index(const char *rest) {
-    return strspn(rest, "0123456789") == strlen(rest) || (strlen(rest) == 1 && rest[0] != '_');
+/* The index behind a letter, k2, F02, kz, mu_m; NULL where it is the rest of a word, gap. */
+static const char *index_of(const char *rest) {
+    bool index = strspn(rest, "0123456789") == strlen(rest) || (strlen(rest) == 1 && rest[0] != '_');
+    return index ? rest : rest[0] == '_' && rest[1] && !strchr(rest + 1, '_') ? rest + 1 : NULL;
 }
 
 void saltus_line_symbol(saltus_line *l, const char *name) {
-    static const char *const greek[][2] = {{"alpha", "α"}, {"beta", "β"},  {"kappa", "κ"},
-                                           {"sigma", "σ"}, {"omega", "ω"}, {"xi", "ξ"}};
-    for (size_t k = 0; k < sizeof greek / sizeof greek[0]; k++) {
+    static const char *const greek[][2] = {
+        {"alpha", "α"},  {"beta", "β"}, {"gamma", "γ"}, {"delta", "δ"}, {"epsilon", "ε"}, {"eps", "ε"},
+        {"zeta", "ζ"},   {"eta", "η"},  {"theta", "θ"}, {"kappa", "κ"}, {"lambda", "λ"},  {"mu", "μ"},
+        {"nu", "ν"},     {"xi", "ξ"},   {"rho", "ρ"},   {"sigma", "σ"}, {"tau", "τ"},     {"phi", "φ"},
+        {"chi", "χ"},    {"psi", "ψ"},  {"omega", "ω"}, {"Gamma", "Γ"}, {"Delta", "Δ"},   {"Theta", "Θ"},
+        {"Lambda", "Λ"}, {"Xi", "Ξ"},   {"Pi", "Π"},    {"Sigma", "Σ"}, {"Phi", "Φ"},     {"Psi", "Ψ"},
+        {"Omega", "Ω"}};
+    char letter[8] = {name[0]};
+    const char *index = NULL;
+    for (size_t k = 0; k < sizeof greek / sizeof greek[0] && !index; k++) {
         size_t length = strlen(greek[k][0]);
-        if (strncmp(name, greek[k][0], length) != 0 || !is_index(name + length))
-            continue;
-        saltus_line_add(l, "{/:Italic %s}", greek[k][1]);
-        if (name[length])
-            saltus_line_add(l, "_{%s}", name + length);
-        return;
+        if (strncmp(name, greek[k][0], length) == 0 && (index = index_of(name + length)) != NULL)
+            strcpy(letter, greek[k][1]);
     }
-    if (!is_index(name + 1)) {
-        saltus_line_add(l, "{/:Italic ");
-        saltus_line_plain(l, name);
+    index = index ? index : index_of(name + 1);
+    saltus_line_add(l, "{/:Italic ");
+    saltus_line_plain(l, index ? letter : name);
+    saltus_line_add(l, "}");
+    if (index && *index) {
+        saltus_line_add(l, "_{");
+        saltus_line_plain(l, index);
         saltus_line_add(l, "}");
-        return;
     }
-    saltus_line_add(l, "{/:Italic %c}", name[0]);
-    if (name[1])
-        saltus_line_add(l, "_{%s}", name + 1);
 }
 
 void saltus_line_state(saltus_line *l, const saltus_system *system, int entry) {
@@ -118,8 +122,13 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
         saltus_line_add(l, ", ");
     }
     if (!varies(varied, "r", s)) {
+        const char *law = saltus_restitution_law(spec, s);
         saltus_line_symbol(l, "r");
-        saltus_line_add(l, " = %.6g, ", stop->r);
+        saltus_line_add(l, law ? " = " : " = %.6g, ", stop->r);
+        if (law) {
+            saltus_line_plain(l, law);
+            saltus_line_add(l, ", ");
+        }
     }
     saltus_line_add(l, "%s", side[stop->sides]);
 }

@@ -104,10 +104,10 @@ saltus_status saltus_convergence_check(const char *path, saltus_message *message
     return saltus_output_test(path, message);
 }
 
-saltus_status saltus_write_convergence(const saltus_scene *scene, const saltus_system *system,
-                                       const saltus_lyapunov_options *options,
+saltus_status saltus_write_convergence(const char *path, const saltus_scene *scene,
+                                       const saltus_system *system, const saltus_lyapunov_options *options,
                                        const saltus_lyapunov *lyapunov, const saltus_figure_options *look,
-                                       const char *path, saltus_message *message) {
+                                       saltus_message *message) {
     saltus_output output;
     saltus_page page;
     saltus_status status = saltus_convergence_check(path, message);

@@ -382,9 +382,9 @@ static char *beside(const char *data, const char *ending) {
     return path;
 }
 
-saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system *system,
-                                 const saltus_diagnosis *diagnosis, const saltus_flow_options *options,
-                                 const saltus_figure_options *look, const char *path, const char *data,
+saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, const saltus_system *system,
+                                 const saltus_flow_options *options, const saltus_diagnosis *diagnosis,
+                                 const saltus_figure_options *look, const char *data,
                                  saltus_message *message) {
     const saltus_trajectory *record = diagnosis->record, *section = diagnosis->section;
     int n = saltus_system_dimension(system);
@@ -409,7 +409,7 @@ saltus_status saltus_write_sheet(const saltus_scene *scene, const saltus_system 
         return status;
     char *script = data && !page.look.script ? beside(data, ".gp") : NULL;
     if (data)
-        status = saltus_write_trajectory(record, scene, system, options, NULL, data, message);
+        status = saltus_write_trajectory(data, scene, system, options, record, NULL, message);
     if (status == SALTUS_OK && data && !page.look.script && !script)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a file name");
     if (script)

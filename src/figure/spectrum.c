@@ -343,10 +343,10 @@ void saltus_spectrum_low_panel(const saltus_spectra_source *source, const saltus
     draw_low(&r, frame, letter, heading);
 }
 
-saltus_status saltus_spectra_write(const saltus_scene *scene, const saltus_system *system,
-                                   const saltus_motion *motion, const saltus_spectra *spectra,
-                                   const saltus_flow_options *flow, const saltus_figure_options *look,
-                                   const char *path, saltus_message *message) {
+saltus_status saltus_write_spectra(const char *path, const saltus_scene *scene, const saltus_system *system,
+                                   const saltus_flow_options *flow, const saltus_motion *motion,
+                                   const saltus_spectra *spectra, const saltus_figure_options *look,
+                                   saltus_message *message) {
     const saltus_spectra_source source = {scene, system, motion, spectra, flow};
     saltus_output output;
     saltus_page page;

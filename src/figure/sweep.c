@@ -334,7 +334,7 @@ static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path
     return status;
 }
 
-saltus_status saltus_plot_sweep(const char *path, const saltus_sweep_view *view, const char *figure,
+saltus_status saltus_plot_sweep(const char *figure, const char *path, const saltus_sweep_view *view,
                                 saltus_message *message) {
     saltus_sweep_file sweep;
     saltus_status status = saltus_figure_check(figure, &view->look, message);

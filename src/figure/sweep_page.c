@@ -21,8 +21,14 @@ static const char *subject(const saltus_sweep_page *page) {
                                            [SALTUS_VIEW_CONTACT] = "time in contact",
                                            [SALTUS_VIEW_LYAPUNOV] = "largest Lyapunov exponent",
                                            [SALTUS_VIEW_SETTLED] = "periods until settled"};
+    static const char *const unforced[] = {[SALTUS_VIEW_STROBOSCOPIC] = "diagram of returns",
+                                           [SALTUS_VIEW_RATE] = "impacts per return",
+                                           [SALTUS_VIEW_SETTLED] = "time until settled"};
     if (page->view == SALTUS_VIEW_CLASS && page->sweep->axis_count == 1)
         return "period";
+    if (!saltus_system_forced(page->system) && page->view < sizeof unforced / sizeof unforced[0] &&
+        unforced[page->view])
+        return unforced[page->view];
     if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
         return "basins of attraction";
     return subjects[page->view];
@@ -33,18 +39,20 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
     static const struct {
         const char *before, *after;
         bool displacement;
-    } words[] = {[SALTUS_VIEW_TURNING] = {"", "  where it turns", true},
-                 [SALTUS_VIEW_STROBOSCOPIC] = {"", "  at phase 0", true},
-                 [SALTUS_VIEW_IMPACTS] = {"speed of every impact  |{/:Bold n·q′}|", "", false},
-                 [SALTUS_VIEW_LARGEST] = {"largest ", "", true},
-                 [SALTUS_VIEW_RMS] = {"root mean square of the ", "", true},
-                 [SALTUS_VIEW_SPEED] = {"largest impact speed  |{/:Bold n·q′}|", "", false},
-                 [SALTUS_VIEW_RATE] = {"impacts per forcing period", "", false},
-                 [SALTUS_VIEW_CONTACT] = {"part of the time in contact", "", false},
-                 [SALTUS_VIEW_LYAPUNOV] = {"largest Lyapunov exponent  per unit of time", "", false},
-                 [SALTUS_VIEW_CLASS] = {"period in {/:Italic T}", "", false},
-                 [SALTUS_VIEW_ATTRACTORS] = {"number of attractors", "", false},
-                 [SALTUS_VIEW_SETTLED] = {"periods until settled", "", false}};
+        const char *unforced; /* without forcing in the place of what tells of it */
+    } words[] = {
+        [SALTUS_VIEW_TURNING] = {"", "  where it turns", true, NULL},
+        [SALTUS_VIEW_STROBOSCOPIC] = {"", "  at phase 0", true, "  at returns to the section"},
+        [SALTUS_VIEW_IMPACTS] = {"speed of every impact  |{/:Bold n·q′}|", "", false, NULL},
+        [SALTUS_VIEW_LARGEST] = {"largest ", "", true, NULL},
+        [SALTUS_VIEW_RMS] = {"root mean square of the ", "", true, NULL},
+        [SALTUS_VIEW_SPEED] = {"largest impact speed  |{/:Bold n·q′}|", "", false, NULL},
+        [SALTUS_VIEW_RATE] = {"impacts per forcing period", "", false, "impacts per return to the section"},
+        [SALTUS_VIEW_CONTACT] = {"part of the time in contact", "", false, NULL},
+        [SALTUS_VIEW_LYAPUNOV] = {"largest Lyapunov exponent  per unit of time", "", false, NULL},
+        [SALTUS_VIEW_CLASS] = {"period in {/:Italic T}", "", false, "period in returns to the section"},
+        [SALTUS_VIEW_ATTRACTORS] = {"number of attractors", "", false, NULL},
+        [SALTUS_VIEW_SETTLED] = {"periods until settled", "", false, "time until settled"}};
     char name[160] = "";
     if (page->view == SALTUS_VIEW_IMPACTS && page->sides) {
         saltus_line_add(line, "velocity at impact  {/:Bold n·q′}");
@@ -54,7 +62,10 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
         snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
     else if (words[page->view].displacement)
         saltus_observed_name(page->system, false, name, sizeof name);
-    saltus_line_add(line, "%s%s%s", words[page->view].before, name, words[page->view].after);
+    const char *before = words[page->view].before, *after = words[page->view].after;
+    if (words[page->view].unforced && !saltus_system_forced(page->system))
+        *(words[page->view].displacement ? &after : &before) = words[page->view].unforced;
+    saltus_line_add(line, "%s%s%s", before, name, after);
 }
 
 /* The symbol of a key: q1 and v1 of built-in models are letters with numbers, names of a text stay words. */

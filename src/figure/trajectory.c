@@ -99,7 +99,7 @@ static void put_page(const record *r, const saltus_system *system, saltus_page *
     fputs("unset multiplot\n", page->file);
 }
 
-saltus_status saltus_plot_trajectory(const char *path, const saltus_figure_options *look, const char *figure,
+saltus_status saltus_plot_trajectory(const char *figure, const char *path, const saltus_figure_options *look,
                                      saltus_message *message) {
     record r = {.rows = 0};
     saltus_page page;

@@ -74,7 +74,7 @@ static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
     const saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
     for (unsigned subset = 0;; subset = saltus_next_subset(resting, subset)) {
-        bool valid = saltus_contact_map_build(system, subset, 0, &flow->scratch);
+        bool valid = saltus_contact_map_build(system, subset, 0, NULL, &flow->scratch);
         if (valid) {
             const saltus_work *probe =
                 saltus_probe_at(flow, lane, flow->state, self->now.phase, &flow->scratch, order);
@@ -93,7 +93,7 @@ void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
     unsigned held = resting ? holding_subset(flow, lane, resting) : 0;
     if (held == 0 && self->hold.count == 0 && resting == 0 && flow->work.hold.count == 0)
         return;
-    saltus_contact_map_build(self->system, held, 0, &self->hold);
+    saltus_contact_map_build(self->system, held, 0, NULL, &self->hold);
     for (int f = 0; f < self->system->face_count; f++)
         if (resting & ~self->hold.faces & 1u << f)
             self->face[f] = (saltus_face_state){.touch = 2};
@@ -128,7 +128,8 @@ static bool impact_map(const saltus_system *system, int hit, bool forced, unsign
     const int n = system->dof;
     const double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, n));
     for (unsigned subset = 1u << hit;; subset = saltus_next_subset(touched, subset)) {
-        bool valid = subset >> hit & 1 && saltus_contact_map_build(system, subset, subset & closing, map);
+        bool valid =
+            subset >> hit & 1 && saltus_contact_map_build(system, subset, subset & closing, velocity, map);
         if (valid) {
             for (int k = 0; k < map->count; k++)
                 valid &= saltus_dot(map->pull + k * n, velocity, n) >= 0 || (forced && map->face[k] == hit);
@@ -164,7 +165,7 @@ static void saltate(saltus_flow *flow, int lane, int face, double speed, const s
     int n = flow->dof, dimension = flow->dimension;
     double *jump = flow->before;
     /* DP leaves displacements alone: only the acceleration part of f- is mapped. */
-    saltus_contact_map_apply(map, n, jump + n);
+    saltus_contact_map_carry(map, n, jump + n);
     for (int i = 0; i < dimension; i++)
         jump[i] = flow->after[i] - flow->before[i];
     for (int c = 0; c < flow->options.columns; c++) {
@@ -206,6 +207,9 @@ static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_con
                                       .face = {face},
                                       .push = map->push + k * n,
                                       .pull = map->pull + k * n,
+                                      .change = map->change + k * n,
+                                      .speed = {map->speed[k]},
+                                      .r = {map->r[k]},
                                       .inverse = {1}};
             double speed = saltus_face_normal(self->system, face, flow->trial + n);
             memcpy(before, flow->trial + n, (size_t)n * sizeof *before);
@@ -259,26 +263,27 @@ typedef struct chatter_end {
 
 /* Whether the chatter that begins with this rebound may be cut short here; flow->trial receives the state
  * with the normal velocity removed. */
-static chatter_end end_of_chatter(saltus_flow *flow, int lane, int face, double rebound) {
+static chatter_end end_of_chatter(saltus_flow *flow, int lane, int face, double rebound, double pressure) {
     const saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
     const double size = state_size(flow, lane), r = system->faces[face].r;
     const double tolerance = displacement_tolerance(flow, lane, face, size), slack = r < 1 ? 1 - r : 2;
     chatter_end end = {-1, 0};
     /* A bound on accelerations alone saves the closer look at every ordinary impact. */
-    double bound = flow->dof * system->rate * (system->rate + flow->work.lane->omega_unit[lane]) * size;
+    const double bound =
+        fmin(flow->dof * system->rate * (system->rate + flow->work.lane->omega_unit[lane]) * size, pressure);
     if (!(rebound * rebound <= tolerance * bound * slack))
         return end;
     const saltus_work *now = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 2);
     double acceleration = 2 * gap_coefficient(system, now, face, 2);
     end.leaving = leaving_faces(flow, lane, size, now);
     const unsigned kept = self->hold.faces & ~end.leaving;
-    if (!saltus_contact_map_build(system, kept | 1u << face, 0, &flow->scratch))
+    if (!saltus_contact_map_build(system, kept | 1u << face, 0, NULL, &flow->scratch))
         return end;
     memcpy(flow->trial, flow->state, (size_t)flow->dimension * sizeof(double));
     saltus_contact_map_apply(&flow->scratch, flow->dof, flow->trial + flow->dof);
     const saltus_contact_map *hold = &self->hold;
-    if (end.leaving && saltus_contact_map_build(system, kept, 0, &flow->scratch))
+    if (end.leaving && saltus_contact_map_build(system, kept, 0, NULL, &flow->scratch))
         hold = &flow->scratch;
     const saltus_work *probe = saltus_probe_at(flow, lane, flow->trial, self->now.phase, hold, 3);
     double a = 2 * gap_coefficient(system, probe, face, 2),
@@ -298,7 +303,8 @@ static saltus_event impact_event(const saltus_lane *self, int face, double speed
                           .face = face,
                           .time = self->now,
                           .velocity_before = f.side * speed,
-                          .velocity_after = -f.side * f.r * speed,
+                          .velocity_after =
+                              -f.side * saltus_system_rebound(self->system, face, speed).r * speed,
                           .displacement = f.side * f.d};
 }
 
@@ -317,7 +323,8 @@ static saltus_event record_impacts(saltus_lane *self, int hit, unsigned reboundi
             self->queue[self->queued++] = impact_event(self, f, speed);
         if (speed > 0) {
             self->info.impacts++;
-            self->info.log_volume += 2 * log(self->system->faces[f].r);
+            const saltus_rebound rebound = saltus_system_rebound(self->system, f, speed);
+            self->info.log_volume += log(rebound.r) + log(fabs(rebound.slope));
         }
     }
     return event;
@@ -325,11 +332,11 @@ static saltus_event record_impacts(saltus_lane *self, int hit, unsigned reboundi
 
 /* Take the impact without rebound if its chatter ends here; then decide which touched faces hold. */
 static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched,
-                                        double rebound) {
+                                        double rebound, double pressure) {
     saltus_lane *self = &flow->lane[lane];
     const double *velocity = flow->state + flow->dof;
     double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, flow->dof));
-    chatter_end end = end_of_chatter(flow, lane, face, rebound);
+    chatter_end end = end_of_chatter(flow, lane, face, rebound, pressure);
     unsigned resting = 0;
     if (end.remainder >= 0) {
         memcpy(flow->state, flow->trial, (size_t)flow->dimension * sizeof(double));
@@ -352,7 +359,33 @@ static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, u
     return end;
 }
 
-saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event) {
+/* Whether the restitutions of an impact are some, from 0 to 1; otherwise the lane's `why` tells. */
+static bool sound_rebounds(saltus_lane *self, const saltus_contact_map *map) {
+    for (int k = 0; k < map->count; k++)
+        if (!(map->r[k] >= 0 && map->r[k] <= 1)) {
+            saltus_fail(
+                &self->why, SALTUS_STALLED,
+                "the motion ends at %.15g periods: the restitution of stop %d is %.6g at the closing speed "
+                "%.6g; it must be from 0 to 1",
+                saltus_time_periods(self->now), self->system->faces[map->face[k]].stop + 1, map->r[k],
+                map->speed[k]);
+            return false;
+        }
+    return true;
+}
+
+/* A bound on the acceleration towards a face once an impact of a speed on it alone has taken the normal
+ * velocity away, from that before the impact. The field is smooth, so for small speeds these are close. */
+static double pressure_bound(const saltus_flow *flow, int lane, int face, double before, double speed) {
+    const saltus_system *system = flow->lane[lane].system;
+    const int n = flow->dof, stop = system->faces[face].stop;
+    const double *normal = system->stop_normal[stop], *impulse = system->stop_impulse[stop];
+    const double size = sqrt(saltus_dot(normal, normal, n) * saltus_dot(impulse, impulse, n));
+    return 2 * fabs(before) + n * system->rate * size * speed;
+}
+
+saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, double acceleration,
+                                     saltus_event *event) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
     saltus_contact_map *map = &flow->scratch;
@@ -361,6 +394,8 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
                    closing = closing_faces(self, velocity, face, touched), held_before = self->hold.faces;
     if (!solve_impact(system, &face, touched, closing, velocity, map))
         return SALTUS_STALLED;
+    if (system->by_speed && !sound_rebounds(self, map))
+        return SALTUS_STALLED;
     const unsigned impulses = map->faces;
     memcpy(velocity_before, velocity, (size_t)flow->dof * sizeof *velocity);
     if (flow->options.columns)
@@ -368,13 +403,23 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
     *event = record_impacts(self, face, impulses & closing, velocity);
     saltus_contact_map_apply(map, flow->dof, velocity);
 
-    const double speed = fabs(event->velocity_before), rebound = system->faces[face].r * speed;
-    const chatter_end end = end_chatter_and_rest(flow, lane, face, touched, rebound);
+    const double speed = fabs(event->velocity_before),
+                 rebound = saltus_system_rebound(system, face, speed).r * speed;
+    const bool alone = touched == 1u << face;
+    self->flight = acceleration > 0 ? 2 * rebound / acceleration : INFINITY;
+    const double pressure = alone ? pressure_bound(flow, lane, face, acceleration, speed) : INFINITY;
+    const chatter_end end = end_chatter_and_rest(flow, lane, face, touched, rebound, pressure);
+    if (end.remainder >= 0 && system->by_speed >> face & 1 && system->faces[face].r == 1)
+        return saltus_fail(
+            &self->why, SALTUS_STALLED,
+            "the motion ends at %.15g periods: the restitution of stop %d tends to 1 for small closing "
+            "speeds, which has no lasting contact; its limit must be below 1",
+            saltus_time_periods(self->now), system->faces[face].stop + 1);
     if (flow->options.columns && speed > 0) {
         const bool ends = end.remainder >= 0;
         const unsigned elastic = impulses & closing & ~(ends ? 1u << face : 0),
                        all = impulses | (ends ? held_before & ~end.leaving : 0);
-        if (!saltus_contact_map_build(system, all, elastic, map))
+        if (!saltus_contact_map_build(system, all, elastic, velocity_before, map))
             return SALTUS_STALLED;
         if (map->count > 1 && !(held_before | self->hold.faces) && elastic == all && apart(map)) {
             saltate_apart(flow, lane, face, map, velocity_before);
@@ -402,7 +447,7 @@ saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, salt
 
 bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
     saltus_lane *self = &flow->lane[lane];
-    bool built = saltus_contact_map_build(self->system, contacts, 0, &self->hold);
+    bool built = saltus_contact_map_build(self->system, contacts, 0, NULL, &self->hold);
     saltus_contacts_publish(flow, lane);
     return built;
 }

@@ -10,7 +10,7 @@
 double saltus_dot(const double *a, const double *b, int n) {
     double sum = 0;
     for (int i = 0; i < n; i++)
-        sum = fma(a[i], b[i], sum);
+        sum += a[i] * b[i];
     return sum;
 }
 
@@ -19,8 +19,23 @@ double saltus_face_normal(const saltus_system *system, int face, const double *v
     return f.side * saltus_dot(system->stop_normal[f.stop], vector, system->dof);
 }
 
+/* Rows of G^-1 R N, with G = N B and R the diagonal of `factor`. */
+static void fill_rows(const saltus_system *system, const saltus_contact_map *map, const double *factor,
+                      double *rows) {
+    const int n = system->dof, m = map->count;
+    memset(rows, 0, (size_t)(m * n) * sizeof *rows);
+    for (int k = 0; k < m; k++)
+        for (int j = 0; j < m; j++) {
+            saltus_face f = system->faces[map->face[j]];
+            double part = map->inverse[k * m + j] * f.side * factor[j];
+            for (int i = 0; i < n; i++)
+                rows[k * n + i] += part * system->stop_normal[f.stop][i];
+        }
+}
+
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
-                              saltus_contact_map *map) {
+                              const double *velocity, saltus_contact_map *map) {
+    double factor[SALTUS_FACES_MAX], slope[SALTUS_FACES_MAX];
     double gram[SALTUS_FACES_MAX * SALTUS_FACES_MAX];
     int n = system->dof, m = 0;
     for (int f = 0; f < system->face_count; f++)
@@ -35,22 +50,29 @@ bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsig
         for (int i = 0; i < n; i++)
             map->push[k * n + i] = f.side * system->stop_impulse[f.stop][i];
     }
+    memset(gram, 0, (size_t)(m * m) * sizeof *gram);
     for (int k = 0; k < m; k++)
         for (int j = 0; j < m; j++)
             gram[k * m + j] = saltus_face_normal(system, map->face[k], map->push + j * n);
     if (!saltus_dense_inverse(gram, m, map->inverse))
         return false;
-    /* pull_k = sum_j (N B)^-1_kj (1 + r_j) n_j, with r_j = 0 for faces that do not rebound. */
-    memset(map->pull, 0, (size_t)(m * n) * sizeof *map->pull);
-    for (int k = 0; k < m; k++)
-        for (int j = 0; j < m; j++) {
-            saltus_face f = system->faces[map->face[j]];
-            double factor = map->inverse[k * m + j] * f.side * (elastic >> map->face[j] & 1 ? 1 + f.r : 1);
-            for (int i = 0; i < n; i++)
-                map->pull[k * n + i] += factor * system->stop_normal[f.stop][i];
-        }
     map->count = m;
     map->faces = faces;
+    /* pull_k = sum_j (N B)^-1_kj (1 + r_j) n_j, with r_j = 0 for faces that do not rebound. */
+    for (int k = 0; k < m; k++) {
+        const int face = map->face[k];
+        saltus_rebound rebound = {0, 0};
+        map->speed[k] = system->by_speed & elastic ? saltus_face_normal(system, face, velocity) : 0;
+        if (elastic >> face & 1)
+            rebound = saltus_system_rebound(system, face, map->speed[k] > 0 ? map->speed[k] : 0);
+        map->r[k] = rebound.r;
+        factor[k] = 1 + rebound.r;
+        slope[k] = 1 + rebound.slope;
+    }
+    fill_rows(system, map, factor, map->pull);
+    map->change = system->by_speed & elastic ? map->change_rows : map->pull;
+    if (map->change != map->pull)
+        fill_rows(system, map, slope, map->change);
     return true;
 }
 
@@ -67,8 +89,9 @@ void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_m
     for (int k = 0; k < m; k++) {
         saltus_face f = system->faces[map->face[k]];
         bool rebounds = elastic >> map->face[k] & 1;
-        double whole = f.side * (rebounds ? 1 + f.r : 1),
-               part = f.side * (rebounds ? variation->r[f.stop] : 0);
+        double varied =
+            rebounds ? saltus_variation_restitution(variation, system, map->face[k], map->speed[k]) : 0;
+        double whole = f.side * (1 + map->r[k]), part = f.side * varied;
         for (int i = 0; i < n; i++)
             change[k][i] = whole * variation->normal[f.stop][i] + part * system->stop_normal[f.stop][i];
         for (int j = 0; j < m; j++) {
@@ -91,7 +114,13 @@ void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *ve
         size[k] = saltus_dot(map->pull + k * dof, velocity, dof);
     for (int k = 0; k < map->count; k++)
         for (int i = 0; i < dof; i++)
-            velocity[i] = fma(-size[k], map->push[k * dof + i], velocity[i]);
+            velocity[i] -= size[k] * map->push[k * dof + i];
+}
+
+void saltus_contact_map_carry(const saltus_contact_map *map, int dof, double *change) {
+    saltus_contact_map own = *map;
+    own.pull = map->change;
+    saltus_contact_map_apply(&own, dof, change);
 }
 
 void saltus_contact_map_share_out(const saltus_contact_map *map, int dof, const double *excess,

@@ -86,7 +86,7 @@ void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map 
     double *delta = flow->tangents + column * flow->dimension + flow->dof;
     double push[SALTUS_FACES_MAX * SALTUS_MODES_MAX], pull[SALTUS_FACES_MAX * SALTUS_MODES_MAX];
     int n = flow->dof;
-    saltus_contact_map_apply(map, n, delta);
+    saltus_contact_map_carry(map, n, delta);
     if (!own)
         return;
     saltus_contact_map_vary(self->system, map, elastic, &own->variation, push, pull);
@@ -118,8 +118,5 @@ void saltus_column_settle(saltus_flow *flow, int lane, int column) {
 
 double saltus_column_observer(const saltus_flow *flow, int column, const double *vector) {
     const saltus_parameter_column *own = parameter_of(flow, column);
-    const saltus_system *system = flow->lane[0].system;
-    const int row = system->observed_row;
-    return own && row < system->spec.stop_count ? saltus_dot(own->variation.normal[row], vector, flow->dof)
-                                                : 0;
+    return own ? saltus_dot(own->variation.observer, vector, flow->dof) : 0;
 }

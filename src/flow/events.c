@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-static int degree_of(const saltus_flow *flow) {
-    return flow->radau ? SALTUS_RADAU_DEGREE : flow->work.order;
+static int degree_of(const saltus_flow *flow, int lane) {
+    return (int)flow->work.lane->degree[lane];
 }
 
 /* c_k = factor * series_k step^k, of the gap series of a stop or the force series of a contact. */
@@ -24,7 +24,7 @@ static void scaled_series(const saltus_flow *flow, int lane, const double *all, 
 static void gap_polynomial(const saltus_flow *flow, int lane, int face, double step, double *c) {
     const saltus_face f = flow->lane[lane].system->faces[face];
     const saltus_face_state *known = &flow->lane[lane].face[face];
-    scaled_series(flow, lane, flow->work.gap, f.stop, 0, f.side, degree_of(flow), step, c);
+    scaled_series(flow, lane, flow->work.gap, f.stop, 0, f.side, degree_of(flow, lane), step, c);
     c[0] -= f.d;
     if (known->shadow) {
         c[0] = known->gap;
@@ -36,7 +36,7 @@ static void gap_polynomial(const saltus_flow *flow, int lane, int face, double s
 
 /* Minus the force of a lane's k-th held contact over the step; its degree is two less than a gap's. */
 static void force_polynomial(const saltus_flow *flow, int lane, int contact, double step, double *c) {
-    scaled_series(flow, lane, flow->work.hold.force, contact, 0, -1, degree_of(flow) - 2, step, c);
+    scaled_series(flow, lane, flow->work.hold.force, contact, 0, -1, degree_of(flow, lane) - 2, step, c);
 }
 
 /* First rise of c through zero on (0, 1], the first `touch` coefficients being zeros at the start and not
@@ -58,6 +58,33 @@ static bool first_rise(const double *c, int degree, int touch, double *root) {
     return saltus_isolate_rise(c + touch, degree - touch, root);
 }
 
+/* The zero of a polynomial of degree 4 that rises after a start below zero or at one, by Newton's method from
+ * the zero of its parabola; infinite where that has none. */
+static double rise_of_quartic(const double *c) {
+    enum { rounds = 2 };
+    const double inside = c[1] * c[1] - 4 * c[2] * c[0];
+    double t = c[0] < 0 ? 2 * c[0] / (-c[1] - sqrt(inside)) : -c[1] / c[2];
+    for (int k = 0; k < rounds && t > 0; k++) {
+        const double value = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4]))),
+                     slope = c[1] + t * (2 * c[2] + t * (3 * c[3] + t * 4 * c[4]));
+        t -= value / slope;
+    }
+    return t > 0 ? t : INFINITY;
+}
+
+double saltus_events_forecast(const saltus_flow *flow, int lane) {
+    const saltus_lane *self = &flow->lane[lane];
+    double c[SALTUS_DEGREE_MAX + 1], soonest = INFINITY;
+    if (self->target.coasting)
+        return soonest;
+    for (int f = 0; f < self->system->face_count; f++)
+        if (self->face[f].touch == 1 || self->face[f].shadow) {
+            gap_polynomial(flow, lane, f, 1, c);
+            soonest = fmin(soonest, rise_of_quartic(c));
+        }
+    return soonest;
+}
+
 /* The earliest wins; of two at one time that which was proposed first. */
 static void propose(saltus_first_event *first, saltus_event_kind kind, int face, double time) {
     if (!(time > first->time || (time == first->time && first->kind != SALTUS_STEP)))
@@ -73,7 +100,7 @@ static void search_gaps(const saltus_flow *flow, int lane, double step, saltus_f
         if (self->hold.faces >> f & 1 || open)
             continue;
         gap_polynomial(flow, lane, f, step, c);
-        if (first_rise(c, degree_of(flow), known->touch, &root))
+        if (first_rise(c, degree_of(flow, lane), known->touch, &root))
             propose(first, SALTUS_IMPACT, f, root * step);
     }
 }
@@ -83,7 +110,7 @@ static void search_forces(const saltus_flow *flow, int lane, double step, saltus
     double c[SALTUS_DEGREE_MAX + 1], root;
     for (int k = 0; k < hold->count; k++) {
         force_polynomial(flow, lane, k, step, c);
-        if (first_rise(c, degree_of(flow) - 2, 0, &root))
+        if (first_rise(c, degree_of(flow, lane) - 2, 0, &root))
             propose(first, SALTUS_RELEASE, hold->face[k], root * step);
     }
 }
@@ -110,7 +137,7 @@ static bool observer_held(const saltus_lane *self) {
 /* Zeros of the observed velocity, of either direction. */
 static void search_turning(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
     const saltus_lane *self = &flow->lane[lane];
-    int degree = degree_of(flow) - 1, touch = 0;
+    int degree = degree_of(flow, lane) - 1, touch = 0;
     double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
     if (observer_held(self))
         return;
@@ -130,19 +157,6 @@ static void search_turning(const saltus_flow *flow, int lane, double step, saltu
         c[k] *= sign;
     if (c[touch] != 0 && first_rise(c, degree, touch, &root))
         propose(first, SALTUS_TURNING, -1, root * step);
-}
-
-double saltus_events_square(const saltus_flow *flow, int lane, double step) {
-    const int degree = degree_of(flow);
-    double c[SALTUS_DEGREE_MAX + 1], sum = 0;
-    scaled_series(flow, lane, flow->work.gap, flow->lane[lane].system->observed_row, 0, 1, degree, step, c);
-    for (int k = 2 * degree; k >= 0; k--) {
-        double product = k % 2 ? 0 : 0.5 * c[k / 2] * c[k / 2];
-        for (int i = k > degree ? k - degree : 0; 2 * i < k; i++)
-            product = fma(c[i], c[k - i], product);
-        sum += 2 * product / (k + 1);
-    }
-    return sum * step;
 }
 
 /* Shift a polynomial's origin to `root`, an odd zero of it, and rescale what is left of [0, 1] to the whole.
@@ -211,7 +225,7 @@ static void collect_maxima(const saltus_lane *self, const double *c, int degree,
 /* Raise the lane's extremes by the local maxima of gaps and of minus the holding forces within the step. */
 static void collect_extremes(const saltus_flow *flow, int lane, double step) {
     const saltus_lane *self = &flow->lane[lane];
-    const int degree = degree_of(flow);
+    const int degree = degree_of(flow, lane);
     const bool last = step == flow->work.lane->left[lane];
     double c[SALTUS_DEGREE_MAX + 1];
     for (int f = 0; f < self->system->face_count; f++)
@@ -226,14 +240,8 @@ static void collect_extremes(const saltus_flow *flow, int lane, double step) {
 }
 
 saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step) {
-    saltus_lane *self = &flow->lane[lane];
+    const saltus_lane *self = &flow->lane[lane];
     saltus_first_event first = {step, SALTUS_STEP, -1};
-    bool close = self->hold.faces != 0 || self->target.coasting || self->target.watch & SALTUS_WATCH_TURNING;
-    for (int f = 0; f < self->system->face_count; f++)
-        close |= self->face[f].touch != 0 || self->face[f].shadow;
-    self->step.calm = !close;
-    if (self->step.calm && flow->work.lane->near[lane] < 0)
-        return first;
     if (self->target.coasting) {
         if (self->target.extremes)
             collect_extremes(flow, lane, step);
@@ -242,26 +250,34 @@ saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step)
     search_gaps(flow, lane, step, &first);
     if (self->hold.count)
         search_forces(flow, lane, step, &first);
-    if (self->target.watch & SALTUS_WATCH_TURNING)
+    if (self->target.watch & SALTUS_WATCH_TURNING && self->step.turns)
         search_turning(flow, lane, step, &first);
     return first;
 }
 
-/* The term of a gap's series beyond the polynomial that velocities have and displacements have not: Taylor's
+/* The term of a row's series beyond the polynomial that velocities have and displacements have not: Taylor's
  * series are of the same order for both. Without it the rate carried on would differ from the state's. */
-static double velocity_term(const saltus_flow *flow, int lane, int face) {
+static double velocity_term(const saltus_flow *flow, int lane, const double *row) {
     const saltus_work *w = &flow->work;
-    const saltus_face f = flow->lane[lane].system->faces[face];
-    const double *normal = flow->lane[lane].system->stop_normal[f.stop];
     double sum = 0;
     for (int i = 0; i < flow->dof && !flow->radau; i++)
-        sum = fma(normal[i], w->jet.v[saltus_work_place(w, w->order, 0, i, lane)], sum);
-    return f.side * sum;
+        sum = fma(row[i], w->jet.v[saltus_work_place(w, degree_of(flow, lane), 0, i, lane)], sum);
+    return sum;
+}
+
+double saltus_events_acceleration(const saltus_flow *flow, int lane, int row, const double *observer,
+                                  double since) {
+    const double *series = flow->work.gap + saltus_work_series_place(&flow->work, row, 0, lane);
+    const int degree = degree_of(flow, lane);
+    double sum = degree * velocity_term(flow, lane, observer);
+    for (int k = degree; k >= 2; k--)
+        sum = sum * since + (double)k * (k - 1) * series[k * flow->lanes];
+    return sum;
 }
 
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap) {
     saltus_lane *self = &flow->lane[lane];
-    int degree = degree_of(flow);
+    int degree = degree_of(flow, lane);
     double c[SALTUS_DEGREE_MAX + 1];
     if (self->target.coasting) {
         memset(self->face, 0, sizeof self->face);
@@ -272,12 +288,15 @@ bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_fac
         if (f == event_face || self->hold.faces >> f & 1 || (known->touch == 0 && !known->shadow))
             continue;
         gap_polynomial(flow, lane, f, step, c);
-        double value = 0, rate = 0, near = 1e-6 * (fabs(self->system->faces[f].d) + self->system->scale[0]);
+        const saltus_face face = self->system->faces[f];
+        double value = 0, rate = 0, power = step, near = 1e-6 * (fabs(face.d) + self->system->scale[0]);
         for (int k = degree; k >= 0; k--)
             value += c[k];
-        for (int k = degree; k >= 1; k--)
+        for (int k = degree; k >= 1; k--) {
             rate += k * c[k];
-        rate += velocity_term(flow, lane, f) * pow(step, degree + 1);
+            power *= step;
+        }
+        rate += face.side * velocity_term(flow, lane, self->system->stop_normal[face.stop]) * power;
         *gap = value;
         if (value > near)
             return false;

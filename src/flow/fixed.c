@@ -134,16 +134,16 @@ bool saltus_fixed_ask(saltus_fixed *fixed, const saltus_system *system) {
 }
 
 void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const saltus_system *system,
-                         saltus_work *work) {
+                         saltus_work *work, int from, int to) {
     if (!fixed->function && ++fixed->steps == steps_between) {
         fixed->steps = 0;
         saltus_fixed_ask(fixed, system);
     }
     /* Contacts that hold are rare, and not compiled. */
     if (fixed->function && work->hold.count == 0)
-        fixed->function(work);
+        fixed->function(work, from, to);
     else
-        kernel->expand(work, work->order);
+        kernel->expand(work, from, to);
 }
 
 bool saltus_fixed_tell(const saltus_system *system, char *text, size_t size) {

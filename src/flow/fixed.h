@@ -11,7 +11,7 @@
 /* src/flow/kernel.c for tapes with all it includes; made by the build. */
 extern const char saltus_kernel_text[];
 
-/* One step's expansion of all lanes: the kernel's `expand`, or what has been compiled of it by now. */
+/* Expansions of all lanes: the kernel's `expand`, or what has been compiled of it by now. */
 typedef struct saltus_fixed {
     saltus_compiled *compiled; /* NULL: nothing is compiled */
     saltus_compiled_function *function;
@@ -24,8 +24,9 @@ saltus_fixed saltus_fixed_open(const saltus_kernel *kernel, const saltus_system 
 void saltus_fixed_close(saltus_fixed *fixed);
 /* Ask for the function now, as expanding does every now and then; false: it is not there yet. */
 bool saltus_fixed_ask(saltus_fixed *fixed, const saltus_system *system);
+/* Orders `from` to `to` of the series, as a kernel's `expand`. */
 void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const saltus_system *system,
-                         saltus_work *work);
+                         saltus_work *work, int from, int to);
 
 /* How a system's equations are run, in words (saltus_compile_tell); false: they are no text's, or stiff ones,
  * which nothing is compiled for. */

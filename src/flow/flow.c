@@ -60,7 +60,7 @@ static saltus_status resolve_start(saltus_flow *flow, int lane) {
     for (int f = 0; f < system->face_count && status == SALTUS_OK; f++) {
         saltus_event event;
         if (self->face[f].touch == 1 && !(resting >> f & 1) && saltus_face_normal(system, f, velocity) > 0)
-            status = saltus_contacts_impact(flow, lane, f, &event);
+            status = saltus_contacts_impact(flow, lane, f, INFINITY, &event);
     }
     return status;
 }
@@ -70,6 +70,9 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
     const int n = flow->dimension, steady = flow->options.columns - flow->options.directions;
     const saltus_time now = saltus_time_after(time, 0);
     *self = (saltus_lane){.system = self->system,
+                          .degree = self->degree,
+                          .brief = self->brief,
+                          .flight = INFINITY,
                           .now = now,
                           .target = {.until = now},
                           .step = {.begin = now},
@@ -95,8 +98,10 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
     saltus_flow_restart(flow, lane, time, state);
     status = resolve_start(flow, lane);
     saltus_lane_scatter_all(flow, lane);
-    return status == SALTUS_OK ? status
-                               : saltus_fail(message, status, "the start on a stop could not be resolved");
+    if (status == SALTUS_OK)
+        return status;
+    const char *why = flow->lane[lane].why.text;
+    return saltus_fail(message, status, "%s", *why ? why : "the start on a stop could not be resolved");
 }
 
 /* Time left to the target, in periods. */
@@ -181,13 +186,54 @@ static saltus_status fail_undefined(saltus_flow *flow, int lane, double step) {
                        begin + outside / self->system->period, what.text);
 }
 
+static bool watches_turning(const saltus_lane *self) {
+    return self->target.aimed && self->target.watch & SALTUS_WATCH_TURNING;
+}
+
+/* Ask the kernel about each row of the gap series that lanes observe whose turning points are watched. */
+static void observe(saltus_flow *flow, void (*ask)(saltus_work *work, int row),
+                    void (*take)(saltus_lane *lane, double answer), const double *answers) {
+    for (int row = 0; row < flow->work.stops; row++) {
+        bool asked = false;
+        for (int l = 0; l < flow->lanes; l++) {
+            saltus_lane *self = &flow->lane[l];
+            if (!watches_turning(self) || self->system->observed_row != row)
+                continue;
+            if (!asked)
+                ask(&flow->work, row);
+            asked = true;
+            take(self, answers[l]);
+        }
+    }
+}
+
+static void take_turning(saltus_lane *self, double bound) {
+    self->step.turns = !(bound < 0) || self->turned;
+}
+
+static void take_square(saltus_lane *self, double square) {
+    if (self->failure == SALTUS_OK)
+        self->info.square += square / self->system->period;
+}
+
+/* Whether a lane surely has no event in the planned step: most lanes in most steps. */
+static bool nothing_near(saltus_lane *self, double near) {
+    bool close = self->hold.faces != 0 || self->target.coasting;
+    for (int f = 0; f < self->system->face_count; f++)
+        close |= self->face[f].touch != 0 || self->face[f].shadow;
+    self->step.calm = !close;
+    return self->step.calm && near < 0 && !(self->target.watch & SALTUS_WATCH_TURNING && self->step.turns);
+}
+
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
 static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
+    bool turning = false;
     for (int l = 0; l < flow->lanes; l++) {
         const saltus_lane *self = &flow->lane[l];
         w->lane->phase[l] = self->now.phase;
         w->lane->left[l] = self->target.aimed ? remaining(self) * self->system->period : 0;
+        turning |= watches_turning(self);
     }
     if (flow->radau) {
         saltus_lane *self = &flow->lane[0];
@@ -199,23 +245,26 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
             return status;
         }
     } else {
-        saltus_fixed_expand(&flow->fixed, flow->kernel, flow->lane[0].system, w);
-        flow->kernel->measure(w);
+        saltus_flow_expand(flow);
     }
     flow->kernel->plan(w);
+    if (turning)
+        observe(flow, flow->kernel->bound_velocity, take_turning, w->lane->turning);
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
         if (!self->target.aimed)
             continue;
         const double planned = w->lane->advance[l];
-        if (self->cycle_steps >= fmin(first_steps, flow->period_steps_max) &&
+        if ((self->cycle_steps >= first_steps || self->cycle_steps >= flow->period_steps_max) &&
             self->cycle_steps > flow->period_steps_max * (self->now.phase - self->cycle_from)) {
+            const bool timed = self->system->spec.model->forcing >= 0;
             saltus_fail(
                 &self->why, SALTUS_STALLED,
-                "a forcing period, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over "
-                "%.3g T): omega is too small, or a load too great",
-                self->system->period, flow->period_steps_max, self->cycle_steps, planned,
-                self->now.phase - self->cycle_from);
+                "%s, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over %.3g T): %s a "
+                "load too great",
+                timed ? "a forcing period" : "a unit of time", self->system->period, flow->period_steps_max,
+                self->cycle_steps, planned, self->now.phase - self->cycle_from,
+                timed ? "omega is too small, or" : "there is");
             self->failure = fail_here(flow, l, &self->why);
             w->lane->advance[l] = w->lane->passing[l] = 0;
             continue;
@@ -229,17 +278,22 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
             w->lane->advance[l] = w->lane->passing[l] = 0;
             continue;
         }
+        self->pending.kind = SALTUS_STEP;
+        self->step.lands = planned == w->lane->left[l];
+        if (nothing_near(self, w->lane->near[l]))
+            continue;
         const saltus_first_event first = saltus_events_first(flow, l, planned);
-        self->pending.kind = first.kind;
         if (first.kind != SALTUS_STEP)
             self->pending = (saltus_event){.kind = first.kind, .face = first.face};
-        self->step.lands = planned == w->lane->left[l] && first.time >= planned;
+        self->step.lands &= first.time >= planned;
         if (first.time != planned) {
             w->lane->advance[l] = first.time;
             w->lane->passing[l] = first.time / self->system->period;
         }
     }
     flow->kernel->evaluate(w);
+    if (turning)
+        observe(flow, flow->kernel->integrate_square, take_square, w->lane->square);
     return SALTUS_OK;
 }
 
@@ -247,11 +301,17 @@ static void apply_turning(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     saltus_event *event = &self->pending;
     const double *observer = self->system->observer, *field = flow->before + flow->dof;
-    saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
-    for (int i = 0; i < flow->dof; i++) {
+    for (int i = 0; i < flow->dof; i++)
         event->displacement = fma(observer[i], flow->state[i], event->displacement);
-        event->velocity_before = fma(observer[i], field[i], event->velocity_before);
+    if (flow->options.columns == 0) {
+        event->velocity_before =
+            saltus_events_acceleration(flow, lane, self->system->observed_row, observer, self->step.length);
+        return;
     }
+    /* Delays are as accurate as the state: the field there, not the polynomial's second derivative. */
+    saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
+    for (int i = 0; i < flow->dof; i++)
+        event->velocity_before = fma(observer[i], field[i], event->velocity_before);
     for (int c = 0; c < flow->options.columns; c++) {
         const double *delta = flow->tangents + c * flow->dimension + flow->dof;
         self->delay[c] = -saltus_column_observer(flow, c, flow->state + flow->dof) / event->velocity_before;
@@ -269,10 +329,13 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
         apply_turning(flow, lane);
         return SALTUS_OK;
     }
-    if (event->kind == SALTUS_IMPACT)
-        status = saltus_contacts_impact(flow, lane, event->face, event);
-    else {
-        saltus_face f = self->system->faces[event->face];
+    const saltus_face f = self->system->faces[event->face];
+    if (event->kind == SALTUS_IMPACT) {
+        const double *normal = self->system->stop_normal[f.stop];
+        const double acceleration =
+            f.side * saltus_events_acceleration(flow, lane, f.stop, normal, self->step.length);
+        status = saltus_contacts_impact(flow, lane, event->face, acceleration, event);
+    } else {
         event->displacement = f.side * f.d;
         if (!saltus_contacts_release(flow, lane, event->face))
             event->kind = SALTUS_STEP;
@@ -302,8 +365,9 @@ static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
     else
         self->now = saltus_time_after(self->now, flow->work.lane->passing[lane]);
     self->info.steps++;
+    self->flight = self->flight > self->step.length ? self->flight - self->step.length : INFINITY;
     if (!flow->radau)
-        self->info.field_evaluations += flow->work.order;
+        self->info.field_evaluations += (long long)flow->work.lane->degree[lane];
     if (self->now.cycle != begin.cycle || self->cycle_steps == 0)
         self->cycle_from = self->now.phase;
     self->cycle_steps = self->now.cycle == begin.cycle ? self->cycle_steps + 1 : 0;
@@ -321,8 +385,6 @@ static saltus_status conclude(saltus_flow *flow, int lane) {
     double gap = 0;
     if (self->system->guarded && !defined_since(flow, lane, step))
         return fail_undefined(flow, lane, step);
-    if (self->target.watch & SALTUS_WATCH_TURNING)
-        self->info.square += saltus_events_square(flow, lane, step) / self->system->period;
     bool sound =
         quiet || saltus_events_carry(flow, lane, step, contact_event ? self->pending.face : -1, &gap);
     pass_time(flow, lane, contact_event);
@@ -334,6 +396,7 @@ static saltus_status conclude(saltus_flow *flow, int lane) {
     if (sound && !endless && (self->hold.count || event)) {
         saltus_lane_gather_all(flow, lane);
         saltus_flow_keep_contacts(flow, lane);
+        self->why.text[0] = '\0';
         sound = !event || apply_event(flow, lane) == SALTUS_OK;
         if (contact_event)
             self->last_speed = self->pending.velocity_before;
@@ -341,10 +404,13 @@ static saltus_status conclude(saltus_flow *flow, int lane) {
     }
     if (sound && !endless)
         return SALTUS_OK;
+    if (!sound && !endless && self->why.text[0])
+        return SALTUS_STALLED;
     return saltus_fail(&self->why, SALTUS_STALLED,
                        "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
                        saltus_time_periods(self->now),
-                       endless ? "bounces without end; a restitution of 1 never comes to rest under pressure"
+                       endless ? "bounces without end; a restitution that is 1, or tends to 1 for small "
+                                 "closing speeds, never comes to rest under pressure"
                                : "a gap is passed or an impact has no solution",
                        gap, self->last_speed);
 }
@@ -396,7 +462,7 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
     if (next_queued(flow, lane, event))
         return SALTUS_OK;
     int ready = waiting_lane(flow);
-    for (; ready < 0; ready = waiting_lane(flow)) {
+    while (ready < 0) {
         *lane = 0;
         if (saltus_stop_asked(flow->options.stop))
             return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted at %.15g periods",
@@ -414,6 +480,8 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
             if (self->failure == SALTUS_OK)
                 self->failure = conclude(flow, l);
             self->ended = self->failure != SALTUS_OK || finished(self);
+            if (self->ended && ready < 0)
+                ready = l;
         }
     }
     saltus_lane *self = &flow->lane[ready];

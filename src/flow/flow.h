@@ -17,6 +17,9 @@ typedef struct saltus_contact_map {
     int count;      /* of them */
     int face[SALTUS_FACES_MAX];
     double *push, *pull; /* [count][dof], storage for SALTUS_FACES_MAX of them */
+    double *change;      /* pull rows of the derivative: `pull` where no restitution depends on the speed */
+    double *change_rows; /* storage for other ones; NULL in maps of lasting contacts */
+    double speed[SALTUS_FACES_MAX], r[SALTUS_FACES_MAX]; /* of the faces; r = 0 where they do not rebound */
     double inverse[SALTUS_FACES_MAX *
                    SALTUS_FACES_MAX]; /* of n_k . push_j: shares gaps out among the directions */
 } saltus_contact_map;
@@ -50,6 +53,7 @@ typedef struct saltus_step {
     saltus_time begin;
     double length;
     bool calm;  /* at its begin no face was touched, close or held */
+    bool turns; /* the observed velocity may have a zero in it; told where turning points are watched */
     bool lands; /* it ends at the target */
 } saltus_step;
 
@@ -63,11 +67,14 @@ typedef struct saltus_first_event {
 /* One trajectory: its place in time, its contacts, and what it has to report. */
 typedef struct saltus_lane {
     const saltus_system *system;
+    int degree;   /* of its series where nothing ends its steps before */
+    double brief; /* what takes no longer is reached with fewer orders than these */
     saltus_time now;
     saltus_target target;
     saltus_step step;
     saltus_contact_map hold; /* faces in lasting contact */
     saltus_face_state face[SALTUS_FACES_MAX];
+    double flight;                        /* time to the next impact of a chatter, else infinite */
     bool turned;                          /* the observer's velocity is zero now, by a turning event */
     bool ended;                           /* the pending event, or the failure, waits to be fetched */
     saltus_event pending;                 /* event at the step's end; kind SALTUS_STEP when there is none */
@@ -91,6 +98,7 @@ struct saltus_flow {
     int lanes, dimension, dof, extra;
     saltus_lane *lane;
     saltus_work work;    /* all lanes: jets of the step */
+    bool shortened;      /* the degrees of some lanes are below their own (flight.c) */
     saltus_fixed fixed;  /* and what has been compiled for them */
     saltus_work *probe;  /* one narrow work per lane, for single points */
     saltus_radau *radau; /* stiff integrator, one per flow (width 1); NULL: Taylor's */
@@ -118,6 +126,13 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
 /* While a contact holds, rounding must not lift the state off the stop; tangent vectors neither. */
 void saltus_flow_keep_contacts(saltus_flow *flow, int lane);
 
+/* flight.c */
+/* Expand the series of all lanes to the degrees that their steps need, and measure how far they reach. */
+void saltus_flow_expand(saltus_flow *flow);
+/* The longest time that a series of two orders less than a degree surely covers, though all motion be as fast
+ * as the linear part can make it. */
+double saltus_flow_brief(const saltus_system *system, int degree, double rtol);
+
 /* lane.c */
 /* A lane's state (column 0) or tangent vector from or into the rows of the stepping work; all of them into
  * the flow's state and tangents and back. */
@@ -129,10 +144,12 @@ void saltus_lane_scatter_all(saltus_flow *flow, int lane);
 /* contact_map.c */
 double saltus_dot(const double *a, const double *b, int n);
 /* The map of a set of faces; false if their normals are dependent. Faces in `elastic` rebound with their
- * restitution. */
+ * restitution at the velocity (NULL where `elastic` is 0). */
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,
-                              saltus_contact_map *map);
+                              const double *velocity, saltus_contact_map *map);
 void saltus_contact_map_apply(const saltus_contact_map *map, int dof, double *velocity);
+/* The derivative of that: what the map makes of a small change of the velocity that it was built at. */
+void saltus_contact_map_carry(const saltus_contact_map *map, int dof, double *change);
 /* The derivative of a map along a direction: push and pull of the map's layout. */
 void saltus_contact_map_vary(const saltus_system *system, const saltus_contact_map *map, unsigned elastic,
                              const saltus_variation *variation, double *push, double *pull);
@@ -157,8 +174,10 @@ void saltus_field_at(saltus_flow *flow, int lane, const double *state, double ph
 /* contact.c */
 /* Decide, for faces touched with zero normal velocity (resting), which of them hold; set hold and touch. */
 void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting);
-/* Impact on a face, its event; complete chatter; tangent vectors. */
-saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, saltus_event *event);
+/* Impact on a face, its event; complete chatter; tangent vectors. `acceleration`: towards the face just
+ * before, infinite where it is not known. */
+saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, double acceleration,
+                                     saltus_event *event);
 /* Let go of a face whose force has come to zero; false if at the state itself it still presses. */
 bool saltus_contacts_release(saltus_flow *flow, int lane, int face);
 /* Change the lasting contacts: faces that hold from now on; false, and none holds, if they cannot hold
@@ -187,15 +206,20 @@ double saltus_column_normal(const saltus_flow *flow, int lane, int face, int col
  * column the change of the law; `velocity` is the trajectory's before it, faces in `elastic` rebound. */
 void saltus_column_impact(saltus_flow *flow, int lane, const saltus_contact_map *map, unsigned elastic,
                           const double *velocity, int column);
-/* How the observer's row itself changes with a tangent vector, times a vector: zero but for a parameter
- * column that moves the stop whose coordinate is observed. */
+/* How the observer's row itself changes with a tangent vector, times a vector: zero but for a column of a
+ * parameter that is in it. */
 double saltus_column_observer(const saltus_flow *flow, int column, const double *vector);
 
 /* events.c */
-/* The first event of a lane on the step just expanded, within `step`. */
+/* When a face that a lane is close to will be reached, from the first few orders of its gap's series alone;
+ * infinite when none seems to be. */
+double saltus_events_forecast(const saltus_flow *flow, int lane);
+/* The first event of a lane on the step just expanded, within `step`, where there may be one. */
 saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step);
-/* The integral of the observed displacement's square over the step, in units of time. */
-double saltus_events_square(const saltus_flow *flow, int lane, double step);
+/* The acceleration of a row of the gap series, which `observer` makes of the displacements, at a time since
+ * the begin of the step just expanded. */
+double saltus_events_acceleration(const saltus_flow *flow, int lane, int row, const double *observer,
+                                  double since);
 /* Carry the faces' gap knowledge to the end of the step; false if a gap has opened beyond its stop (a lost
  * impact). */
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);

@@ -140,10 +140,15 @@ static bool positive_after(const double *c, int degree, double s) {
     return false;
 }
 
+/* A number of p's sign: its value, compensated where `noise` may hide the sign. */
+static double signed_value(const double *c, int degree, double noise, double s) {
+    double value = s > 0 ? horner(c, degree, 0, s) : c[0];
+    return s > 0 && !(fabs(value) > noise) ? saltus_compensated(c, degree, s) : value;
+}
+
 /* p does not fall on the piece: is there a zero in (lo, hi] at which it rises? */
-static bool rise_between(const double *c, int degree, double lo, double hi, double *root) {
-    double at_lo = lo > 0 ? saltus_compensated(c, degree, lo) : c[0];
-    double at_hi = saltus_compensated(c, degree, hi);
+static bool rise_between(const double *c, int degree, double noise, double lo, double hi, double *root) {
+    double at_lo = signed_value(c, degree, noise, lo), at_hi = signed_value(c, degree, noise, hi);
     if (!(at_lo < 0) || !(at_hi >= 0) || (at_hi == 0 && !positive_after(c, degree, hi)))
         return false;
     *root = at_hi == 0 ? hi : bracketed_zero(c, degree, 0, lo, hi);
@@ -151,32 +156,33 @@ static bool rise_between(const double *c, int degree, double lo, double hi, doub
 }
 
 /* p is convex on the piece: from below, or from above through a minimum below zero. */
-static bool rise_from_minimum(const double *c, int degree, double lo, double hi, double *root) {
+static bool rise_from_minimum(const double *c, int degree, double noise, double lo, double hi, double *root) {
     double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
-    if (at_lo < 0 && at_hi > 0 && !((lo > 0 ? saltus_compensated(c, degree, lo) : c[0]) < 0))
+    if (at_lo < 0 && at_hi > 0 && !(signed_value(c, degree, noise, lo) < 0))
         lo = bracketed_zero(c, degree, 1, lo, hi);
-    return rise_between(c, degree, lo, hi, root);
+    return rise_between(c, degree, noise, lo, hi, root);
 }
 
 /* p is concave on the piece: a single maximum decides. */
-static bool rise_to_maximum(const double *c, int degree, double lo, double hi, double *root) {
+static bool rise_to_maximum(const double *c, int degree, double noise, double lo, double hi, double *root) {
     double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
     double top = at_hi >= 0 ? hi : at_lo <= 0 ? lo : bracketed_zero(c, degree, 1, lo, hi);
-    if (top < hi && !(saltus_compensated(c, degree, top) > 0))
+    if (top < hi && !(signed_value(c, degree, noise, top) > 0))
         return false;
-    return rise_between(c, degree, lo, top, root);
+    return rise_between(c, degree, noise, lo, top, root);
 }
 
 /* By the signs of p' and p'' on a piece, 0 where they are not known. 1: a rise was found, -1: there is none
  * on the piece, 0: the signs do not decide. */
-static int decide(const double *c, int degree, int slope, int curvature, double lo, double hi, double *root) {
+static int decide(const double *c, int degree, double noise, int slope, int curvature, double lo, double hi,
+                  double *root) {
     if (slope < 0)
         return -1;
     if (slope == 0 && curvature == 0)
         return 0;
-    bool found = slope > 0       ? rise_between(c, degree, lo, hi, root)
-                 : curvature > 0 ? rise_from_minimum(c, degree, lo, hi, root)
-                                 : rise_to_maximum(c, degree, lo, hi, root);
+    bool found = slope > 0       ? rise_between(c, degree, noise, lo, hi, root)
+                 : curvature > 0 ? rise_from_minimum(c, degree, noise, lo, hi, root)
+                                 : rise_to_maximum(c, degree, noise, lo, hi, root);
     return found ? 1 : -1;
 }
 
@@ -229,7 +235,7 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
     int slope = 0, curvature = 0;
     if (degree >= 2)
         plain_signs(c, degree, &slope, &curvature);
-    int verdict = decide(c, degree, slope, curvature, 0, 1, root);
+    int verdict = decide(c, degree, noise, slope, curvature, 0, 1, root);
     if (verdict != 0)
         return verdict > 0;
 
@@ -247,7 +253,7 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
         curvature = degree > 1 ? common_sign(s->p[2], degree - 2) : 1;
         if (slope == 0 && depth[top] >= depth_max)
             slope = 1; /* shorter than rounding tells */
-        verdict = highest < -noise ? -1 : decide(c, degree, slope, curvature, s->lo, s->hi, root);
+        verdict = highest < -noise ? -1 : decide(c, degree, noise, slope, curvature, s->lo, s->hi, root);
         if (verdict > 0)
             return true;
         if (verdict < 0) {

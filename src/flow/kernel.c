@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "flow/lanes.h"
+#include "system/spectrum.h"
 
 #define PACKS(place) ((saltus_pack *)(void *)(place))
 #define NUMBERS(place) ((lane_t *)(void *)(place))
@@ -107,7 +108,7 @@ static int count_orders(const saltus_work *w, int lane, const saltus_system *sys
     const double small = fmax(1e-19, rtol * fmin(1e-3, 1e7 * rtol));
     double term = 1, twice = 1;
     int order = 0;
-    while (order < system->coefficients.forcing_orders && fmax(term, 0.25 * twice) > small) {
+    while (order <= w->lane->degree[lane] && fmax(term, 0.25 * twice) > small) {
         term *= angle / ++order;
         twice *= 2 * angle / order;
     }
@@ -129,7 +130,7 @@ static void load_weights(const saltus_work *w, double *weights, int lane, const 
     }
 }
 
-static void load(saltus_work *w, int lane, const saltus_system *system) {
+static void load(saltus_work *w, int lane, const saltus_system *system, int degree) {
     const saltus_coefficients *c = &system->coefficients;
     saltus_loaded *to = &w->loaded;
     to->tape = system->tape;
@@ -152,7 +153,9 @@ static void load(saltus_work *w, int lane, const saltus_system *system) {
         to->face[f] = system->faces[f];
         w->lane->clearance[f][lane] = system->faces[f].d;
     }
-    w->lane->limit[lane] = 6.0 / system->rate;
+    w->lane->degree[lane] = degree;
+    saltus_work_settle_degrees(w);
+    w->lane->limit[lane] = saltus_system_step_limit(system, degree);
     w->lane->period[lane] = system->period;
     w->lane->omega_unit[lane] = system->scale[n] / system->scale[0];
     to->lane_orders[lane] = count_orders(w, lane, system);
@@ -275,14 +278,14 @@ KERNEL_INLINE void expand_order(frame f, int k, int c) {
     }
 }
 
-KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int order) {
+KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int first, int last) {
     for (int stop = 0; stop < w->stops; stop++) {
         const saltus_pack *normal = PACKS(w->loaded.normal) + stop * f.packs;
         lane_t *gap = NUMBERS(w->gap) + stop * f.orders;
         saltus_pack row[ROW_PACKS_MAX];
         for (int p = 0; p < f.packs; p++)
             row[p] = normal[p];
-        for (int k = 0; k <= order; k++)
+        for (int k = first; k <= last; k++)
             gap[k] = lane_of(row_dot(row, JET(f.q, k, 0), f.dof, f.packs));
     }
 }
@@ -313,7 +316,8 @@ KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, 
     return f;
 }
 
-KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
+/* The forcing, of as many orders as the step may come to need, and order 0 of the jets. */
+KERNEL_INLINE void begin_jets(frame f, const saltus_work *w, int order) {
     lane_t sine, cosine;
     turn(*NUMBERS(w->lane->phase), &sine, &cosine);
     model_forcing(f, order, sine, cosine);
@@ -327,10 +331,27 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
         f.e[i] = NUMBERS(w->state.e)[i];
     for (int c = 0; c <= f.columns; c++)
         model_start(f, c);
-    for (int k = 0; k < order; k++)
+}
+
+/* Wide columns that follow from the trajectory alone are expanded one after the other: all coefficients of
+ * one fit into the nearest cache. Narrow ones take turns, because the orders of one wait for each other. What
+ * a tilting contact does is kept for one order only. */
+KERNEL_INLINE void expand_columns(frame f, int from, int to) {
+    if (SALTUS_WIDE && model_columns_apart && !(f.vary.tilts && f.hold.count))
         for (int c = 0; c <= f.columns; c++)
-            expand_order(f, k, c);
-    gap_series(f, w, order);
+            for (int k = from; k < to; k++)
+                expand_order(f, k, c);
+    else
+        for (int k = from; k < to; k++)
+            for (int c = 0; c <= f.columns; c++)
+                expand_order(f, k, c);
+}
+
+KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int from, int to) {
+    if (from == 0)
+        begin_jets(f, w, to > w->degree_most ? to : w->degree_most);
+    expand_columns(f, from, to);
+    gap_series(f, w, from ? from + 1 : 0, to);
 }
 
 #ifdef SALTUS_FIXED_TAPE
@@ -338,65 +359,67 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int order) {
 /* Sizes are those of the one flow that this is compiled for. */
 _Static_assert(SALTUS_PACK == SALTUS_FIXED_PACK && sizeof(saltus_work) == SALTUS_FIXED_WORK,
                "compiled otherwise than the library");
-__attribute__((visibility("default"))) void SALTUS_KERNEL_NAME(saltus_work *w);
-void SALTUS_KERNEL_NAME(saltus_work *w) {
+__attribute__((visibility("default"))) void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to);
+void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to) {
     const int packs = row_packs(SALTUS_FIXED_DOF);
     frame f = make_frame(w, SALTUS_FIXED_EXTRA ? SALTUS_TERM_EXTRA : 0, packs, row_block(packs),
                          SALTUS_FIXED_COLUMNS, SALTUS_FIXED_DIRECTIONS, 0);
     f.dof = SALTUS_FIXED_DOF;
     f.extra = SALTUS_FIXED_EXTRA;
     f.orders = SALTUS_FIXED_ORDER + 2;
-    expand_frame(f, w, SALTUS_FIXED_ORDER);
+    expand_frame(f, w, from, to);
 }
 
 #else
 
 /* The scene's terms and shape are settled here, once per step; the common cases have loops of their own. */
-KERNEL_INLINE void expand_rows(const saltus_work *w, int order, int packs, unsigned terms) {
+KERNEL_INLINE void expand_rows(const saltus_work *w, int from, int to, int packs, unsigned terms) {
     const int block = row_block(packs);
     if (w->columns == 0 && w->hold.count == 0)
-        expand_frame(make_frame(w, terms, packs, block, 0, 0, 0), w, order);
+        expand_frame(make_frame(w, terms, packs, block, 0, 0, 0), w, from, to);
     else
-        expand_frame(make_frame(w, terms, packs, block, w->columns, 0, w->hold.count), w, order);
+        expand_frame(make_frame(w, terms, packs, block, w->columns, 0, w->hold.count), w, from, to);
 }
 
-KERNEL_INLINE void expand_directions(const saltus_work *w, int order, int packs, int block) {
+KERNEL_INLINE void expand_directions(const saltus_work *w, int from, int to, int packs, int block) {
     expand_frame(make_frame(w, w->loaded.terms, packs, block, w->columns, w->directions, w->hold.count), w,
-                 order);
+                 from, to);
 }
 
-static void expand_any(const saltus_work *w, int order) {
+static void expand_any(const saltus_work *w, int from, int to) {
     const int packs = row_packs(w->dof), block = row_block(ROW_PACKS_MAX);
     if (w->directions)
-        expand_directions(w, order, packs, 1);
+        expand_directions(w, from, to, packs, 1);
     else
-        expand_frame(make_frame(w, w->loaded.terms, packs, block, w->columns, 0, w->hold.count), w, order);
+        expand_frame(make_frame(w, w->loaded.terms, packs, block, w->columns, 0, w->hold.count), w, from, to);
 }
 
 #define FOR_ROWS(statement)                                                                                  \
-    statement(1) statement(2) statement(3) statement(4) statement(5) statement(6) statement(7) statement(8)
+    statement(1) statement(2) statement(3) statement(4) statement(5) statement(6) statement(7) statement(8)  \
+        statement(9) statement(10) statement(11) statement(12) statement(13) statement(14) statement(15)     \
+            statement(16)
 #define EXPAND_ROWS(n)                                                                                       \
-    static void expand_##n(const saltus_work *w, int order) {                                                \
+    static void expand_##n(const saltus_work *w, int from, int to) {                                         \
         if (n <= model_rows_common && !w->directions && w->loaded.terms == model_common_terms(n))            \
-            expand_rows(w, order, n, model_common_terms(n));                                                 \
+            expand_rows(w, from, to, n, model_common_terms(n));                                              \
         else if (n <= model_rows_plain && !w->directions)                                                    \
-            expand_rows(w, order, n, w->loaded.terms);                                                       \
+            expand_rows(w, from, to, n, w->loaded.terms);                                                    \
         else if (n <= model_rows_plain)                                                                      \
-            expand_directions(w, order, n, row_block(n));                                                    \
+            expand_directions(w, from, to, n, row_block(n));                                                 \
         else                                                                                                 \
-            expand_any(w, order);                                                                            \
+            expand_any(w, from, to);                                                                         \
     }
 FOR_ROWS(EXPAND_ROWS)
 
-static void expand(saltus_work *w, int order) {
+static void expand(saltus_work *w, int from, int to) {
 #define CASE(n)                                                                                              \
     case n:                                                                                                  \
-        expand_##n(w, order);                                                                                \
+        expand_##n(w, from, to);                                                                             \
         break;
     switch (row_packs(w->dof)) {
         FOR_ROWS(CASE)
     default:
-        expand_any(w, order);
+        expand_any(w, from, to);
     }
 }
 
@@ -450,11 +473,19 @@ KERNEL_INLINE lane_t finite_sum(const saltus_work *w) {
     return lane_total(sum);
 }
 
+/* A lane's step where a coefficient of order k is one of the last two of its series, else the limit. */
+KERNEL_INLINE lane_t step_of_last(const saltus_work *w, lane_t step, int k, lane_t limit) {
+    if (w->degree_least == w->degree_most)
+        return step;
+    const lane_t off = lane_size(*NUMBERS(w->lane->degree) - (k + 0.5));
+    return lane_if_less(off, lane_constant(1), step, limit);
+}
+
 /* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
  * 3), and where contacts hold those of their forces: where contacts hold all there is to move, nothing else
  * tells how far the series reach. */
 static void measure(saltus_work *w) {
-    const int last = w->order, steady = w->columns - w->directions;
+    const int steady = w->columns - w->directions;
     const lane_t limit = *NUMBERS(w->lane->limit);
     const saltus_tolerance allowed = w->tolerance;
     lane_t step = limit;
@@ -469,17 +500,27 @@ static void measure(saltus_work *w) {
         else
             size = lane_if_less(size, 1e-6 * change, 1e-6 * change, size);
         const lane_t tolerance = c ? allowed.tangent * size : allowed.absolute + allowed.relative * size;
-        step = lane_smaller(step, coefficient_step(column_norm(w, last - 1, c), tolerance, last - 1, limit));
-        step = lane_smaller(step, coefficient_step(column_norm(w, last, c), tolerance, last, limit));
+        for (int k = w->degree_least - 1; k <= w->degree_most; k++) {
+            const lane_t own = coefficient_step(column_norm(w, k, c), tolerance, k, limit);
+            step = lane_smaller(step, step_of_last(w, own, k, limit));
+        }
     }
     for (int m = 0; m < w->hold.count; m++) {
         const lane_t *force = NUMBERS(w->hold.force) + m * (w->order + 2);
         const lane_t size = lane_size(force[0]) + limit * (lane_size(force[1]) + limit * lane_size(force[2]));
-        for (int k = last - 3; k <= last - 2; k++)
-            step =
-                lane_smaller(step, coefficient_step(lane_size(force[k]), allowed.relative * size, k, limit));
+        for (int k = w->degree_least - 3; k <= w->degree_most - 2; k++) {
+            const lane_t own = coefficient_step(lane_size(force[k]), allowed.relative * size, k, limit);
+            step = lane_smaller(step, step_of_last(w, own, k + 2, limit));
+        }
     }
     *NUMBERS(w->lane->step) = lane_if_less(finite_sum(w), lane_constant(1), step, lane_constant(0));
+}
+
+/* A coefficient of order k where the lane's series have one, else `beyond`. */
+KERNEL_INLINE lane_t series_term(const saltus_work *w, lane_t coefficient, int k, double beyond) {
+    return k <= w->degree_least ? coefficient
+                                : lane_if_less(lane_constant(k - 0.5), *NUMBERS(w->lane->degree), coefficient,
+                                               lane_constant(beyond));
 }
 
 /* A bound on a gap over the step, from its start and all that can lift it, in two chains of Horner's rule.
@@ -490,12 +531,30 @@ KERNEL_INLINE lane_t gap_margin(const saltus_work *w, int face, lane_t step) {
     const double side = w->loaded.face[face].side;
     const lane_t start = side * gap[0] - *NUMBERS(w->lane->clearance[face]);
     lane_t odd = none, even = none;
-    for (int k = (w->order + 1) / 2 * 2; k > 0; k -= 2) {
-        const lane_t lift = side * gap[k], before = side * gap[k - 1];
-        even = lane_fma(even, square, k <= w->order ? lane_if_less(none, lift, lift, none) : none);
+    for (int k = (w->degree_most + 1) / 2 * 2; k > 0; k -= 2) {
+        const lane_t lift = series_term(w, side * gap[k], k, 0),
+                     before = series_term(w, side * gap[k - 1], k - 1, 0);
+        even = lane_fma(even, square, lane_if_less(none, lift, lift, none));
         odd = lane_fma(odd, square, lane_if_less(none, before, before, none));
     }
     return lane_fma(odd, step, start) + lane_fma(even, square, 1e-14 * lane_size(start));
+}
+
+/* A bound on how far a row's velocity may come towards zero and beyond, from its start and all that can turn
+ * it; not below zero where the start itself is near zero beside the rest. */
+static void bound_velocity(saltus_work *w, int row) {
+    const lane_t *series = NUMBERS(w->gap) + row * (w->order + 2);
+    const lane_t step = *NUMBERS(w->lane->advance), none = lane_constant(0);
+    const lane_t start = lane_size(series[1]),
+                 side = lane_if_less(none, series[1], lane_constant(-1), lane_constant(1));
+    lane_t against = none, along = none;
+    for (int k = w->degree_most; k > 1; k--) {
+        const lane_t term = series_term(w, side * series[k] * (double)k, k, 0);
+        against = lane_fma(against, step, lane_if_less(none, term, term, none));
+        along = lane_fma(along, step, lane_if_less(none, term, none, -term));
+    }
+    const lane_t margin = lane_fma(against, step, -start);
+    *NUMBERS(w->lane->turning) = lane_if_less(1e-12 * along * step, start, margin + 1e-12 * start, none);
 }
 
 /* The step a lane takes: its own, or what is left to the target, or half of that when a sliver would remain.
@@ -528,13 +587,26 @@ KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, long stride, int
     return saltus_pack_fma(low, time, saltus_pack_fma(high, square, newest[-2 * stride]));
 }
 
+/* Where lanes have series of different degrees, what is beyond a lane's is taken for -0, which leaves the
+ * bits of what is added to it as they are. */
+static void cut_series(const saltus_work *w, saltus_pack *series, long stride) {
+    for (int k = w->degree_least + 1; k <= w->degree_most; k++)
+        for (long p = 0; p < stride; p++)
+            series[k * stride + p] = lane_spread(series_term(w, lane_of(series[k * stride + p]), k, -0.0));
+}
+
 static void evaluate(saltus_work *w) {
-    const int order = w->order, extras = (1 + w->columns) * w->extra;
+    const int order = w->degree_most, extras = (1 + w->columns) * w->extra;
     const lane_t time = *NUMBERS(w->lane->advance);
     const saltus_pack spread = lane_spread(time), square = spread * spread;
     const long stride = (1 + w->columns) * (long)row_packs(w->dof);
-    const saltus_pack *q = PACKS(w->jet.q) + order * stride, *v = PACKS(w->jet.v) + order * stride;
     saltus_pack *to_q = PACKS(w->state.q), *to_v = PACKS(w->state.v);
+    if (LANES > 1) {
+        cut_series(w, PACKS(w->jet.q), stride);
+        cut_series(w, PACKS(w->jet.v), stride);
+        cut_series(w, PACKS(w->jet.e), extras);
+    }
+    const saltus_pack *q = PACKS(w->jet.q) + order * stride, *v = PACKS(w->jet.v) + order * stride;
     for (long p = 0; p < stride; p++) {
         to_q[p] = polynomial(q + p, stride, order, spread, square);
         to_v[p] = polynomial(v + p, stride, order, spread, square);
@@ -545,6 +617,33 @@ static void evaluate(saltus_work *w) {
             sum = lane_fma(sum, time, NUMBERS(w->jet.e)[k * extras + i]);
         NUMBERS(w->state.e)[i] = sum;
     }
+}
+
+/* The sum of c_i c_j / (i + j + 1) over all i and j, rows i of this matrix side by side. */
+static void integrate_square(saltus_work *w, int row) {
+    enum { block = 8, most = (SALTUS_ORDER_MAX / block + 1) * block };
+    const int degree = w->degree_most, rows = (degree / block + 1) * block;
+    const lane_t *series = NUMBERS(w->gap) + row * (w->order + 2);
+    const lane_t step = *NUMBERS(w->lane->advance);
+    double share[2 * most];
+    lane_t c[most], factor = lane_constant(1), sum = lane_constant(0);
+    for (int k = 0; k <= degree + rows; k++)
+        share[k] = 1.0 / (k + 1);
+    for (int i = 0; i < rows; i++) {
+        c[i] = i > degree ? lane_constant(0) : series_term(w, factor * series[i], i, 0);
+        factor *= step;
+    }
+    for (int i = 0; i < rows; i += block) {
+        lane_t part[block];
+        for (int p = 0; p < block; p++)
+            part[p] = lane_constant(0);
+        for (int j = 0; j <= degree; j++)
+            for (int p = 0; p < block; p++)
+                part[p] = lane_fma(c[j], lane_constant(share[i + j + p]), part[p]);
+        for (int p = 0; p < block; p++)
+            sum = lane_fma(c[i + p], part[p], sum);
+    }
+    *NUMBERS(w->lane->square) = sum * step;
 }
 
 extern const saltus_kernel SALTUS_KERNEL_NAME;
@@ -558,6 +657,8 @@ const saltus_kernel SALTUS_KERNEL_NAME = {
     .expand = expand,
     .measure = measure,
     .plan = plan,
+    .bound_velocity = bound_velocity,
     .evaluate = evaluate,
+    .integrate_square = integrate_square,
 };
 #endif

@@ -38,6 +38,7 @@ typedef struct saltus_rows {
 typedef struct saltus_lane_numbers {
     /* of the lane's system */
     double period[SALTUS_LANES_MAX];     /* of the forcing */
+    double degree[SALTUS_LANES_MAX];     /* of its series; at most the work's `order` */
     double limit[SALTUS_LANES_MAX];      /* largest step */
     double omega_unit[SALTUS_LANES_MAX]; /* frequency that makes velocities comparable with displacements */
     double clearance[SALTUS_FACES_MAX][SALTUS_LANES_MAX];
@@ -51,6 +52,8 @@ typedef struct saltus_lane_numbers {
     double passing[SALTUS_LANES_MAX];                  /* the planned `advance` in periods */
     double margin[SALTUS_FACES_MAX][SALTUS_LANES_MAX]; /* negative: the face surely stays open */
     double near[SALTUS_LANES_MAX];                     /* negative: all faces do */
+    double turning[SALTUS_LANES_MAX]; /* negative: an observed velocity surely has no zero in the step */
+    double square[SALTUS_LANES_MAX];  /* integral of an observed displacement's square over `advance` */
 } saltus_lane_numbers;
 
 /* What the loaded systems are to the kernel. */
@@ -104,13 +107,15 @@ typedef struct saltus_varied {
 typedef struct saltus_work {
     saltus_arena arena;
     /* Settled when the work is opened. */
-    int dof, extra, lanes, order, columns;
+    int dof, extra, lanes, columns;
+    int order;      /* of the longest series that there is room for */
     int directions; /* of the columns, the last ones: parameter columns */
     int row;        /* doubles in a row of q or v */
     int order_span; /* orders reserved for table and drive: a whole number of packs */
     saltus_tolerance tolerance;
     /* Settled when systems, directions and contacts are loaded. */
-    int stops; /* rows of the gap series */
+    int degree_least, degree_most; /* of the lanes' */
+    int stops;                     /* rows of the gap series */
     saltus_loaded loaded;
     saltus_holding hold;
     saltus_varied vary;
@@ -129,19 +134,24 @@ struct saltus_kernel {
     const char *flags;
     /* Reserve all arrays in the work's arena; sizes are already set. */
     void (*reserve)(saltus_work *work);
-    /* Put the coefficients of a system into a lane. */
-    void (*load)(saltus_work *work, int lane, const saltus_system *system);
+    /* Put the coefficients of a system into a lane whose series shall have a degree. */
+    void (*load)(saltus_work *work, int lane, const saltus_system *system, int degree);
     /* Put the derivative of a lane's coefficients along a direction into place. */
     void (*vary)(saltus_work *work, int lane, int direction, const saltus_variation *variation);
-    /* States -> jets up to `order`, gap and force series. */
-    void (*expand)(saltus_work *work, int order);
-    /* Jets of the work's full order -> step of each lane. */
+    /* States -> jets up to order `to`, gap and force series. Where the orders up to `from`, which is even,
+     * are there already, only the rest of them. */
+    void (*expand)(saltus_work *work, int from, int to);
+    /* Jets of the lanes' degrees -> step of each lane. */
     void (*measure)(saltus_work *work);
     /* Step and what is left -> `advance`, `passing`, margins and `near`: how far to go, and which lanes may
      * meet a stop. */
     void (*plan)(saltus_work *work);
-    /* Jets of the work's full order -> states at `advance`. */
+    /* A row of the gap series and `advance` -> `turning`. */
+    void (*bound_velocity)(saltus_work *work, int row);
+    /* Jets of the lanes' degrees -> states at `advance`. */
     void (*evaluate)(saltus_work *work);
+    /* A row of the gap series and `advance` -> `square`. */
+    void (*integrate_square)(saltus_work *work, int row);
 };
 
 /* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets
@@ -151,8 +161,8 @@ const saltus_kernel *saltus_kernel_find(const char *model, int lanes);
 /* Whether SALTUS_ISA, where it is set, names an instruction set. */
 saltus_status saltus_kernel_check(saltus_message *message);
 
-/* Allocate a work for a kernel, with `directions` parameter columns among the columns. Sizes come from the
- * systems' common shape. */
+/* Allocate a work for a kernel, with `directions` parameter columns among the columns and series up to
+ * `order`. Sizes come from the systems' common shape. */
 saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
                                int order, int columns, int directions, saltus_tolerance tolerance);
 /* Forget which terms and orders of the forcing the loaded systems have, before they are loaded anew, and with
@@ -176,6 +186,18 @@ static inline size_t saltus_work_extra_place(const saltus_work *work, int order,
             (size_t)i) *
                (size_t)work->lanes +
            (size_t)lane;
+}
+
+/* After the degrees of lanes have changed. */
+static inline void saltus_work_settle_degrees(saltus_work *work) {
+    double least = work->lane->degree[0], most = least;
+    for (int l = 1; l < work->lanes; l++) {
+        const double degree = work->lane->degree[l];
+        least = degree < least ? degree : least;
+        most = degree > most ? degree : most;
+    }
+    work->degree_least = (int)least;
+    work->degree_most = (int)most;
 }
 
 /* Where the gap series of a stop or the force series of a contact has its coefficient of an order. */

@@ -82,15 +82,16 @@ static double series_value(const double *series, size_t stride, int degree, doub
 
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state) {
     const saltus_work *w = &flow->work;
+    const int degree = (int)w->lane->degree[lane];
     size_t orders = saltus_work_place(w, 1, 0, 0, 0), extras = saltus_work_extra_place(w, 1, 0, 0, 0);
     for (int i = 0; i < flow->dof; i++) {
         size_t place = saltus_work_place(w, 0, 0, i, lane);
-        state[i] = series_value(w->jet.q + place, orders, w->order, since);
-        state[flow->dof + i] = series_value(w->jet.v + place, orders, w->order, since);
+        state[i] = series_value(w->jet.q + place, orders, degree, since);
+        state[flow->dof + i] = series_value(w->jet.v + place, orders, degree, since);
     }
     for (int i = 0; i < flow->extra; i++)
         state[2 * flow->dof + i] =
-            series_value(w->jet.e + saltus_work_extra_place(w, 0, 0, i, lane), extras, w->order, since);
+            series_value(w->jet.e + saltus_work_extra_place(w, 0, 0, i, lane), extras, degree, since);
 }
 
 int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, double *state) {

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 #include "flow/options.h"
+#include "system/spectrum.h"
 
 #include <gsl/gsl_pow_int.h>
 #include <math.h>
@@ -22,12 +23,27 @@ saltus_flow_options saltus_flow_defaults(void) {
 /* A period of more steps than this is not followed to its end. */
 static const double steps_usual = 1e8;
 
-/* Near the fastest by measurement on reference orbits alone and on sweeps side by side: about six orders for
- * five digits. At tight tolerances what a higher order costs buys a margin in accuracy. */
-static int automatic_order(double rtol) {
-    const double digits = -log10(rtol), margin = 0.35 * gsl_pow_2(fmax(0, digits - 12));
+/* Where the tolerance bounds the steps, near the fastest by measurement on reference orbits alone and on
+ * sweeps side by side: about six orders for five digits. At tight tolerances what a higher order costs buys a
+ * margin in accuracy. */
+static int order_by_tolerance(double digits) {
+    const double margin = 0.35 * gsl_pow_2(fmax(0, digits - 12));
     int order = 2 * (int)lround(0.6 * digits + 1.45 + margin);
     return order < SALTUS_ORDER_MIN ? SALTUS_ORDER_MIN : order;
+}
+
+/* Where stability bounds the steps, a lower order that reaches as far within the tolerance is faster. How far
+ * it does is judged by the fastest modes that ring; what impacts excite beyond these wants four orders for
+ * five digits (measured on pipes of 8, 10 and 12 modes). */
+static int degree_for(const saltus_system *system, double rtol) {
+    const double digits = -log10(rtol);
+    const int most = order_by_tolerance(digits);
+    int order = 2 * (int)lround(0.4 * digits + 1);
+    order = order < SALTUS_ORDER_MIN ? SALTUS_ORDER_MIN : order;
+    while (order < most &&
+           !saltus_system_outruns(system, order, exp((lgamma(order + 1) - digits * M_LN10) / order)))
+        order += 2;
+    return order < most ? order : most;
 }
 
 /* Whether two systems have one vector field but for its numbers. Of texts the steps decide, because the first
@@ -90,6 +106,7 @@ static void reserve(saltus_flow *flow) {
     flow->trial = saltus_arena_doubles(arena, dimension);
     flow->scratch.push = saltus_arena_doubles(arena, maps);
     flow->scratch.pull = saltus_arena_doubles(arena, maps);
+    flow->scratch.change_rows = saltus_arena_doubles(arena, maps);
     for (int l = 0; l < flow->lanes; l++) {
         flow->lane[l].hold.push = saltus_arena_doubles(arena, maps);
         flow->lane[l].hold.pull = saltus_arena_doubles(arena, maps);
@@ -101,33 +118,46 @@ static void reserve(saltus_flow *flow) {
 
 /* Behind the stops' rows of the gap series there is one of the observed displacement, for what is no stop's
  * coordinate. */
-static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane,
-                        const saltus_system *system) {
+static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane, const saltus_system *system,
+                        int degree) {
     const int rows = work->stops;
     work->stops = system->spec.stop_count;
-    kernel->load(work, lane, system);
+    kernel->load(work, lane, system, degree);
     work->stops = rows;
     double *row = work->loaded.normal + system->spec.stop_count * work->row;
     for (int i = 0; i < system->dof; i++)
         row[i * work->lanes + lane] = system->observer[i];
 }
 
+/* A lane's system into the stepping work and the lane's own. */
+static void load_lane(saltus_flow *flow, int lane) {
+    saltus_eigenvalues room;
+    const saltus_flow_options *o = &flow->options;
+    const saltus_system *system = flow->lane[lane].system,
+                        known = flow->radau ? *system : saltus_spectrum_of(system, &room);
+    const int degree = flow->radau || o->order ? flow->work.order : degree_for(&known, o->rtol);
+    flow->lane[lane].degree = degree;
+    /* An order that is asked for is that of every step. */
+    flow->lane[lane].brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
+    load_system(&flow->work, flow->kernel, lane, &known, degree);
+    load_system(&flow->probe[lane], flow->narrow, 0, &known, SALTUS_ORDER_MIN);
+}
+
 static saltus_status open_works(saltus_flow *flow, bool stiff) {
     const saltus_system *first = flow->lane[0].system;
     const saltus_flow_options *o = &flow->options;
     const saltus_tolerance tolerance = {o->rtol, o->atol, fmax(o->rtol, 1e-13)};
+    const int order = stiff ? SALTUS_RADAU_DEGREE : o->order ? o->order : order_by_tolerance(-log10(o->rtol));
     saltus_status status =
-        saltus_work_open(&flow->work, flow->kernel, first, o->order, o->columns, o->directions, tolerance);
-    for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++) {
-        load_system(&flow->work, flow->kernel, l, flow->lane[l].system);
+        saltus_work_open(&flow->work, flow->kernel, first, order, o->columns, o->directions, tolerance);
+    for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++)
         status = saltus_work_open(&flow->probe[l], flow->narrow, first, SALTUS_ORDER_MIN, 0, 0, tolerance);
-        if (status == SALTUS_OK)
-            load_system(&flow->probe[l], flow->narrow, 0, flow->lane[l].system);
-    }
-    if (status == SALTUS_OK && !stiff)
-        flow->fixed = saltus_fixed_open(flow->kernel, first, &flow->work);
     if (status == SALTUS_OK && stiff)
         status = saltus_radau_open(&flow->radau, first, o->columns, o->directions, tolerance);
+    for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++)
+        load_lane(flow, l);
+    if (status == SALTUS_OK && !stiff)
+        flow->fixed = saltus_fixed_open(flow->kernel, first, &flow->work);
     return status;
 }
 
@@ -166,10 +196,6 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                           .lane = lane,
                           .probe = probe,
                           .period_steps_max = steps_usual};
-    if (stiff)
-        made->options.order = SALTUS_RADAU_DEGREE;
-    else if (options->order == 0)
-        made->options.order = automatic_order(options->rtol);
     /* Lanes beyond those asked for idle at rest with the first lane's system. */
     for (int l = 0; l < made->lanes; l++)
         lane[l].system = systems[l < lanes ? l : 0];
@@ -197,14 +223,12 @@ saltus_status saltus_flow_single(const saltus_system *system, int columns, const
 
 /* Everything that the works take from a lane's system and the directions, anew. */
 static void reload(saltus_flow *flow, int lane) {
-    const saltus_system *system = flow->lane[lane].system;
     if (flow->lanes == 1)
         saltus_work_forget(&flow->work);
-    load_system(&flow->work, flow->kernel, lane, system);
     saltus_work_forget(&flow->probe[lane]);
-    load_system(&flow->probe[lane], flow->narrow, 0, system);
+    load_lane(flow, lane);
     if (flow->radau)
-        saltus_radau_retune(flow->radau, system);
+        saltus_radau_retune(flow->radau, flow->lane[lane].system);
     saltus_directions_load(flow);
     saltus_contacts_publish(flow, lane);
 }

@@ -32,7 +32,7 @@ extern const saltus_word saltus_integrator_words[];
          .argument = "name"},                                                                                \
     {                                                                                                        \
         .field = SALTUS_MEMBER(struct_type, path order, "order", "1",                                        \
-                               "order of the Taylor series; 0: chosen from rtol", SALTUS_INT),               \
+                               "order of the Taylor series; 0: chosen from rtol and stability", SALTUS_INT), \
         .low = SALTUS_ORDER_MIN, .high = SALTUS_ORDER_MAX, .automatic = true                                 \
     }
 

@@ -56,7 +56,7 @@ static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strik
     if (!saltus_contacts_set(flow, lane, contacts & ~(1u << face)))
         return false;
     w->lane->phase[lane] = self->now.phase;
-    flow->kernel->expand(w, 2);
+    flow->kernel->expand(w, 0, 2);
     for (int i = 0; i < flow->dof; i++) {
         acceleration[i] = w->jet.v[saltus_work_place(w, 1, 0, i, lane)];
         jerk[i] = 2 * w->jet.v[saltus_work_place(w, 2, 0, i, lane)];
@@ -83,11 +83,11 @@ static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int f
         return saltus_contacts_set(flow, lane, self->hold.faces & ~(1u << face));
     }
     saltus_contact_map *map = &flow->scratch;
-    if (!saltus_contact_map_build(self->system, self->hold.faces | 1u << face, elastic, map))
+    if (!saltus_contact_map_build(self->system, self->hold.faces | 1u << face, elastic, flow->state + n, map))
         return false;
     memcpy(velocity, flow->state + n, (size_t)n * sizeof *velocity);
     saltus_contact_map_apply(map, n, flow->state + n);
-    saltus_contact_map_apply(map, n, flow->before + n);
+    saltus_contact_map_carry(map, n, flow->before + n);
     for (int c = 0; c < flow->options.columns; c++)
         saltus_column_impact(flow, lane, map, elastic, velocity, c);
     if (kind == SALTUS_IMPACT) {

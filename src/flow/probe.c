@@ -16,7 +16,7 @@ saltus_work *saltus_probe_at(saltus_flow *flow, int lane, const double *state, d
     probe->lane->phase[0] = phase;
     probe->hold.count = hold->count;
     saltus_contact_map_publish(hold, probe, 0, hold->count);
-    flow->narrow->expand(probe, order);
+    flow->narrow->expand(probe, 0, order);
     return probe;
 }
 
@@ -41,7 +41,7 @@ void saltus_flow_tangent_field(saltus_flow *flow, int lane, double *derivatives)
     saltus_work *w = &flow->work;
     for (int l = 0; l < flow->lanes; l++)
         w->lane->phase[l] = flow->lane[l].now.phase;
-    flow->kernel->expand(w, 1);
+    flow->kernel->expand(w, 0, 1);
     for (int c = 0; c < flow->options.columns; c++) {
         double *out = derivatives + c * flow->dimension;
         for (int i = 0; i < flow->dof; i++) {

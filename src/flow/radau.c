@@ -109,7 +109,7 @@ static void field_near_rest(saltus_radau *r, int mode, double displacement, doub
             w->state.q[mode * w->lanes + l] = displacement;
             w->state.v[mode * w->lanes + l] = velocity;
         }
-        r->field->expand(w, 1);
+        r->field->expand(w, 0, 1);
         for (int l = 0; l < w->lanes; l++)
             w->state.q[mode * w->lanes + l] = w->state.v[mode * w->lanes + l] = 0;
         for (int l = 0; l < w->lanes && k * w->lanes + l < bins; l++)
@@ -157,7 +157,7 @@ void saltus_radau_retune(saltus_radau *radau, const saltus_system *system) {
         saltus_work *w = &radau->work[k];
         saltus_work_forget(w);
         for (int l = 0; l < w->lanes; l++)
-            radau->field->load(w, l, system);
+            radau->field->load(w, l, system, w->order);
         w->stops = 0;
     }
     find_linear_part(radau);
@@ -303,7 +303,7 @@ static double first_step(saltus_radau *r, double phase) {
                 w->state.e[saltus_work_extra_place(w, 0, c, i, l)] = r->e0[c * r->extra + i];
         }
     }
-    r->field->expand(w, 1);
+    r->field->expand(w, 0, 1);
     double step = r->system->period;
     for (int c = 0; c < r->all; c++)
         for (int i = 0; i < s->dof && (c < r->steady || r->column[c].size > 0); i++) {
@@ -441,7 +441,7 @@ static bool converge(saltus_radau *r, long long *evaluations) {
     integrate(r);
     for (int sweep = 0; sweep < sweeps_max; sweep++) {
         for (int k = 0; k < s->chunks; k++)
-            r->field->expand(&r->work[k], 1);
+            r->field->expand(&r->work[k], 0, 1);
         *evaluations += nodes;
         for (int c = 0; c < r->all; c++) {
             r->kernel->correct(s, c);

@@ -54,13 +54,16 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     options.longest = SALTUS_LONGEST_PERIOD;
     options.transient = 8 * SALTUS_LONGEST_PERIOD;
     options.progress.show = NULL;
-    saltus_status status = saltus_motion_find_locked(s->system, &options, motion->state, &found, message);
+    const bool forced = saltus_system_forced(s->system);
+    saltus_status status = SALTUS_OK;
+    if (forced)
+        status = saltus_motion_find_locked(s->system, &options, motion->state, &found, message);
     if (status == SALTUS_OK && !saltus_verdict_settled(found.verdict)) {
         saltus_motion_clear(&found);
         status = saltus_motion_find_period(s->system, motion->state, &options, true, &found, message);
     }
     take(motion, &found);
-    if (status == SALTUS_OK && motion->lyapunov == -INFINITY && motion->verdict == SALTUS_UNDECIDED)
+    if (status == SALTUS_OK && forced && motion->lyapunov == -INFINITY && motion->verdict == SALTUS_UNDECIDED)
         status = find_contact(s, motion, message);
     return status;
 }
@@ -80,13 +83,15 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     saltus_outcome outcome;
     saltus_system *counted = NULL;
     saltus_flow_state(s->flow, 0, motion->state);
-    saltus_status status = saltus_search_count_returns(s, &counted, message);
+    saltus_status status = SALTUS_OK;
+    if (!saltus_system_forced(s->system))
+        status = saltus_visits_count(&s->visits, s->system, &counted, message);
     if (status != SALTUS_OK)
         return status;
     status = saltus_motion_judge(counted ? counted : s->system, o, motion, &outcome, message);
     saltus_system_free(counted);
     bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
-    if (status == SALTUS_OK && motion->verdict == SALTUS_QUASIPERIODIC)
+    if (status == SALTUS_OK && motion->verdict == SALTUS_QUASIPERIODIC && saltus_system_forced(s->system))
         return look_for_locking(s, motion, message);
     bool open = motion->verdict == SALTUS_UNDECIDED || motion->verdict == SALTUS_IRREGULAR;
     if (status != SALTUS_OK || !open)
@@ -101,6 +106,26 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     if (status == SALTUS_OK && regular && motion->verdict == SALTUS_UNDECIDED)
         motion->verdict = outcome == SALTUS_OUTCOME_LEFT ? SALTUS_TRANSIENT : SALTUS_LONG_PERIOD;
     return status;
+}
+
+/* What is said besides of scenes without forcing: that nothing attracts, or that the section is not met. */
+static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
+    const bool settled = saltus_verdict_settled(motion->verdict);
+    char before[sizeof motion->reason];
+    snprintf(before, sizeof before, "%s", motion->reason);
+    if (saltus_system_conservative(s->system) && motion->verdict != SALTUS_EQUILIBRIUM &&
+        motion->verdict != SALTUS_HELD)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "conservative (no damping, r = 1): nothing attracts, and orbits form continua%s%.200s",
+                 settled                             ? "; this is the one that the trajectory is on"
+                 : motion->verdict == SALTUS_CHAOTIC ? "; "
+                                                     : "; saltus orbit finds one beside a trajectory",
+                 motion->verdict == SALTUS_CHAOTIC ? before : "");
+    else if (!settled && motion->verdict != SALTUS_CHAOTIC && s->visits.settling.count < 2)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "the trajectory does not return to its section within %lld units of time; another section "
+                 "(--section) would count its orbit",
+                 (long long)((double)s->settling.count * saltus_system_period(s->system)));
 }
 
 saltus_status saltus_motion_classify(const saltus_system *system, const double *state,
@@ -139,6 +164,8 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
         motion->verdict = SALTUS_IRREGULAR;
         status = saltus_motion_survey(system, s.flow, motion, message);
     }
+    if (status == SALTUS_OK && !saltus_system_forced(system) && !s.stopped)
+        explain_unforced(&s, motion);
     *stopped = s.stopped;
     saltus_search_close(&s);
     if (status != SALTUS_OK)

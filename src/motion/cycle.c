@@ -1,8 +1,8 @@
 /* Orbits of scenes without forcing, whose periods are their own: found from a guess, or from the closest
- * returns of a trajectory to the maxima of the observed displacement.
+ * returns of a trajectory to the section.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
-#include "orbit/maxima.h"
+#include "orbit/poincare.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -117,19 +117,23 @@ static saltus_status watch(returns *r, const double *state, const saltus_classif
                            saltus_message *message) {
     const long long enough = 2000 + 100LL * r->apart;
     saltus_flow *flow = NULL;
-    saltus_maxima maxima = {0};
+    saltus_crossings returns = {0};
+    saltus_time time;
     saltus_event event = {.kind = SALTUS_STEP};
     double now[SALTUS_STATE_MAX];
     saltus_status status = saltus_flow_single(r->system, 0, &options->flow, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED && r->count < enough) {
-        status = saltus_flow_advance(flow, (saltus_time){options->transient, 0}, SALTUS_WATCH_MAXIMA, &event,
-                                     message);
+        status = saltus_flow_advance(flow, (saltus_time){options->transient, 0},
+                                     saltus_crossings_watch(r->system), &event, message);
+        if (status != SALTUS_OK)
+            break;
         saltus_flow_state(flow, 0, now);
-        if (status == SALTUS_OK && event.kind != SALTUS_REACHED &&
-            saltus_maxima_count(&maxima, r->system, &event, now) > 0 && !maxima.falling)
-            add_return(r, saltus_time_periods(event.time), now);
+        saltus_crossings_take(&returns, flow, 0, &event, now);
+        while (saltus_crossings_next(&returns, flow, 0, now, &time) > 0)
+            if (!returns.falling)
+                add_return(r, saltus_time_periods(time), now);
     }
     saltus_flow_free(flow);
     return status;

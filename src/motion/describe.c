@@ -189,6 +189,22 @@ static saltus_status polish_rest(const saltus_system *system, const saltus_class
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
+/* The eigenvalues of a rest with the contacts that hold there, if it is isolated. */
+static saltus_status find_eigenvalues(const saltus_system *system, unsigned contacts, saltus_motion *motion,
+                                      saltus_message *message) {
+    saltus_equilibrium_options how = saltus_equilibrium_defaults();
+    saltus_equilibrium rest = {0};
+    saltus_status status = saltus_equilibrium_find(system, motion->state, &how, &rest, message);
+    if (status == SALTUS_OK && rest.contacts == contacts &&
+        saltus_system_distance(system, rest.state, motion->state) < same_rest) {
+        motion->eigenvalues = rest.eigenvalues;
+        motion->eigenvalue_count = rest.eigenvalue_count;
+        rest.eigenvalues = NULL;
+    }
+    saltus_equilibrium_clear(&rest);
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+}
+
 saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                                  const saltus_classify_options *options, saltus_motion *motion,
                                  saltus_message *message) {
@@ -196,6 +212,8 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                 symmetric = saltus_system_mirror_symmetric(system, &shift);
     saltus_flow_state(flow, 0, motion->state);
     saltus_status status = rests ? polish_rest(system, options, motion, message) : SALTUS_OK;
+    if (status == SALTUS_OK && rests)
+        status = find_eigenvalues(system, saltus_flow_contacts(flow, 0), motion, message);
     motion->largest = motion->smallest = saltus_system_observed(system, motion->state);
     motion->rms = fabs(motion->largest);
     const double nothing[SALTUS_STATE_MAX] = {0};

@@ -71,12 +71,11 @@ static saltus_status judge_points(const saltus_system *system, const double *val
     return status;
 }
 
-/* Whether the exponent is zero as far as it is known, and it is known so well that neither the weak chaos nor
- * the locking of motions nearby hides in its error: these have exponents of some 1e-4 per period. */
-static bool may_be_zero(const saltus_runs *r) {
-    return fabs(r->all.mean) * r->period < zero_exponent &&
-           fabs(r->all.mean) < SALTUS_SIGNIFICANT * r->all.standard_error + slow_exponent / r->period &&
-           r->all.standard_error * r->period < zero_error;
+/* Weak chaos and locking have exponents of some 1e-4 per period. */
+bool saltus_exponent_may_be_zero(saltus_estimate exponent, double period) {
+    return fabs(exponent.mean) * period < zero_exponent &&
+           fabs(exponent.mean) < SALTUS_SIGNIFICANT * exponent.standard_error + slow_exponent / period &&
+           exponent.standard_error * period < zero_error;
 }
 
 static bool positive(const saltus_estimate *estimate, double errors) {
@@ -112,7 +111,9 @@ saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
     if (r->lost || (shrinks && r->first.mean < 0 && r->second.mean < 0))
         return SALTUS_OUTCOME_REGULAR;
     saltus_outcome chaos = weigh_chaos(r);
-    return chaos == SALTUS_OUTCOME_OPEN && may_be_zero(r) ? SALTUS_OUTCOME_TORUS : chaos;
+    return chaos == SALTUS_OUTCOME_OPEN && saltus_exponent_may_be_zero(r->all, r->period)
+               ? SALTUS_OUTCOME_TORUS
+               : chaos;
 }
 
 saltus_status saltus_points_ask(const saltus_system *system, const double *points, long long count,

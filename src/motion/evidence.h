@@ -45,6 +45,9 @@ typedef enum saltus_opinions {
  * must be no stable orbit amid it (motion/stable_orbit.h). SALTUS_OUTCOME_SHORT: measure on, if there is
  * time. */
 saltus_outcome saltus_runs_weigh(const saltus_runs *runs);
+/* Whether an exponent, per unit of time, is zero as far as it is known, and it is known so well that neither
+ * the weak chaos nor the locking of motions nearby hides in its error. */
+bool saltus_exponent_may_be_zero(saltus_estimate exponent, double period);
 /* The mean lifetime that is exceeded with 95 % confidence, in periods, where so many trajectories have left
  * within the periods watched until then: an exponential law has no memory, so it does not matter how the
  * periods are shared among trajectories. M L / 3 where none has left. */

@@ -16,6 +16,7 @@
 #include "motion/evidence.h"
 #include "motion/long_period.h"
 #include "motion/motion.h"
+#include "motion/section_points.h"
 #include "motion/stable_orbit.h"
 #include "saltus/series.h"
 
@@ -33,8 +34,7 @@ enum {
     least_torus = 1000,
     points_kept = 4096,
     check_periods = 1000, /* in which a trajectory that seems to have left must show its period */
-    longest_laminar = 16,
-    rare = 20 /* times as long as chaos has been measured it is watched for a contact that ends it */
+    longest_laminar = 16
 };
 
 typedef struct judge {
@@ -43,7 +43,9 @@ typedef struct judge {
     saltus_lyapunov_options how;
     saltus_ensemble ensemble;
     saltus_motion *motion;
-    double *points, *growths;        /* of all trajectories, points_kept each */
+    double *points, *growths; /* of all trajectories, points_kept each */
+    double *returns, *times;  /* without forcing: of the first one, to the section, and when they came */
+    long long return_count;
     bool searched;                   /* for stable orbits */
     bool sticks;                     /* a contact that wipes out all differences has been met */
     long long escaped[trajectories]; /* samples of each until it left; 0: it has not */
@@ -153,20 +155,22 @@ static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome
     return status;
 }
 
-/* Whether a stable orbit lies amid the motion; looked for once. Without forcing the points are no section of
- * their own periods: there only the trajectories tell. */
+/* Whether a stable orbit lies amid the motion; looked for once. */
 static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     saltus_track tracks[trajectories];
     saltus_motion orbit = {0};
     bool found = false;
-    if (j->searched || !saltus_system_forced(j->system))
+    if (j->searched)
         return SALTUS_OK;
     j->searched = true;
     for (int m = 0; m < trajectories; m++)
         tracks[m] = (saltus_track){j->points + (size_t)(m * points_kept * j->ensemble.n),
                                    j->growths + (size_t)(m * points_kept), points_there(j)};
-    saltus_status status =
-        saltus_stable_orbit_among(j->system, &j->how.flow, tracks, trajectories, &orbit, &found, message);
+    saltus_status status = saltus_system_forced(j->system)
+                               ? saltus_stable_orbit_among(j->system, &j->how.flow, tracks, trajectories,
+                                                           &orbit, &found, message)
+                               : saltus_stable_cycle_among(j->system, &j->how.flow, j->returns, j->times,
+                                                           j->return_count, &orbit, &found, message);
     if (status == SALTUS_OK && found)
         snprintf(j->motion->evidence.stable_orbit, sizeof j->motion->evidence.stable_orbit, "%s",
                  orbit.label);
@@ -174,31 +178,59 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     return status;
 }
 
-/* Whether contacts at all stops at once leave no direction in which neighbours can differ. */
-static bool can_lose_all(const saltus_system *system) {
-    int stops = 0;
-    for (int f = 0; f < saltus_system_face_count(system); f++) {
-        int stop = saltus_system_face(system, f).stop;
-        stops = stop >= stops ? stop + 1 : stops;
-    }
-    return 2 * stops >= saltus_system_dimension(system);
-}
-
-/* Chaos with a contact that wipes out all differences amid it is a superstable orbit, however seldom that
- * contact is met: after it everything repeats. Without tangent vectors it is watched for at little cost. */
+/* Chaos with a contact that wipes out all differences amid it is a superstable orbit. Without tangent vectors
+ * it is watched for at little cost. */
 static saltus_status look_for_contact(judge *j, saltus_message *message) {
     const double *states[trajectories];
     double after[SALTUS_STATE_MAX];
-    long long periods = rare * saltus_ensemble_periods(&j->ensemble) / trajectories;
-    if (!can_lose_all(j->system))
-        return SALTUS_OK;
     for (int m = 0; m < trajectories; m++)
         states[m] = j->ensemble.member[m].state;
-    saltus_status status = saltus_motion_meets_contact(j->system, &j->how.flow, states, trajectories, periods,
-                                                       after, &j->sticks, message);
+    saltus_status status =
+        saltus_motion_meets_contact(j->system, &j->how.flow, states, trajectories,
+                                    saltus_ensemble_periods(&j->ensemble), after, &j->sticks, message);
     if (status == SALTUS_OK && j->sticks)
         memcpy(j->ensemble.member[0].state, after, (size_t)j->ensemble.n * sizeof *after);
     return status;
+}
+
+/* Whether a second exponent is zero beside that of time itself: without forcing a torus has two, an orbit of
+ * any period one. */
+static saltus_status count_zeros(judge *j, saltus_outcome *outcome, saltus_message *message) {
+    saltus_lyapunov_options how = j->how;
+    saltus_lyapunov lyapunov = {0};
+    how.exponents = 2;
+    how.periods = saltus_ensemble_periods(&j->ensemble);
+    saltus_status status =
+        saltus_lyapunov_run(j->system, j->ensemble.member[0].state, &how, &lyapunov, message);
+    if (status == SALTUS_OK) {
+        saltus_estimate second = {.mean = lyapunov.exponents[1],
+                                  .standard_error = lyapunov.standard_errors[1]};
+        *outcome = saltus_exponent_may_be_zero(second, saltus_system_period(j->system)) ? SALTUS_OUTCOME_TORUS
+                                                                                        : SALTUS_OUTCOME_OPEN;
+    }
+    saltus_lyapunov_clear(&lyapunov);
+    return status;
+}
+
+/* Ask the section points: of all trajectories at phase 0, without forcing the returns of one. */
+static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_message *message) {
+    saltus_evidence *evidence = &j->motion->evidence;
+    if (saltus_system_forced(j->system))
+        return saltus_points_ask(j->system, j->points, points_there(j), SALTUS_OPINIONS_ALL, evidence,
+                                 outcome, message);
+    saltus_status status =
+        saltus_motion_section_points(j->system, &j->how.flow, j->ensemble.member[0].state, points_kept,
+                                     j->returns, j->times, &j->return_count, message);
+    const bool torus = *outcome == SALTUS_OUTCOME_TORUS;
+    if (status == SALTUS_OK && j->return_count < SALTUS_SERIES_LEAST) {
+        *outcome = torus ? SALTUS_OUTCOME_OPEN : *outcome;
+        return SALTUS_OK;
+    }
+    if (status == SALTUS_OK)
+        status = saltus_points_ask(j->system, j->returns, j->return_count, SALTUS_OPINIONS_ALL, evidence,
+                                   outcome, message);
+    return status == SALTUS_OK && *outcome == SALTUS_OUTCOME_TORUS ? count_zeros(j, outcome, message)
+                                                                   : status;
 }
 
 /* What the runs so far say. With a stable orbit among its points chaos is a transient that has not ended yet:
@@ -213,8 +245,7 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     if (*outcome == SALTUS_OUTCOME_TORUS && j->ensemble.member[0].samples < least_torus)
         *outcome = SALTUS_OUTCOME_OPEN;
     if (*outcome == SALTUS_OUTCOME_TORUS || *outcome == SALTUS_OUTCOME_CHAOS)
-        status = saltus_points_ask(j->system, j->points, points_there(j), SALTUS_OPINIONS_ALL, evidence,
-                                   outcome, message);
+        status = ask_points(j, outcome, message);
     if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS)
         status = look_for_orbit(j, message);
     if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS && !evidence->stable_orbit[0])
@@ -252,8 +283,7 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
     if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_OPEN || points_there(j) < SALTUS_SERIES_LEAST)
         return status;
     /* What the points say is part of the evidence even where it does not decide. */
-    return saltus_points_ask(j->system, j->points, points_there(j), SALTUS_OPINIONS_ALL, &j->motion->evidence,
-                             outcome, message);
+    return ask_points(j, outcome, message);
 }
 
 /* A motion is intermittent if it stays near a periodic one for much longer than the time in which neighbours
@@ -264,7 +294,9 @@ static void find_intermittency(judge *j) {
            weights[SALTUS_STATE_MAX];
     for (int i = 0; i < j->ensemble.n; i++)
         weights[i] = 1 / saltus_system_scale(j->system)[i];
-    saltus_series_points points = {j->points, weights, points_there(j), j->ensemble.n};
+    const bool forced = saltus_system_forced(j->system);
+    saltus_series_points points = {forced ? j->points : j->returns, weights,
+                                   forced ? points_there(j) : j->return_count, j->ensemble.n};
     saltus_series_phases phases = saltus_series_laminar_phases(&points, longest_laminar);
     if (phases.laminar < 0.05 || (double)phases.longest < 10 * separation)
         phases = (saltus_series_phases){0};
@@ -362,18 +394,13 @@ static void tell_chaos(judge *j) {
 static void tell_torus(const judge *j) {
     saltus_motion *m = j->motion;
     const saltus_evidence *e = &m->evidence;
-    if (saltus_system_forced(j->system)) {
-        m->verdict = SALTUS_QUASIPERIODIC;
-        say(m,
-            "largest exponent %.1e +- %.0e per unit of time, next to zero; the section points fill %d "
-            "closed curve%s, all but %.1e of their variance is in lines",
-            m->lyapunov, m->lyapunov_error, e->curves, e->curves == 1 ? "" : "s", e->broadband);
-    } else
-        say(m,
-            "largest exponent %.1e +- %.0e per unit of time, that of time itself: a torus, or an orbit of "
-            "more "
-            "than %d returns to the section; a longer --longest would tell",
-            m->lyapunov, m->lyapunov_error, j->options->longest);
+    m->verdict = SALTUS_QUASIPERIODIC;
+    say(m,
+        "largest exponent %.1e +- %.0e per unit of time, next to zero%s; the section points fill %d "
+        "closed curve%s, all but %.1e of their variance is in lines",
+        m->lyapunov, m->lyapunov_error,
+        saltus_system_forced(j->system) ? "" : ", and so is a second one beside that of time itself",
+        e->curves, e->curves == 1 ? "" : "s", e->broadband);
 }
 
 static void tell_regular(const judge *j) {
@@ -433,8 +460,10 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
     size_t places = (size_t)trajectories * points_kept;
     j.points = calloc(places * (size_t)saltus_system_dimension(system), sizeof *j.points);
     j.growths = calloc(places, sizeof *j.growths);
+    j.returns = calloc((size_t)points_kept * (size_t)saltus_system_dimension(system), sizeof *j.returns);
+    j.times = calloc(points_kept, sizeof *j.times);
     motion->evidence.history = calloc(SALTUS_HISTORY_ROOM, sizeof *motion->evidence.history);
-    saltus_status status = j.points && j.growths && motion->evidence.history
+    saltus_status status = j.points && j.growths && j.returns && j.times && motion->evidence.history
                                ? saltus_ensemble_open(&j.ensemble, system, &j.how, message)
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the section points");
     if (status == SALTUS_OK) {
@@ -450,5 +479,7 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
     saltus_ensemble_close(&j.ensemble);
     free(j.points);
     free(j.growths);
+    free(j.returns);
+    free(j.times);
     return status;
 }

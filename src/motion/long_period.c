@@ -25,7 +25,8 @@ enum {
     tries = 6,            /* of the closest returns */
     costly = 3000,        /* impacts of an orbit: it is not tried */
     contacts_watched = 8, /* that wipe out all differences */
-    patience = 10         /* times as long as a motion may take to settle, until such a contact */
+    rare = 20,    /* times as long as chaos has been measured it is watched for a contact that ends it */
+    patience = 10 /* times as long as a motion may take to settle, until such a contact */
 };
 static const double near_return = 0.05; /* relative to the system's scales */
 static const double same_contact = 1e-8;
@@ -176,52 +177,84 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
                                         : SALTUS_OK;
 }
 
-/* All lanes of a flow at once, each until its time is over, until one of them meets such a contact: its state
- * at the next section point. */
-static saltus_status run_to_contact(saltus_flow *flow, int lanes, long long periods, double *state,
-                                    bool *found, saltus_message *message) {
+/* The first contact of these in several trajectories: in which one, and the section point after it, when and
+ * where. */
+typedef struct first_contact {
+    int trajectory; /* -1: none yet */
+    long long cycle;
+    double *state;
+} first_contact;
+
+/* What a lane runs to: not far, as another one may meet the contact meanwhile. */
+static void aim(saltus_flow *flow, int lane, long long last) {
+    enum { stretch = 64 };
+    const long long next = saltus_flow_time(flow, lane).cycle + stretch;
+    saltus_flow_aim(flow, lane, (saltus_time){next < last ? next : last, 0}, SALTUS_WATCH_STICK);
+}
+
+/* All lanes of a flow side by side, of which the first one is this trajectory, as long as one of them can
+ * still be the first to meet such a contact. Which one it is does not hang on how many lanes there are. */
+static saltus_status run_to_contact(saltus_flow *flow, int lanes, int trajectory, first_contact *first,
+                                    saltus_message *message) {
     const int n = saltus_system_dimension(saltus_flow_system(flow, 0));
-    const saltus_time until = {periods, 0};
     saltus_event event;
-    int lane, left = lanes, met = -1;
+    bool met[SALTUS_PACK_MAX] = {false};
     for (int l = 0; l < lanes; l++)
-        saltus_flow_aim(flow, l, until, SALTUS_WATCH_STICK);
-    while (left > 0 && !*found) {
+        aim(flow, l, first->cycle);
+    for (int lane, left = lanes; left > 0;) {
         saltus_status status = saltus_flow_run(flow, &lane, &event, message);
         if (status != SALTUS_OK)
             return status;
-        if (event.kind == SALTUS_REACHED) {
-            left--;
-            *found = lane == met;
-        } else if (met < 0 && saltus_lost_directions(flow, lane, &event) >= n) {
-            met = lane;
+        const long long cycle = saltus_flow_time(flow, lane).cycle;
+        if (event.kind != SALTUS_REACHED && saltus_lost_directions(flow, lane, &event) >= n) {
+            met[lane] = true;
             saltus_flow_aim(flow, lane, (saltus_time){event.time.cycle + 1, 0}, 0);
-        } else
-            saltus_flow_aim(flow, lane, until, SALTUS_WATCH_STICK);
+            continue;
+        }
+        if (event.kind == SALTUS_REACHED && met[lane] &&
+            (cycle < first->cycle ||
+             (cycle == first->cycle && (first->trajectory < 0 || trajectory + lane < first->trajectory)))) {
+            first->trajectory = trajectory + lane;
+            first->cycle = cycle;
+            saltus_flow_state(flow, lane, first->state);
+        }
+        if (event.kind == SALTUS_REACHED && (met[lane] || cycle >= first->cycle))
+            left--;
+        else
+            aim(flow, lane, first->cycle);
     }
-    if (*found)
-        saltus_flow_state(flow, met, state);
     return SALTUS_OK;
 }
 
+/* Whether contacts at all stops at once leave no direction in which neighbours can differ. */
+static bool can_lose_all(const saltus_system *system) {
+    int stops = 0;
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        int stop = saltus_system_face(system, f).stop;
+        stops = stop >= stops ? stop + 1 : stops;
+    }
+    return 2 * stops >= saltus_system_dimension(system);
+}
+
 saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
-                                          const double *const *states, int count, long long periods,
+                                          const double *const *states, int count, long long watched,
                                           double *state, bool *found, saltus_message *message) {
     const int width = options->integrator == SALTUS_RADAU ? 1 : saltus_flow_width(system);
     const saltus_system *systems[SALTUS_PACK_MAX];
     saltus_status status = SALTUS_OK;
-    *found = false;
+    first_contact first = {.trajectory = -1, .cycle = rare * watched / count, .state = state};
     for (int l = 0; l < width; l++)
         systems[l] = system;
-    for (int first = 0; first < count && status == SALTUS_OK && !*found; first += width) {
-        int lanes = count - first < width ? count - first : width;
+    for (int done = 0; done < count && status == SALTUS_OK && can_lose_all(system); done += width) {
+        int lanes = count - done < width ? count - done : width;
         saltus_flow *flow = NULL;
         status = saltus_flow_new(systems, lanes, options, &flow, message);
         for (int l = 0; l < lanes && status == SALTUS_OK; l++)
-            status = saltus_flow_start(flow, l, (saltus_time){0, 0}, states[first + l], message);
+            status = saltus_flow_start(flow, l, (saltus_time){0, 0}, states[done + l], message);
         if (status == SALTUS_OK)
-            status = run_to_contact(flow, lanes, periods, state, found, message);
+            status = run_to_contact(flow, lanes, done, &first, message);
         saltus_flow_free(flow);
     }
+    *found = first.trajectory >= 0;
     return status;
 }

@@ -16,11 +16,13 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
 saltus_status saltus_motion_find_contact(const saltus_system *system, const saltus_classify_options *options,
                                          const double *state, saltus_motion *found, long long *periods,
                                          bool *rounding, saltus_message *message);
-/* Whether a trajectory from one of `count` states, at phase 0, meets a contact that wipes out all differences
- * within so many periods each; if so, `state` is its next section point. Errors: those of the flow,
- * SALTUS_NO_MEMORY. */
+/* Whether a motion that looks chaotic, and of which so many periods have been watched, meets a contact that
+ * wipes out all differences: after it everything repeats, however seldom it comes. Trajectories from `count`
+ * states, at phase 0, are watched for it, together twenty times as long; where one meets it, `state` (not one
+ * of them) is the section point after it of the first that does. Where no contact can do so nothing runs.
+ * Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
-                                          const double *const *states, int count, long long periods,
+                                          const double *const *states, int count, long long watched,
                                           double *state, bool *found, saltus_message *message);
 
 #endif

@@ -204,7 +204,8 @@ static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
         l->sum += l->exponents[c];
     l->sum_rule = saltus_ensemble_exponent(e, e->columns, saltus_ensemble_regular(e)).mean;
     /* What the sum lacks the smallest exponent lacks: it is the most difficult one. */
-    l->standard_errors[l->count - 1] = hypot(l->standard_errors[l->count - 1], l->sum - l->sum_rule);
+    if (!isnan(l->sum_rule))
+        l->standard_errors[l->count - 1] = hypot(l->standard_errors[l->count - 1], l->sum - l->sum_rule);
 }
 
 saltus_status saltus_lyapunov_run(const saltus_system *system, const double *state,

@@ -45,6 +45,7 @@ void saltus_motion_clear(saltus_motion *motion) {
     free(motion->section_states);
     free(motion->events);
     free(motion->multipliers);
+    free(motion->eigenvalues);
     free(motion->evidence.history);
     *motion = (saltus_motion){0};
 }

@@ -22,8 +22,10 @@ static const saltus_option classify_choices[] = {
          "as many to watch",
          SALTUS_LONG),
      .fallback = 10000, .high = 1e11, .flag = "--lifetime", .argument = "n"},
-    {MEMBER(longest, "T", "longest period tried, in forcing periods", SALTUS_INT), .fallback = 64, .low = 1,
-     .high = SALTUS_LONGEST_PERIOD, .flag = "--longest", .argument = "p"},
+    {MEMBER(longest, "T",
+            "longest period tried, in forcing periods, without forcing in returns to the section",
+            SALTUS_INT),
+     .fallback = 64, .low = 1, .high = SALTUS_LONGEST_PERIOD, .flag = "--longest", .argument = "p"},
     SALTUS_FLOW_CHOICES(saltus_classify_options, flow., 1e-13, 1e-16),
 };
 const saltus_option_table saltus_classify_table = SALTUS_TABLE(classify_choices);

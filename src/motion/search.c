@@ -12,35 +12,35 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Distances in the stroboscopic section are relative to the system's scales. */
 static const double nearby = 3e-3; /* the polished orbit must be this close to the trajectory */
 static const double all_but_reached = 1e-6;
+static const double on_orbit = 1e-7;      /* of a continuum, none of which attracts */
 static const double drift_at_rest = 1e-6; /* of a displacement over a period */
 
-/* A maximum of the observed displacement is a return to the section, unless chatter may be under way. */
-static void note_return(saltus_search *s, const saltus_event *event, const double *state) {
-    if (saltus_maxima_count(&s->maxima, s->system, event, state) <= 0 || s->maxima.falling)
-        return;
-    saltus_flow_info info = saltus_flow_information(s->flow, 0);
-    s->return_times[s->returns.count % s->returns.size] = saltus_time_periods(event->time);
-    saltus_settling_add(&s->returns, state, info.impacts, info.sticks + info.releases);
+static void note_returns(saltus_search *s, const saltus_event *event, const double *now) {
+    double state[SALTUS_STATE_MAX];
+    memcpy(state, now, (size_t)saltus_system_dimension(s->system) * sizeof *state);
+    saltus_visits_take(&s->visits, s->flow, 0, event, now, saltus_flow_information(s->flow, 0));
+    while (saltus_visits_next(&s->visits, s->flow, 0, state))
+        ;
 }
 
 /* One more period of the trajectory. */
 static saltus_status advance_period(saltus_search *s, saltus_message *message) {
     double state[SALTUS_STATE_MAX];
-    const bool forced = saltus_system_forced(s->system);
+    const unsigned watch = saltus_system_forced(s->system) ? 0 : saltus_crossings_watch(s->system);
     saltus_event event = {.kind = SALTUS_STEP};
     saltus_time until = {saltus_flow_time(s->flow, 0).cycle + 1, 0};
     while (event.kind != SALTUS_REACHED) {
-        saltus_status status =
-            saltus_flow_advance(s->flow, until, forced ? 0 : SALTUS_WATCH_MAXIMA, &event, message);
+        saltus_status status = saltus_flow_advance(s->flow, until, watch, &event, message);
         if (status != SALTUS_OK)
             return status;
         saltus_flow_state(s->flow, 0, state);
-        if (event.kind != SALTUS_REACHED)
-            note_return(s, &event, state);
+        if (watch)
+            note_returns(s, &event, state);
     }
     saltus_flow_info info = saltus_flow_information(s->flow, 0);
     saltus_settling_add(&s->settling, state, info.impacts, info.sticks + info.releases);
@@ -66,7 +66,7 @@ static double distance_from_orbit(const saltus_search *s) {
     if (!s->clocked)
         return saltus_system_distance(s->system, saltus_settling_point(&s->settling, 0), s->orbit.state);
     for (int k = 0; k < s->lap.periods; k++)
-        least = fmin(least, saltus_system_distance(s->system, saltus_settling_point(&s->returns, 0),
+        least = fmin(least, saltus_system_distance(s->system, saltus_settling_point(&s->visits.settling, 0),
                                                    s->lap.points + (size_t)(k * s->orbit.dimension)));
     return least;
 }
@@ -109,12 +109,10 @@ saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_m
     if (status == SALTUS_OK && !saltus_settling_open(&s->settling, n, s->options->longest, close))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK && !saltus_system_forced(s->system)) {
-        if (saltus_settling_open(&s->returns, n, s->options->longest, close))
-            s->return_times = calloc((size_t)s->returns.size, sizeof *s->return_times);
-        if (!s->return_times)
+        if (!saltus_visits_open(&s->visits, n, s->options->longest, close))
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
         else
-            saltus_settling_reset(&s->returns, s->system);
+            saltus_visits_reset(&s->visits, s->system);
     }
     if (status == SALTUS_OK)
         saltus_settling_reset(&s->settling, s->system);
@@ -128,8 +126,7 @@ saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_m
 void saltus_search_close(saltus_search *s) {
     saltus_orbit_clear(&s->orbit);
     saltus_settling_close(&s->settling);
-    saltus_settling_close(&s->returns);
-    free(s->return_times);
+    saltus_visits_close(&s->visits);
     saltus_flow_free(s->around);
     saltus_system_free(s->clocked);
     saltus_flow_free(s->flow);
@@ -150,21 +147,23 @@ static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     saltus_spec spec = *saltus_system_spec(s->system);
     saltus_system *counted = NULL;
-    int p = saltus_settling_candidate(&s->returns);
+    const saltus_settling *returns = &s->visits.settling;
+    int p = saltus_settling_candidate(returns);
     if (p == 0)
         return SALTUS_OK;
-    const double *last = saltus_settling_point(&s->returns, 0);
-    long long now = s->returns.count - 1;
-    double taken = s->return_times[now % s->returns.size] - s->return_times[(now - p) % s->returns.size],
-           near = fmax(nearby, 30 * saltus_settling_recurrence(&s->returns, p));
-    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / taken);
+    const double *last = saltus_settling_point(returns, 0);
+    double near = fmax(nearby, 30 * saltus_settling_recurrence(returns, p));
+    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / saltus_visits_taken(&s->visits, p));
     saltus_status status = saltus_system_new(&spec, &counted, message);
     if (status == SALTUS_OK)
         status = saltus_cycle_polish(counted, last, &shooting, &s->orbit, &s->clocked, &s->lap, message);
     if (status == SALTUS_OK)
         status = saltus_flow_single(s->clocked, 0, &s->options->flow, &s->around, message);
-    if (status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
-        distance_from_orbit(s) <= near)
+    if (status == SALTUS_OK && saltus_system_conservative(s->system))
+        s->found = distance_from_orbit(s) <= on_orbit;
+    else if (status == SALTUS_OK &&
+             saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
+             distance_from_orbit(s) <= near)
         status = confirm(s, message);
     else if (status != SALTUS_NO_MEMORY)
         status = SALTUS_OK; /* no orbit here */
@@ -172,6 +171,15 @@ static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
         forget_cycle(s);
     saltus_system_free(counted);
     return status;
+}
+
+/* Without forcing: whether the trajectory comes to a stable rest, however slowly. */
+static saltus_status try_rest(saltus_search *s, bool *at_rest, saltus_message *message) {
+    double place[SALTUS_STATE_MAX], time = (double)s->settling.count * saltus_system_period(s->system);
+    if (saltus_flow_contacts(s->flow, 0) || saltus_settling_recurrence(&s->settling, 1) > nearby)
+        return SALTUS_OK;
+    return saltus_rest_is_approached(s->system, saltus_settling_point(&s->settling, 0), time, &s->beside_rest,
+                                     place, at_rest, message);
 }
 
 /* Try the period that recurs at present: Newton's method from the trajectory's last point. The orbit must be
@@ -246,24 +254,17 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
             break;
         }
         status = try_period(s, message);
+        bool at_rest = false;
+        if (status == SALTUS_OK && !s->found && !saltus_system_forced(s->system))
+            status = try_rest(s, &at_rest, message);
+        if (at_rest) {
+            motion->verdict = SALTUS_EQUILIBRIUM;
+            break;
+        }
         block = block < 1024 ? block + block / 2 : 1024;
     }
     motion->transient = s->settling.count;
     return status;
-}
-
-saltus_status saltus_search_count_returns(const saltus_search *s, saltus_system **counted,
-                                          saltus_message *message) {
-    enum { few = 16 };
-    const saltus_settling *r = &s->returns;
-    *counted = NULL;
-    if (saltus_system_forced(s->system) || r->count < few)
-        return SALTUS_OK;
-    long long now = r->count - 1, span = r->count <= r->size ? now : r->size - 1;
-    double taken = s->return_times[now % r->size] - s->return_times[(now - span) % r->size];
-    saltus_spec spec = *saltus_system_spec(s->system);
-    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) * (double)span / taken);
-    return saltus_system_new(&spec, counted, message);
 }
 
 saltus_status saltus_search_conclude(saltus_search *s, saltus_motion *motion, saltus_message *message) {

@@ -4,8 +4,8 @@
 #define SALTUS_MOTION_SEARCH_H
 
 #include "motion/motion.h"
-#include "motion/settle.h"
-#include "orbit/maxima.h"
+#include "motion/slow_rest.h"
+#include "motion/visits.h"
 
 enum { SALTUS_FIRST_BLOCK = 64 }; /* periods before the first look */
 
@@ -15,11 +15,9 @@ typedef struct saltus_search {
     const saltus_classify_options *options;
     saltus_flow *flow, *beside; /* the trajectory's; for what is tried meanwhile */
     saltus_settling settling;
-    /* Without forcing: points at the maxima of the observed displacement, and when they came; the system that
-     * counts by the period of the orbit found, and a flow of it. */
-    saltus_settling returns;
-    saltus_maxima maxima;
-    double *return_times; /* in periods, as many as points are kept */
+    saltus_visits visits; /* without forcing */
+    saltus_rest_look beside_rest;
+    /* Without forcing: the system that counts by the period of the orbit found, and a flow of it. */
     saltus_system *clocked;
     saltus_flow *around;
     saltus_orbit orbit;
@@ -38,10 +36,6 @@ void saltus_search_close(saltus_search *search);
  * periods have passed. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_search_run(saltus_search *search, long long at_most, saltus_motion *motion,
                                 saltus_message *message);
-/* Without forcing a system that counts by the mean time between the last returns, the caller's; NULL with
- * forcing, and where there are few returns. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_search_count_returns(const saltus_search *search, saltus_system **counted,
-                                          saltus_message *message);
 /* Fill the motion with what has been found, or say that nothing was. */
 saltus_status saltus_search_conclude(saltus_search *search, saltus_motion *motion, saltus_message *message);
 

@@ -60,6 +60,11 @@ static const double *point_before(const saltus_settling *s, int back) {
     return s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
 }
 
+/* As fmax, without a call: most of a point's work is comparisons. */
+static inline double larger(double a, double b) {
+    return b > a ? b : a;
+}
+
 /* Largest weighted difference; INFINITY once it is above `limit`. */
 static double distance(const saltus_settling *s, const double *a, const double *b, double limit) {
     double largest = 0;
@@ -67,7 +72,7 @@ static double distance(const saltus_settling *s, const double *a, const double *
         double difference = fabs(a[i] - b[i]) * s->weight[i];
         if (!(difference <= limit))
             return INFINITY;
-        largest = fmax(largest, difference);
+        largest = larger(largest, difference);
     }
     return largest;
 }
@@ -88,7 +93,7 @@ static double recurrence_over(const saltus_settling *s, int p, int points, int b
     double largest = 0;
     for (int k = 0; k < points; k++)
         largest =
-            fmax(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
+            larger(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
     return largest;
 }
 
@@ -133,7 +138,7 @@ static double spiral_left(const saltus_settling *s, int p, const products *r) {
         return 0;
     for (int k = 0; k < p; k++)
         for (int i = 0; i < s->n; i++)
-            largest = fmax(largest, fabs((a + b) * recurred(s, p, k, i) + b * recurred(s, p, k + p, i)));
+            largest = larger(largest, fabs((a + b) * recurred(s, p, k, i) + b * recurred(s, p, k + p, i)));
     return largest / (1 - a - b);
 }
 

@@ -13,6 +13,7 @@
 #include "base/bits.h"
 #include "base/dense.h"
 #include "base/memory.h"
+#include "orbit/held.h"
 #include "saltus/flow.h"
 #include "system/system.h"
 
@@ -245,43 +246,14 @@ static int by_real_part(const void *a, const void *b) {
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-/* An orthonormal basis of the displacements and velocities that keep the contacts, and of the extra states:
- * rows of `basis`, which is zero, their number to *rows. False if there is no memory. */
-static bool contact_basis(const newton *w, double *basis, int *rows) {
-    int n = w->n, dof = w->system->dof, held = saltus_count_bits(w->contacts), width = dof - held;
-    double *normals = w->matrix, *free_rows = normals + held * dof, *values = free_rows + width * dof;
-    for (int f = 0, row = 0; f < w->system->face_count; f++)
-        if (w->contacts >> f & 1)
-            memcpy(normals + dof * row++, w->system->stop_normal[w->system->faces[f].stop],
-                   (size_t)dof * sizeof *normals);
-    if (held > 0 && width > 0 &&
-        saltus_dense_null_vectors(normals, held, dof, width, free_rows, values) != SALTUS_OK)
-        return false;
-    *rows = 2 * width + w->system->extra;
-    for (int i = 0; i < width; i++)
-        for (int j = 0; j < dof; j++)
-            basis[i * n + j] = basis[(width + i) * n + dof + j] = held ? free_rows[i * dof + j] : i == j;
-    for (int i = 0; i < w->system->extra; i++)
-        basis[(2 * width + i) * n + 2 * dof + i] = 1;
-    return true;
-}
-
 /* Eigenvalues of the motion that keeps the contacts, from the Jacobian with them held; stability. */
 static saltus_status linearise(newton *w, saltus_equilibrium *out, saltus_message *message) {
-    int n = w->n, rows = 0, negative = 0;
+    int rows = 0, negative = 0;
     double *real = w->field, *imaginary = w->trial, largest = 0;
     saltus_status status = evaluate(w, w->state, w->contacts, message);
-    if (status == SALTUS_OK && !contact_basis(w, w->basis, &rows))
+    if (status == SALTUS_OK && !saltus_held_basis(w->system, w->contacts, w->basis, w->matrix, &rows))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
-    memset(w->matrix, 0, (size_t)(n * n) * sizeof *w->matrix);
-    for (int i = 0; i < rows; i++)
-        for (int j = 0; j < n; j++)
-            for (int k = 0; k < n; k++)
-                w->product[i * n + j] += w->basis[i * n + k] * w->jacobian[j * n + k];
-    for (int i = 0; i < rows; i++)
-        for (int j = 0; j < rows; j++)
-            for (int k = 0; k < n; k++)
-                w->matrix[i * rows + j] += w->product[i * n + k] * w->basis[j * n + k];
+    saltus_held_reduce(w->basis, rows, w->n, w->jacobian, w->product, w->matrix);
     if (status == SALTUS_OK && rows > 0 && !saltus_dense_eigenvalues(w->matrix, rows, real, imaginary))
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalue iteration fails");
     if (status != SALTUS_OK)
@@ -302,19 +274,13 @@ static saltus_status linearise(newton *w, saltus_equilibrium *out, saltus_messag
 
 static saltus_status describe(newton *w, saltus_equilibrium *out, saltus_message *message) {
     const saltus_system *system = w->system;
-    int dof = system->dof;
     out->contacts = w->contacts;
     out->iterations = w->iterations;
     out->residual = w->size;
     memcpy(out->state, w->state, (size_t)w->n * sizeof *out->state);
     for (int f = 0; f < system->face_count; f++) {
-        const double *normal = system->stop_normal[system->faces[f].stop];
-        double compliance = 0;
-        for (int i = 0; i < dof; i++)
-            for (int j = 0; j < dof; j++)
-                compliance += normal[i] * system->inverse_mass[i * dof + j] * normal[j];
         bool holds = w->contacts >> f & 1;
-        out->contact_force[f] = holds ? w->step[w->n + f] / compliance : 0;
+        out->contact_force[f] = holds ? w->step[w->n + f] / saltus_system_compliance(system, f) : 0;
         out->gap[f] = holds ? 0 : saltus_system_gap(system, f, w->state);
     }
     return linearise(w, out, message);

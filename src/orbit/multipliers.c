@@ -422,7 +422,7 @@ saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *o
         return status;
     /* Where the flow contracts most is not known before it has been followed. */
     double wanted = fmin(-cocycle->sum_rule / over_segment, bytes_max / (8.0 * n * n)) / cocycle->periods;
-    if (wanted > cocycle->density)
+    if (!isnan(cocycle->sum_rule) && wanted > cocycle->density)
         cocycle->wanted = wanted;
     forget_hidden(cocycle, out, *count);
     for (int k = 0; k < *count; k++)

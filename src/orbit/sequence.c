@@ -111,42 +111,93 @@ static void make_marks(const saltus_lap *lap, saltus_sequence *s) {
     }
 }
 
+/* Where an orbit begins, turns and meets stops, and the range of each face's gap over them. */
+typedef struct orbit_turns {
+    int count;
+    double time[128], low[SALTUS_FACES_MAX], high[SALTUS_FACES_MAX];
+    bool contact[128];
+} orbit_turns;
+
+static void note_turn(orbit_turns *turns, const saltus_system *system, bool contact, double time,
+                      const double *state) {
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        double gap = saltus_system_gap(system, f, state);
+        turns->low[f] = fmin(turns->low[f], gap);
+        turns->high[f] = fmax(turns->high[f], gap);
+    }
+    if (turns->count < (int)(sizeof turns->time / sizeof turns->time[0])) {
+        turns->contact[turns->count] = contact;
+        turns->time[turns->count++] = time;
+    }
+}
+
+/* Whether an orbit cannot be cut open at a state: a little further along the branch it may touch a stop
+ * there. */
+static bool is_near_stop(const orbit_turns *turns, const saltus_system *system, const double *state) {
+    const double share = 0.5;
+    for (int f = 0; f < saltus_system_face_count(system); f++)
+        if (-saltus_system_gap(system, f, state) < share * (turns->high[f] - turns->low[f]))
+            return true;
+    return false;
+}
+
+/* The middle of the longest stretch between turning points and contacts. */
+static double longest_stretch(const orbit_turns *turns, int periods) {
+    double best = 0, middle = turns->time[0];
+    for (int k = 0; k < turns->count; k++) {
+        double next = k + 1 < turns->count ? turns->time[k + 1] : turns->time[0] + periods;
+        if (next - turns->time[k] > best) {
+            best = next - turns->time[k];
+            middle = turns->time[k] + 0.5 * best;
+        }
+    }
+    return middle;
+}
+
 bool saltus_orbit_turning(saltus_flow *flow, int periods, double *time, double *state) {
-    enum { most = 64 };
-    const double apart = 0.02 * periods;
-    const double begin = *time;
-    const int n = saltus_system_dimension(saltus_flow_system(flow, 0));
-    double best = 0, contact[most], place = begin, found[SALTUS_STATE_MAX];
-    int contacts = 0;
-    /* First the contacts, then the turning points between them. */
+    const double apart = 0.02 * periods, begin = *time;
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    const size_t size = (size_t)saltus_system_dimension(system) * sizeof *state;
+    double best = 0, now[SALTUS_STATE_MAX], found[SALTUS_STATE_MAX];
+    orbit_turns turns = {.count = 0};
+    for (int f = 0; f < SALTUS_FACES_MAX; f++) {
+        turns.low[f] = INFINITY;
+        turns.high[f] = -INFINITY;
+    }
+    /* The begin may itself be a turning point. */
+    note_turn(&turns, system, false, begin, state);
+    /* First all of them, then the turning points again, to choose from. */
     for (int pass = 0; pass < 2; pass++) {
+        const unsigned watch = SALTUS_WATCH_TURNING | (pass ? 0 : SALTUS_WATCH_CONTACT);
         saltus_event event = {.kind = SALTUS_STEP};
         if (saltus_flow_start(flow, 0, saltus_time_of(begin), state, NULL) != SALTUS_OK)
             return false;
         while (event.kind != SALTUS_REACHED) {
-            unsigned watch = pass ? SALTUS_WATCH_TURNING : SALTUS_WATCH_CONTACT;
             if (saltus_flow_advance(flow, saltus_time_of(begin + periods), watch, &event, NULL) != SALTUS_OK)
                 return false;
-            double at = saltus_time_periods(event.time), near = INFINITY;
-            if (event.kind == SALTUS_REACHED || (pass == 0 && contacts == most))
+            saltus_flow_state(flow, 0, now);
+            if (event.kind == SALTUS_REACHED)
                 continue;
+            double at = saltus_time_periods(event.time), near = INFINITY;
             if (pass == 0) {
-                contact[contacts++] = at;
+                note_turn(&turns, system, event.kind != SALTUS_TURNING, at, now);
                 continue;
             }
-            for (int k = 0; k < contacts; k++)
-                near = fmin(near, fabs(remainder(at - contact[k], periods)));
-            if (near < apart || saltus_flow_contacts(flow, 0) || !(fabs(event.velocity_before) > best))
+            for (int k = 0; k < turns.count; k++)
+                if (turns.contact[k])
+                    near = fmin(near, fabs(remainder(at - turns.time[k], periods)));
+            if (near < apart || saltus_flow_contacts(flow, 0) || is_near_stop(&turns, system, now) ||
+                !(fabs(event.velocity_before) > best))
                 continue;
             best = fabs(event.velocity_before);
-            place = at;
-            saltus_flow_state(flow, 0, found);
+            *time = at;
+            memcpy(found, now, size);
         }
     }
-    if (best > 0) {
-        *time = place;
-        memcpy(state, found, (size_t)n * sizeof *state);
-    }
+    if (best > 0)
+        memcpy(state, found, size);
+    else
+        *time = longest_stretch(&turns, periods);
     return best > 0;
 }
 
@@ -169,7 +220,8 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, bool free_per
     if (status != SALTUS_OK)
         return status;
     bool turning = free_period && saltus_orbit_turning(flow, periods, &time, state);
-    s->base = s->cut[0] = turning ? fmod(time, periods) : longest_flight(lap);
+    s->base = s->cut[0] =
+        turning || (lap->event_count == 0 && !lap->contacts) ? fmod(time, periods) : longest_flight(lap);
     if (s->base > 0) {
         if (!turning)
             status = go_to_base(flow, s, state, message);

@@ -14,8 +14,9 @@
 saltus_status saltus_sequence_walk(const saltus_sequence *sequence, saltus_flow *flow, const double *states,
                                    saltus_lap *lap, saltus_cocycle *cocycle, saltus_message *message);
 /* The turning point of the observed displacement with the largest acceleration, in free flight and away from
- * contact events, on an orbit of so many periods through `state` at a time; *time is it, from that time on,
- * and `state` becomes the one there. False where there is none, or the flow fails. */
+ * contact events and stops, on an orbit of so many periods through `state` at a time; *time is it, from that
+ * time on, and `state` becomes the one there. False where there is none, *time being amid the longest stretch
+ * between turning points and contacts, if any, or where the flow fails. */
 bool saltus_orbit_turning(saltus_flow *flow, int periods, double *time, double *state);
 /* The sequence of a motion near an orbit of `periods` periods through `state` at section phase 0: base in the
  * middle of the longest free flight, or at a turning point where the period is free; marks from there.

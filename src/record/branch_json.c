@@ -18,6 +18,13 @@ static void put_grazing(FILE *file, const saltus_branch_point *point) {
     fputc('}', file);
 }
 
+static void put_eigenvalues(FILE *file, const saltus_branch_point *point) {
+    saltus_eigenvalue eigenvalues[SALTUS_STATE_MAX];
+    for (int k = 0; k < point->multiplier_count; k++)
+        eigenvalues[k] = (saltus_eigenvalue){point->multipliers[k].re, point->multipliers[k].im};
+    saltus_json_eigenvalues(file, eigenvalues, point->multiplier_count);
+}
+
 void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                              const saltus_branch_point *point) {
     const saltus_field_table *table = &saltus_point_fields;
@@ -38,11 +45,17 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
     saltus_json_events(file, system, point->events, point->event_count);
     saltus_json_member(file, "contact_force", point->contact_force);
     put_grazing(file, point);
-    saltus_json_multipliers(file, point->multipliers, point->multiplier_count);
+    if (point->periods)
+        saltus_json_multipliers(file, point->multipliers, point->multiplier_count);
+    else
+        put_eigenvalues(file, point);
+    if (!isnan(point->lyapunov_coefficient))
+        saltus_json_member(file, "lyapunov_coefficient", point->lyapunov_coefficient);
     if (point->trivial_multiplier != 0)
         saltus_json_member(file, "trivial_multiplier", point->trivial_multiplier);
     saltus_json_named(file, "log_volume, sum_rule, residual, iterations", table, counts, &row);
-    saltus_json_member(file, "accuracy", point->kind == SALTUS_POINT_REGULAR ? NAN : point->accuracy);
+    saltus_json_member(file, "accuracy",
+                       point->kind != SALTUS_POINT_REGULAR || point->accuracy > 0 ? point->accuracy : NAN);
     saltus_json_named(file, "reason", table, counts, &row);
     saltus_json_parameters(file, &point->spec);
     fputs("}\n", file);

@@ -82,7 +82,7 @@ static saltus_status read_start(reader *r) {
         saltus_spec_set_omega(&made->spec, 2 * M_PI / period);
     }
     saltus_h5_close(group);
-    if (!found || periods < 1 || periods > INT_MAX)
+    if (!found || periods < saltus_system_forced(r->system) || periods > INT_MAX)
         return saltus_h5_refuse_part(&r->h5, "start", "periods");
     made->periods = (int)periods;
     saltus_status status =
@@ -116,16 +116,18 @@ static bool is_touch(const saltus_system *system, const saltus_branch_point *poi
     if (point->grazing_stop == 0)
         return point->grazing_side == 0 && isnan(point->grazing_time);
     return saltus_face_of(system, point->grazing_stop, point->grazing_side) >= 0 &&
-           point->grazing_time >= 0 && point->grazing_time < point->periods;
+           point->grazing_time >= 0 &&
+           (point->grazing_time < point->periods || (!point->periods && point->grazing_time == 0));
 }
 
 /* Whether a row is one of a branch. */
 static bool is_point(const reader *r, const saltus_point_row *row, long long events) {
     const saltus_branch_point *point = &row->point;
-    const bool on_locus = point->locus >= SALTUS_POINT_LP && point->locus <= SALTUS_POINT_GR;
+    const bool on_locus = point->locus >= SALTUS_POINT_LP && point->locus <= SALTUS_POINT_BE;
     const bool fits = r->made->options.locus ? on_locus : point->locus == SALTUS_POINT_REGULAR;
     return fits && point->event_count >= 0 && row->event_first >= 0 &&
-           row->event_first <= events - point->event_count && point->periods >= 1 &&
+           row->event_first <= events - point->event_count &&
+           point->periods >= saltus_system_forced(r->system) &&
            all_finite(point->state, r->made->dimension) &&
            all_finite(point->spec.parameters, r->counts[SALTUS_COUNT_PARAMETERS]) &&
            isfinite(point->value[0]) && is_touch(r->system, point);
@@ -151,6 +153,9 @@ static saltus_status fill_points(reader *r, const saltus_h5_shape *shape, saltus
         saltus_branch_point *point = &made->points[k];
         const bool own_period = point->trivial_multiplier != 0;
         point->multiplier_count = n - own_period;
+        while (point->periods == 0 && point->multiplier_count > 0 &&
+               isnan(point->multipliers[point->multiplier_count - 1].re))
+            point->multiplier_count--;
         if (own_period)
             saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
         made->points[k].events = made->events + rows[k].event_first;

@@ -21,16 +21,19 @@ static bool is_locus(const saltus_branch_file *file) {
 
 /* All special points; on a curve of special points only those of another kind than the curve's. */
 static bool is_listed(const saltus_branch_point *point) {
-    return point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus;
+    const bool told = point->trivial_multiplier != 0 && point->reason[0]; /* its returns change */
+    return told || (point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus);
 }
 
-/* The largest multiplier, and the others with a modulus above 1/2; of a complex pair only one. */
+/* The largest multiplier, and the others with a modulus above 1/2; of a complex pair only one. Of an
+ * equilibrium the first eigenvalue, and the others with a real part that is not negative. */
 static void name_multipliers(const saltus_branch_point *point, char *text, size_t room) {
     static const char more[] = ", ...";
-    const double well_inside = log(0.5);
+    const double well_inside = point->periods ? log(0.5) : -1e-12;
     size_t used = 0;
     text[0] = '\0';
-    for (int k = 0; k < point->dimension; k++) {
+    const int count = point->periods ? point->dimension : point->multiplier_count;
+    for (int k = 0; k < count; k++) {
         const saltus_multiplier *m = &point->multipliers[k];
         char one[64];
         if (k > 0 && !(m->log_modulus > well_inside))
@@ -137,13 +140,16 @@ static void put_heading(FILE *out, const saltus_branch_file *file, int row) {
 }
 
 static void put_columns(FILE *out, const saltus_branch_file *file) {
+    bool rests = false;
+    for (int row = 0; row < file->point_count; row++)
+        rests = rests || file->points[row].periods == 0;
     row_text line = {.length = 0};
     add(&line, row_width, "    row");
     add(&line, label_width, "label");
     for (int k = 0; k < 1 + is_locus(file); k++)
         add(&line, value_width, file->options.key[k]);
     add(&line, motion_width, "n/p");
-    add(&line, multiplier_width, "largest multipliers");
+    add(&line, multiplier_width, rests ? "multipliers, eigenvalues" : "largest multipliers");
     if (!is_locus(file))
         add(&line, beyond_width, "beyond");
     add(&line, 0, "remark");

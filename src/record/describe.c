@@ -58,7 +58,8 @@ double saltus_event_after(const saltus_event *event) {
 }
 
 void saltus_motion_summary(const saltus_motion *motion, char text[64]) {
-    bool known = saltus_verdict_settled(motion->verdict) && motion->multiplier_count > 0;
+    bool known = saltus_verdict_settled(motion->verdict) &&
+                 (motion->multiplier_count > 0 || motion->eigenvalue_count > 0);
     snprintf(text, 64, "%s%s", motion->label, !known ? "" : motion->stable ? ", stable" : ", unstable");
 }
 
@@ -75,7 +76,9 @@ double saltus_impacts_per_response(const saltus_system *system, const saltus_mot
 bool saltus_parameter_shown(const saltus_spec *spec, int k) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    return saltus_spec_matters(spec, k) && !(spec->parameters[k] == 0 && p[k].fallback == 0);
+    /* What a built-in model has beside the rest is left out where it is not there. */
+    bool absent = spec->parameters[k] == 0 && p[k].fallback == 0 && !saltus_model_text(spec->model);
+    return saltus_spec_matters(spec, k) && !absent;
 }
 
 /* All parameters, then a comment line for each stop; no newline at the end. */
@@ -106,6 +109,19 @@ void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *sce
     fputc('\n', file);
 }
 
+void saltus_put_section(FILE *file, const saltus_system *system) {
+    const saltus_poincare section = saltus_system_poincare(system);
+    if (section.kind == SALTUS_POINCARE_ZERO)
+        fprintf(file, "the zeros of %s, %s", section.text, section.direction > 0 ? "rising" : "falling");
+    else if (section.kind == SALTUS_POINCARE_IMPACT)
+        fprintf(file, "the impacts on stop %d%s", section.stop + 1,
+                section.side > 0   ? ", upper side"
+                : section.side < 0 ? ", lower side"
+                                   : "");
+    else
+        fputs("the maxima of the displacement", file);
+}
+
 void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
     int count;
     char text[SALTUS_NUMBER_MAX];
@@ -125,8 +141,27 @@ void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop) {
     const saltus_stop *s = &spec->stops[stop];
     char d[SALTUS_NUMBER_MAX], r[SALTUS_NUMBER_MAX];
     saltus_put_place(file, spec, stop, 17);
-    fprintf(file, ", d = %s, r = %s, sides = %s", saltus_number(s->d, d), saltus_number(s->r, r),
+    const char *law = saltus_restitution_law(spec, stop);
+    fprintf(file, ", d = %s, r = %s, sides = %s", saltus_number(s->d, d), law ? law : saltus_number(s->r, r),
             saltus_sides_word(s->sides));
+}
+
+void saltus_put_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count, bool held) {
+    enum { leading = 4 };
+    int unstable = 0;
+    fprintf(file, "  %-14s", "eigenvalues");
+    for (int k = 0, shown = 0; k < count && shown < leading; k++, shown++) {
+        fprintf(file, "%s%.6g", shown ? ", " : "", eigenvalues[k].re);
+        if (eigenvalues[k].im != 0)
+            fprintf(file, " +- %.6gi", fabs(eigenvalues[k].im));
+        k += eigenvalues[k].im != 0;
+    }
+    for (int k = 0; k < count; k++)
+        unstable += eigenvalues[k].re > 0;
+    fprintf(file, "%s%s", count ? "" : "none", count > leading ? ", ..." : "");
+    if (unstable)
+        fprintf(file, "; %d with a positive real part", unstable);
+    fputs(held ? " (of the motion that keeps in contact)\n" : "\n", file);
 }
 
 bool saltus_multiplier_pair(const saltus_motion *motion, int k) {

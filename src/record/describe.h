@@ -37,6 +37,9 @@ double saltus_impacts_per_response(const saltus_system *system, const saltus_mot
 /* Whether a parameter has an effect worth a caption: not a zero that is the default, nothing of a mass not
  * there. */
 bool saltus_parameter_shown(const saltus_spec *spec, int k);
+/* What the section of a scene without forcing is: "the maxima of the displacement", "the impacts on stop 1",
+ * ... */
+void saltus_put_section(FILE *file, const saltus_system *system);
 /* Where a stop sits, as `key = value` with so many digits. */
 void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits);
 /* A stop as `key = value` phrases with all digits. */
@@ -47,6 +50,9 @@ void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *sce
                            const saltus_spec *spec);
 /* Whether the multiplier k is the first of a complex conjugate pair. */
 bool saltus_multiplier_pair(const saltus_motion *motion, int k);
+/* The leading eigenvalues of a rest as a line for people; a complex pair is named once. `held`: of the motion
+ * that keeps in contact. */
+void saltus_put_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count, bool held);
 /* The title, parameters and stops as lines for people. */
 void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system);
 

@@ -168,6 +168,17 @@ void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, i
     fputs(count ? "]" : "[]", file);
 }
 
+void saltus_json_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count) {
+    saltus_json_key(file, "eigenvalues");
+    fputc('[', file);
+    for (int k = 0; k < count; k++) {
+        const double pair[2] = {eigenvalues[k].re, eigenvalues[k].im};
+        fputs(k ? ", " : "", file);
+        saltus_json_vector(file, pair, 2);
+    }
+    fputc(']', file);
+}
+
 static void put_sum_rule(FILE *file, const saltus_motion *motion) {
     saltus_json_key(file, "sum_rule");
     if (motion->sticks || motion->multiplier_count == 0) {
@@ -275,6 +286,8 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     put_states(file, motion);
     saltus_json_events(file, system, motion->events, motion->event_count);
     saltus_json_multipliers(file, motion->multipliers, motion->multiplier_count);
+    if (motion->eigenvalues)
+        saltus_json_eigenvalues(file, motion->eigenvalues, motion->eigenvalue_count);
     if (motion->trivial_multiplier != 0)
         put_motion(file, "trivial_multiplier", motion);
     put_motion(file, "stable,mirror,residual", motion);

@@ -30,5 +30,6 @@ void saltus_json_contact_force(FILE *file, const saltus_system *system, const do
 void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count);
 void saltus_json_parameters(FILE *file, const saltus_spec *spec);
 void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count);
+void saltus_json_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count);
 
 #endif

@@ -70,6 +70,8 @@ static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapu
     else if (l->lost)
         fprintf(file, "does not apply: %d of %d directions are %s\n", l->lost, l->dimension,
                 saltus_lost_words(system));
+    else if (isnan(l->sum_rule))
+        fprintf(file, "not checked: the trace is not known; exponents add up to %.10g\n", l->sum);
     else
         fprintf(file, "exponents add up to %.10g; trace and restitution give %.10g (difference %.1e)\n",
                 l->sum, l->sum_rule, l->sum - l->sum_rule);

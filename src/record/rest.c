@@ -1,5 +1,6 @@
 /* An equilibrium for people and for programs; the keys that it shares with a motion are the same.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/describe.h"
 #include "record/json.h"
 
 #include <math.h>
@@ -28,34 +29,12 @@ void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const 
     saltus_json_list(file, "state", e->state, e->dimension);
     saltus_json_events(file, system, NULL, 0);
     saltus_json_multipliers(file, NULL, 0);
-    saltus_json_key(file, "eigenvalues");
-    for (int k = 0; k < e->eigenvalue_count; k++) {
-        const double pair[2] = {e->eigenvalues[k].re, e->eigenvalues[k].im};
-        fputs(k ? ", " : "[", file);
-        saltus_json_vector(file, pair, 2);
-    }
-    fputs(e->eigenvalue_count ? "]" : "[]", file);
+    saltus_json_eigenvalues(file, e->eigenvalues, e->eigenvalue_count);
     saltus_json_named(file, "stable,instability", &fields, NULL, e);
     saltus_json_contact_force(file, system, e->contact_force, e->gap);
     saltus_json_named(file, "residual,iterations", &fields, NULL, e);
     saltus_json_parameters(file, saltus_system_spec(system));
     fputs("}\n", file);
-}
-
-/* The leading eigenvalues; a complex pair is named once. */
-static void put_eigenvalues(FILE *file, const saltus_equilibrium *e) {
-    enum { leading = 4 };
-    fprintf(file, "  %-14s", "eigenvalues");
-    for (int k = 0, shown = 0; k < e->eigenvalue_count && shown < leading; k++, shown++) {
-        fprintf(file, "%s%.6g", shown ? ", " : "", e->eigenvalues[k].re);
-        if (e->eigenvalues[k].im != 0)
-            fprintf(file, " +- %.6gi", fabs(e->eigenvalues[k].im));
-        k += e->eigenvalues[k].im != 0;
-    }
-    fprintf(file, "%s", e->eigenvalue_count > leading ? ", ..." : "");
-    if (e->instability)
-        fprintf(file, "; %d with a positive real part", e->instability);
-    fputs(e->contacts ? " (of the motion that keeps in contact)\n" : "\n", file);
 }
 
 void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
@@ -71,7 +50,7 @@ void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const 
         else
             fprintf(file, "free, gap %.6g\n", e->gap[f]);
     }
-    put_eigenvalues(file, e);
+    saltus_put_eigenvalues(file, e->eigenvalues, e->eigenvalue_count, e->contacts);
     fprintf(file, "  %-14s", "state");
     for (int i = 0; i < saltus_system_dof(system); i++)
         fprintf(file, "%s%.10g", i ? ", " : "", e->state[i]);

@@ -92,6 +92,7 @@ static saltus_status read_point(const source *s, saltus_start *start, saltus_mes
         *start = (saltus_start){.spec = point->spec,
                                 .periods = point->periods,
                                 .own_period = point->trivial_multiplier != 0,
+                                .rests = point->periods == 0,
                                 .dimension = file.dimension};
         memcpy(start->state, point->state, (size_t)file.dimension * sizeof *start->state);
         snprintf(start->label, sizeof start->label, "%s", point->label);
@@ -277,7 +278,8 @@ static saltus_status read_object(const source *s, const saltus_source *json, con
     if (!number_of(saltus_node_member(object, "periods"), &periods) || periods != floor(periods) ||
         periods < 0 || periods > 1e6)
         return refuse(s, message, "periods: must be a whole number from 1 to 1000000");
-    if (periods == 0)
+    start->rests = periods == 0 && saltus_node_member(object, "eigenvalues");
+    if (periods == 0 && !start->rests)
         return refuse(s, message, "holds no periodic orbit (the motion is %s, periods is 0)", start->label);
     start->periods = (int)periods;
     saltus_status status = read_parameters(s, json, object, start);

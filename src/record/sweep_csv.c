@@ -134,8 +134,8 @@ static saltus_status put_table(const saltus_sweep_file *file, saltus_table table
     return status;
 }
 
-saltus_status saltus_sweep_file_csv(const saltus_sweep_file *file, saltus_table table, const char *path,
-                                    saltus_message *message) {
+saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *file, saltus_table table,
+                                     saltus_message *message) {
     saltus_output output;
     if (table < SALTUS_TABLE_ROWS || table > SALTUS_TABLE_STROBES)
         return saltus_fail(message, SALTUS_BAD_INPUT, "table %d: there is none of that number", (int)table);

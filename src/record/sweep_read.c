@@ -122,8 +122,9 @@ static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row
     int attractors = made->basins ? made->attractor_count : made->options.seeds;
     bool periodic = row->verdict == SALTUS_PERIODIC;
     return row->attractor >= -1 && row->attractor < attractors && row->impacts >= (periodic ? -1 : 0) &&
-           row->periods >= (periodic ? 1 : 0) && row->sticking >= 0 && row->settled >= 0 &&
-           row->settled_impacts >= 0 && row->recorded >= 0 &&
+           row->impacts < INT_MAX && row->periods >= (periodic ? 1 : 0) &&
+           row->periods < 1 << 20 && /* more than any sweep can find */
+           row->sticking >= 0 && row->settled >= 0 && row->settled_impacts >= 0 && row->recorded >= 0 &&
            !(made->complete && row->verdict == SALTUS_PENDING);
 }
 

@@ -125,7 +125,7 @@ static int find_table(const char *kind, const char *name) {
     return k;
 }
 
-saltus_status saltus_file_csv(const char *path, const char *name, const char *to, saltus_message *message) {
+saltus_status saltus_write_csv(const char *to, const char *path, const char *name, saltus_message *message) {
     saltus_h5_reader r = {.path = path, .kind = "branch", .message = message};
     saltus_h5_head head = {.complete = false};
     rows t = {.count = 0};

@@ -32,7 +32,10 @@ void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system
         const saltus_stop *stop = &spec->stops[s];
         fprintf(file, "  stop %-9d", s + 1);
         saltus_put_place(file, spec, s, 10);
-        fprintf(file, ", d = %.10g, r = %.10g, %s\n", stop->d, stop->r,
+        const char *law = saltus_restitution_law(spec, s);
+        char r[32];
+        snprintf(r, sizeof r, "%.10g", stop->r);
+        fprintf(file, ", d = %.10g, r = %s, %s\n", stop->d, law ? law : r,
                 stop->sides == SALTUS_BOTH    ? "both sides"
                 : stop->sides == SALTUS_UPPER ? "upper side"
                                               : "lower side");
@@ -44,14 +47,17 @@ static const char *plural(long long count) {
 }
 
 /* Of an orbit with a period of its own. */
-static void put_cycle(FILE *file, const saltus_motion *motion) {
+static void put_cycle(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     if (motion->impacts < 0)
         fprintf(file, "complete chatter with %d sticking interval%s", motion->sticking_intervals,
                 plural(motion->sticking_intervals));
     else
         fprintf(file, "%lld impact%s", motion->impacts, plural(motion->impacts));
-    fprintf(file, " in %d return%s to the section, the maxima of the displacement; period %.13g\n",
-            motion->periods, plural(motion->periods), motion->period);
+    fprintf(file, " in %d return%s to the section, ", motion->periods, plural(motion->periods));
+    saltus_put_section(file, system);
+    fprintf(file, "; period %.13g\n", motion->period);
+    if (motion->reason[0])
+        fprintf(file, "  %-14s%s\n", "", motion->reason);
 }
 
 static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
@@ -63,7 +69,7 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
     else if (motion->verdict == SALTUS_HELD)
         fputs("in contact for good\n", file);
     else if (motion->trivial_multiplier != 0)
-        put_cycle(file, motion);
+        put_cycle(file, system, motion);
     else if (motion->impacts < 0)
         fprintf(file, "complete chatter with %d sticking interval%s in %d forcing period%s\n",
                 motion->sticking_intervals, plural(motion->sticking_intervals), motion->periods,
@@ -167,6 +173,8 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
     put_head(file, "sum rule");
     if (motion->sticks)
         fputs("does not apply: the motion sticks, some multipliers are exactly zero\n", file);
+    else if (isnan(motion->sum_rule))
+        fputs("not checked: the trace is not known\n", file);
     else if (isnan(motion->log_volume))
         fprintf(file,
                 "not checked: the smallest multipliers are not resolved; trace and restitution give %.10g\n",
@@ -177,7 +185,7 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
 }
 
 /* What else is known of a motion without a period. */
-static void put_evidence(FILE *file, const saltus_motion *motion) {
+static void put_evidence(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     const saltus_evidence *e = &motion->evidence;
     if (saltus_verdict_settled(motion->verdict) || e->periods == 0)
         return;
@@ -203,7 +211,8 @@ static void put_evidence(FILE *file, const saltus_motion *motion) {
             fprintf(file, ", %.3g by the escape of %d of %d trajectories", e->lifetime, e->left, e->members);
         fputc('\n', file);
     }
-    fprintf(file, "  %-14s%.4g per forcing period\n", "impacts", e->impacts_per_period);
+    fprintf(file, "  %-14s%.4g per T = %.6g\n", "impacts", e->impacts_per_period,
+            saltus_system_period(system));
 }
 
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
@@ -219,9 +228,12 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     put_faces(file, system, motion);
     put_events(file, system, motion);
     put_multipliers(file, motion);
+    if (motion->eigenvalues)
+        saltus_put_eigenvalues(file, motion->eigenvalues, motion->eigenvalue_count,
+                               motion->verdict == SALTUS_HELD);
     if (saltus_verdict_settled(motion->verdict) && !isnan(motion->lyapunov))
         fprintf(file, "  %-14s%.10g per unit of time, the largest\n", "exponent", motion->lyapunov);
-    put_evidence(file, motion);
+    put_evidence(file, system, motion);
     fprintf(file, "  %-14s%s\n", "mirror", mirror[motion->mirror]);
     fprintf(file, "  %-14s%.7g to %.7g", "displacement", motion->smallest, motion->largest);
     if (!isnan(motion->rms))

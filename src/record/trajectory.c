@@ -27,7 +27,8 @@ static void put_header(const source *s, FILE *file) {
     fprintf(file, "# options: rtol = %s, atol = %s, integrator = %s (%s), order = %d\n",
             saltus_number(o->rtol, a), saltus_number(o->atol, b), saltus_integrator_word(o->integrator),
             saltus_integrator_used(system, o->integrator), o->order);
-    fprintf(file, "# time_over_T: time from the start of the recording in forcing periods T = %s\n",
+    fprintf(file, "# time_over_T: time from the start of the recording in %s T = %s\n",
+            saltus_system_forced(system) ? "forcing periods" : "units of",
             saltus_number(saltus_system_period(system), a));
     if (saltus_system_observed_name(system))
         fprintf(file,
@@ -134,9 +135,9 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
     return SALTUS_OK;
 }
 
-saltus_status saltus_write_trajectory(const saltus_trajectory *record, const saltus_scene *scene,
+saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scene,
                                       const saltus_system *system, const saltus_flow_options *options,
-                                      const saltus_origin *origin, const char *path,
+                                      const saltus_trajectory *record, const saltus_origin *origin,
                                       saltus_message *message) {
     bool csv = saltus_path_ends(path, ".csv"), hdf5 = saltus_path_ends(path, ".h5");
     if (!csv && !hdf5)

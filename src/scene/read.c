@@ -339,6 +339,8 @@ static saltus_status read_scene(const saltus_source *source, const saltus_node *
     if (initial && !model->text)
         status = read_initial(source, initial, system, made);
     saltus_system_free(system);
+    if (status == SALTUS_OK && saltus_spec_check_poincare(&made->spec, &reason) != SALTUS_OK)
+        return fail_system(source, saltus_node_member(root, "model"), SALTUS_BAD_INPUT, &reason);
     return status;
 }
 

@@ -42,9 +42,16 @@ enum { SALTUS_MODEL_TEXT_MAX = 60000 }; /* bytes of a model in a file */
 /* The model that saltus_model_text describes. Errors as above. */
 saltus_status saltus_model_of_text(const char *text, const saltus_model **model, saltus_message *message);
 
+/* The same model with another section, as saltus_scene_set_section has it. */
+saltus_status saltus_model_with_section(const saltus_model *model, const char *section,
+                                        const saltus_model **made, saltus_message *message);
+
 /* A number or an expression of numbers that is the whole string. NULL when it is one, else what it must be
  * ("must be a number"). */
 const char *saltus_read_number(const char *text, double *value);
+/* The same up to the first of the characters `ends` that stands in no parentheses, or the end of the text:
+ * where the number ends; NULL when it is none. */
+const char *saltus_read_number_until(const char *text, const char *ends, double *value);
 /* Likewise the value of a stop's key other than weight; it goes to the stop. */
 const char *saltus_read_stop(saltus_stop *stop, int key, const char *text);
 

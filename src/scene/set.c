@@ -175,7 +175,7 @@ static saltus_status refuse_entry(const saltus_scene *scene, int list, const set
 /* All that can be set: parameters, what stops have, and of a text the names of its state. */
 static saltus_status refuse_key(const saltus_scene *scene, const setting *s, saltus_message *message) {
     const saltus_model *model = scene->spec.model;
-    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + 1 + SALTUS_STATE_MAX];
+    const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + 2 + SALTUS_STATE_MAX];
     saltus_state_name names[SALTUS_STATE_MAX];
     const saltus_source none = {.message = message};
     int count = model->parameter_count;
@@ -187,6 +187,8 @@ static saltus_status refuse_key(const saltus_scene *scene, const setting *s, sal
             if (strcmp(keys[k], model->stop_key) == 0)
                 keys[k] = keys[--count];
     keys[count++] = "observe";
+    if (model->text)
+        keys[count++] = "section";
     for (int i = 0; model->text && i < saltus_spec_dimension(&scene->spec, NULL); i++) {
         names[i] = saltus_spec_state_name(&scene->spec, i);
         keys[count++] = names[i].text;
@@ -200,8 +202,10 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
     if (index >= 0)
         return set_parameter(scene, index, s, message);
     for (int k = 0; k < stop_keys; k++)
-        if (saltus_key_numbered(s->key, saltus_stop_keys[k], &number))
-            return set_stop(scene, k, number, s, message);
+        if (saltus_key_numbered(s->key, saltus_stop_keys[k], &number)) {
+            saltus_status status = set_stop(scene, k, number, s, message);
+            return status == SALTUS_OK ? saltus_spec_check_poincare(&scene->spec, message) : status;
+        }
     if (strcmp(s->key, "observe") == 0)
         return set_observe(&scene->spec, s, message);
     int entry = saltus_spec_state_index(&scene->spec, s->key);
@@ -213,9 +217,31 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
     return refuse_key(scene, s, message);
 }
 
+saltus_status saltus_scene_set_section(saltus_scene *scene, const char *section, saltus_message *message) {
+    const saltus_model *old = scene->spec.model, *made;
+    saltus_spec changed = scene->spec;
+    if (!old->text)
+        return saltus_fail_at(
+            message, SALTUS_BAD_INPUT, (saltus_fault){.key = "section"},
+            "section: the model %s has none to choose; scenes of equations without forcing do", old->name);
+    saltus_status status = saltus_model_with_section(old, section, &made, message);
+    if (status != SALTUS_OK)
+        return status;
+    changed.model = made;
+    status = saltus_spec_check_poincare(&changed, message);
+    saltus_model_release(status == SALTUS_OK ? old : made);
+    if (status == SALTUS_OK)
+        scene->spec = changed;
+    return status;
+}
+
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message) {
+    static const char section[] = "section=";
     saltus_scene changed = *scene;
     setting s;
+    if (strncmp(assignment, section, sizeof section - 1) == 0 &&
+        saltus_model_parameter_index(scene->spec.model, "section") < 0)
+        return saltus_scene_set_section(scene, assignment + sizeof section - 1, message);
     saltus_status status = split(assignment, &s, message);
     if (status == SALTUS_OK)
         status = apply(&changed, &s, message);

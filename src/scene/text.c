@@ -287,6 +287,61 @@ static saltus_status read_stops(reading *r, const saltus_node *root, const saltu
     return status;
 }
 
+static saltus_status read_section_key(reading *r, const saltus_node *node) {
+    static const char *const keys[] = {"zero", "direction", "impact", "side"};
+    saltus_poincare *section = &r->text.poincare;
+    double number;
+    if (node->kind != SALTUS_NODE_SCALAR)
+        return wrong_kind(r, node, "a single value");
+    if (strcmp(node->key, "zero") == 0) {
+        section->kind = SALTUS_POINCARE_ZERO;
+        r->text.zero = (saltus_equation){"section: zero", node->text, node->key_line};
+    } else if (strcmp(node->key, "direction") == 0 &&
+               (strcmp(node->text, "up") == 0 || strcmp(node->text, "down") == 0))
+        section->direction = strcmp(node->text, "up") == 0 ? 1 : -1;
+    else if (strcmp(node->key, "direction") == 0)
+        return saltus_node_fail(r->source, node, "section: direction = %.40s: must be up or down",
+                                node->text);
+    else if (strcmp(node->key, "impact") == 0) {
+        if (saltus_read_number(node->text, &number) || number != floor(number) || number < 1 ||
+            number > SALTUS_STOPS_MAX)
+            return saltus_node_fail(r->source, node, "section: impact = %.40s: must be the number of a stop",
+                                    node->text);
+        section->kind = SALTUS_POINCARE_IMPACT;
+        section->stop = (int)number - 1;
+    } else if (strcmp(node->key, "side") == 0 &&
+               (strcmp(node->text, "upper") == 0 || strcmp(node->text, "lower") == 0))
+        section->side = strcmp(node->text, "upper") == 0 ? 1 : -1;
+    else if (strcmp(node->key, "side") == 0)
+        return saltus_node_fail(r->source, node, "section: side = %.40s: must be upper or lower", node->text);
+    else
+        return saltus_unknown_key(r->source, node->key_line, node->key, keys, 4);
+    return SALTUS_OK;
+}
+
+/* maxima, or {zero: expression, direction: up or down}, or {impact: 1, side: upper}. */
+static saltus_status read_section(reading *r, const saltus_node *node) {
+    saltus_poincare *section = &r->text.poincare;
+    const bool zero = saltus_node_member(node, "zero"), impact = saltus_node_member(node, "impact");
+    saltus_status status = SALTUS_OK;
+    if (node->kind == SALTUS_NODE_SCALAR && strcmp(node->text, "maxima") == 0)
+        return SALTUS_OK;
+    if (node->kind != SALTUS_NODE_MAPPING)
+        return wrong_kind(
+            r, node, "maxima, or a mapping such as {zero: x - 1, direction: up} or {impact: 1, side: upper}");
+    for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next)
+        status = read_section_key(r, m);
+    if (status != SALTUS_OK)
+        return status;
+    if (zero == impact)
+        return saltus_node_fail(r->source, node, "section: must have either zero or impact");
+    if ((zero && section->side) || (impact && section->direction))
+        return saltus_node_fail(r->source, node, "section: direction goes with zero, side with impact");
+    if (section->direction == 0)
+        section->direction = 1;
+    return SALTUS_OK;
+}
+
 static saltus_status read_key(reading *r, const saltus_node *node) {
     static const char *const keys[] = {"parameters", "constants", "families", "let",     "motion",
                                        "mass",       "states",    "forcing",  "observe", "scale",
@@ -313,7 +368,9 @@ static saltus_status read_key(reading *r, const saltus_node *node) {
     }
     if (strcmp(node->key, "contacts") == 0 || strcmp(node->key, "start") == 0)
         return SALTUS_OK; /* in files of results: what stops and initial are in a scene */
-    for (int k = 10; k < 15; k++)
+    if (strcmp(node->key, "section") == 0)
+        return read_section(r, node);
+    for (int k = 11; k < 15; k++)
         if (strcmp(node->key, keys[k]) == 0)
             return saltus_node_fail(r->source, node, "%s: is not possible yet", node->key);
     return saltus_unknown_key(r->source, node->key_line, node->key, keys, 15);
@@ -349,9 +406,12 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
         status = check_commas(source, root);
     for (const saltus_node *key = node->first; key && status == SALTUS_OK; key = key->next)
         status = read_key(&r, key);
-    if (status == SALTUS_OK && r.text.motion.count + r.text.states.count == 0)
-        status = saltus_node_fail(place, node,
-                                  "model: motion is missing; it holds the equations, such as x: -x - 0.1*x'");
+    if (status == SALTUS_OK && r.text.motion.count == 0)
+        status = saltus_node_fail(
+            place, node,
+            "model: motion is missing; it holds the equations of displacements, such as x: -x - "
+            "0.1*x'%s",
+            r.text.states.count ? ", of which there must be one beside the states" : "");
     r.source = source;
     if (!initial)
         initial = saltus_node_member(node, "start");
@@ -426,6 +486,63 @@ saltus_status saltus_scene_read_model_file(const saltus_source *source, const sa
     saltus_document_close(&document);
     free(text);
     free(path);
+    return status;
+}
+
+/* The text of a model with another section; NULL without memory. */
+static char *text_with_section(const saltus_node *model, const saltus_node *section) {
+    char *text = NULL;
+    size_t length;
+    FILE *out = open_memstream(&text, &length);
+    if (!out)
+        return NULL;
+    fputs("{\"section\": ", out);
+    put_json(out, section);
+    for (const saltus_node *child = model->first; child; child = child->next)
+        if (strcmp(child->key, "section") != 0) {
+            fputs(", ", out);
+            saltus_put_string(out, child->key);
+            fputs(": ", out);
+            put_json(out, child);
+        }
+    fputc('}', out);
+    if (fclose(out) != 0) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}
+
+saltus_status saltus_model_with_section(const saltus_model *model, const char *section,
+                                        const saltus_model **made, saltus_message *message) {
+    const bool bare = section[0] != '{' && strcmp(section, "maxima") != 0;
+    char *wrapped = malloc(strlen(section) + 24), *text = NULL;
+    saltus_document own = {.root = NULL}, chosen = {.root = NULL};
+    *made = NULL;
+    if (!wrapped)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the model");
+    sprintf(wrapped, bare ? "section: {%s}" : "section: %s", section);
+    const saltus_source source = {.text = model->text, .length = strlen(model->text), .language = "JSON"},
+                        other = {.text = wrapped,
+                                 .length = strlen(wrapped),
+                                 .language = "YAML",
+                                 .message = message};
+    saltus_status status = saltus_document_read(&other, &chosen);
+    if (status == SALTUS_OK && !chosen.root)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "section: is missing");
+    if (status == SALTUS_OK)
+        status = check_commas(&other, chosen.root);
+    if (status == SALTUS_OK)
+        status = saltus_document_read(&source, &own);
+    if (status == SALTUS_OK) {
+        text = text_with_section(own.root, saltus_node_member(chosen.root, "section"));
+        status = text ? saltus_model_of_text(text, made, message)
+                      : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the model");
+    }
+    saltus_document_close(&own);
+    saltus_document_close(&chosen);
+    free(text);
+    free(wrapped);
     return status;
 }
 

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { number_size = 256 };
+
 const char *const saltus_stop_keys[stop_keys] = {"xi", "d", "r", "sides", "weight", "coordinate"};
 const char *const saltus_initial_keys[initial_lists] = {"q", "v", "z"};
 
@@ -56,6 +58,18 @@ const char *saltus_read_number(const char *text, double *value) {
         return "must be a finite number; this one is too large";
     *value = read;
     return NULL;
+}
+
+const char *saltus_read_number_until(const char *text, const char *ends, double *value) {
+    char word[number_size];
+    size_t length = 0;
+    for (int depth = 0; text[length] && (depth > 0 || !strchr(ends, text[length])); length++)
+        depth += (text[length] == '(') - (text[length] == ')');
+    if (length >= sizeof word)
+        return NULL;
+    memcpy(word, text, length);
+    word[length] = '\0';
+    return saltus_read_number(word, value) ? NULL : text + length;
 }
 
 const char *saltus_read_stop(saltus_stop *stop, int key, const char *text) {

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/sweep.h"
 
+#include "scene/scene.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,19 +30,16 @@ static saltus_status refuse(const char *text, const char *what, saltus_message *
 
 static saltus_status read_grid(const char *text, const char *values, saltus_axis *axis,
                                saltus_message *message) {
-    char *end;
-    axis->low = strtod(values, &end);
-    if (end == values || *end != ':')
-        return refuse(text, "the first value is not followed by a colon", message);
-    const char *second = end + 1;
-    axis->high = strtod(second, &end);
-    if (end == second || *end != ':')
+    double count = 0;
+    const char *end = saltus_read_number_until(values, ":", &axis->low);
+    if (!end || *end != ':')
+        return refuse(text, "the first value is no number", message);
+    end = saltus_read_number_until(end + 1, ":", &axis->high);
+    if (!end || *end != ':')
         return refuse(text, "a grid needs a last value and a count", message);
-    const char *third = end + 1;
-    double count = strtod(third, &end);
-    bool logarithmic = strcmp(end, ":log") == 0;
-    if (end == third || (*end && !logarithmic) || count != floor(count) || count < 2 ||
-        count > axis_values_max)
+    end = saltus_read_number_until(end + 1, ":", &count);
+    bool logarithmic = end && strcmp(end, ":log") == 0;
+    if (!end || (*end && !logarithmic) || count != floor(count) || count < 2 || count > axis_values_max)
         return refuse(text, "the count must be a whole number from 2 to 10000000", message);
     axis->count = (int)count;
     axis->spacing = logarithmic ? SALTUS_LOGARITHMIC : SALTUS_LINEAR;
@@ -53,20 +52,18 @@ static saltus_status read_grid(const char *text, const char *values, saltus_axis
 
 static saltus_status read_list(const char *text, const char *values, saltus_axis *axis, double **list,
                                saltus_message *message) {
-    size_t count = 1;
+    size_t room = 1, count = 0;
     for (const char *c = values; *c; c++)
-        count += *c == ',';
-    double *numbers = malloc(count * sizeof *numbers);
+        room += *c == ',';
+    double *numbers = malloc(room * sizeof *numbers);
     if (!numbers)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the values of %.100s", text);
-    for (size_t k = 0; k < count; k++) {
-        char *end;
-        numbers[k] = strtod(values, &end);
-        if (end == values || *end != (k + 1 < count ? ',' : '\0') || !isfinite(numbers[k])) {
+    for (const char *end = values - 1; count == 0 || *end;) {
+        end = saltus_read_number_until(end + 1, ",", &numbers[count++]);
+        if (!end) {
             free(numbers);
             return refuse(text, "the values must be finite numbers with commas between them", message);
         }
-        values = end + 1;
     }
     axis->spacing = SALTUS_LIST;
     axis->count = (int)count;

@@ -52,6 +52,11 @@ static double by_shooting(saltus_sweep_trajectory *t, int periods) {
 
 bool saltus_sweep_trajectory_exponent(saltus_sweep_trajectory *t) {
     int periods = t->row.periods > 0 ? t->row.periods : 1;
+    if (!saltus_system_forced(t->system) && t->row.verdict == SALTUS_PERIODIC) {
+        t->row.lyapunov = t->proof.exponent;
+        t->row.lyapunov_error = 0;
+        return true;
+    }
     double logarithm = by_steps(t, periods);
     if (isnan(logarithm) && saltus_settling_impacts(&t->proof.settling, periods) <= shooting_impacts)
         logarithm = by_shooting(t, periods);

@@ -17,13 +17,16 @@ enum {
     look_periods = 32,        /* between two looks at how the recurrences shrink */
     patience_periods = 200,   /* until Newton's method is asked, ... */
     patience_per_period = 20, /* ... and for each period of what recurs */
-    polish_periods = 320,     /* that classification may run */
-    polish_impacts = 100      /* an orbit of more of them costs Newton's method more than all the iteration */
+    first_patience = 64,  /* without forcing: periods between two questions to Newton's method at first, */
+    patience_most = 1024, /* and at most */
+    polish_periods = 320, /* that classification may run */
+    polish_impacts = 100  /* an orbit of more of them costs Newton's method more than all the iteration */
 };
 static const double approach = 1e-6;    /* distance left to the orbit when it is disturbed, ... */
 static const double disturbance = 1e-5; /* ... by this, relative to the system's scales, ... */
 static const double returned = 3e-6;    /* ... and to which it must come back */
 static const double same_orbit = 1e-3;  /* an orbit of Newton's method this near is the trajectory's own */
+static const double on_orbit = 1e-7;    /* the same where none attracts */
 static const double shrinking = 0.98;   /* of recurrences from one look to the next, at most */
 
 static const saltus_judgement goes_on = {SALTUS_PENDING, 0, 0};
@@ -32,7 +35,8 @@ static const saltus_judgement failed = {SALTUS_FAILED, 0, 0};
 void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *t) {
     t->proof.waited = t->proof.ask_again = 0;
     t->proof.recurring = 0;
-    t->proof.patience = patience_periods;
+    t->proof.rest = (saltus_rest_look){0};
+    t->proof.patience = saltus_system_forced(t->system) ? patience_periods : first_patience;
 }
 
 /* Newton's method from the present state: the stable orbit of this period or a part of it, or, of no period,
@@ -58,6 +62,85 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
                    (size_t)(motion.periods * t->sweep->dimension) * sizeof *t->proof.orbit);
     }
     saltus_motion_clear(&motion);
+    return judgement;
+}
+
+bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *t, bool *counts) {
+    static const double overdue = 4; /* mean times between returns */
+    const double now = saltus_time_periods(saltus_flow_time(t->flow, t->lane));
+    saltus_system *counted = NULL;
+    saltus_status status = saltus_visits_count(&t->proof.visits, t->system, &counted, NULL);
+    double period = counted ? saltus_system_period(counted) : 0;
+    saltus_system_free(counted);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    *counts = period > 0 && (now - saltus_visits_last(&t->proof.visits)) * saltus_system_period(t->system) <
+                                overdue * period;
+    if (!*counts)
+        return status == SALTUS_OK;
+    return saltus_sweep_trajectory_count_by(t, period, (saltus_time){saltus_sweep_trajectory_cycle(t), 0},
+                                            t->state);
+}
+
+/* Where an orbit with a period of its own is between two events, and the time since its section point. */
+static saltus_status leave_section(const saltus_sweep_trajectory *t, double period, double *state,
+                                   double *later) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_spec spec = *saltus_system_spec(t->system);
+    saltus_system *counted = NULL;
+    saltus_flow *flow = NULL;
+    options.integrator = t->sweep->options.flow.integrator;
+    saltus_spec_set_omega(&spec, 2 * M_PI / period);
+    saltus_status status = saltus_system_new(&spec, &counted, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_flow_single(counted, 0, &options, &flow, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_cycle_leave(flow, state, later, NULL);
+    saltus_flow_free(flow);
+    saltus_system_free(counted);
+    return status;
+}
+
+/* On to a stable orbit with a period of its own: the trajectory then counts by its returns, and goes around
+ * it from between two events, so that each is met once. */
+static saltus_judgement go_around(saltus_sweep_trajectory *t, const saltus_motion *motion) {
+    const double period = motion->period / motion->periods;
+    const size_t size = (size_t)t->sweep->dimension * sizeof *motion->state;
+    double state[SALTUS_STATE_MAX], later = 0;
+    memcpy(state, motion->state, size);
+    memcpy(t->proof.orbit, motion->section_states, (size_t)motion->periods * size);
+    t->proof.exponent = motion->lyapunov;
+    saltus_status status = leave_section(t, period, state, &later);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    saltus_time begin = saltus_time_of(later);
+    begin.cycle += saltus_sweep_trajectory_cycle(t);
+    if (status != SALTUS_OK || !saltus_sweep_trajectory_count_by(t, period, begin, state))
+        return failed;
+    return (saltus_judgement){SALTUS_PERIODIC, motion->periods, 0};
+}
+
+/* Newton's method with unknown period from the last return, where so many of them recur. */
+static saltus_judgement ask_for_cycle(saltus_sweep_trajectory *t, int recurs) {
+    const saltus_visits *v = &t->proof.visits;
+    const double *last = saltus_settling_point(&v->settling, 0);
+    saltus_classify_options options = saltus_classify_defaults();
+    saltus_judgement judgement = goes_on;
+    saltus_motion motion = {0};
+    saltus_system *counted = NULL;
+    saltus_spec spec = *saltus_system_spec(t->system);
+    options.flow.integrator = t->sweep->options.flow.integrator;
+    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / saltus_visits_taken(v, recurs));
+    saltus_status status = saltus_system_new(&spec, &counted, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_motion_cycle(counted, last, &options, &motion, NULL);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    /* No orbit of a conservative scene attracts: only the one that the trajectory is on is its own. */
+    const bool kept = saltus_system_conservative(t->system);
+    if (status == SALTUS_OK && (kept || motion.stable) && motion.periods <= t->sweep->options.longest &&
+        saltus_orbit_passes(t->system, motion.section_states, motion.periods, last,
+                            kept ? on_orbit : same_orbit))
+        judgement = go_around(t, &motion);
+    saltus_motion_clear(&motion);
+    saltus_system_free(counted);
     return judgement;
 }
 
@@ -132,32 +215,62 @@ static saltus_judgement judge_orbit(saltus_sweep_trajectory *t, int period) {
     return judgement;
 }
 
+/* A stable rest that the trajectory comes to slowly: it goes on from there. */
+static saltus_judgement ask_for_rest(saltus_sweep_trajectory *t) {
+    double place[SALTUS_STATE_MAX],
+        time = (double)saltus_sweep_trajectory_cycle(t) * saltus_system_period(t->system);
+    bool approached;
+    saltus_status status =
+        saltus_rest_is_approached(t->system, t->state, time, &t->proof.rest, place, &approached, NULL);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    if (!approached)
+        return goes_on;
+    return saltus_sweep_trajectory_continue(t, place) ? (saltus_judgement){SALTUS_EQUILIBRIUM, 0, 0} : failed;
+}
+
+/* Without forcing: a rest, or returns to the section that recur, which Newton's method is asked about at
+ * growing intervals. */
+static saltus_judgement judge_unforced(saltus_sweep_trajectory *t) {
+    saltus_proof *p = &t->proof;
+    const long long cycle = saltus_sweep_trajectory_cycle(t);
+    const int recurs = saltus_settling_candidate(&p->visits.settling);
+    const double limit = p->disturbed ? p->settling.near : approach;
+    bool doubt = false;
+    saltus_judgement judgement = goes_on;
+    if (saltus_settling_rests(&p->settling) && saltus_settling_period(&p->settling, limit, &doubt) == 1)
+        judgement = prove(t, 1, saltus_flow_contacts(t->flow, t->lane) ? SALTUS_HELD : SALTUS_EQUILIBRIUM);
+    else if (recurs && (cycle >= p->ask_again || cycle >= t->stage_end)) {
+        p->ask_again = cycle + p->patience;
+        p->patience += p->patience < patience_most ? p->patience / 2 : 0;
+        judgement = ask_for_cycle(t, recurs);
+        if (judgement.verdict == SALTUS_PENDING && !saltus_flow_contacts(t->flow, t->lane))
+            judgement = ask_for_rest(t);
+    }
+    judgement.recurs = recurs;
+    return judgement;
+}
+
 saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     saltus_proof *p = &t->proof;
+    if (!saltus_system_forced(t->system))
+        return judge_unforced(t);
     const long long cycle = saltus_sweep_trajectory_cycle(t);
     const int recurs = saltus_settling_candidate(&p->settling);
     bool doubt = false;
     int period =
         recurs ? saltus_settling_period(&p->settling, p->disturbed ? p->settling.near : approach, &doubt) : 0;
     saltus_judgement judgement = goes_on;
-    if (!saltus_system_forced(t->system)) {
-        /* A system without forcing can only come to rest. */
-        if (period == 1 && saltus_settling_rests(&p->settling))
-            judgement =
-                prove(t, 1, saltus_flow_contacts(t->flow, t->lane) ? SALTUS_HELD : SALTUS_EQUILIBRIUM);
-    } else {
-        if (period && !doubt)
-            judgement = judge_orbit(t, period);
-        else if (period && (cycle >= t->stage_end || cycle >= p->ask_again) &&
-                 saltus_settling_impacts(&p->settling, period) <= polish_impacts) {
-            p->ask_again = cycle + patience_per_period * period;
-            judgement = ask_newton(t, period);
-        }
-        if (is_slow(t, recurs) && judgement.verdict == SALTUS_PENDING) {
-            p->waited = 0;
-            p->patience *= 2;
-            judgement = ask_newton(t, 0);
-        }
+    if (period && !doubt)
+        judgement = judge_orbit(t, period);
+    else if (period && (cycle >= t->stage_end || cycle >= p->ask_again) &&
+             saltus_settling_impacts(&p->settling, period) <= polish_impacts) {
+        p->ask_again = cycle + patience_per_period * period;
+        judgement = ask_newton(t, period);
+    }
+    if (is_slow(t, recurs) && judgement.verdict == SALTUS_PENDING) {
+        p->waited = 0;
+        p->patience *= 2;
+        judgement = ask_newton(t, 0);
     }
     judgement.recurs = recurs;
     return judgement;

@@ -4,11 +4,14 @@
  * classification does (motion/evidence.h), but from one trajectory. Where chaos has not been watched for long
  * enough to be asserted the row is irregular. A negative exponent means that a period must show: the
  * trajectory is given at most the time that it had to settle once more. An exponent of zero may belong to a
- * torus: then the section points are asked.
+ * torus: then the section points are asked. Chaos that a contact ends which wipes out all differences is
+ * superstable: its exponent is -infinity.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
 #include "motion/evidence.h"
+#include "motion/long_period.h"
+#include "motion/section_points.h"
 #include "motion/stable_orbit.h"
 
 #include <float.h>
@@ -68,6 +71,8 @@ bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *t, saltus_flow *fl
     saltus_sweep_trajectory_begin_settling(t);
     saltus_sweep_trajectory_seed(t, tangent_seed + t->seed);
     saltus_growth_choose(&m->growth, t->system, 0, NULL);
+    if (!saltus_system_forced(t->system))
+        m->growth.watch |= saltus_crossings_watch(t->system);
     saltus_growth_begin(&m->growth, flow, lane, t->rng);
     saltus_growth_aim(&m->growth, flow, lane);
     memset(&m->average, 0, sizeof m->average);
@@ -77,7 +82,31 @@ bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *t, saltus_flow *fl
     return true;
 }
 
+/* A section point, if there is room for it, and beside it how much the vector has grown since the last one,
+ * or without forcing when it came. */
+static void keep_point(saltus_sweep_trajectory *t, const double *state, double number) {
+    saltus_measuring *m = &t->measuring;
+    if (m->given || m->samples < 0 || m->count == room_of(t))
+        return;
+    memcpy(m->points + m->count * m->growth.n, state, (size_t)m->growth.n * sizeof *m->points);
+    m->points[room_of(t) * m->growth.n + m->count++] = number;
+}
+
+void saltus_sweep_trajectory_take(saltus_sweep_trajectory *t, const saltus_event *event) {
+    double state[SALTUS_STATE_MAX];
+    memcpy(state, t->state, (size_t)t->sweep->dimension * sizeof *state);
+    saltus_visits_take(&t->proof.visits, t->flow, t->lane, event, t->state,
+                       saltus_sweep_trajectory_information(t));
+    while (saltus_visits_next(&t->proof.visits, t->flow, t->lane, state))
+        if (t->stage == SALTUS_STAGE_MEASURING)
+            keep_point(t, state, saltus_visits_last(&t->proof.visits));
+}
+
 saltus_next saltus_measuring_follow(saltus_sweep_trajectory *t, const saltus_event *event, bool *section) {
+    if (!saltus_system_forced(t->system)) {
+        saltus_flow_state(t->flow, t->lane, t->state);
+        saltus_sweep_trajectory_take(t, event);
+    }
     saltus_status status = saltus_growth_follow(&t->measuring.growth, t->flow, t->lane, event, section, NULL);
     return status == SALTUS_OK ? SALTUS_NEXT_GO_ON : SALTUS_NEXT_DONE;
 }
@@ -122,8 +151,10 @@ static saltus_outcome ask_points(saltus_sweep_trajectory *t) {
         return SALTUS_OUTCOME_OPEN;
     m->asked = m->count;
     long long count = m->count < most_points ? m->count : most_points;
+    /* Without forcing the exponent of every orbit is zero: the dimension tells one of a long period. */
+    saltus_opinions opinions = saltus_system_forced(t->system) ? SALTUS_OPINIONS_TORUS : SALTUS_OPINIONS_ALL;
     saltus_status status = saltus_points_ask(t->system, m->points + (m->count - count) * m->growth.n, count,
-                                             SALTUS_OPINIONS_TORUS, &evidence, &outcome, NULL);
+                                             opinions, &evidence, &outcome, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     return status == SALTUS_OK ? outcome : SALTUS_OUTCOME_OPEN;
 }
@@ -131,14 +162,39 @@ static saltus_outcome ask_points(saltus_sweep_trajectory *t) {
 /* Whether a stable orbit lies amid the motion, as far as its section points have been kept. */
 static bool has_stable_orbit(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
-    const saltus_track track = {m->points, m->points + room_of(t) * m->growth.n, m->count};
+    const double *beside = m->points + room_of(t) * m->growth.n;
+    const saltus_track track = {m->points, beside, m->count};
     saltus_motion orbit = {0};
     bool found = false;
     saltus_flow_options flow = t->sweep->options.flow;
-    saltus_status status = saltus_stable_orbit_among(t->system, &flow, &track, 1, &orbit, &found, NULL);
+    saltus_status status = saltus_system_forced(t->system)
+                               ? saltus_stable_orbit_among(t->system, &flow, &track, 1, &orbit, &found, NULL)
+                               : saltus_stable_cycle_among(t->system, &flow, m->points, beside,
+                                                           m->count < most_points ? m->count : most_points,
+                                                           &orbit, &found, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     saltus_motion_clear(&orbit);
     return found;
+}
+
+/* Whether a contact that is met seldom ends the chaos: the trajectory then goes on from there. */
+static bool meets_contact(saltus_sweep_trajectory *t) {
+    saltus_measuring *m = &t->measuring;
+    enum { trajectories = 8 };
+    const double *states[trajectories];
+    double after[SALTUS_STATE_MAX];
+    bool found = false;
+    if (m->count < trajectories)
+        return false;
+    for (int k = 0; k < trajectories; k++)
+        states[k] = m->points + ((k + 1) * m->count / trajectories - 1) * m->growth.n;
+    saltus_status status = saltus_motion_meets_contact(t->system, &t->sweep->options.flow, states,
+                                                       trajectories, m->samples, after, &found, NULL);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    if (status != SALTUS_OK || !found || !saltus_sweep_trajectory_continue(t, after))
+        return false;
+    m->growth.lost = m->growth.n;
+    return true;
 }
 
 /* The next run: as long as all before it, within what may be measured, and beyond for a period that must
@@ -163,16 +219,17 @@ static saltus_next weigh(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     saltus_runs runs = runs_of(t);
     saltus_outcome outcome = saltus_runs_weigh(&runs);
-    bool forced = saltus_system_forced(t->system),
-         long_enough = m->samples >= least_given && m->samples >= at_most(t) / part_given;
+    bool long_enough = m->samples >= least_given && m->samples >= at_most(t) / part_given;
     if (m->given && (outcome == SALTUS_OUTCOME_REGULAR || long_enough))
         return end(t, t->row.verdict, &runs);
-    if (outcome == SALTUS_OUTCOME_TORUS && !forced && long_enough)
-        return end(t, SALTUS_UNDECIDED, &runs);
     if (outcome == SALTUS_OUTCOME_TORUS)
-        outcome = forced ? ask_points(t) : SALTUS_OUTCOME_OPEN;
+        outcome = ask_points(t);
+    if (outcome == SALTUS_OUTCOME_CHAOS && has_stable_orbit(t))
+        return end(t, SALTUS_TRANSIENT, &runs);
+    if (outcome == SALTUS_OUTCOME_CHAOS && !meets_contact(t))
+        return end(t, SALTUS_CHAOTIC, &runs);
     if (outcome == SALTUS_OUTCOME_CHAOS)
-        return end(t, has_stable_orbit(t) ? SALTUS_TRANSIENT : SALTUS_CHAOTIC, &runs);
+        outcome = SALTUS_OUTCOME_REGULAR;
     if (outcome == SALTUS_OUTCOME_TORUS)
         return end(t, SALTUS_QUASIPERIODIC, &runs);
     if (outcome != SALTUS_OUTCOME_REGULAR)
@@ -191,10 +248,8 @@ saltus_next saltus_measuring_add(saltus_sweep_trajectory *t) {
         return SALTUS_NEXT_GO_ON;
     }
     saltus_average_add(&m->average, m->growth.sample[0]);
-    if (!m->given && m->count < room_of(t)) {
-        memcpy(m->points + m->count * m->growth.n, t->state, (size_t)m->growth.n * sizeof *m->points);
-        m->points[room_of(t) * m->growth.n + m->count++] = m->growth.sample[0];
-    }
+    if (saltus_system_forced(t->system))
+        keep_point(t, t->state, m->growth.sample[0]);
     if (m->deadline && saltus_sweep_trajectory_cycle(t) >= m->deadline) {
         saltus_runs runs = runs_of(t);
         return end(t, SALTUS_LONG_PERIOD, &runs);

@@ -17,18 +17,28 @@ static bool stage_ends(const saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_cycle(t) >= t->stage_end;
 }
 
+/* Events that are looked at on the way. */
+static unsigned watched(const saltus_sweep_trajectory *t) {
+    const unsigned section = saltus_system_forced(t->system) ? 0 : saltus_crossings_watch(t->system);
+    return t->active ? SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | section : section;
+}
+
 /* To the next section point, or where the tangent vector is looked at; in a transient that nobody looks at by
- * many periods. */
+ * many periods; around an orbit with a period of its own to its end. */
 static void aim(saltus_sweep_trajectory *t) {
     if (t->stage == SALTUS_STAGE_MEASURING) {
         saltus_growth_aim(&t->measuring.growth, t->flow, t->lane);
         return;
     }
     long long cycle = saltus_sweep_trajectory_cycle(t), left = t->stage_end - cycle, periods = 1;
+    saltus_time until;
     if (t->stage == SALTUS_STAGE_TRANSIENT)
         periods = left < blind_periods ? left : blind_periods;
-    saltus_flow_aim(t->flow, t->lane, (saltus_time){cycle + periods, 0},
-                    t->active ? SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING : 0);
+    if (t->stage == SALTUS_STAGE_ORBIT && !saltus_system_forced(t->system))
+        until = (saltus_time){t->stage_end, t->active->begin.phase};
+    else
+        until = (saltus_time){cycle + periods, 0};
+    saltus_flow_aim(t->flow, t->lane, until, watched(t));
 }
 
 static void see_section(saltus_sweep_trajectory *t) {
@@ -36,18 +46,26 @@ static void see_section(saltus_sweep_trajectory *t) {
     saltus_settling_add(&t->proof.settling, t->state, info.impacts, info.sticks + info.releases);
 }
 
-static void begin_watch(saltus_sweep_trajectory *t, saltus_watch *watch, long long periods) {
+static void begin_watch(saltus_sweep_trajectory *t, saltus_watch *watch, long long periods, bool counts) {
     bool touching = saltus_flow_contacts(t->flow, t->lane) != 0;
     t->active = watch;
     t->stage_end = saltus_sweep_trajectory_cycle(t) + periods;
-    saltus_watch_begin(watch, t->system, watch == &t->watch ? t->sweep->options.keep : 0,
+    saltus_watch_begin(watch, t->system, watch == &t->watch ? t->sweep->options.keep : 0, counts,
                        saltus_flow_time(t->flow, t->lane), t->state, touching,
                        saltus_sweep_trajectory_information(t).square);
 }
 
-static void begin_recording(saltus_sweep_trajectory *t) {
+/* What is not an orbit is recorded from now on. */
+static saltus_next begin_recording(saltus_sweep_trajectory *t) {
+    const bool rests = t->row.verdict == SALTUS_EQUILIBRIUM || t->row.verdict == SALTUS_HELD;
+    bool counts = false;
+    if (!saltus_system_forced(t->system) && !rests && !saltus_sweep_trajectory_count_returns(t, &counts)) {
+        saltus_sweep_trajectory_fail(t);
+        return SALTUS_NEXT_DONE;
+    }
     t->stage = SALTUS_STAGE_RECORDING;
-    begin_watch(t, &t->watch, t->sweep->options.record);
+    begin_watch(t, &t->watch, t->sweep->options.record, counts);
+    return SALTUS_NEXT_GO_ON;
 }
 
 static void begin_settling(saltus_sweep_trajectory *t) {
@@ -107,6 +125,8 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     t->before = (saltus_flow_info){0};
     t->proof.disturbed = false;
     saltus_settling_reset(&t->proof.settling, t->system);
+    if (!saltus_system_forced(t->system))
+        saltus_visits_reset(&t->proof.visits, t->system);
     open_row(t);
     saltus_status status = find_start(t, carried);
     if (status != SALTUS_OK) {
@@ -121,8 +141,8 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     else if (o->transient > 0) {
         t->stage = SALTUS_STAGE_TRANSIENT;
         t->stage_end = o->transient;
-    } else
-        begin_recording(t);
+    } else if (begin_recording(t) != SALTUS_NEXT_GO_ON)
+        return false;
     see_section(t);
     aim(t);
     return true;
@@ -149,14 +169,16 @@ static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement
     if (judgement.verdict == SALTUS_PERIODIC) {
         saltus_sweep_trajectory_settle(t, SALTUS_PERIODIC, judgement.periods);
         t->stage = SALTUS_STAGE_ORBIT;
-        begin_watch(t, adaptive ? &t->watch : &t->round, judgement.periods);
+        begin_watch(t, adaptive ? &t->watch : &t->round, judgement.periods, !saltus_system_forced(t->system));
         return SALTUS_NEXT_GO_ON;
     }
     saltus_sweep_trajectory_settle(t, judgement.verdict, 0);
-    if (!adaptive)
-        return end_place(t);
-    begin_recording(t);
-    return SALTUS_NEXT_GO_ON;
+    return adaptive ? begin_recording(t) : end_place(t);
+}
+
+static long long points_seen(const saltus_sweep_trajectory *t) {
+    const saltus_proof *p = &t->proof;
+    return saltus_system_forced(t->system) ? p->settling.count : p->visits.settling.count;
 }
 
 /* The next section point of a trajectory that settles. Beyond a fixed time, what does not recur at once is
@@ -164,7 +186,7 @@ static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement
 static saltus_next settling_on(saltus_sweep_trajectory *t) {
     saltus_judgement judgement = saltus_sweep_trajectory_judge(t);
     bool hopeless = stage_ends(t) || (!t->sweep->options.adaptive && judgement.recurs == 0 &&
-                                      t->proof.settling.count > 2 * t->sweep->options.longest + 6);
+                                      points_seen(t) > 2 * t->sweep->options.longest + 6);
     if (judgement.verdict == SALTUS_PENDING && !hopeless)
         return SALTUS_NEXT_GO_ON;
     if (judgement.verdict == SALTUS_PENDING)
@@ -189,6 +211,10 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     }
     if (t->active == &t->watch)
         measure(t);
+    if (t->row.periods > 0)
+        t->row.period = t->row.periods * saltus_system_period(t->system);
+    if (!saltus_system_forced(t->system)) /* on the section */
+        memcpy(t->state, t->proof.orbit, (size_t)t->sweep->dimension * sizeof *t->state);
     return end_place(t);
 }
 
@@ -214,9 +240,7 @@ static saltus_next at_section(saltus_sweep_trajectory *t) {
         saltus_watch_section(t->active, t->state);
     switch (t->stage) {
     case SALTUS_STAGE_TRANSIENT:
-        if (ends)
-            begin_recording(t);
-        return SALTUS_NEXT_GO_ON;
+        return ends ? begin_recording(t) : SALTUS_NEXT_GO_ON;
     case SALTUS_STAGE_SETTLING:
         return settling_on(t);
     case SALTUS_STAGE_RECORDING:
@@ -233,18 +257,28 @@ static saltus_next at_section(saltus_sweep_trajectory *t) {
     }
 }
 
+/* An event on the way, a target reached included. */
+static void pass_event(saltus_sweep_trajectory *t, const saltus_event *event) {
+    const bool forced = saltus_system_forced(t->system), reached = event->kind == SALTUS_REACHED;
+    if (!forced || (!reached && event->kind != SALTUS_TURNING))
+        saltus_flow_state(t->flow, t->lane, t->state);
+    if (!forced && t->stage != SALTUS_STAGE_ORBIT)
+        saltus_sweep_trajectory_take(t, event);
+    if (!forced && t->active)
+        saltus_watch_returns(t->active, t->flow, t->lane, event, t->state);
+    if (t->active && !reached && event->kind != SALTUS_STEP)
+        saltus_watch_event(t->active, event, t->state, saltus_flow_contacts(t->flow, t->lane) != 0);
+}
+
 saltus_next saltus_sweep_trajectory_follow(saltus_sweep_trajectory *t, const saltus_event *event) {
     saltus_next next = SALTUS_NEXT_GO_ON;
     bool section = event->kind == SALTUS_REACHED;
     if (t->stage == SALTUS_STAGE_MEASURING)
         next = saltus_measuring_follow(t, event, &section);
-    else if (section)
+    else
+        pass_event(t, event);
+    if (t->stage != SALTUS_STAGE_MEASURING && section)
         saltus_sweep_trajectory_restore_tangent(t);
-    else {
-        if (event->kind != SALTUS_TURNING)
-            saltus_flow_state(t->flow, t->lane, t->state);
-        saltus_watch_event(t->active, event, t->state, saltus_flow_contacts(t->flow, t->lane) != 0);
-    }
     if (next == SALTUS_NEXT_GO_ON && section)
         next = at_section(t);
     if (next == SALTUS_NEXT_GO_ON)

@@ -266,5 +266,6 @@ saltus_sweep_row saltus_sweep_row_of(saltus_verdict verdict) {
                               .contact_fraction = NAN,
                               .lyapunov = NAN,
                               .lyapunov_error = NAN,
-                              .lifetime_at_least = NAN};
+                              .lifetime_at_least = NAN,
+                              .period = NAN};
 }

@@ -7,7 +7,8 @@
 
 #include "motion/growth.h"
 #include "motion/motion.h"
-#include "motion/settle.h"
+#include "motion/slow_rest.h"
+#include "motion/visits.h"
 
 #include <gsl/gsl_rng.h>
 #include <stdatomic.h>
@@ -53,17 +54,22 @@ typedef struct saltus_watch {
     bool touching;
     int heading;    /* sign of the observed velocity */
     double contact; /* periods in contact */
-    double square;  /* the flow's integral of the observed displacement's square at the begin */
+    bool counts;    /* its returns are the section points, not what is at phase 0 */
+    saltus_crossings returns;
+    double square; /* the flow's integral of the observed displacement's square at the begin */
     double largest_speed;
     saltus_cloud clouds[SALTUS_CLOUDS];
     bool sound; /* no cloud has run out of memory */
 } saltus_watch;
 
-/* Begin at a section point. Clouds keep their memory. */
-void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
-                        const double *state, bool touching, double square);
+/* Begin at a section point, or where returns to the section are counted. Clouds keep their memory. */
+void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, bool counts,
+                        saltus_time time, const double *state, bool touching, double square);
 /* `state` is that of now, for the events of contacts. */
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching);
+/* Returns to the section of the lane that is watched, after an event, a target reached included. */
+void saltus_watch_returns(saltus_watch *watch, const saltus_flow *flow, int lane, const saltus_event *event,
+                          const double *state);
 /* A section point; not the last one of the recording, which would be counted twice. */
 void saltus_watch_section(saltus_watch *watch, const double *state);
 /* The measures of the recording, from its begin to `end`, where it is at `state`; `square` as at the begin.
@@ -128,6 +134,9 @@ typedef struct saltus_proof {
     long long patience;     /* periods until Newton's method is asked */
     long long ask_again;    /* not before this cycle, where iteration cannot tell the period */
     double *orbit;          /* section points of the settled orbit, longest x n */
+    saltus_visits visits;   /* without forcing: returns to the section */
+    saltus_rest_look rest;  /* whether it comes to a rest, however slowly */
+    double exponent;        /* the largest of the orbit that Newton's method has found without forcing */
 } saltus_proof;
 
 /* The exponent under way. */
@@ -140,7 +149,8 @@ typedef struct saltus_measuring {
     long long deadline;     /* cycle by which a period must have shown; 0: there need not be one */
     long long steps;        /* of the flow until the first sample */
     bool given;             /* the verdict is there: nothing but the exponent is lacking */
-    double *points;         /* section points, `count` of them, n each; behind their room the growths */
+    double *points;         /* section points, `count` of them, n each; behind their room the growths,
+                            or without forcing the times when they came */
     long long count, asked; /* `asked`: of how many last told whether it is one */
 } saltus_measuring;
 
@@ -176,6 +186,10 @@ saltus_flow_info saltus_sweep_trajectory_information(const saltus_sweep_trajecto
 void saltus_sweep_trajectory_seed(saltus_sweep_trajectory *trajectory, int which);
 /* Go on from another state at the same time. False when the flow cannot. */
 bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *trajectory, const double *state);
+/* Go on from another state and time of a system without forcing that counts by another time. False when the
+ * flow cannot. */
+bool saltus_sweep_trajectory_count_by(saltus_sweep_trajectory *trajectory, double period, saltus_time time,
+                                      const double *state);
 /* Go on in another lane. False when the flow cannot. */
 bool saltus_sweep_trajectory_move(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
 /* A verdict has been reached, or none will be. */
@@ -192,6 +206,9 @@ typedef struct saltus_judgement {
     int recurs; /* the least period that recurs roughly, or 0 */
 } saltus_judgement;
 
+/* Without forcing: count by the mean time between returns from now on, where these still come; *counts says
+ * so. False when the flow cannot go on. */
+bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *trajectory, bool *counts);
 /* A trajectory begins to settle. */
 void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *trajectory);
 /* Judge a trajectory at a section point; the points of an orbit go to proof.orbit. It may be disturbed, and
@@ -211,6 +228,8 @@ bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *trajectory, saltus
 /* What follows from an event of a trajectory that is measured; *section: at a section point. */
 saltus_next saltus_measuring_follow(saltus_sweep_trajectory *trajectory, const saltus_event *event,
                                     bool *section);
+/* Without forcing: an event on its way, a target reached included, after which the flow is at t->state. */
+void saltus_sweep_trajectory_take(saltus_sweep_trajectory *trajectory, const saltus_event *event);
 /* One more period. */
 saltus_next saltus_measuring_add(saltus_sweep_trajectory *trajectory);
 

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *t, const saltus_sweep *sweep) {
     const int n = sweep->dimension, longest = sweep->options.longest;
@@ -13,8 +14,9 @@ bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *t, const saltus_sweep
     t->proof.orbit = calloc((size_t)(n * longest), sizeof *t->proof.orbit);
     t->rng = gsl_rng_alloc(gsl_rng_mt19937);
     double near = fmax(1e-10, 10 * sweep->options.flow.rtol);
-    bool sound = saltus_settling_open(&t->proof.settling, n, longest, near) && t->state &&
-                 t->proof.undisturbed && t->proof.orbit && t->rng;
+    bool sound = saltus_settling_open(&t->proof.settling, n, longest, near) &&
+                 saltus_visits_open(&t->proof.visits, n, longest, near) && t->state && t->proof.undisturbed &&
+                 t->proof.orbit && t->rng;
     if (!sound || !(sweep->options.keep & SALTUS_KEEP_LYAPUNOV))
         return sound;
     saltus_measuring *m = &t->measuring;
@@ -27,6 +29,7 @@ bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *t, const saltus_sweep
 
 void saltus_sweep_trajectory_close(saltus_sweep_trajectory *t) {
     saltus_settling_close(&t->proof.settling);
+    saltus_visits_close(&t->proof.visits);
     free(t->proof.undisturbed);
     free(t->proof.orbit);
     saltus_watch_close(&t->watch);
@@ -88,6 +91,28 @@ static bool start_at(saltus_sweep_trajectory *t, saltus_time time, const double 
 bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *t, const double *state) {
     t->before = saltus_sweep_trajectory_information(t);
     return start_at(t, saltus_flow_time(t->flow, t->lane), state);
+}
+
+bool saltus_sweep_trajectory_count_by(saltus_sweep_trajectory *t, double period, saltus_time time,
+                                      const double *state) {
+    saltus_system *counted = NULL, *old = t->system;
+    saltus_spec spec = *saltus_system_spec(old);
+    double start[SALTUS_STATE_MAX];
+    memcpy(start, state, (size_t)t->sweep->dimension * sizeof *start);
+    saltus_spec_set_omega(&spec, 2 * M_PI / period);
+    t->before = saltus_sweep_trajectory_information(t);
+    saltus_status status = saltus_system_new(&spec, &counted, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_flow_retune(t->flow, t->lane, counted, NULL);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    if (status != SALTUS_OK) {
+        saltus_system_free(counted);
+        return false;
+    }
+    t->system = counted;
+    saltus_system_free(old);
+    saltus_visits_reset(&t->proof.visits, counted);
+    return start_at(t, time, start);
 }
 
 bool saltus_sweep_trajectory_move(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {

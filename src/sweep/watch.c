@@ -39,8 +39,8 @@ static int heading_of(const saltus_system *system, const double *state) {
     return sign_of(saltus_system_observed(system, state + saltus_system_dof(system)));
 }
 
-void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, saltus_time time,
-                        const double *state, bool touching, double square) {
+void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, bool counts,
+                        saltus_time time, const double *state, bool touching, double square) {
     watch->square = square;
     watch->keep = keep;
     watch->begin = watch->touched = time;
@@ -48,6 +48,8 @@ void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsign
     watch->contact = watch->largest_speed = 0;
     watch->heading = heading_of(system, state);
     watch->sound = true;
+    watch->counts = counts;
+    watch->returns = (saltus_crossings){0};
     for (int k = 0; k < SALTUS_CLOUDS; k++)
         watch->clouds[k].count = 0;
     saltus_lap_begin(&watch->lap, system, state);
@@ -88,8 +90,23 @@ void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const do
     }
 }
 
+void saltus_watch_returns(saltus_watch *watch, const saltus_flow *flow, int lane, const saltus_event *event,
+                          const double *now) {
+    double state[SALTUS_STATE_MAX];
+    saltus_time time;
+    int change;
+    if (!watch->counts)
+        return;
+    memcpy(state, now, (size_t)saltus_system_dimension(watch->lap.system) * sizeof *state);
+    saltus_crossings_take(&watch->returns, flow, lane, event, now);
+    while ((change = saltus_crossings_next(&watch->returns, flow, lane, state, &time)) != 0)
+        if (change > 0 && !watch->returns.falling)
+            add(watch, SALTUS_CLOUD_STROBES, state);
+}
+
 void saltus_watch_section(saltus_watch *watch, const double *state) {
-    add(watch, SALTUS_CLOUD_STROBES, state);
+    if (!watch->counts)
+        add(watch, SALTUS_CLOUD_STROBES, state);
 }
 
 void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,

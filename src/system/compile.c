@@ -2,6 +2,7 @@
 #include "system/compile.h"
 
 #include "base/list.h"
+#include "system/kept.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -177,6 +178,8 @@ static bool load(saltus_compiled *c) {
         dlclose(c->library);
         c->library = NULL;
     }
+    if (function)
+        saltus_kept_use(c->path);
     atomic_store_explicit(&c->function, function, memory_order_release);
     return function != NULL;
 }
@@ -336,8 +339,10 @@ static progress advance(saltus_compiled *c, progress now, saltus_compile_source 
     if (load(c))
         return progress_ready;
     char *source = open_toolchain(&w) ? NULL : make(from, &c->shape);
-    if (source)
+    if (source) {
+        saltus_kept_trim(w.folder);
         c->outcome = start(&w, c->shape.flags, source, c->path);
+    }
     free(source);
     return c->outcome >= 0 ? progress_runs : progress_over;
 }

@@ -2,7 +2,8 @@
  *
  * What has been compiled is kept in a folder that only the user can write to, $XDG_CACHE_HOME/saltus or
  * ~/.cache/saltus, under a name made from the text, the compiler and its options. A process of its own runs
- * the compiler and puts the file into its place: it ends by itself whatever becomes of the run. Where
+ * the compiler and puts the file into its place: it ends by itself whatever becomes of the run. Before one
+ * begins, functions that have not been used for long are removed (kept.h). Where
  * anything is missing, there is no function, and the caller goes on without.
  *
  * The environment variable SALTUS_COMPILE names the compiler (default: cc), 0: none.
@@ -22,7 +23,7 @@ typedef struct saltus_compile_shape {
 
 /* The text, allocated, of a function with this name; NULL: no memory. */
 typedef char *saltus_compile_source(const void *from, const saltus_compile_shape *shape);
-typedef void saltus_compiled_function(void *work);
+typedef void saltus_compiled_function(void *work, int from, int to);
 #define SALTUS_COMPILED_NAME "saltus_compiled_function"
 
 /* One function, that may be under way; and all of a system. Any thread may use them. */

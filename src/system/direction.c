@@ -127,6 +127,15 @@ void saltus_variation_reserve(saltus_variation *variation, const saltus_system *
         variation->impulse[s] = saltus_arena_doubles(arena, n);
     }
     variation->inverse_mass = saltus_arena_doubles(arena, n * n);
+    variation->observer = saltus_arena_doubles(arena, n);
+}
+
+double saltus_variation_restitution(const saltus_variation *variation, const saltus_system *system, int face,
+                                    double speed) {
+    const int stop = system->faces[face].stop;
+    if (system->by_speed >> face & 1)
+        return system->spec.model->rebound_change(system, stop, speed, variation->direction);
+    return variation->r[stop];
 }
 
 /* The derivative of b = w / (n w) with w = M^-1 n. */
@@ -154,6 +163,7 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
     const saltus_spec *spec = &system->spec;
     saltus_coefficients *c = &variation->coefficients;
     size_t row = (size_t)system->dof * sizeof(double);
+    variation->direction = direction;
     c->terms = 0;
     c->rows = system->coefficients.rows;
     c->slots = system->coefficients.slots;
@@ -162,6 +172,7 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
     for (int r = 0; r < c->rows; r++)
         memset(c->row[r], 0, row);
     memset(variation->inverse_mass, 0, (size_t)system->dof * row);
+    memset(variation->observer, 0, row);
     for (int s = 0; s < spec->stop_count; s++) {
         variation->d[s] = direction->d[s];
         variation->r[s] = direction->r[s];
@@ -173,6 +184,8 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
             variation->normal[s][i] *= direction->xi[s];
     }
     spec->model->vary(system, direction, variation);
+    if (system->observed_stop >= 0)
+        memcpy(variation->observer, variation->normal[system->observed_stop], row);
     variation->omega =
         spec->model->forcing < 0 ? direction->clock : direction->parameter[spec->model->forcing];
     variation->tilts = false;

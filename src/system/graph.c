@@ -168,6 +168,7 @@ int saltus_graph_leaf(saltus_graph *graph, saltus_operation leaf, int index) {
     node.index = index;
     node.depends = leaf == SALTUS_OP_PARAMETER ? SALTUS_OF_PARAMETERS
                    : leaf == SALTUS_OP_STATE   ? SALTUS_OF_STATES
+                   : leaf == SALTUS_OP_SPEED   ? SALTUS_OF_SPEED
                                                : SALTUS_OF_TIME | SALTUS_OF_PARAMETERS;
     return add_node(graph, node);
 }
@@ -328,10 +329,11 @@ static int differentiate(saltus_graph *g, int node, const int *d) {
     }
 }
 
-void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsigned among, int *derivatives) {
+void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsigned among, const bool *needed,
+                                int *derivatives) {
     for (int k = 0; k < count; k++) {
         bool leads = false;
-        if (graph->nodes[k].depends & ~among) {
+        if (graph->nodes[k].depends & ~among || (needed && !needed[k])) {
             derivatives[k] = 0;
             continue;
         }
@@ -352,6 +354,7 @@ static double value_of(const saltus_graph_node *node, const double *parameters, 
            : node->operation == SALTUS_OP_STATE     ? state[node->index]
            : node->operation == SALTUS_OP_TIME      ? time
            : node->operation == SALTUS_OP_PHASE     ? phase
+           : node->operation == SALTUS_OP_SPEED     ? 0
                                                     : saltus_operation_value(node->operation, operand);
 }
 
@@ -368,10 +371,44 @@ void saltus_graph_evaluate_some(const saltus_graph *graph, const int *nodes, int
         values[nodes[k]] = value_of(&graph->nodes[nodes[k]], parameters, state, time, phase, values);
 }
 
-void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, bool *needed) {
+double saltus_graph_at_speed(const saltus_graph *graph, int node, const double *values, double speed) {
+    const saltus_graph_node *n = &graph->nodes[node];
+    double operand[4] = {0};
+    if (n->operation == SALTUS_OP_SPEED || !(n->depends & SALTUS_OF_SPEED))
+        return n->operation == SALTUS_OP_SPEED ? speed : values[node];
+    for (int j = 0; j < saltus_operation_operands(n->operation); j++)
+        operand[j] = saltus_graph_at_speed(graph, n->operand[j], values, speed);
+    return saltus_operation_value(n->operation, operand);
+}
+
+double saltus_graph_ways(const saltus_graph *graph, int node) {
+    double *ways = calloc((size_t)node + 1, sizeof *ways), all = INFINITY;
+    for (int k = 0; ways && k <= node; k++) {
+        ways[k] = 1;
+        for (int j = 0; j < saltus_operation_operands(graph->nodes[k].operation); j++)
+            ways[k] += graph->nodes[k].depends & SALTUS_OF_SPEED ? ways[graph->nodes[k].operand[j]] : 0;
+        all = ways[k];
+    }
+    free(ways);
+    return all;
+}
+
+/* Which of its operands an operation does not take, with these values; -1: it takes all. */
+static int not_chosen(const saltus_graph_node *n, const double *values) {
+    if (n->operation < SALTUS_OP_CHOOSE_LESS)
+        return -1;
+    const double operand[] = {values[n->operand[0]], values[n->operand[1]], 2, 3};
+    return 5 - (int)saltus_operation_value(n->operation, operand);
+}
+
+void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, const double *values,
+                       bool *needed) {
     for (int k = 0; k < root_count; k++)
         needed[roots[k]] = true;
-    for (int k = graph->count - 1; k >= 0; k--)
-        for (int j = 0; needed[k] && j < saltus_operation_operands(graph->nodes[k].operation); j++)
-            needed[graph->nodes[k].operand[j]] = true;
+    for (int k = graph->count - 1; k >= 0; k--) {
+        const saltus_graph_node *n = &graph->nodes[k];
+        const int left_out = needed[k] && values ? not_chosen(n, values) : -1;
+        for (int j = 0; needed[k] && j < saltus_operation_operands(n->operation); j++)
+            needed[n->operand[j]] |= j != left_out;
+    }
 }

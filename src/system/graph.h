@@ -15,6 +15,7 @@ typedef enum saltus_operation {
     SALTUS_OP_STATE,
     SALTUS_OP_TIME,  /* from the last phase 0, in [0, T) */
     SALTUS_OP_PHASE, /* time / T */
+    SALTUS_OP_SPEED, /* at which a contact closes, of restitutions only; 0 where a graph is evaluated */
     SALTUS_OP_ADD,   /* of a and b, and so on */
     SALTUS_OP_SUBTRACT,
     SALTUS_OP_MULTIPLY,
@@ -45,7 +46,7 @@ typedef enum saltus_operation {
 } saltus_operation;
 
 /* On what the value of a node depends, as bits. */
-enum { SALTUS_OF_PARAMETERS = 1, SALTUS_OF_TIME = 2, SALTUS_OF_STATES = 4 };
+enum { SALTUS_OF_PARAMETERS = 1, SALTUS_OF_TIME = 2, SALTUS_OF_STATES = 4, SALTUS_OF_SPEED = 8 };
 
 typedef struct saltus_graph_node {
     saltus_operation operation;
@@ -82,9 +83,11 @@ int saltus_operation_operands(saltus_operation operation);
 typedef double saltus_operation_function(saltus_operation operation, const double operand[4]);
 saltus_operation_function saltus_operation_value;
 
-/* For each of the first `count` nodes that depend on nothing but what is `among` the node of its derivative
- * with respect to a leaf; 0, the constant 0, where it does not depend on it, and for all other nodes. */
-void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsigned among, int *derivatives);
+/* For each of the first `count` nodes that are `needed` (NULL: all) and depend on nothing but what is `among`
+ * the node of its derivative with respect to a leaf; 0, the constant 0, where it does not depend on it, and
+ * for all other nodes. */
+void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsigned among, const bool *needed,
+                                int *derivatives);
 /* The derivative of a function of one operand with respect to that operand. */
 int saltus_graph_outer_derivative(saltus_graph *graph, int node);
 /* Values of all nodes; leaves are taken from the arrays. */
@@ -94,8 +97,14 @@ void saltus_graph_evaluate(const saltus_graph *graph, const double *parameters, 
 void saltus_graph_evaluate_some(const saltus_graph *graph, const int *nodes, int count,
                                 const double *parameters, const double *state, double time, double phase,
                                 double *values);
+/* The value of a node at a closing speed, from the values of those that do not depend on it. It follows every
+ * way through the node's operands: of nodes with at most SALTUS_AT_SPEED_MAX of them (saltus_graph_ways). */
+enum { SALTUS_AT_SPEED_MAX = 10000 };
+double saltus_graph_at_speed(const saltus_graph *graph, int node, const double *values, double speed);
+double saltus_graph_ways(const saltus_graph *graph, int node);
 /* Mark what the given nodes are made of, themselves included (count entries of `needed`, set to false
- * before). */
-void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, bool *needed);
+ * before); where `values` are given (otherwise NULL), of a choice only the one that is made with them. */
+void saltus_graph_mark(const saltus_graph *graph, const int *roots, int root_count, const double *values,
+                       bool *needed);
 
 #endif

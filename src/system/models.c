@@ -78,3 +78,8 @@ bool saltus_model_same(const saltus_model *a, const saltus_model *b) {
 const char *saltus_stop_text(const saltus_spec *spec, int stop, saltus_stop_part part) {
     return spec->model->coordinate ? spec->model->coordinate(spec->model, stop, (int)part) : NULL;
 }
+
+const char *saltus_restitution_law(const saltus_spec *spec, int stop) {
+    bool law = spec->model->by_speed && spec->model->by_speed(spec, stop);
+    return law ? saltus_stop_text(spec, stop, SALTUS_STOP_RESTITUTION) : NULL;
+}

@@ -104,6 +104,26 @@ static double typical_length(const saltus_system *system) {
     return length > 0 ? length : 1;
 }
 
+/* M^-1 K, M^-1 C and the Maxwell element. */
+static void fill_linear(saltus_system *system) {
+    double *const *row = system->coefficients.row;
+    const double *p = system->spec.parameters;
+    const int n = system->dof, dimension = system->dimension;
+    for (int i = 0; i < n; i++) {
+        double *rates = system->linear + i * dimension;
+        for (int j = 0; j < n; j++) {
+            rates[j] = -row[j ? oscillator_k2 : oscillator_k1][i];
+            rates[n + j] = -row[j ? oscillator_c2 : oscillator_c1][i];
+        }
+        if (system->extra)
+            rates[2 * n] = -row[oscillator_maxwell][i];
+    }
+    if (system->extra) {
+        system->linear[n * dimension + n] = p[p_kz];
+        system->linear[n * dimension + 2 * n] = -1 / p[p_tz];
+    }
+}
+
 static void build(saltus_system *system) {
     const double *p = system->spec.parameters;
     saltus_coefficients *c = &system->coefficients;
@@ -127,6 +147,7 @@ static void build(saltus_system *system) {
         system->scale[i] = length;
         system->scale[system->dof + i] = length * fmax(p[p_omega], sqrt(system->stiffness[i]));
     }
+    fill_linear(system);
     if (system->extra)
         system->scale[2 * system->dof] = length * p[p_kz];
     system->rate = fmax(fmax(sqrt(stiffness + p[p_kz] / p[p_m]), damping),
@@ -161,7 +182,8 @@ static const char *obstacle(const saltus_spec *spec, int parameter) {
                : NULL;
 }
 
-static double trace(const saltus_system *system, const double *state) {
+static double trace(const saltus_system *system, const double *state, double phase) {
+    (void)phase;
     (void)state;
     double sum = 0;
     for (int i = 0; i < system->dof; i++)

@@ -16,7 +16,7 @@ KERNEL_INLINE unsigned model_common_terms(int rows) {
 
 enum { drive_force, model_drives };
 enum { table_force, model_tables };
-enum { model_series_count, model_rows_ahead = 0 };
+enum { model_series_count, model_rows_ahead = 0, model_columns_apart = true };
 enum { vary_cosine, model_vary_drives }; /* of cos(omega t + phase) */
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {

@@ -70,6 +70,31 @@ static void build_couplings(saltus_system *system) {
         }
 }
 
+/* At the fastest flow: q'' = - (damping + 2 sqrt(beta) u G) q' - (stiffness - lambda^2 u^2) q. */
+static void fill_linear(saltus_system *system, double velocity) {
+    const saltus_coefficients *c = &system->coefficients;
+    const int n = system->dof;
+    const double turning = 2 * c->scalar[pipe_root_beta] * velocity;
+    for (int i = 0; i < n; i++) {
+        double *row = system->linear + (size_t)i * (size_t)system->dimension;
+        for (int j = 0; j < n; j++)
+            row[n + j] = -turning * c->coupling[pipe_gyroscopic][i * n + j];
+        row[i] = c->row[pipe_lambda2][i] * gsl_pow_2(velocity) - system->stiffness[i];
+        row[n + i] = -system->damping[i];
+    }
+}
+
+/* Whether the stiff integrator is the faster one. Taylor's steps are as long as stability lets them be, 5 /
+ * drag at rtol 1e-10. Those of the stiff integrator follow what lasts: the forcing, and motions about twice
+ * as fast as the first mode; it takes 0.4 of them per radian, and 1.4 more for every impact, after which it
+ * begins anew. One of them costs as much as 25 to 45 of Taylor's, with tangent vectors and without. Where
+ * there is a stop, four impacts a period are counted on; motions without any would gain from fewer modes on,
+ * chatter from more (`saltus_bench --cost-only` measures both). */
+static bool stiff_pays(double drag, double omega, bool struck) {
+    const double lasting = fmax(omega, 2 * M_PI * M_PI);
+    return drag > (struck ? 250 : 80) * lasting;
+}
+
 static void build(saltus_system *system) {
     const double *p = system->spec.parameters;
     saltus_coefficients *c = &system->coefficients;
@@ -94,13 +119,13 @@ static void build(saltus_system *system) {
     }
     if (system->dof > 1)
         build_couplings(system);
+    if (system->linear)
+        fill_linear(system, velocity);
     double top = c->row[pipe_stiffness][system->dof - 1], drag = p[p_alpha] * top;
     system->decay = drag;
     system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
-    /* Measured: with impacts, after each of which it begins anew, the stiff integrator pays from N = 11 on,
-     * without from N = 8 (alpha = 0.005). */
-    system->stiff = drag > (system->spec.stop_count ? 6000 : 1700);
     system->forced = c->terms & SALTUS_TERM_FORCED;
+    system->stiff = stiff_pays(drag, system->forced ? p[p_omega] : 0, system->spec.stop_count > 0);
     system->mirror = true;
     system->mirror_shift = false;
 }
@@ -127,7 +152,8 @@ static const char *obstacle(const saltus_spec *spec, int parameter) {
 }
 
 /* Along the orbit the cubic damping term depends on the displacements: -alpha kappa sum lambda^4 q^2. */
-static double trace(const saltus_system *system, const double *state) {
+static double trace(const saltus_system *system, const double *state, double phase) {
+    (void)phase;
     const saltus_coefficients *c = &system->coefficients;
     double sum = 0;
     for (int i = 0; i < system->dof; i++)

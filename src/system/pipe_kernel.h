@@ -19,7 +19,7 @@
 /* Systems of up to so many rows have loops of their own: with the terms that such systems mostly have, or
  * with any. */
 enum {
-    model_rows_common = SALTUS_WIDE        ? 8
+    model_rows_common = SALTUS_WIDE        ? 16
                         : SALTUS_PACK >= 4 ? 2
                                            : 4,
     model_rows_plain = SALTUS_WIDE ? 0 : 2
@@ -32,6 +32,7 @@ KERNEL_INLINE unsigned model_common_terms(int rows) {
 enum { drive_velocity, drive_gradient, drive_tension, model_drives };
 enum { table_velocity, table_gradient, table_tension, table_tension2, model_tables };
 enum { series_square, series_tension, model_series_count };
+enum { model_columns_apart = true };
 enum { vary_velocity, vary_gradient, vary_tension, vary_all_tension, model_vary_drives };
 enum {
     ahead_resting, /* begun for the next order */

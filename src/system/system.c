@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/system.h"
 
+#include "system/spectrum.h"
+
 #include <float.h>
 #include <gsl/gsl_math.h>
 #include <math.h>
@@ -125,6 +127,7 @@ static void reserve(saltus_system *system) {
     system->scale = saltus_arena_doubles(arena, (size_t)system->dimension);
     system->damping = saltus_arena_doubles(arena, n);
     system->stiffness = saltus_arena_doubles(arena, n);
+    saltus_spectrum_reserve(system);
     system->spec.model->reserve(system);
 }
 
@@ -144,9 +147,12 @@ static void build_contacts(saltus_system *system) {
         for (int i = 0; i < n; i++)
             impulse[i] /= compliance;
         for (int side = 1; side >= -1; side -= 2)
-            if (stop->sides & (side > 0 ? SALTUS_UPPER : SALTUS_LOWER))
+            if (stop->sides & (side > 0 ? SALTUS_UPPER : SALTUS_LOWER)) {
+                if (system->spec.model->by_speed && system->spec.model->by_speed(&system->spec, s))
+                    system->by_speed |= 1u << system->face_count;
                 system->faces[system->face_count++] =
                     (saltus_face){s, side, stop->d - side * system->offset[s], stop->r};
+            }
     }
 }
 
@@ -190,6 +196,8 @@ static saltus_status build_normals(saltus_system *system, saltus_message *messag
         system->spec.model->normal(&system->spec, system->dof, stop, system->stop_normal[s]);
         for (int i = 0; i < system->dof; i++)
             size = fmax(size, fabs(system->stop_normal[s][i]));
+        if (system->dof && isnan(system->stop_normal[s][0]))
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the system");
         if (size < 1e-6)
             return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "xi", .stop = s + 1},
                                   "stop %d: xi = %g: no mode moves there; a stop needs a place that moves",
@@ -205,6 +213,7 @@ bool saltus_system_stop_observed(const saltus_system *system, int stop) {
 
 static void observe_stop(saltus_system *system, int stop) {
     const saltus_spec *spec = &system->spec;
+    system->observed_stop = stop;
     memcpy(system->observer, system->stop_normal[stop], (size_t)system->dof * sizeof *system->observer);
     system->observed = saltus_stop_text(spec, stop, SALTUS_STOP_COORDINATE);
     if (spec->model->notation.structure == SALTUS_STRUCTURE_LINE)
@@ -234,9 +243,10 @@ static void observe_entry(saltus_system *system, int i) {
 /* What is observed where the scene does not say it. */
 static void observe_default(saltus_system *system) {
     const saltus_model *model = system->spec.model;
-    if (saltus_system_observable_count(system) > 0 && model->observable_row(system, 0, system->observer))
+    if (saltus_system_observable_count(system) > 0 && model->observable_row(system, 0, system->observer)) {
         system->observed = saltus_system_observable_name(system, 0);
-    else if (system->spec.stop_count > 0)
+        system->observable = 0;
+    } else if (system->spec.stop_count > 0)
         observe_stop(system, 0);
     else if (model->notation.structure == SALTUS_STRUCTURE_LINE)
         observe_place(system, 0.5);
@@ -260,6 +270,7 @@ static saltus_status choose_observer(saltus_system *system, saltus_message *mess
     for (int k = 0; k < saltus_system_observable_count(system); k++)
         if (strcmp(name, saltus_system_observable_name(system, k)) == 0) {
             system->observed = name;
+            system->observable = k;
             return spec->model->observable_row(system, k, system->observer)
                        ? SALTUS_OK
                        : saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
@@ -294,12 +305,32 @@ static bool faces_symmetric(const saltus_system *system) {
         bool found = false;
         for (int g = 0; g < system->face_count; g++) {
             saltus_face a = system->faces[f], b = system->faces[g];
-            found |= a.side == -b.side && a.d == b.d && a.r == b.r &&
+            bool same =
+                a.r == b.r && (a.stop == b.stop || !((system->by_speed >> f | system->by_speed >> g) & 1));
+            found |= a.side == -b.side && a.d == b.d && same &&
                      parallel(system->stop_normal[a.stop], system->stop_normal[b.stop], system->dof) == 1;
         }
         symmetric &= found;
     }
     return symmetric;
+}
+
+saltus_status saltus_spec_check_poincare(const saltus_spec *spec, saltus_message *message) {
+    const saltus_fault fault = {.key = "section"};
+    const saltus_poincare section = spec->model->poincare;
+    if (section.kind != SALTUS_POINCARE_MAXIMA && spec->model->forcing >= 0)
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
+                              "section: the scene is forced, and its section is phase 0 of the forcing");
+    if (section.kind == SALTUS_POINCARE_IMPACT && section.stop >= spec->stop_count)
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
+                              "section: impact = %d: the scene has %d stop%s", section.stop + 1,
+                              spec->stop_count, spec->stop_count == 1 ? "" : "s");
+    const saltus_sides other = section.side > 0 ? SALTUS_LOWER : SALTUS_UPPER;
+    if (section.kind == SALTUS_POINCARE_IMPACT && section.side && spec->stops[section.stop].sides == other)
+        return saltus_fail_at(
+            message, SALTUS_BAD_INPUT, fault, "section: side = %s: stop %d acts on the %s side only",
+            section.side > 0 ? "upper" : "lower", section.stop + 1, section.side > 0 ? "lower" : "upper");
+    return SALTUS_OK;
 }
 
 double saltus_spec_omega(const saltus_spec *spec) {
@@ -310,15 +341,6 @@ double saltus_spec_omega(const saltus_spec *spec) {
 
 void saltus_spec_set_omega(saltus_spec *spec, double omega) {
     *(spec->model->forcing >= 0 ? &spec->parameters[spec->model->forcing] : &spec->clock) = omega;
-}
-
-/* Orders of sin(omega t)'s series that matter at the largest step that stability allows, rate h = 6. */
-static int count_forcing_orders(const saltus_system *system) {
-    double term = 1, angle = 6 * system->omega / system->rate;
-    int order = 0;
-    while (order < SALTUS_ORDER_MAX && term > 1e-19)
-        term *= angle / ++order;
-    return order;
 }
 
 saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system, saltus_message *message) {
@@ -345,6 +367,7 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
     made->dimension = 2 * dof + extra;
     made->omega = saltus_spec_omega(spec);
     made->observed_place = NAN;
+    made->observed_stop = made->observable = -1;
     made->period = spec->model->forcing < 0 && !spec->clock ? 1 : 2 * M_PI / made->omega;
     reserve(made);
     if (!saltus_arena_open(&made->arena)) {
@@ -356,7 +379,6 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
     status = build_normals(made, message);
     if (status == SALTUS_OK) {
         spec->model->build(made);
-        made->coefficients.forcing_orders = count_forcing_orders(made);
         build_contacts(made);
         made->mirror = made->mirror && faces_symmetric(made);
         status = check_faces(made, message);
@@ -412,6 +434,17 @@ bool saltus_system_mirror_symmetric(const saltus_system *system, bool *shift) {
 int saltus_system_face_count(const saltus_system *system) {
     return system->face_count;
 }
+saltus_rebound saltus_system_rebound(const saltus_system *system, int face, double speed) {
+    const saltus_face *f = &system->faces[face];
+    if (system->by_speed >> face & 1)
+        return system->spec.model->rebound(system, f->stop, speed);
+    return (saltus_rebound){f->r, f->r};
+}
+
+double saltus_system_restitution(const saltus_system *system, int face, double speed) {
+    return saltus_system_rebound(system, face, speed).r;
+}
+
 saltus_face saltus_system_face(const saltus_system *system, int face) {
     return system->faces[face];
 }
@@ -466,14 +499,38 @@ double saltus_system_gap_size(const saltus_system *system, int face, const doubl
     return size;
 }
 
+double saltus_system_compliance(const saltus_system *system, int face) {
+    const double *normal = system->stop_normal[system->faces[face].stop];
+    double sum = 0;
+    for (int i = 0; i < system->dof; i++)
+        for (int j = 0; j < system->dof; j++)
+            sum += normal[i] * system->inverse_mass[i * system->dof + j] * normal[j];
+    return sum;
+}
+
 int saltus_system_gap_sign(const saltus_system *system, int face, const double *state) {
     double gap = saltus_system_gap(system, face, state);
     double rounding = 8 * DBL_EPSILON * saltus_system_gap_size(system, face, state);
     return (gap > rounding) - (gap < -rounding);
 }
 
-double saltus_system_trace(const saltus_system *system, const double *state) {
-    return system->spec.model->trace(system, state);
+double saltus_system_trace(const saltus_system *system, const double *state, double phase) {
+    return system->spec.model->trace(system, state, phase);
+}
+
+bool saltus_system_conservative(const saltus_system *system) {
+    enum { places = 3 }; /* that no rule picks out */
+    const double rounding = 1e-13;
+    double state[SALTUS_STATE_MAX];
+    bool kept = !system->forced;
+    for (int f = 0; f < system->face_count; f++)
+        kept &= system->faces[f].r == 1;
+    for (int k = 0; k < places && kept; k++) {
+        for (int i = 0; i < system->dimension; i++)
+            state[i] = system->scale[i] * (0.2 + 0.1 * sin(1.7 * k + 2.3 * i + 0.4));
+        kept = fabs(saltus_system_trace(system, state, 0)) <= rounding * system->rate;
+    }
+    return kept;
 }
 
 double saltus_system_fastest_decay(const saltus_system *system) {
@@ -567,6 +624,17 @@ int saltus_system_observable_count(const saltus_system *system) {
 void saltus_system_observe(const saltus_system *system, const double *state, double phase, double *values) {
     if (system->spec.model->observe)
         system->spec.model->observe(system, state, phase, values);
+}
+
+saltus_poincare saltus_system_poincare(const saltus_system *system) {
+    return system->spec.model->poincare;
+}
+
+double saltus_system_poincare_value(const saltus_system *system, const double *state) {
+    const saltus_model *model = system->spec.model;
+    return model->poincare.kind == SALTUS_POINCARE_ZERO
+               ? model->poincare.direction * model->crossing(system, state)
+               : NAN;
 }
 
 char *saltus_system_right_side(const saltus_system *system, int entry) {

@@ -26,8 +26,7 @@ typedef struct saltus_coefficients {
     int rows, couplings;
     double *slot; /* of a tape */
     int slots;
-    int forcing_orders; /* orders of the forcing's series that matter at the largest step */
-    unsigned terms;     /* which terms the scene has (saltus_term) */
+    unsigned terms; /* which terms the scene has (saltus_term) */
 } saltus_coefficients;
 
 enum saltus_term {
@@ -50,18 +49,25 @@ struct saltus_system {
     double decay; /* bound on its decay rates */
     int face_count;
     saltus_face faces[SALTUS_FACES_MAX];
+    unsigned by_speed;                     /* faces whose restitution depends on the closing speed, as bits */
     double *stop_normal[SALTUS_STOPS_MAX]; /* n */
     double
         offset[SALTUS_STOPS_MAX]; /* the constant part of a coordinate n.q + offset: it is in the faces' d */
     double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
     double *inverse_mass;                   /* dof x dof */
-    double *observer;
+    double *observer;                       /* the row of the observed displacement, which is ... */
+    int observed_stop;                      /* ... a stop's coordinate; -1: none's */
+    int observable;                         /* ... a quantity that the model's text observes; -1: none */
     const char
         *observed; /* what it is called; NULL: what the model's notation says. The model's or the spec's */
     saltus_state_name observed_entry; /* the name, where it is that of a displacement */
     int observed_row;                 /* the first stop whose coordinate it is; the number of stops: none's */
     double observed_place;            /* on a line; NAN: it is not the displacement at a place */
     double *scale;
+    double *linear; /* rates of velocities and extra states by the state, near rest: [dof + extra][dimension];
+                       NULL where that is much (spectrum.h) */
+    int eigenvalues;
+    double *eigen_real, *eigen_imaginary; /* of the linear part (spectrum.h) */
     double *damping, *stiffness; /* q'' + damping q' + stiffness q: the part exact in the stiff integrator */
     saltus_coefficients coefficients;
     const saltus_tape *tape; /* of a system from text, otherwise NULL; the model's */
@@ -73,13 +79,24 @@ double saltus_system_gap_size(const saltus_system *system, int face, const doubl
 /* Whether a state is off a face (-1), on it but for rounding (0) or beyond it (1). */
 int saltus_system_gap_sign(const saltus_system *system, int face, const double *state);
 
+/* n M^-1 n of a face: what a unit of its contact force makes of the acceleration across it. */
+double saltus_system_compliance(const saltus_system *system, int face);
+
 /* The numbers of a stop, in the order of saltus_stop_parameters. */
 enum { SALTUS_STOP_XI, SALTUS_STOP_D, SALTUS_STOP_R, SALTUS_STOP_NUMBERS };
+
+/* Newton's law of a face at a closing speed. */
+typedef struct saltus_rebound {
+    double r;     /* restitution: the rebound's speed is r speed */
+    double slope; /* d(r speed) / d speed */
+} saltus_rebound;
+saltus_rebound saltus_system_rebound(const saltus_system *system, int face, double speed);
 
 /* How a system changes along a direction in parameter space: the derivative of all that a flow takes from it.
  */
 typedef struct saltus_variation {
-    saltus_coefficients coefficients; /* scalars and rows; `terms`: those that the derivative needs on */
+    const saltus_direction *direction; /* must live on */
+    saltus_coefficients coefficients;  /* scalars and rows; `terms`: those that the derivative needs on */
     double omega;
     double d[SALTUS_STOPS_MAX], r[SALTUS_STOPS_MAX];
     double offset[SALTUS_STOPS_MAX];
@@ -87,7 +104,16 @@ typedef struct saltus_variation {
     double *normal[SALTUS_STOPS_MAX];  /* of n */
     double *impulse[SALTUS_STOPS_MAX]; /* of M^-1 n / (n M^-1 n) */
     double *inverse_mass;              /* dof x dof */
+    double *observer;                  /* of the observed displacement's row */
 } saltus_variation;
+
+/* The derivative of a face's restitution at a closing speed along a variation. */
+double saltus_variation_restitution(const saltus_variation *variation, const saltus_system *system, int face,
+                                    double speed);
+
+/* Whether the section that the model's text chooses is one of the scene: it is not forced, and has the stop.
+ * Errors: SALTUS_BAD_INPUT. */
+saltus_status saltus_spec_check_poincare(const saltus_spec *spec, saltus_message *message);
 
 /* One more owner of a model, and one less. Built-in models are not counted; NULL is accepted. */
 void saltus_model_retain(const saltus_model *model);
@@ -121,9 +147,15 @@ struct saltus_model {
                 int change); /* count owners, free without any; NULL: none counted */
     /* Checks that no single range can express; the sizes. */
     saltus_status (*shape)(const saltus_spec *spec, int *dof, int *extra, saltus_message *message);
+    /* Restitutions that depend on the closing speed: of a stop at a speed, and their derivative along a
+     * direction. Whether a stop's does; NULL: none. */
+    bool (*by_speed)(const saltus_spec *spec, int stop);
+    saltus_rebound (*rebound)(const saltus_system *system, int stop, double speed);
+    double (*rebound_change)(const saltus_system *system, int stop, double speed,
+                             const saltus_direction *direction);
     /* Fill in what stops take from parameters; NULL: nothing. After `shape`. */
     void (*complete)(saltus_spec *spec);
-    /* Row vector n of a stop. */
+    /* Row vector n of a stop; NAN without memory. */
     void (*normal)(const saltus_spec *spec, int dof, const saltus_stop *stop, double *normal);
     /* Reserve rows and couplings (called for measuring and again for handing out). */
     void (*reserve)(saltus_system *system);
@@ -137,7 +169,7 @@ struct saltus_model {
     const char *(*obstacle)(const saltus_spec *spec, int parameter);
     /* What the model's text says of the initial state, over a default one; NULL: nothing. */
     void (*start)(const saltus_system *system, double *state);
-    double (*trace)(const saltus_system *system, const double *state);
+    double (*trace)(const saltus_system *system, const double *state, double phase);
     double (*deflection)(const saltus_system *system, const double *state, double xi);
     /* Names and right sides that a text gives (saltus_system_state_name, saltus_system_right_side); NULL:
      * names are those of all built-in models. After `shape`. */
@@ -147,6 +179,9 @@ struct saltus_model {
      * none. */
     const char *(*observable)(const saltus_model *model, int k);
     void (*observe)(const saltus_system *system, const double *state, double phase, double *values);
+    /* What the text says of the section, and its expression's value at a state. */
+    saltus_poincare poincare;
+    double (*crossing)(const saltus_system *system, const double *state);
     /* The row of the k-th observed quantity; false where it is no sum of displacements. */
     bool (*observable_row)(const saltus_system *system, int k, double *row);
     /* Whether the equations have a value at a state: asked where `guarded` says that some may have none. */

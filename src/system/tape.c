@@ -98,6 +98,9 @@ static int add_step(maker *m, saltus_tape_step step) {
     return step.out;
 }
 
+/* The register of a node, made where there is none yet. With a function comes its derivative, which may be
+ * made of the very node that asks for the function, as tanh(x)^2 does for tanh(x): whoever has asked for the
+ * registers of operands looks whether its own node has got one meanwhile. */
 static int register_of(maker *m, int node);
 
 /* A whole number between -8 and 8, and which one; 0: none. */
@@ -382,6 +385,10 @@ static int combine(maker *m, int node) {
     for (int k = 0; k < sum.count && !m->failed; k++)
         if (((summand *)sum.items)[k].node >= 0)
             register_of(m, ((summand *)sum.items)[k].node);
+    if (m->failed || m->place[node] >= 0) {
+        free(sum.items);
+        return m->failed ? 0 : m->place[node];
+    }
     saltus_tape_step step = {.code = SALTUS_TAPE_COMBINE,
                              .first = m->terms.count,
                              .count = sum.count,
@@ -399,23 +406,16 @@ static int combine(maker *m, int node) {
     return m->failed ? 0 : add_step(m, step);
 }
 
-/* Functions without a rule of their own, by others: tan a = sin a / cos a, tanh a = 1 - 2 / (exp(2 a) + 1).
- */
+/* Powers, and tan a = sin a / cos a, by functions that have a rule of their own. */
 static int rewrite(maker *m, int node) {
     saltus_graph *g = m->graph;
     const saltus_graph_node n = *node_at(m, node);
-    int a = n.operand[0], one = saltus_graph_constant(g, 1);
     if (n.operation == SALTUS_OP_POWER)
-        return rewrite_power(m, a, n.operand[1]);
-    if (n.operation == SALTUS_OP_TAN)
-        return saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_apply(g, SALTUS_OP_SIN, a, -1),
-                                  saltus_graph_apply(g, SALTUS_OP_COS, a, -1));
-    if (n.operation != SALTUS_OP_TANH)
+        return rewrite_power(m, n.operand[0], n.operand[1]);
+    if (n.operation != SALTUS_OP_TAN)
         return node;
-    int twice = saltus_graph_apply(g, SALTUS_OP_EXP, saltus_graph_apply(g, SALTUS_OP_ADD, a, a), -1);
-    int part = saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_constant(g, 2),
-                                  saltus_graph_apply(g, SALTUS_OP_ADD, one, twice));
-    return saltus_graph_apply(g, SALTUS_OP_SUBTRACT, one, part);
+    return saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_apply(g, SALTUS_OP_SIN, n.operand[0], -1),
+                              saltus_graph_apply(g, SALTUS_OP_COS, n.operand[0], -1));
 }
 
 /* The step of a function comes before those of its derivative, which may be made of the function: so it has
@@ -494,12 +494,14 @@ static int add_node(maker *m, int node) {
     if (is_number(m, node) || part.node != node || n.operation == SALTUS_OP_ADD ||
         n.operation == SALTUS_OP_SUBTRACT)
         return combine(m, node);
-    if (n.operation == SALTUS_OP_ATAN2 || (n.operation >= SALTUS_OP_SQRT && n.operation <= SALTUS_OP_COSH))
+    if (n.operation == SALTUS_OP_ATAN2 || (n.operation >= SALTUS_OP_SQRT && n.operation <= SALTUS_OP_TANH))
         return add_function(m, node);
     if (n.operation >= SALTUS_OP_CHOOSE_LESS)
         return add_choice(m, node);
     step.a = register_of(m, n.operand[0]);
     step.b = register_of(m, n.operand[1]);
+    if (m->failed || m->place[node] >= 0)
+        return m->failed ? 0 : m->place[node];
     if (n.operation == SALTUS_OP_MULTIPLY && is_rate_of(m, n.operand[0], n.operand[1])) {
         step.b = step.a;
         step.a = register_of(m, n.operand[1]);
@@ -512,7 +514,6 @@ static int add_node(maker *m, int node) {
     return m->failed ? 0 : add_step(m, step);
 }
 
-/* The register of a node, made where there is none yet. */
 static int register_of(maker *m, int node) {
     if (!follow_graph(m))
         return 0;
@@ -531,7 +532,7 @@ static void count_uses(maker *m, const int *roots, int root_count) {
         free(needed);
         return;
     }
-    saltus_graph_mark(m->graph, roots, root_count, needed);
+    saltus_graph_mark(m->graph, roots, root_count, NULL, needed);
     for (int k = 0; k < m->graph->count; k++)
         for (int j = 0; needed[k] && j < saltus_operation_operands(m->graph->nodes[k].operation); j++)
             m->uses[m->graph->nodes[k].operand[j]]++;

@@ -29,7 +29,8 @@ enum {
     model_drives = 0,
     model_tables = 0,
     model_vary_drives = 0,
-    model_rows_ahead = 0
+    model_rows_ahead = 0,
+    model_columns_apart = false
 };
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {

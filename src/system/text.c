@@ -99,7 +99,7 @@ static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, do
     if (values)
         evaluate(g, spec, NULL, 0, values);
     for (int i = 0; i < dof; i++)
-        n[i] = known ? values[g->normal[s * dof + i]] : 0;
+        n[i] = known ? values[g->normal[s * dof + i]] : values ? 0 : NAN;
     free(values);
 }
 
@@ -157,6 +157,8 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
             double slope = (above[i] - below[i]) / (2 * h);
             if (!isfinite(slope))
                 continue;
+            if (system->linear)
+                system->linear[i * dimension + j] = slope;
             if (j < n)
                 pull[i] += fabs(slope);
             else
@@ -217,20 +219,17 @@ static const char *coordinate(const saltus_model *model, int stop, int which) {
     return stop < lists[which]->count ? lists[which]->items[stop].text : NULL;
 }
 
-/* The row of a quantity that is observed: what unit displacements make of it, where a state that no rule
- * picks out confirms that it is their sum. */
+/* The row of a quantity that is observed, where a state that no rule picks out confirms that it is a sum of
+ * displacements. */
 static bool observable_row(const saltus_system *system, int k, double *row) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     const int n = system->dof, node = g->observe[k];
     double state[SALTUS_STATE_MAX] = {0}, *values = system->numbers, rest, expected = 0;
-    evaluate(g, &system->spec, state, 0, values);
+    if (!g->sums[k])
+        return false;
     rest = values[node];
-    for (int i = 0; i < n; i++) {
-        state[i] = 1;
-        evaluate(g, &system->spec, state, 0, values);
-        row[i] = values[node] - rest;
-        state[i] = 0;
-    }
+    for (int i = 0; i < n; i++)
+        row[i] = values[g->observer[k * n + i]];
     for (int i = 0; i < system->dimension; i++)
         state[i] = sin(1.0 + i);
     evaluate(g, &system->spec, state, 0.37, values);
@@ -304,6 +303,31 @@ static void vary(const saltus_system *system, const saltus_direction *direction,
         for (int i = 0; i < n; i++)
             variation->normal[s][i] += varied(g, system, direction, g->normal[s * n + i]);
     }
+    for (int i = 0; i < n && system->observable >= 0; i++)
+        variation->observer[i] = varied(g, system, direction, g->observer[system->observable * n + i]);
+}
+
+static bool by_speed(const saltus_spec *spec, int stop) {
+    const saltus_equations_graph *g = graph_of(spec);
+    return g && stop < of_model(spec->model)->text.coordinates.count && g->rebound[stop] >= 0;
+}
+
+static saltus_rebound rebound(const saltus_system *system, int stop, double speed) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    return (saltus_rebound){saltus_graph_at_speed(&g->graph, g->restitution[stop], system->numbers, speed),
+                            saltus_graph_at_speed(&g->graph, g->rebound[stop], system->numbers, speed)};
+}
+
+static double rebound_change(const saltus_system *system, int stop, double speed,
+                             const saltus_direction *direction) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    const int node = g->restitution[stop];
+    double sum = 0;
+    for (int p = 0; p < g->parameter_count && node < g->derivative_count; p++)
+        if (g->derivatives[p] && direction->parameter[p] != 0)
+            sum += direction->parameter[p] *
+                   saltus_graph_at_speed(&g->graph, g->derivatives[p][node], system->numbers, speed);
+    return sum;
 }
 
 static const char *obstacle(const saltus_spec *spec, int parameter) {
@@ -312,14 +336,21 @@ static const char *obstacle(const saltus_spec *spec, int parameter) {
     return NULL;
 }
 
-static double trace(const saltus_system *system, const double *state) {
+/* Asked many times in a step: what is a number is known, and otherwise no memory is taken for equations of a
+ * common size. */
+static double trace(const saltus_system *system, const double *state, double phase) {
+    enum { common = 400 };
     const saltus_equations_graph *g = graph_of(&system->spec);
-    double *values = values_of(g), result = NAN;
+    if (!(g->graph.nodes[g->trace].depends & ~(unsigned)SALTUS_OF_PARAMETERS))
+        return system->numbers[g->trace];
+    double room[common], *values = g->graph.count <= common ? room : values_of(g), result = NAN;
     if (values) {
-        evaluate(g, &system->spec, state, 0, values);
+        saltus_graph_evaluate_some(&g->graph, g->traced, g->traced_count, system->spec.parameters, state,
+                                   phase * system->period, phase, values);
         result = values[g->trace];
     }
-    free(values);
+    if (values != room)
+        free(values);
     return result;
 }
 
@@ -367,6 +398,21 @@ static void observe(const saltus_system *system, const double *state, double pha
     for (int k = 0; k < g->observe_count; k++)
         values[k] = all ? all[g->observe[k]] : NAN;
     free(all);
+}
+
+/* Asked many times in a step: no memory is taken for equations of a common size. */
+static double crossing(const saltus_system *system, const double *state) {
+    enum { common = 400 };
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    double room[common], *values = g->graph.count <= common ? room : values_of(g), value = NAN;
+    if (values) {
+        saltus_graph_evaluate_some(&g->graph, g->zeros, g->zero_count, system->spec.parameters, state, 0, 0,
+                                   values);
+        value = values[g->zero];
+    }
+    if (values != room)
+        free(values);
+    return value;
 }
 
 /* Asked at every step: no memory is taken for equations of a common size. */
@@ -547,9 +593,9 @@ static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus
 
 static void free_model(text_model *m) {
     saltus_parsed_text *t = &m->text;
-    saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,      &t->mass,
-                                         &t->states,      &t->observe,    &t->scale,       &t->initial,
-                                         &t->coordinates, &t->clearances, &t->restitutions};
+    saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,       &t->mass,
+                                         &t->states,      &t->observe,    &t->scale,        &t->initial,
+                                         &t->coordinates, &t->clearances, &t->restitutions, &t->zero};
     for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
         clear_list(lists[k]);
     for (int k = 0; k < t->parameter_count; k++) {
@@ -658,9 +704,9 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
 
 /* Whether an expression of any list has a name. */
 static bool is_used(const saltus_parsed_text *t, const char *name) {
-    const saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,      &t->mass,
-                                               &t->states,      &t->observe,    &t->scale,       &t->initial,
-                                               &t->coordinates, &t->clearances, &t->restitutions};
+    const saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,       &t->mass,
+                                               &t->states,      &t->observe,    &t->scale,        &t->initial,
+                                               &t->coordinates, &t->clearances, &t->restitutions, &t->zero};
     const size_t length = strlen(name);
     for (size_t l = 0; l < sizeof lists / sizeof lists[0]; l++)
         for (int k = 0; k < lists[l]->count; k++) {
@@ -773,6 +819,8 @@ static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_m
     }
     for (int k = 0; k < 3 && status == SALTUS_OK; k++)
         status = parse_list(t->scene, firsts[k], text->stop_count, sizeof *text->stops, stops[k], message);
+    if (status == SALTUS_OK && text->zero.text)
+        status = parse_list(t->origin, &text->zero, 1, sizeof text->zero, &t->zero, message);
     if (status == SALTUS_OK)
         status = check_names(m, message);
     return status == SALTUS_OK ? find_forcing(m, text, message) : status;
@@ -810,6 +858,9 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
                               .coordinate = coordinate,
                               .own = own,
                               .shape = shape,
+                              .by_speed = by_speed,
+                              .rebound = rebound,
+                              .rebound_change = rebound_change,
                               .complete = complete,
                               .normal = normal,
                               .reserve = reserve,
@@ -823,9 +874,13 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
                               .right_side = right_side,
                               .observable = observable,
                               .observe = observe,
+                              .poincare = text->poincare,
+                              .crossing = crossing,
                               .observable_row = observable_row,
                               .defined = defined,
                               .fault = fault};
+    if (m->text.zero.count)
+        m->model.poincare.text = m->text.zero.items[0].text;
     /* Every name is looked up once, with the defaults. */
     int dof, extra;
     if (status == SALTUS_OK) {

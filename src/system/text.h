@@ -54,6 +54,9 @@ typedef struct saltus_text {
     const saltus_text_stop *stops;
     int stop_count;
     saltus_equations families, let, motion, mass, states, observe, scale, initial;
+    /* What `section` says: the text of `zero` is an expression, or NULL; stops count from 0. */
+    saltus_poincare poincare;
+    saltus_equation zero;
     saltus_equation forcing; /* its text is the parameter's name; NULL: autonomous */
 } saltus_text;
 

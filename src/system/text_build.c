@@ -41,6 +41,7 @@ typedef struct builder {
         const saltus_parsed *equation;
     } * division; /* by what is no number */
     int divisions;
+    bool restituting;              /* what is read may use the closing speed */
     bool at_rest;                  /* displacements, velocities and states are read as zero */
     const saltus_parsed *equation; /* the one being read, for messages */
     saltus_status status;
@@ -231,7 +232,8 @@ static int leaf_of(builder *b, const saltus_expression_term *term, const char *n
     if (is_named("pi", name, term->length))
         return saltus_graph_constant(b->graph, 3.14159265358979323846);
     if (is_named("speed", name, term->length))
-        return refuse(b, term, "a restitution that depends on the closing speed is not possible yet");
+        return b->restituting ? saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1)
+                              : refuse(b, term, "speed: the closing speed belongs to a restitution r");
     if (!time && !phase)
         return -1;
     if (!b->text->forcing)
@@ -659,6 +661,57 @@ out:
     free(sum);
 }
 
+/* How fast a rebound gains speed with the closing speed, where a restitution depends on it. */
+static void read_rebound(builder *b, int s) {
+    const int r = b->made->restitution[s];
+    b->made->rebound[s] = -1;
+    if (r < 0 || !(b->graph->nodes[r].depends & SALTUS_OF_SPEED))
+        return;
+    const int speed = saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1), count = b->graph->count;
+    int *derivatives = calloc((size_t)count, sizeof *derivatives);
+    if (no_memory(b, derivatives))
+        return;
+    saltus_graph_differentiate(b->graph, speed, count, SALTUS_OF_PARAMETERS | SALTUS_OF_SPEED, NULL,
+                               derivatives);
+    const int change = saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, speed, derivatives[r]);
+    b->made->rebound[s] = saltus_graph_apply(b->graph, SALTUS_OP_ADD, r, change);
+    free(derivatives);
+    b->equation = &b->text->restitutions.items[s];
+    if (!(saltus_graph_ways(b->graph, b->made->rebound[s]) <= SALTUS_AT_SPEED_MAX))
+        refuse(b, NULL, "is too long for a restitution");
+}
+
+/* The derivatives of an expression by the displacements. False: some depend on more than parameters. */
+static bool make_row(builder *b, int node, int *row) {
+    const int n = b->made->dof, count = node + 1;
+    bool *needed = calloc((size_t)b->graph->count, sizeof *needed), constant = true;
+    int *derivatives = calloc((size_t)count, sizeof *derivatives);
+    if (!no_memory(b, needed) && !no_memory(b, derivatives)) {
+        saltus_graph_mark(b->graph, &node, 1, NULL, needed);
+        for (int i = 0; i < n; i++) {
+            int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i);
+            saltus_graph_differentiate(b->graph, leaf, count, ~0u, needed, derivatives);
+            row[i] = derivatives[node];
+            constant = constant && !(b->graph->nodes[row[i]].depends & ~(unsigned)SALTUS_OF_PARAMETERS);
+        }
+    }
+    free(derivatives);
+    free(needed);
+    return constant;
+}
+
+/* An observed quantity, and what each displacement adds to it where that is a number. */
+static void read_observed(builder *b, int k) {
+    saltus_equations_graph *made = b->made;
+    const saltus_parsed *e = &b->text->observe.items[k];
+    const int n = made->dof, node = made->observe[k] = right_side(b, e, 0);
+    b->equation = e;
+    if (b->status == SALTUS_OK && b->graph->nodes[node].depends & SALTUS_OF_SPEED)
+        refuse(b, NULL, "speed: the closing speed belongs to a restitution r");
+    made->sums[k] = b->status == SALTUS_OK && make_row(b, node, made->observer + k * n);
+    b->equation = NULL;
+}
+
 /* A stop's coordinate must be linear in the displacements, with factors that depend on parameters alone. */
 static void read_stop(builder *b, int s) {
     const saltus_parsed_text *text = b->text;
@@ -668,18 +721,13 @@ static void read_stop(builder *b, int s) {
     b->equation = &text->coordinates.items[s];
     if (b->status == SALTUS_OK && b->graph->nodes[coordinate].depends & SALTUS_OF_TIME)
         refuse(b, NULL, "a coordinate that moves in time is not possible yet");
+    if (b->status == SALTUS_OK && !make_row(b, coordinate, made->normal + s * n))
+        refuse(b, NULL, "a coordinate that is not linear in the displacements is not possible yet");
     for (int i = 0; i < n && b->status == SALTUS_OK; i++) {
-        int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i), count = b->graph->count;
-        int *room = calloc((size_t)count, sizeof *room);
-        if (no_memory(b, room))
-            return;
-        saltus_graph_differentiate(b->graph, leaf, count, ~0u, room);
-        int normal = made->normal[s * n + i] = room[coordinate];
-        free(room);
-        if (b->graph->nodes[normal].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
-            refuse(b, NULL, "a coordinate that is not linear in the displacements is not possible yet");
-        rest = saltus_graph_apply(b->graph, SALTUS_OP_SUBTRACT, rest,
-                                  saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, normal, leaf));
+        int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i);
+        rest = saltus_graph_apply(
+            b->graph, SALTUS_OP_SUBTRACT, rest,
+            saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, made->normal[s * n + i], leaf));
     }
     if (b->status != SALTUS_OK)
         return;
@@ -704,14 +752,19 @@ static void read_stop(builder *b, int s) {
             "must be a sum of displacements times numbers, and a number; another dependence is not possible "
             "yet");
     made->clearance[s] = text->clearances.items[s].text ? right_side(b, &text->clearances.items[s], 0) : -1;
+    b->restituting = true;
     made->restitution[s] =
         text->restitutions.items[s].text ? right_side(b, &text->restitutions.items[s], 0) : -1;
+    b->restituting = false;
     for (int k = 0; k < 2 && b->status == SALTUS_OK; k++) {
         int node = k ? made->restitution[s] : made->clearance[s];
+        const unsigned others = ~(unsigned)SALTUS_OF_PARAMETERS & ~(k ? (unsigned)SALTUS_OF_SPEED : 0u);
         b->equation = k ? &text->restitutions.items[s] : &text->clearances.items[s];
-        if (node >= 0 && b->graph->nodes[node].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
-            refuse(b, NULL, "must be made of numbers and parameters");
+        if (node >= 0 && b->graph->nodes[node].depends & others)
+            refuse(b, NULL, "must be made of numbers and parameters%s", k ? ", and the closing speed" : "");
     }
+    if (b->status == SALTUS_OK)
+        read_rebound(b, s);
     b->equation = NULL;
 }
 
@@ -737,6 +790,27 @@ static void read_by_state(builder *b, const saltus_parsed_list *list, int *nodes
     b->equation = NULL;
 }
 
+static void *reserve(builder *b, size_t count, size_t size) {
+    void *array = calloc(count + 1, size);
+    no_memory(b, array);
+    return array;
+}
+
+/* All that a node is made of, in the order in which it is evaluated. */
+static int *list_parts(builder *b, int node, int *count) {
+    bool *needed = reserve(b, (size_t)b->graph->count, sizeof *needed);
+    int *parts = reserve(b, (size_t)b->graph->count, sizeof *parts);
+    *count = 0;
+    if (b->status == SALTUS_OK) {
+        saltus_graph_mark(b->graph, &node, 1, NULL, needed);
+        for (int k = 0; k < b->graph->count; k++)
+            if (needed[k])
+                parts[(*count)++] = k;
+    }
+    free(needed);
+    return parts;
+}
+
 /* Sum of the field's derivatives by the velocities and states that they are the rates of. */
 static void add_trace(builder *b, const int *field) {
     const int n = b->made->dof, all = n + b->made->extra;
@@ -747,16 +821,11 @@ static void add_trace(builder *b, const int *field) {
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, n + i);
         if (leaf >= count)
             continue; /* nothing depends on it */
-        saltus_graph_differentiate(b->graph, leaf, count, ~0u, derivatives);
+        saltus_graph_differentiate(b->graph, leaf, count, ~0u, NULL, derivatives);
         b->made->trace = saltus_graph_apply(b->graph, SALTUS_OP_ADD, b->made->trace, derivatives[field[i]]);
     }
     free(derivatives);
-}
-
-static void *reserve(builder *b, size_t count, size_t size) {
-    void *array = calloc(count + 1, size);
-    no_memory(b, array);
-    return array;
+    b->made->traced = list_parts(b, b->made->trace, &b->made->traced_count);
 }
 
 /* Whether an operation has no value at some operands. Poles are not meant: steps shrink before them. */
@@ -777,12 +846,12 @@ static void find_guards(builder *b) {
     made->guard = reserve(b, (size_t)g->count, sizeof *made->guard);
     made->guarded = reserve(b, (size_t)g->count, sizeof *made->guarded);
     if (b->status == SALTUS_OK) {
-        saltus_graph_mark(g, made->field, made->dof + made->extra, field);
+        saltus_graph_mark(g, made->field, made->dof + made->extra, NULL, field);
         for (int k = 0; k < g->count; k++)
             if (field[k] && is_partial(g, &g->nodes[k]) &&
                 g->nodes[k].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
                 made->guard[made->guards++] = k;
-        saltus_graph_mark(g, made->guard, made->guards, needed);
+        saltus_graph_mark(g, made->guard, made->guards, NULL, needed);
         for (int k = 0; k < g->count; k++)
             if (needed[k])
                 made->guarded[made->guarded_count++] = k;
@@ -802,8 +871,22 @@ static void add_derivatives(builder *b) {
         made->derivatives[p] = calloc((size_t)count, sizeof **made->derivatives);
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_PARAMETER, p);
         if (!no_memory(b, made->derivatives[p]))
-            saltus_graph_differentiate(b->graph, leaf, count, SALTUS_OF_PARAMETERS, made->derivatives[p]);
+            saltus_graph_differentiate(b->graph, leaf, count, SALTUS_OF_PARAMETERS | SALTUS_OF_SPEED, NULL,
+                                       made->derivatives[p]);
     }
+}
+
+/* The expression whose zeros are the section. */
+static void read_zero(builder *b) {
+    saltus_equations_graph *made = b->made;
+    made->zero = right_side(b, &b->text->zero.items[0], 0);
+    b->equation = &b->text->zero.items[0];
+    if (b->status == SALTUS_OK &&
+        !(b->graph->nodes[made->zero].depends & ~(unsigned)(SALTUS_OF_PARAMETERS | SALTUS_OF_TIME)))
+        refuse(b, NULL, "must depend on the state");
+    b->equation = NULL;
+    if (b->status == SALTUS_OK)
+        made->zeros = list_parts(b, made->zero, &made->zero_count);
 }
 
 static void build(builder *b) {
@@ -835,7 +918,10 @@ static void build(builder *b) {
     made->offset = reserve(b, stops, sizeof(int));
     made->clearance = reserve(b, stops, sizeof(int));
     made->restitution = reserve(b, stops, sizeof(int));
+    made->rebound = reserve(b, stops, sizeof(int));
     made->observe = reserve(b, (size_t)text->observe.count, sizeof(int));
+    made->observer = reserve(b, (size_t)(text->observe.count * n), sizeof(int));
+    made->sums = reserve(b, (size_t)text->observe.count, sizeof(bool));
     made->scale = reserve(b, 2 * (size_t)all, sizeof(int));
     made->initial = reserve(b, 2 * (size_t)all, sizeof(int));
     if (b->status == SALTUS_OK) {
@@ -852,7 +938,10 @@ static void build(builder *b) {
         read_stop(b, (int)s);
     made->observe_count = text->observe.count;
     for (int k = 0; k < text->observe.count && b->status == SALTUS_OK; k++)
-        made->observe[k] = right_side(b, &text->observe.items[k], 0);
+        read_observed(b, k);
+    made->zero = -1;
+    if (b->status == SALTUS_OK && text->zero.count)
+        read_zero(b);
     if (b->status == SALTUS_OK)
         read_by_state(b, &text->scale, made->scale);
     if (b->status == SALTUS_OK)
@@ -912,7 +1001,12 @@ void saltus_equations_graph_free(saltus_equations_graph *g) {
     free(g->guarded);
     free(g->clearance);
     free(g->restitution);
+    free(g->rebound);
     free(g->observe);
+    free(g->observer);
+    free(g->sums);
+    free(g->zeros);
+    free(g->traced);
     free(g->scale);
     free(g->initial);
     saltus_tape_free(g->tape);

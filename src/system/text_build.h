@@ -32,7 +32,8 @@ typedef struct saltus_parsed_text {
     saltus_text_constant *constants;
     int constant_count;
     saltus_parsed_list families, let, motion, mass, states, observe, scale, initial, coordinates, clearances,
-        restitutions; /* the last three: one for each stop; no text where numbers do */
+        restitutions;        /* the last three: one for each stop; no text where numbers do */
+    saltus_parsed_list zero; /* the section's expression, if there is one */
 } saltus_parsed_text;
 
 /* The graph of a text for given whole-number parameters, which decide its sizes. Nodes: */
@@ -48,10 +49,14 @@ typedef struct saltus_equations_graph {
     int *normal;                    /* [stop][dof] */
     int *offset;                    /* of each stop: the constant part of its coordinate */
     int *clearance, *restitution;   /* of each stop; -1: a number does */
+    int *rebound;                   /* of each stop: d(restitution speed) / d speed; -1: speed is not in it */
     int *observe, observe_count;
-    int *scale, *initial; /* of each state (dimension); -1: the text says nothing */
-    int trace;
-    bool forced; /* depends on time */
+    int *observer;                /* [observed quantity][dof]: its derivatives by the displacements ... */
+    bool *sums;                   /* ... where these are made of parameters alone */
+    int zero, *zeros, zero_count; /* the section's expression, -1: none; what it is made of, in its order */
+    int *scale, *initial;         /* of each state (dimension); -1: the text says nothing */
+    int trace, *traced, traced_count; /* of the Jacobian, and what it is made of, in its order */
+    bool forced;                      /* depends on time */
     /* Parts of the field that have no value at some states, divisions apart: these nodes (`guards`), and in
      * their order all that they are made of (`guarded`). */
     int *guard, guards, *guarded, guarded_count;

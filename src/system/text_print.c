@@ -175,6 +175,9 @@ static void put_inside(printer *p, int node) {
     case SALTUS_OP_PHASE:
         fputs(n.operation == SALTUS_OP_TIME ? "t" : "phase", p->file);
         return;
+    case SALTUS_OP_SPEED:
+        fputs("speed", p->file);
+        return;
     case SALTUS_OP_ADD:
     case SALTUS_OP_SUBTRACT:
     case SALTUS_OP_MULTIPLY:
@@ -273,7 +276,7 @@ int saltus_graph_fault(const saltus_graph *graph, const int *roots, int root_cou
     double *sizes = calloc((size_t)graph->count, sizeof *sizes), best = near;
     int found = -1;
     if (needed)
-        saltus_graph_mark(graph, roots, root_count, needed);
+        saltus_graph_mark(graph, roots, root_count, values, needed);
     for (int k = 0; k < graph->count && needed && sizes; k++) {
         const saltus_graph_node *n = &graph->nodes[k];
         bool sound = true;

@@ -204,7 +204,7 @@ static void use_branch(const bench *b, const char *path, bool draw) {
     }
     const saltus_plot_options how = saltus_plot_defaults();
     if (status == SALTUS_OK && draw)
-        saltus_plot(&path, 1, &how, "/nonexistent/figure.svg", &message);
+        saltus_plot("/nonexistent/figure.svg", &path, 1, &how, &message);
 }
 
 static void use_sweep(const char *path, unsigned view, bool draw) {
@@ -213,7 +213,7 @@ static void use_sweep(const char *path, unsigned view, bool draw) {
     saltus_status status = saltus_sweep_file_read(path, &file, &message);
     fuzz_check_refusal(status, &message);
     for (int table = SALTUS_TABLE_ROWS; status == SALTUS_OK && table <= SALTUS_TABLE_STROBES; table++)
-        fuzz_check_refusal(saltus_sweep_file_csv(&file, (saltus_table)table, "/dev/null", &message),
+        fuzz_check_refusal(saltus_write_sweep_csv("/dev/null", &file, (saltus_table)table, &message),
                            &message);
     for (long long k = 0; status == SALTUS_OK && k < file.row_count; k++) {
         char label[32];
@@ -222,7 +222,7 @@ static void use_sweep(const char *path, unsigned view, bool draw) {
     saltus_sweep_file_clear(&file);
     const saltus_sweep_view how = {.view = (saltus_view)(view % (SALTUS_VIEW_SETTLED + 1))};
     if (status == SALTUS_OK && draw)
-        saltus_plot_sweep(path, &how, "/nonexistent/figure.svg", &message);
+        saltus_plot_sweep("/nonexistent/figure.svg", path, &how, &message);
 }
 
 /* A sealed file with a few bytes changed, or cut off behind its begin: refused for its seal. Where the seal's

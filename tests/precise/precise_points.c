@@ -11,11 +11,11 @@
  * BP: two branches go through it, on one of which orbits are found on both sides: there the multiplier
  * nearest to 1 is interpolated to 1.
  *
- * ST: what presses on a contact in the middle of it is extrapolated to nothing, from the side on which the
- * contact is whole.
+ * ST, and CH where a contact becomes permanent: what presses on a contact in the middle of it is extrapolated
+ * to nothing, from the side on which the contact is whole.
  *
- * CH: beyond it complete chatter ends with a contact whose length goes with a power of the distance, down to
- * ten times the accuracy that was stated; on the other side no orbit nearby has such a contact.
+ * Other CH: beyond it complete chatter ends with a contact whose length goes with a power of the distance,
+ * down to ten times the accuracy that was stated; on the other side no orbit nearby has such a contact.
  *
  * A line for each says how far off the value was and what accuracy was stated; status 1 where one was further
  * off than that.
@@ -237,25 +237,25 @@ static real shortest_contact(const problem *q) {
 enum { decades = 8 };
 
 /* The lengths of the shortest contacts at distances from the value that are ten times as long each, from the
- * accuracy on, on one side; 0 where there is none. How many there are. */
-static int measure_contacts(problem *q, const real *unknowns, real accuracy, int side,
-                            real length[decades + 1]) {
+ * accuracy on, on one side; 0 where there is no orbit with so many contacts as there are at most. */
+static void measure_contacts(problem *q, const real *unknowns, real accuracy, int side, int *most,
+                             int contacts[decades + 1], real length[decades + 1]) {
     const int n = q->n;
     real state[model_dimension];
-    int found = 0;
     memcpy(state, unknowns, n * sizeof *state);
     for (int k = decades; k >= 0; k--) {
         real distance = accuracy * real_pow(10, k);
         length[k] = 0;
+        contacts[k] = 0;
         if (distance > real_pow(10, -4) * real_abs(unknowns[n]))
             continue;
         if (!solve(q, unknowns[n] + side * distance, state) && shortest_contact(q) < q->periods) {
             length[k] = shortest_contact(q);
-            found++;
+            contacts[k] = q->p.stick_count;
+            *most = contacts[k] > *most ? contacts[k] : *most;
         } else
             memcpy(state, unknowns, n * sizeof *state);
     }
-    return found;
 }
 
 static int by_size(const void *a, const void *b) {
@@ -269,9 +269,15 @@ static const char *locate_completion(problem *q, real *unknowns, real accuracy) 
     const double doubt = 0.2;
     real length[2][decades + 1];
     double factor[decades], sorted[decades];
-    int found[2], count = 0;
+    int found[2] = {0}, contacts[2][decades + 1], count = 0, most = 0;
     for (int k = 0; k < 2; k++)
-        found[k] = measure_contacts(q, unknowns, accuracy, k ? 1 : -1, length[k]);
+        measure_contacts(q, unknowns, accuracy, k ? 1 : -1, &most, contacts[k], length[k]);
+    for (int side = 0; side < 2; side++)
+        for (int k = 0; k <= decades; k++) {
+            if (contacts[side][k] < most)
+                length[side][k] = 0;
+            found[side] += length[side][k] > 0;
+        }
     if (found[0] && found[1])
         return "complete chatter on both sides";
     const real *of = length[found[1] > 0];
@@ -317,11 +323,13 @@ static bool check(const char *line, const char *key) {
     }
     if (!trouble && !step_open(&q.stepper, &q.m, real_columns, real_pow(10, -28), 2 * q.m.modes + 1))
         trouble = "no memory";
+    bool held = strstr(line, "\"motion\": \"held\"") || strstr(line, "\"motion_after\": \"held\"");
     if (!trouble) {
         q.n = 2 * q.m.modes;
         unknowns[q.n] = *q.parameter;
         trouble = strcmp(q.kind, "BP") == 0   ? locate_branch_point(&q, unknowns)
                   : strcmp(q.kind, "ST") == 0 ? locate_split(&q, unknowns)
+                  : held                      ? locate_split(&q, unknowns)
                   : strcmp(q.kind, "CH") == 0 ? locate_completion(&q, unknowns, (real)accuracy)
                                               : locate(&q, unknowns);
         /* What branches off turns back where it begins. */
@@ -337,7 +345,7 @@ static bool check(const char *line, const char *key) {
         return false;
     }
     double off = fabs((double)(unknowns[q.n] - (real)value));
-    bool right = off <= (strcmp(q.kind, "CH") == 0 ? 11 : 1) * accuracy;
+    bool right = off <= (strcmp(q.kind, "CH") == 0 && !held ? 11 : 1) * accuracy;
     real slowest = HUGE_VAL;
     for (int k = 0; k < q.p.impact_count; k++)
         slowest = real_min(slowest, real_abs(q.p.impacts[k].speed));

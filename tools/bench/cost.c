@@ -22,6 +22,7 @@ typedef struct asked {
     bool dense;
     int columns, directions;
     double rtol;
+    saltus_integrator integrator;
 } asked;
 
 /* Mean over a stretch. */
@@ -94,6 +95,7 @@ static saltus_flow *open_flow(const saltus_system *system, const asked *a) {
     saltus_flow *flow = NULL;
     options.columns = a->columns;
     options.directions = a->directions;
+    options.integrator = a->integrator;
     if (a->rtol > 0) {
         options.rtol = a->rtol;
         options.atol = 1e-3 * a->rtol;
@@ -220,6 +222,38 @@ static bool cost_of_modes(cost_table *costs, int settle, int length) {
             fill_row(add_row(costs, "modes", what), &s, modes[k] < 5 ? NAN : base);
         }
     }
+    return true;
+}
+
+/* The integrator that is chosen, beside the other one (the ratio): about one where the choice changes. */
+static bool cost_of_choice(cost_table *costs, int settle, int length) {
+    static const int modes[] = {8, 9, 10, 11, 12, 13, 14, 16};
+    for (int kind = 0; kind < 3; kind++)
+        for (size_t k = 0; k < sizeof modes / sizeof modes[0]; k++) {
+            const bool stop = kind > 0, tangents = kind == 2;
+            asked a = {.what = stop ? "stop at d = 0.035" : "no stop",
+                       .stop = stop,
+                       .d = 0.035,
+                       .rtol = 1e-10,
+                       .columns = tangents ? 2 * modes[k] : 0};
+            saltus_spec spec = pipe_of(42, modes[k]);
+            saltus_system *system = NULL;
+            char what[96];
+            spent s, other;
+            set_stop(&spec, &a);
+            if (saltus_system_new(&spec, &system, NULL) != SALTUS_OK)
+                return false;
+            const bool stiff = strcmp(saltus_system_integrator(system), "radau") == 0;
+            saltus_system_free(system);
+            snprintf(what, sizeof what, "N = %d, %s%s: %s", modes[k], a.what,
+                     tangents ? ", 2 N tangent vectors" : "", stiff ? "Radau" : "Taylor");
+            bool done = measure_run(&spec, &a, NULL, settle, tangents ? length / 4 : length, &s);
+            a.integrator = stiff ? SALTUS_TAYLOR : SALTUS_RADAU;
+            done = done && measure_run(&spec, &a, NULL, settle, tangents ? length / 4 : length, &other);
+            if (!done)
+                return false;
+            fill_row(add_row(costs, "choice", what), &s, other.us);
+        }
     return true;
 }
 
@@ -382,7 +416,8 @@ bool cost_measure(cost_table *costs, bool quick) {
     const int settle = quick ? 50 : 100, length = quick ? 20 : 100;
     return cost_of_features(costs, settle, 4 * length) && cost_of_terms(costs, length / 5) &&
            cost_of_classification(costs) && cost_of_lanes(costs, settle, 2 * length) &&
-           cost_of_threads(costs, quick) && cost_of_modes(costs, settle, length / 2);
+           cost_of_threads(costs, quick) && cost_of_modes(costs, settle, length / 2) &&
+           cost_of_choice(costs, settle, length / 2);
 }
 
 static void print_number(FILE *file, const char *format, double value) {
@@ -453,4 +488,6 @@ void cost_print(FILE *file, const cost_table *costs) {
     fprintf(file, "Settled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10. Evaluations of "
                   "the field: orders of a Taylor series, or nodes of all sweeps of collocation.\n\n");
     print_table(file, costs, "modes", "modes (ratio to N = 5)", "µs a period");
+    fprintf(file, "The integrator that is chosen, rtol 1e-10, and the ratio to the other one.\n\n");
+    print_table(file, costs, "choice", "choice of the integrator", "µs a period");
 }

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-enum { cost_rows_max = 64 };
+enum { cost_rows_max = 96 };
 
 /* Numbers that do not apply are NaN. */
 typedef struct cost_row {

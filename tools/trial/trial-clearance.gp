@@ -19,23 +19,23 @@ set lmargin 10
 set rmargin 24
 
 set macros
-bars = "using 2:(100) with boxes lc rgb '#b2182b' title 'no period up to 20', \
-  '' using 2:(share(3) + share(4) + share(5) + share(6)) with boxes lc rgb '#555555' title 'held', \
-  '' using 2:(share(3) + share(4) + share(5)) with boxes lc rgb '#8073ac' title 'chatter', \
+bars = "using 2:(100) with boxes lc rgb '#cf4a3c' title 'no period up to 20', \
+  '' using 2:(share(3) + share(4) + share(5) + share(6)) with boxes lc rgb '#303030' title 'held', \
+  '' using 2:(share(3) + share(4) + share(5)) with boxes lc rgb '#eac35a' title 'chatter', \
   '' using 2:(share(3) + share(4)) with boxes lc rgb '#4393c3' title 'n/p', \
   '' using 2:(share(3)) with boxes lc rgb '#d9d9d9' title 'no contact'"
 claim(n, a, b, y, colour) = sprintf("set object %d rectangle from %g,%g to %g,%g fc rgb '%s' fs solid noborder front", n, a, y, b, y + 8, colour)
 
 set multiplot layout 2, 1
 set title '{/:Italic ω} = 10 (Figure 4a); bars above: what the paper says'
-eval claim(1, 0, 0.025, 104, '#555555')
-eval claim(2, 0.026, 0.046, 104, '#b2182b')
+eval claim(1, 0, 0.025, 104, '#303030')
+eval claim(2, 0.026, 0.046, 104, '#cf4a3c')
 plot rows('4a') @bars
 unset object
 set title '{/:Italic ω} = 20 (Figure 4b)'
 set xlabel 'clearance {/:Italic d}'
-eval claim(1, 0, 0.027, 104, '#555555')
-eval claim(2, 0.028, 0.035, 104, '#b2182b')
+eval claim(1, 0, 0.027, 104, '#303030')
+eval claim(2, 0.028, 0.035, 104, '#cf4a3c')
 eval claim(3, 0.036, 0.040, 104, '#4393c3')
 eval claim(4, 0.040, 0.046, 104, '#d9d9d9')
 plot rows('4b') @bars

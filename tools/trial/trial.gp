@@ -18,9 +18,9 @@ set lmargin 10
 set rmargin 24
 
 set macros
-bars = "using 2:(100) with boxes lc rgb '#b2182b' title 'no period up to 20', \
-  '' using 2:(share(3) + share(4) + share(5) + share(6)) with boxes lc rgb '#555555' title 'held', \
-  '' using 2:(share(3) + share(4) + share(5)) with boxes lc rgb '#8073ac' title 'chatter', \
+bars = "using 2:(100) with boxes lc rgb '#cf4a3c' title 'no period up to 20', \
+  '' using 2:(share(3) + share(4) + share(5) + share(6)) with boxes lc rgb '#303030' title 'held', \
+  '' using 2:(share(3) + share(4) + share(5)) with boxes lc rgb '#eac35a' title 'chatter', \
   '' using 2:(share(3) + share(4)) with boxes lc rgb '#4393c3' title 'n/p', \
   '' using 2:(share(3)) with boxes lc rgb '#d9d9d9' title 'no contact'"
 claim(n, a, b, y, colour) = sprintf("set object %d rectangle from %g,%g to %g,%g fc rgb '%s' fs solid noborder front", n, a, y, b, y + 8, colour)
@@ -29,26 +29,26 @@ set multiplot layout 6, 1
 set title 'no stop (Figure 2); bars above: what the paper says'
 set yrange [0:115]
 set ytics 0, 25, 100
-eval claim(1, 4, 14, 104, '#b2182b')
+eval claim(1, 4, 14, 104, '#cf4a3c')
 eval claim(2, 14, 55, 104, '#d9d9d9')
 plot rows('2') @bars
 unset object
 
 set title 'd = 0.03, r = 0.9 (Figure 5)'
-eval claim(1, 3, 24.6, 104, '#b2182b')
+eval claim(1, 3, 24.6, 104, '#cf4a3c')
 eval claim(2, 24.7, 35, 104, '#d9d9d9')
-eval claim(3, 35.1, 40.4, 104, '#b2182b')
+eval claim(3, 35.1, 40.4, 104, '#cf4a3c')
 eval claim(4, 40.5, 43.7, 104, '#4393c3')
-eval claim(5, 43.8, 52, 104, '#555555')
-eval claim(6, 52.1, 54.4, 104, '#b2182b')
+eval claim(5, 43.8, 52, 104, '#303030')
+eval claim(6, 52.1, 54.4, 104, '#cf4a3c')
 plot rows('5') @bars
 unset object
 
 set title 'd = 0.035, r = 0.9 (Figure 6)'
 eval claim(1, 15.3, 20.5, 104, '#4393c3')
-eval claim(2, 20.6, 24.6, 104, '#8073ac')
+eval claim(2, 20.6, 24.6, 104, '#eac35a')
 eval claim(3, 35.6, 46.3, 104, '#4393c3')
-eval claim(4, 46.7, 49.1, 104, '#b2182b')
+eval claim(4, 46.7, 49.1, 104, '#cf4a3c')
 plot rows('6') @bars
 unset object
 

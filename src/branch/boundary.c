@@ -1,0 +1,349 @@
+/* Cycles that are born where an equilibrium meets a stop.
+ *
+ * Near there the flow is that of its Jacobian A around the equilibrium, and the impact keeps the place and
+ * takes velocities by a matrix R, so that cycles grow with the distance of the equilibrium from the stop
+ * (di Bernardo, Nordmark & Olivar, Physica D 237 (2008) 119-136). One with an impact every time T comes back
+ * to its state y before the impact, counted from the equilibrium: exp(A T) R y = y. The T for which there is
+ * such a y are zeros of a determinant; the sign with which y closes the gap tells the side on which it
+ * stands, and the flight in between whether it is one.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/boundary.h"
+
+#include "branch/sequence.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The linear flow and the impact, in scaled states. */
+typedef struct bounce {
+    int n;
+    double *linear, *impact, *step, *flow, *matrix; /* n x n: A, R, exp(A h), exp(A T), exp(A T) R - 1 */
+    double *room, *row, *state;                     /* 2 n x n; normal of the face; 2 n */
+    double h, end; /* between times that are looked at, and the last of them */
+    saltus_dense_lu lu;
+} bounce;
+
+static void multiply(int n, const double *a, const double *b, double *out) {
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            out[i * n + j] = 0;
+            for (int k = 0; k < n; k++)
+                out[i * n + j] += a[i * n + k] * b[k * n + j];
+        }
+}
+
+/* out = exp(A time), by its series over a time so short that it converges at once, squared again. */
+static void exponential(const bounce *b, double time, double *out) {
+    enum { terms = 14 };
+    const int n = b->n;
+    double *term = b->room, *next = b->room + n * n, norm = 0;
+    for (int k = 0; k < n * n; k++)
+        norm = fmax(norm, n * fabs(b->linear[k] * time));
+    const int squarings = norm > 0.25 ? (int)ceil(log2(norm / 0.25)) : 0;
+    const double part = ldexp(time, -squarings);
+    for (int k = 0; k < n * n; k++)
+        out[k] = term[k] = k % (n + 1) == 0;
+    for (int j = 1; j <= terms; j++) {
+        multiply(n, b->linear, term, next);
+        for (int k = 0; k < n * n; k++) {
+            term[k] = next[k] * part / j;
+            out[k] += term[k];
+        }
+    }
+    for (int j = 0; j < squarings; j++) {
+        multiply(n, out, out, next);
+        memcpy(out, next, (size_t)(n * n) * sizeof *out);
+    }
+}
+
+/* The sign of the determinant of exp(A T) R - 1, which becomes `matrix`, where `flow` is exp(A T). */
+static int sign_of(bounce *b) {
+    multiply(b->n, b->flow, b->impact, b->matrix);
+    for (int i = 0; i < b->n; i++)
+        b->matrix[i * b->n + i] -= 1;
+    saltus_dense_factor(&b->lu, b->matrix);
+    return b->lu.sign;
+}
+
+/* The zero between two times that are a step apart, to rounding. */
+static double refine(bounce *b, double low, double high, int sign) {
+    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high)) {
+        exponential(b, middle, b->flow);
+        *(sign_of(b) == sign ? &low : &high) = middle;
+    }
+    return high;
+}
+
+static double closes(const bounce *b, const double *state) {
+    double sum = 0;
+    for (int i = 0; i < b->n; i++)
+        sum += b->row[i] * state[i];
+    return sum;
+}
+
+static void apply(int n, const double *matrix, const double *state, double *out) {
+    for (int i = 0; i < n; i++) {
+        out[i] = 0;
+        for (int j = 0; j < n; j++)
+            out[i] += matrix[i * n + j] * state[j];
+    }
+}
+
+/* Whether there is a cycle of a period: `half` (n) becomes its state half of the period after the impact, in
+ * units of the gap between equilibrium and stop, *side 1 where that is open, -1 where it is negative. */
+static saltus_status find_cycle(bounce *b, double period, double *half, int *side, saltus_message *message) {
+    enum { looks = 256 };
+    const double grazing = 1e-6;
+    const int n = b->n;
+    double *state = b->state, *moved = b->state + n, value;
+    *side = 0;
+    exponential(b, period, b->flow);
+    sign_of(b);
+    saltus_status status = saltus_dense_null_vectors(b->matrix, n, n, 1, state, &value);
+    if (status != SALTUS_OK)
+        return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a branch")
+                                          : SALTUS_OK;
+    /* The gap closes before the impact. */
+    apply(n, b->linear, state, moved);
+    const double gap = closes(b, state), speed = closes(b, moved);
+    if (fabs(gap) < grazing || fabs(speed) * period < grazing)
+        return SALTUS_OK;
+    const double unit = copysign(fabs(gap), speed);
+    for (int i = 0; i < n; i++)
+        state[i] /= unit;
+    const double reach = closes(b, state);
+    apply(n, b->impact, state, moved);
+    memcpy(state, moved, (size_t)n * sizeof *state);
+    exponential(b, period / looks, b->flow);
+    for (int k = 1; k < looks; k++) {
+        apply(n, b->flow, state, moved);
+        memcpy(state, moved, (size_t)n * sizeof *state);
+        if (closes(b, state) >= reach)
+            return SALTUS_OK;
+        if (2 * k == looks)
+            memcpy(half, state, (size_t)n * sizeof *half);
+    }
+    *side = reach > 0 ? 1 : -1;
+    return SALTUS_OK;
+}
+
+/* Matrices, and the times that are looked at: a few turns of the slowest oscillation. */
+static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *at, int face,
+                                 saltus_message *message) {
+    enum { looks_max = 4000 };
+    const double *scale = r->state_scale;
+    const size_t n = (size_t)r->n;
+    int count;
+    b->n = r->n;
+    b->linear = calloc(7 * n * n + 3 * n, sizeof *b->linear);
+    if (!b->linear || !saltus_dense_lu_open(&b->lu, b->n))
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    b->impact = b->linear + n * n;
+    b->step = b->impact + n * n;
+    b->flow = b->step + n * n;
+    b->matrix = b->flow + n * n;
+    b->room = b->matrix + n * n;
+    b->row = b->room + 2 * n * n;
+    b->state = b->row + n;
+    saltus_status status = saltus_rests_linear(r, at->at.u, NULL, 0, b->linear, &count, message);
+    if (status != SALTUS_OK)
+        return status;
+    /* Of the parameters that the Jacobian has been had at. */
+    const saltus_system *system = r->system;
+    const saltus_face f = saltus_system_face(system, face);
+    const double *normal = saltus_system_stop_normal(system, f.stop);
+    double slowest = INFINITY, fastest = 0;
+    for (int k = 0; k < at->rate_count; k++) {
+        if (at->rates[k].im > 0)
+            slowest = fmin(slowest, at->rates[k].im);
+        fastest = fmax(fastest, hypot(at->rates[k].re, at->rates[k].im));
+    }
+    b->end = isfinite(slowest) ? 3 * 2 * M_PI / slowest : 0;
+    b->h = fmax(0.02 / fastest, b->end / looks_max);
+    const double r0 = saltus_system_restitution(system, face, 0);
+    for (int i = 0; i < b->n; i++) {
+        b->row[i] = i < r->dof ? f.side * normal[i] * scale[i] : 0;
+        for (int j = 0; j < b->n; j++) {
+            const bool velocities = i >= r->dof && i < 2 * r->dof && j >= r->dof && j < 2 * r->dof;
+            b->linear[i * b->n + j] *= scale[j] / scale[i];
+            b->impact[i * b->n + j] = i == j;
+            if (velocities)
+                b->impact[i * b->n + j] -= (1 + r0) * system->stop_impulse[f.stop][i - r->dof] *
+                                           normal[j - r->dof] * scale[j] / scale[i];
+        }
+    }
+    return SALTUS_OK;
+}
+
+/* How the equilibrium and its gap move with the parameter: `along` (n), scaled. NAN where they cannot. */
+static double gap_slope(saltus_rests *r, const saltus_rest *at, int face, double *along, saltus_rest *near) {
+    const double apart = 1e-6;
+    saltus_message ignored;
+    if (saltus_rests_noted(r, saltus_rest_visit(r, at, apart, near, &ignored)) != SALTUS_OK)
+        return NAN;
+    const double ahead = near->parameter[0] - at->parameter[0];
+    for (int i = 0; i < r->n; i++)
+        along[i] = (near->state[i] - at->state[i]) / r->state_scale[i] / ahead;
+    return fabs(ahead) > 1e-3 * apart ? (near->gap[face] - at->gap[face]) / ahead : NAN;
+}
+
+saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int face,
+                                    const saltus_branch_start *like, saltus_rest *scratch,
+                                    saltus_starts *starts, saltus_message *message) {
+    bounce b = {.n = 0};
+    saltus_branch_start start = *like;
+    double along[SALTUS_STATE_MAX], half[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + 3] = {0};
+    if (at->contacts || !(saltus_system_restitution(r->system, face, 0) > 0))
+        return SALTUS_OK;
+    const double slope = gap_slope(r, at, face, along, scratch);
+    if (r->starved)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    saltus_status status = open_bounce(&b, r, at, face, message);
+    start.parameter = at->parameter[0];
+    start.state = at->state;
+    start.tangent = tangent;
+    start.unknowns = r->n + 3; /* of a cycle with an impact: those beyond the state are none */
+    start.origin = SALTUS_POINT_BE;
+    start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .count = 1};
+    start.sequence.mark[0] = (saltus_mark){SALTUS_IMPACT, face, 0.5, false};
+    if (status == SALTUS_OK)
+        exponential(&b, b.h, b.step);
+    if (status == SALTUS_OK)
+        memcpy(b.flow, b.step, (size_t)(b.n * b.n) * sizeof *b.flow);
+    int before = 0;
+    for (int k = 1; k * b.h < b.end && isfinite(slope) && slope != 0 && status == SALTUS_OK; k++) {
+        const int sign = sign_of(&b);
+        if (before * sign < 0) {
+            int side;
+            const double period = refine(&b, (k - 1) * b.h, k * b.h, before);
+            status = find_cycle(&b, period, half, &side, message);
+            start.heading = side * slope > 0 ? -1 : 1;
+            for (int i = 0; i < r->n; i++)
+                tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
+            start.sequence.omega = 2 * M_PI / period;
+            if (status == SALTUS_OK && side)
+                status = saltus_starts_add(starts, r->n, &start, message);
+            exponential(&b, k * b.h, b.flow);
+        }
+        before = sign;
+        multiply(b.n, b.flow, b.step, b.matrix);
+        memcpy(b.flow, b.matrix, (size_t)(b.n * b.n) * sizeof *b.flow);
+    }
+    saltus_dense_lu_close(&b.lu);
+    free(b.linear);
+    return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
+}
+
+/* The cycle at a parameter so far from the start's. */
+static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start, double apart,
+                              saltus_solution *out, saltus_message *message) {
+    saltus_sequence sequence = start->sequence;
+    const double parameter = start->parameter + apart;
+    double state[SALTUS_STATE_MAX];
+    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
+    for (int i = 0; i < o->n && status == SALTUS_OK; i++)
+        state[i] = start->state[i] + apart * start->tangent[i] * saltus_shooting_scale(o->shooting)[i];
+    if (status == SALTUS_OK)
+        status = saltus_orbits_tune(o, &parameter, sequence.omega, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sequence_anchor(&sequence, o->flow, false);
+    status = saltus_solution_place(o, &sequence, &parameter, state, true, out, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_walk(o, out, message);
+    if (status == SALTUS_OK && !(out->worst.value < 0 && out->survey.follows))
+        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the flow follows no such orbit");
+    if (status == SALTUS_OK)
+        saltus_solution_head(out, start->heading);
+    return status;
+}
+
+saltus_status saltus_boundary_begin(saltus_orbits *o, const saltus_branch_start *start, saltus_solution *out,
+                                    saltus_message *message) {
+    static const double apart[] = {1e-3, 1e-4, 1e-2, 1e-5};
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    for (size_t k = 0; k < sizeof apart / sizeof apart[0] && status != SALTUS_OK; k++) {
+        status = cycle_at(o, start, start->heading * apart[k], out, message);
+        if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
+            return status;
+    }
+    return status;
+}
+
+/* The speed of a cycle's fastest impact, scaled; INFINITY where it meets stops otherwise, or not at all. */
+static double impact_speed(const saltus_solution *s) {
+    const saltus_sequence *sequence = &s->sequence;
+    double fastest = 0;
+    bool strikes = sequence->omega > 0 && sequence->count > 0 && !sequence->contacts && !sequence->driven;
+    for (int k = 0; k < sequence->count; k++)
+        strikes = strikes && sequence->mark[k].kind == SALTUS_IMPACT && !sequence->mark[k].driven;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED)
+            fastest = fmax(fastest, -s->breaches[k].value);
+    return strikes ? fastest : INFINITY;
+}
+
+bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution *next) {
+    const double small = 1e-2, near = impact_speed(here), far = impact_speed(next);
+    const double turn = 2 * M_PI * next->sequence.periods / next->sequence.omega;
+    return far < small && far < near && next->speed * next->sequence.speed * turn < small;
+}
+
+/* A cycle's state half of the way from its first impact to the next, the same part of every such cycle, and
+ * its sequence from there. */
+static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
+                                   double *state) {
+    const saltus_sequence *old = &s->sequence;
+    const double next = old->count > 1 ? old->mark[1].time : old->mark[0].time + old->periods;
+    const double end = old->base + old->periods, time = 0.5 * (old->mark[0].time + next);
+    int order[SALTUS_MARKS_MAX];
+    saltus_message ignored;
+    saltus_sequence_turn(old, time < end ? time : time - old->periods, 1, fresh, order);
+    return saltus_solution_state_at(o, s, time < end ? time : time - old->periods, state, &ignored);
+}
+
+bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
+                           saltus_solution *at, saltus_zero *zero, double *value) {
+    enum { rounds = 5 };
+    const double shrink = 0.2;
+    const int n = o->n;
+    double state[2][SALTUS_STATE_MAX], guess[SALTUS_STATE_MAX];
+    double place[2] = {here->parameter[0], next->parameter[0]};
+    double size[2] = {impact_speed(here), impact_speed(next)}, end = NAN, before = NAN;
+    saltus_sequence sequence;
+    saltus_message ignored;
+    bool sound = cut_in_flight(o, here, &sequence, state[0]) == SALTUS_OK &&
+                 cut_in_flight(o, next, &sequence, state[1]) == SALTUS_OK;
+    for (int k = 0; k <= rounds && sound; k++) {
+        before = end;
+        end = place[1] + (place[1] - place[0]) * size[1] / (size[0] - size[1]);
+        if (k == rounds)
+            break;
+        const double to = end + shrink * (place[1] - end), ahead = (to - place[1]) / (place[1] - place[0]);
+        for (int i = 0; i < n; i++)
+            guess[i] = state[1][i] + ahead * (state[1][i] - state[0][i]);
+        saltus_status status = saltus_orbits_tune(o, &to, sequence.omega, &ignored);
+        if (status == SALTUS_OK)
+            status = saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), guess, 0, &ignored);
+        if (status == SALTUS_OK)
+            saltus_sequence_anchor(&sequence, o->flow, false);
+        if (status == SALTUS_OK)
+            status = saltus_solution_place(o, &sequence, &to, guess, true, at, &ignored);
+        sound = saltus_orbits_noted(o, status) == SALTUS_OK && impact_speed(at) < 0.5 * size[1];
+        memcpy(state[0], state[1], (size_t)n * sizeof *state[0]);
+        place[0] = place[1];
+        size[0] = size[1];
+        place[1] = to;
+        size[1] = sound ? impact_speed(at) : NAN;
+        /* Of the converged cycle the part of the orbit is again the same. */
+        sound = sound && cut_in_flight(o, at, &sequence, state[1]) == SALTUS_OK;
+    }
+    const double unit = o->family.unit[0], way = next->parameter[0] - here->parameter[0];
+    *zero = (saltus_zero){.found = sound, .accuracy = unit * fabs(end - before)};
+    zero->ahead = next->at.ahead * (end - here->parameter[0]) / way;
+    *value = o->origin + unit * end;
+    return sound && fabs(end - before) < 1e-3 && zero->ahead > 0;
+}

@@ -1,0 +1,322 @@
+/* Hopf points of equilibria, and the cycles that are born there.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/hopf.h"
+
+#include <complex.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Central differences of eighth order over nine places. */
+enum { sides = 4 };
+static const double first[sides] = {4. / 5, -1. / 5, 4. / 105, -1. / 280},
+                    second[sides] = {8. / 5, -1. / 5, 8. / 315, -1. / 560}, middle = -205. / 72;
+
+/* The motion's Jacobian and its derivatives along the two parts of the eigenvector. */
+typedef struct expansion {
+    int count;
+    double *linear, *along[2], *twice[2], *trial; /* count x count each */
+    double *part[2];                              /* of the eigenvector */
+    double size[2];                               /* of them as states, in the states' scales */
+} expansion;
+
+/* First and second derivative of the Jacobian along a part, which is moved along by as much as `reach` at
+ * most. */
+static saltus_status differentiate(saltus_rests *r, const saltus_rest *at, expansion *x, int part,
+                                   double reach, saltus_message *message) {
+    const int entries = x->count * x->count;
+    const double step = reach / (sides * x->size[part]);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < entries; k++) {
+        x->along[part][k] = 0;
+        x->twice[part][k] = middle * x->linear[k] / (step * step);
+    }
+    for (int k = 0; k < 2 * sides && status == SALTUS_OK; k++) {
+        const int place = k / 2, way = k % 2 ? -1 : 1;
+        int count;
+        status = saltus_rests_linear(r, at->at.u, x->part[part], way * (place + 1) * step, x->trial, &count,
+                                     message);
+        for (int j = 0; j < entries && status == SALTUS_OK; j++) {
+            x->along[part][j] += way * first[place] * x->trial[j] / step;
+            x->twice[part][j] += second[place] * x->trial[j] / (step * step);
+        }
+    }
+    return status;
+}
+
+/* out += factor * matrix * vector */
+static void apply(const double *matrix, int count, double complex factor, const double complex *vector,
+                  double complex *out) {
+    for (int i = 0; i < count; i++)
+        for (int j = 0; j < count; j++)
+            out[i] += factor * matrix[i * count + j] * vector[j];
+}
+
+/* Solve (shift - A) x = right. False where it is singular. */
+static bool resolve(saltus_rests *r, const expansion *x, double complex shift, double complex *right) {
+    const int c = x->count, m = 2 * c;
+    double *a = calloc((size_t)(m * m + m), sizeof *a), *b = a + m * m;
+    int *pivots = calloc((size_t)m, sizeof *pivots);
+    bool sound = saltus_rests_noted(r, a && pivots ? SALTUS_OK : SALTUS_NO_MEMORY) == SALTUS_OK;
+    for (int i = 0; i < c && sound; i++) {
+        for (int j = 0; j < c; j++) {
+            const double re = (i == j ? creal(shift) : 0) - x->linear[i * c + j];
+            const double im = i == j ? cimag(shift) : 0;
+            a[i * m + j] = a[(c + i) * m + c + j] = re;
+            a[i * m + c + j] = -im;
+            a[(c + i) * m + j] = im;
+        }
+        b[i] = creal(right[i]);
+        b[c + i] = cimag(right[i]);
+    }
+    sound = sound && saltus_dense_solve(a, m, b, pivots);
+    for (int i = 0; i < c && sound; i++)
+        right[i] = b[i] + I * b[c + i];
+    free(a);
+    free(pivots);
+    return sound;
+}
+
+/* The null vector of A - i omega (or of its transpose + i omega) as a complex one. */
+static saltus_status null_vector(const expansion *x, double omega, bool left, double complex *out,
+                                 saltus_message *message) {
+    const int c = x->count, m = 2 * c;
+    double value, *a = calloc((size_t)(m * m + m), sizeof *a);
+    saltus_status status = a ? SALTUS_OK : SALTUS_NO_MEMORY;
+    for (int i = 0; i < c && a; i++)
+        for (int j = 0; j < c; j++) {
+            const double turn = i != j ? 0 : left ? -omega : omega;
+            a[i * m + j] = a[(c + i) * m + c + j] = x->linear[left ? j * c + i : i * c + j];
+            a[i * m + c + j] = turn;
+            a[(c + i) * m + j] = -turn;
+        }
+    if (a)
+        status = saltus_dense_null_vectors(a, m, m, 1, a + m * m, &value);
+    for (int i = 0; i < c && status == SALTUS_OK; i++)
+        out[i] = a[m * m + i] + I * a[m * m + c + i];
+    free(a);
+    return status == SALTUS_OK ? status : saltus_fail(message, status, "no eigenvector at a Hopf point");
+}
+
+/* The coefficient from the derivatives at hand; `left` and `right` are the eigenvectors. */
+static double coefficient_of(saltus_rests *r, const expansion *x, double omega, const double complex *left,
+                             const double complex *right) {
+    const int c = x->count;
+    double complex *work = calloc((size_t)(7 * c), sizeof *work);
+    if (saltus_rests_noted(r, work ? SALTUS_OK : SALTUS_NO_MEMORY) != SALTUS_OK)
+        return NAN;
+    double complex *a = work, *b = a + c, *even = b + c, *twofold = even + c, *cubic = twofold + c,
+                   *flat = cubic + c, *turned = flat + c, sum = 0;
+    for (int i = 0; i < c; i++) {
+        a[i] = x->part[0][i];
+        b[i] = x->part[1][i];
+    }
+    /* B(q, q') and B(q, q), with q = a + ib. */
+    apply(x->along[0], c, 1, a, even);
+    apply(x->along[1], c, 1, b, even);
+    apply(x->along[0], c, 1, a, twofold);
+    apply(x->along[1], c, -1, b, twofold);
+    apply(x->along[0], c, 2 * I, b, twofold);
+    /* C(q, q, q'). */
+    apply(x->twice[0], c, 1, right, cubic);
+    apply(x->twice[1], c, 1, right, cubic);
+    memcpy(flat, even, (size_t)c * sizeof *flat);
+    memcpy(turned, twofold, (size_t)c * sizeof *turned);
+    bool sound = resolve(r, x, 0, flat) && resolve(r, x, 2 * I * omega, turned);
+    /* -2 B(q, A^-1 even), whose solution has the other sign, and B(q', (2 i omega - A)^-1 twofold). */
+    apply(x->along[0], c, 2, flat, cubic);
+    apply(x->along[1], c, 2 * I, flat, cubic);
+    apply(x->along[0], c, 1, turned, cubic);
+    apply(x->along[1], c, -I, turned, cubic);
+    for (int i = 0; i < c; i++)
+        sum += conj(left[i]) * cubic[i];
+    free(work);
+    return sound ? creal(sum) / (2 * omega) : NAN;
+}
+
+/* From differences over several widths, of which those two are best that agree best. */
+static saltus_status find_coefficient(saltus_rests *r, const saltus_rest *at, expansion *x,
+                                      const double complex *left, const double complex *right,
+                                      saltus_hopf *hopf, saltus_message *message) {
+    static const double reach[] = {1, 0.3, 0.1, 0.03, 0.01, 0.003};
+    double before = NAN;
+    hopf->coefficient = NAN;
+    hopf->error = INFINITY;
+    for (size_t k = 0; k < sizeof reach / sizeof reach[0]; k++) {
+        saltus_message ignored;
+        saltus_status status = differentiate(r, at, x, 0, reach[k], &ignored);
+        if (status == SALTUS_OK)
+            status = differentiate(r, at, x, 1, reach[k], &ignored);
+        if (status == SALTUS_NO_MEMORY)
+            return saltus_fail(message, status, "%s", ignored.text);
+        const double now = status == SALTUS_OK ? coefficient_of(r, x, hopf->omega, left, right) : NAN;
+        if (fabs(now - before) < hopf->error) {
+            hopf->error = fabs(now - before);
+            hopf->coefficient = now;
+        }
+        before = now;
+    }
+    hopf->error += 1e-14 * fabs(hopf->coefficient);
+    return SALTUS_OK;
+}
+
+static bool open_expansion(expansion *x, int n) {
+    const size_t entries = (size_t)(n * n);
+    x->linear = calloc(6 * entries + 2 * (size_t)n, sizeof *x->linear);
+    if (!x->linear)
+        return false;
+    x->trial = x->linear + entries;
+    for (int k = 0; k < 2; k++) {
+        x->along[k] = x->trial + (1 + (size_t)k) * entries;
+        x->twice[k] = x->trial + (3 + (size_t)k) * entries;
+        x->part[k] = x->linear + 6 * entries + (size_t)(k * n);
+    }
+    return true;
+}
+
+/* Eigenvectors with q*q = 1 and p*q = 1; the first to the expansion's parts and, as states, to the result. */
+static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex *left, double complex *right,
+                                  saltus_hopf *hopf, saltus_message *message) {
+    saltus_status status = null_vector(x, hopf->omega, false, right, message);
+    if (status == SALTUS_OK)
+        status = null_vector(x, hopf->omega, true, left, message);
+    if (status != SALTUS_OK)
+        return status;
+    double complex scale = 0;
+    for (int i = 0; i < x->count; i++)
+        scale += conj(left[i]) * right[i];
+    for (int i = 0; i < x->count; i++) {
+        left[i] /= conj(scale);
+        x->part[0][i] = creal(right[i]);
+        x->part[1][i] = cimag(right[i]);
+    }
+    for (int k = 0; k < 2; k++) {
+        double *state = hopf->vector + (ptrdiff_t)k * r->n;
+        saltus_rests_lift(r, x->count, x->part[k], state);
+        for (int i = 0; i < r->n; i++)
+            x->size[k] = fmax(x->size[k], fabs(state[i]) / r->state_scale[i]);
+    }
+    return cabs(scale) > 0
+               ? SALTUS_OK
+               : saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalues at a Hopf point are double");
+}
+
+saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf,
+                               saltus_message *message) {
+    expansion x = {.count = 0};
+    double complex *vectors = calloc(2 * (size_t)r->n, sizeof *vectors);
+    double least = INFINITY;
+    *hopf = (saltus_hopf){.coefficient = NAN, .error = NAN};
+    hopf->vector = calloc(2 * (size_t)r->n, sizeof *hopf->vector);
+    for (int k = 0; k < at->rate_count; k++)
+        if (at->rates[k].im > 0 && fabs(at->rates[k].re) < least) {
+            least = fabs(at->rates[k].re);
+            hopf->omega = at->rates[k].im;
+        }
+    saltus_status status = SALTUS_OK;
+    if (!vectors || !hopf->vector || !open_expansion(&x, r->n))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a Hopf point");
+    else if (hopf->omega == 0)
+        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "no eigenvalues are a complex pair");
+    if (status == SALTUS_OK)
+        status = saltus_rests_linear(r, at->at.u, NULL, 0, x.linear, &x.count, message);
+    if (status == SALTUS_OK)
+        status = find_vectors(r, &x, vectors, vectors + r->n, hopf, message);
+    if (status == SALTUS_OK)
+        status = find_coefficient(r, at, &x, vectors, vectors + r->n, hopf, message);
+    free(vectors);
+    free(x.linear);
+    if (status != SALTUS_OK) {
+        free(hopf->vector);
+        hopf->vector = NULL;
+    }
+    return status;
+}
+
+saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, const saltus_hopf *hopf,
+                                const saltus_branch_start *like, saltus_starts *starts,
+                                saltus_message *message) {
+    const double *observer = saltus_system_observer(r->system), *a = hopf->vector, *b = a + r->n;
+    saltus_branch_start start = *like;
+    double along[2] = {0, 0}, size = 0;
+    /* Where the observed displacement of Re(q e^(i phi)) is largest, it turns. */
+    for (int i = 0; i < r->dof; i++) {
+        along[0] += observer[i] * a[i];
+        along[1] += observer[i] * b[i];
+    }
+    const double length = hypot(along[0], along[1]);
+    const double cosine = length > 0 ? along[0] / length : 1, sine = length > 0 ? along[1] / length : 0;
+    start.tangent = calloc((size_t)r->n + 2, sizeof *start.tangent);
+    if (!start.tangent)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    for (int i = 0; i < r->n; i++) {
+        start.tangent[i] = (cosine * a[i] + sine * b[i]) / r->state_scale[i];
+        size = hypot(size, start.tangent[i]);
+    }
+    for (int i = 0; i < r->n; i++)
+        start.tangent[i] /= size;
+    start.sequence =
+        (saltus_sequence){.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf->omega};
+    start.parameter = at->parameter[0];
+    start.state = at->state;
+    start.unknowns = r->n + 2;
+    start.origin = SALTUS_POINT_HB;
+    saltus_status status = saltus_starts_add(starts, r->n, &start, message);
+    free(start.tangent);
+    return status;
+}
+
+/* The cycle whose distance from the equilibrium along the start's tangent is `apart`. */
+static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start, double apart,
+                              saltus_solution *out, saltus_message *message) {
+    saltus_sequence sequence = start->sequence;
+    saltus_equations *e = o->equations;
+    double state[SALTUS_STATE_MAX];
+    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
+    if (status != SALTUS_OK)
+        return status;
+    for (int i = 0; i < o->n; i++)
+        state[i] = start->state[i] + apart * start->tangent[i] * saltus_shooting_scale(o->shooting)[i];
+    status = saltus_orbits_tune(o, &start->parameter, sequence.omega, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sequence_anchor(&sequence, o->flow, true);
+    if (!(sequence.speed > 0))
+        saltus_sequence_anchor(&sequence, o->flow, false);
+    status = saltus_shooting_shape(o->shooting, &sequence, message);
+    if (status == SALTUS_OK && !saltus_curve_reserve(&out->at, e->unknowns))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(o->shooting, &start->parameter, state, out->at.u, message);
+    double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal), *place = normal + e->unknowns;
+    if (!normal)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    if (status == SALTUS_OK) {
+        memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
+        memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
+        status = saltus_newton(e, out->at.u, normal, place, true, &out->at.iterations, message);
+    }
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(e, out->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, message);
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(e, normal, &out->at, message);
+    out->at.ahead = 0;
+    free(normal);
+    return status;
+}
+
+saltus_status saltus_hopf_begin(saltus_orbits *o, const saltus_branch_start *start, saltus_solution *out,
+                                saltus_message *message) {
+    static const double apart[] = {1e-2, 3e-3, 3e-2, 1e-3};
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    for (size_t k = 0; k < sizeof apart / sizeof apart[0] && status != SALTUS_OK; k++) {
+        status = cycle_at(o, start, apart[k], out, message);
+        if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
+            return status;
+    }
+    return status;
+}

@@ -1,0 +1,32 @@
+/* Private: Hopf points of equilibria, and the cycles that are born there.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BRANCH_HOPF_H
+#define SALTUS_BRANCH_HOPF_H
+
+#include "branch/rest.h"
+#include "branch/special.h"
+
+/* What an equilibrium with a pair of eigenvalues +-i omega tells of the cycles near it. */
+typedef struct saltus_hopf {
+    double omega;
+    /* The first Lyapunov coefficient in Kuznetsov's normalisation (Elements of Applied Bifurcation Theory,
+     * 5.34, with an eigenvector of unit length), and how far it may be off: negative where stable cycles are
+     * born, as far as the other eigenvalues go. NAN where it cannot be had. */
+    double coefficient, error;
+    double *vector; /* 2 n: real and imaginary part of the eigenvector; the caller's, to be freed */
+} saltus_hopf;
+
+/* Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE where there is no such pair. */
+saltus_status saltus_hopf_find(saltus_rests *rests, const saltus_rest *at, saltus_hopf *hopf,
+                               saltus_message *message);
+/* Where the branch of cycles begins that is born at `at`: added to `starts`. `like` has what is common to
+ * them. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_hopf_leave(const saltus_rests *rests, const saltus_rest *at, const saltus_hopf *hopf,
+                                const saltus_branch_start *like, saltus_starts *starts,
+                                saltus_message *message);
+/* A small cycle on the branch that such a start tells of, not surveyed, with a tangent away from the
+ * equilibrium. Errors: SALTUS_NO_MEMORY; SALTUS_NO_CONVERGENCE where none is found. */
+saltus_status saltus_hopf_begin(saltus_orbits *orbits, const saltus_branch_start *start, saltus_solution *out,
+                                saltus_message *message);
+
+#endif

@@ -1,0 +1,89 @@
+/* Private: equilibria of a family of scenes without forcing, free or held against stops, as solutions of
+ * equations that are followed by pseudo-arclength.
+ *
+ * With contacts C the unknowns are the displacements, the further states and the contact forces, the
+ * equations f(x) - push force = 0 and gap of C = 0: regular wherever the equilibrium is isolated. With two
+ * parameters one equation more makes the equilibrium special: half the sum of two eigenvalues is zero (Hopf),
+ * a face that does not hold is touched (boundary equilibrium), or the Jacobian is singular (fold; by borders,
+ * Govaerts, Numerical methods for bifurcations of dynamical equilibria, SIAM 2000). The gradients of the
+ * first and the last are differences: their error does not touch what is found, only how fast.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BRANCH_REST_H
+#define SALTUS_BRANCH_REST_H
+
+#include "branch/curve.h"
+#include "orbit/shooting.h"
+#include "saltus/branch.h"
+#include "system/system.h"
+
+/* The equations of equilibria with given contacts. */
+typedef struct saltus_rests {
+    saltus_family family; /* one or two parameters */
+    double origin[2];     /* their values at the specification */
+    saltus_system *system;
+    double at[2]; /* the parameters that `system` has */
+    saltus_flow *flow;
+    saltus_variation varied[2];
+    int n, dof, width;      /* states; displacements; unknowns that are states */
+    saltus_point_kind kind; /* of two parameters: HB, BE or LP; of one: REGULAR */
+    int face;               /* BE: that is touched */
+    double square;          /* HB: product of the two eigenvalues, which tells them from others */
+    unsigned contacts;
+    int held, held_face[SALTUS_FACES_MAX];
+    saltus_equations equations;
+    double *state_scale, *row_scale, force_scale, rate_scale; /* row_scale: of the equations */
+    double *border[2]; /* LP: of the Jacobian, to its right and below */
+    saltus_arena arena, shape_arena;
+    double *state, *field, *jacobian, *basis, *matrix, *product, *real, *imaginary, *aside, *moved;
+    saltus_dense_lu lu; /* LP: of the bordered Jacobian */
+    bool starved;       /* memory was lacking, be it for something that was only tried */
+} saltus_rests;
+
+/* An equilibrium: a point of the curve. */
+typedef struct saltus_rest {
+    saltus_curve_point at;
+    unsigned contacts;
+    double parameter[2], value[2];
+    double *state;                                         /* n */
+    double force[SALTUS_FACES_MAX], gap[SALTUS_FACES_MAX]; /* as saltus_equilibrium has them */
+    double breach[SALTUS_FACES_MAX]; /* scaled: the gap of a free face, minus the force of a held one */
+    saltus_multiplier *rates;        /* eigenvalues by decreasing real part, which is log_modulus too */
+    int rate_count, unstable;
+    bool stable;
+    double trace;        /* of the vector field's Jacobian, which the rates add up to; NAN in contact */
+    saltus_scaled pairs; /* product of the sums of all two of them */
+} saltus_rest;
+
+/* With family, origin and kind filled in; close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
+saltus_status saltus_rests_open(saltus_rests *rests, saltus_message *message);
+void saltus_rests_close(saltus_rests *rests);
+/* The equations become those of other contacts; rows are scaled anew by the Jacobian at a state and
+ * parameters. Errors: SALTUS_NO_MEMORY, SALTUS_STALLED where these contacts cannot hold together. */
+saltus_status saltus_rests_shape(saltus_rests *rests, unsigned contacts, const double *state,
+                                 const double *parameters, saltus_message *message);
+/* The unknowns of a state, parameters, and forces that follow from them. Errors: those of the evaluation. */
+saltus_status saltus_rests_fill(saltus_rests *rests, const double *parameters, const double *state, double *u,
+                                saltus_message *message);
+/* Borders of the Jacobian from its null vectors at u (LP). Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE.
+ */
+saltus_status saltus_rests_border(saltus_rests *rests, const double *u, saltus_message *message);
+/* Which two eigenvalues of the equilibrium at u a Hopf point is made of, from the product that they are near:
+ * half their sum, and their product. NAN where there are not two. */
+double saltus_rests_pair(saltus_rests *rests, const double *u, double near, double *square);
+/* The Jacobian of the motion that keeps the contacts, count x count, at a state aside of u by `by` times a
+ * vector of that motion's coordinates (NULL: at u). *count <= n. Errors: no value there. */
+saltus_status saltus_rests_linear(saltus_rests *rests, const double *u, const double *aside, double by,
+                                  double *matrix, int *count, saltus_message *message);
+/* Note whether a status tells that memory was lacking, and return it: where failures of what is only tried
+ * are passed over, that one must not be. */
+saltus_status saltus_rests_noted(saltus_rests *rests, saltus_status status);
+/* Unit vector of the motion's coordinates as one of states (n). After saltus_rests_linear. */
+void saltus_rests_lift(const saltus_rests *rests, int count, const double *vector, double *state);
+
+void saltus_rest_clear(saltus_rest *rest);
+/* All but the tangent from the unknowns rest->at.u. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_rest_see(saltus_rests *rests, saltus_rest *rest, saltus_message *message);
+saltus_status saltus_rest_visit(saltus_rests *rests, const saltus_rest *from, double ahead, saltus_rest *out,
+                                saltus_message *message);
+
+#endif

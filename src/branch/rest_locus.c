@@ -1,0 +1,451 @@
+/* Curves of special equilibria in the plane of two parameters.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/rest_locus.h"
+
+#include "base/bits.h"
+#include "branch/hopf.h"
+#include "branch/rest_point.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { tests_max = 2, queue_max = tests_max + 2 };
+
+/* A function along the curve whose zero is a point of codimension two. */
+typedef struct test {
+    saltus_point_kind kind;
+    bool ends; /* the curve does */
+    double value;
+} test;
+
+struct saltus_rest_locus {
+    saltus_branch_options options;
+    saltus_rests rests;
+    gsl_root_fsolver *solver;
+    saltus_rest here, next, trial;
+    test tests[tests_max], ahead[tests_max], there[tests_max]; /* of `here`, of `next`, of `trial` */
+    double square;                                             /* HB: of `here` */
+    double *beginning;                                         /* unknowns and tangent of the first point */
+    double first_square;
+    double border[2][2]; /* of both parameter unknowns: low, high */
+    int ways[2], way_count, way;
+    int number, made;
+    double arclength, step;
+    bool ended;
+    saltus_branch_point queue[queue_max]; /* made but not yet given out */
+    int queue_count, queue_next;
+};
+
+static saltus_status no_memory(saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+}
+
+/* The sum over the eigenvalues of the product of all others: zero where two of them are. */
+static double product_of_others(const saltus_rest *s) {
+    double sum = 0;
+    for (int k = 0; k < s->rate_count; k++) {
+        double re = 1, im = 0;
+        for (int j = 0; j < s->rate_count; j++) {
+            const double next = re * s->rates[j].re - im * s->rates[j].im;
+            im = j == k ? im : re * s->rates[j].im + im * s->rates[j].re;
+            re = j == k ? re : next;
+        }
+        sum += re;
+    }
+    return sum;
+}
+
+/* The tests at a point that the equations have just been evaluated at. Errors: SALTUS_NO_MEMORY. */
+static saltus_status measure(saltus_rest_locus *l, const saltus_rest *s, test *tests,
+                             saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    const saltus_equations *e = &r->equations;
+    saltus_message ignored;
+    tests[0] = tests[1] = (test){.value = NAN};
+    if (r->kind == SALTUS_POINT_HB) {
+        saltus_hopf hopf = {.coefficient = NAN};
+        double square;
+        saltus_rests_pair(r, s->at.u, r->square, &square);
+        tests[0] = (test){SALTUS_POINT_BT, true, square / (r->rate_scale * r->rate_scale)};
+        saltus_status status = square > 0 ? saltus_hopf_find(r, s, &hopf, &ignored) : SALTUS_OK;
+        tests[1] = (test){SALTUS_POINT_GH, false, status == SALTUS_OK ? hopf.coefficient : NAN};
+        if (status == SALTUS_OK)
+            free(hopf.vector);
+        return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+    }
+    if (r->kind == SALTUS_POINT_LP) {
+        const double *row = e->jacobian + (ptrdiff_t)(e->count - 1) * e->unknowns;
+        double bend = 0;
+        for (int j = 0; j < r->width + r->held; j++)
+            bend += row[j] * r->border[1][j];
+        tests[0] = (test){SALTUS_POINT_CP, false, bend};
+        tests[1] = (test){SALTUS_POINT_BT, false, product_of_others(s)};
+    }
+    return SALTUS_OK;
+}
+
+/* What the equations tell the special point by follows the curve, too. */
+static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    double square;
+    if (r->kind == SALTUS_POINT_LP)
+        return saltus_rests_border(r, u, message);
+    if (r->kind == SALTUS_POINT_HB && isfinite(saltus_rests_pair(r, u, r->square, &square)))
+        l->square = r->square = square;
+    return SALTUS_OK;
+}
+
+/* `here` becomes the first point, from a guess. */
+static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const double *state,
+                                double parameter, saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    saltus_curve_point *at = &l->here.at;
+    const double parameters[2] = {parameter, 0};
+    saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
+    const int m = r->equations.unknowns;
+    double *normal = calloc(2 * (size_t)m, sizeof *normal), *anchor = normal + m;
+    l->beginning = calloc(2 * (size_t)m, sizeof *l->beginning);
+    if (status == SALTUS_OK && (!normal || !l->beginning || !saltus_curve_reserve(at, m)))
+        status = no_memory(message);
+    if (status == SALTUS_OK)
+        status = saltus_rests_fill(r, parameters, state, at->u, message);
+    if (status == SALTUS_OK)
+        status = renew(l, at->u, message);
+    if (status == SALTUS_OK) {
+        normal[m - 1] = 1;
+        memcpy(anchor, at->u, (size_t)m * sizeof *anchor);
+        status = saltus_newton(&r->equations, at->u, normal, anchor, true, &at->iterations, message);
+    }
+    if (status == SALTUS_OK)
+        status = renew(l, at->u, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&r->equations, at->u, message);
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(&r->equations, NULL, at, message);
+    if (status == SALTUS_OK) {
+        const double across = at->tangent[m - 2], up = at->tangent[m - 1];
+        if ((fabs(across) > 1e-6 ? across : up) < 0)
+            saltus_curve_turn(at);
+        memcpy(l->beginning, at->u, (size_t)m * sizeof *at->u);
+        memcpy(l->beginning + m, at->tangent, (size_t)m * sizeof *at->u);
+        l->first_square = r->square;
+    }
+    free(normal);
+    return status;
+}
+
+saltus_status saltus_rest_locus_new(const saltus_spec *spec, const saltus_branch_options *options,
+                                    unsigned contacts, const double *state, double parameter, int face,
+                                    double square, saltus_rest_locus **locus, saltus_message *message) {
+    saltus_rest_locus *l = calloc(1, sizeof *l);
+    *locus = l;
+    if (!l)
+        return no_memory(message);
+    saltus_rests *r = &l->rests;
+    l->options = *options;
+    r->kind = options->locus;
+    r->face = face;
+    l->square = r->square = square;
+    r->family = (saltus_family){.spec = *spec, .parameters = 2};
+    l->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    saltus_status status = l->solver ? SALTUS_OK : no_memory(message);
+    for (int d = 0; d < 2 && status == SALTUS_OK; d++) {
+        r->family.unit[d] = options->high[d] - options->low[d];
+        status =
+            saltus_spec_direction(spec, options->key[d], &r->family.direction[d], &r->origin[d], message);
+        for (int side = 0; side < 2; side++)
+            l->border[d][side] = saltus_orbits_border(r->origin[d], r->family.unit[d],
+                                                      side ? options->high[d] : options->low[d], side);
+    }
+    l->way_count = options->direction ? 1 : 2;
+    l->ways[0] = options->direction < 0 ? -1 : 1;
+    l->ways[1] = -1;
+    l->ended = true;
+    if (status == SALTUS_OK)
+        status = saltus_rests_open(r, message);
+    if (status == SALTUS_OK && state)
+        status = open_first(l, contacts, state, parameter, message);
+    if (status != SALTUS_OK) {
+        saltus_rest_locus_free(l);
+        *locus = NULL;
+    }
+    return status;
+}
+
+void saltus_rest_locus_free(saltus_rest_locus *l) {
+    if (!l)
+        return;
+    for (int k = l->queue_next; k < l->queue_count; k++)
+        saltus_branch_point_clear(&l->queue[k]);
+    saltus_rest_clear(&l->here);
+    saltus_rest_clear(&l->next);
+    saltus_rest_clear(&l->trial);
+    free(l->beginning);
+    saltus_rests_close(&l->rests);
+    if (l->solver)
+        gsl_root_fsolver_free(l->solver);
+    free(l);
+}
+
+static saltus_status give(saltus_rest_locus *l, const saltus_rest *s, saltus_point_kind kind, double ahead,
+                          const char *reason, saltus_message *message) {
+    saltus_branch_point *point = &l->queue[l->queue_count];
+    saltus_status status = saltus_rest_point(&l->rests, s, point, message);
+    if (status != SALTUS_OK)
+        return status;
+    const bool enough = kind != SALTUS_POINT_EP && l->made + 1 >= l->options.points;
+    const double rest = s->value[1] - (l->rests.origin[1] + l->rests.family.unit[1] * s->parameter[1]);
+    point->spec = saltus_spec_shifted(&point->spec, &l->rests.family.direction[1], rest);
+    point->kind = enough ? SALTUS_POINT_EP : kind;
+    point->locus = l->rests.kind;
+    point->stable = false;
+    point->branch = l->number;
+    point->parent = -1;
+    point->step = l->made;
+    point->arclength = l->arclength + ahead;
+    point->accuracy = NAN;
+    snprintf(point->reason, sizeof point->reason, "%s", enough ? "as many points as asked for" : reason);
+    if (l->rests.kind == SALTUS_POINT_HB) {
+        const test *t = s == &l->here ? l->tests : s == &l->next ? l->ahead : l->there;
+        point->lyapunov_coefficient = t[1].value;
+        point->period = t[0].value > 0 ? 2 * M_PI / (sqrt(t[0].value) * l->rests.rate_scale) : NAN;
+    }
+    if (l->rests.kind == SALTUS_POINT_BE)
+        saltus_rest_touch(&l->rests, l->rests.face, point);
+    l->ended = l->ended || point->kind == SALTUS_POINT_EP;
+    l->queue_count++;
+    l->made++;
+    return status;
+}
+
+/* The locus goes off from its first point in the next of its ways. */
+static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    saltus_curve_point *at = &l->here.at;
+    const size_t bytes = (size_t)at->unknowns * sizeof *at->u;
+    l->number = l->way;
+    l->made = 0;
+    l->arclength = 0;
+    l->step = l->options.step;
+    l->ended = false;
+    memcpy(at->u, l->beginning, bytes);
+    memcpy(at->tangent, l->beginning + at->unknowns, bytes);
+    at->bent = false;
+    at->ahead = 0;
+    l->square = r->square = l->first_square;
+    if (l->ways[l->way] < 0)
+        saltus_curve_turn(at);
+    l->way++;
+    saltus_status status = renew(l, at->u, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&r->equations, at->u, message);
+    if (status == SALTUS_OK)
+        status = saltus_rest_see(r, &l->here, message);
+    if (status == SALTUS_OK)
+        status = measure(l, &l->here, l->tests, message);
+    at->residual = r->equations.size;
+    return status == SALTUS_OK ? give(l, &l->here, r->kind, 0, "", message) : status;
+}
+
+/* A test whose zero is sought. */
+typedef struct sought {
+    saltus_rest_locus *locus;
+    int test;
+} sought;
+
+static bool value_ahead(void *context, double ahead, double *value) {
+    sought *s = context;
+    saltus_rest_locus *l = s->locus;
+    saltus_message ignored;
+    saltus_status status = saltus_rest_visit(&l->rests, &l->here, ahead, &l->trial, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&l->rests.equations, l->trial.at.u, &ignored);
+    if (status == SALTUS_OK)
+        status = measure(l, &l->trial, l->there, &ignored);
+    if (saltus_rests_noted(&l->rests, status) != SALTUS_OK)
+        return false;
+    *value = l->there[s->test].value;
+    return isfinite(*value);
+}
+
+/* The points of codimension two between `here` and `next`, in order. */
+static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message) {
+    double place[tests_max];
+    int order[tests_max], count = 0;
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < tests_max; k++) {
+        sought s = {l, k};
+        double width;
+        const double near = l->tests[k].value, far = l->ahead[k].value;
+        if (!(near * far < 0) ||
+            !saltus_curve_zero(l->solver, value_ahead, &s, near, l->next.at.ahead, far, &place[k], &width))
+            continue;
+        order[count++] = k;
+        if (count == 2 && place[order[1]] < place[order[0]]) {
+            order[1] = order[0];
+            order[0] = k;
+        }
+    }
+    for (int i = 0; i < count && status == SALTUS_OK && !l->ended; i++) {
+        const int k = order[i];
+        const test *t = &l->tests[k];
+        sought s = {l, k};
+        double value;
+        if (!value_ahead(&s, place[k], &value))
+            continue;
+        status = give(l, &l->trial, t->kind, place[k], "", message);
+        if (status == SALTUS_OK && t->ends && !l->ended)
+            status = give(l, &l->trial, SALTUS_POINT_EP, place[k],
+                          "beyond it two real eigenvalues add up to zero: no Hopf points", message);
+    }
+    return status;
+}
+
+/* Whether the curve has come back to its first point in the step from `here` to `next`. */
+static bool is_closed(const saltus_rest_locus *l) {
+    const int m = l->here.at.unknowns;
+    double before = 0, after = 0, apart = 0;
+    for (int j = 0; j < m; j++) {
+        const double first = l->beginning[j], way = l->beginning[m + j];
+        before += way * (l->here.at.u[j] - first);
+        after += way * (l->next.at.u[j] - first);
+        apart = hypot(apart, l->next.at.u[j] - first);
+    }
+    return l->arclength > 5 * l->options.step_max && before * after <= 0 && apart < 2 * l->next.at.ahead;
+}
+
+/* A face that the equilibrium may not be beyond, or whose contact pulls; -1: none. */
+static int find_breach(const saltus_rest_locus *l) {
+    const double near = 1e-9;
+    for (int f = 0; f < l->rests.system->face_count; f++)
+        if (l->next.breach[f] > near && !(l->rests.kind == SALTUS_POINT_BE && f == l->rests.face))
+            return f;
+    return -1;
+}
+
+/* One step along the curve under way. */
+static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    const int first = r->width + r->held;
+    const saltus_curve_bound bounds[2] = {{first, l->border[0][0], l->border[0][1]},
+                                          {first + 1, l->border[1][0], l->border[1][1]}};
+    saltus_message why = {.text = ""};
+    int reached;
+    saltus_status status =
+        saltus_curve_step(&r->equations, &l->here.at, &l->step, bounds, 2, &l->next.at, &reached, &why);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&r->equations, l->next.at.u, &why);
+    if (status == SALTUS_OK)
+        status = saltus_rest_see(r, &l->next, &why);
+    if (status == SALTUS_OK)
+        status = measure(l, &l->next, l->ahead, &why);
+    if (status == SALTUS_NO_MEMORY)
+        return no_memory(message);
+    if (status != SALTUS_OK)
+        return give(l, &l->here, SALTUS_POINT_EP, 0, why.text, message);
+    status = give_corners(l, message);
+    if (status != SALTUS_OK || l->ended)
+        return status;
+    const double ahead = l->next.at.ahead;
+    const int face = find_breach(l);
+    if (face >= 0)
+        return give(l, &l->here, SALTUS_POINT_EP, 0,
+                    l->rests.contacts >> face & 1 ? "a contact force falls to zero"
+                                                  : "the equilibrium meets a stop",
+                    message);
+    if (is_closed(l)) {
+        l->way = l->way_count; /* the other way leads around the same curve */
+        return give(l, &l->next, SALTUS_POINT_EP, ahead, "the curve is closed: it has come back", message);
+    }
+    if (reached >= 0) {
+        const double low = l->options.low[reached], high = l->options.high[reached];
+        l->next.value[reached] = l->next.parameter[reached] == l->border[reached][1] ? high : low;
+        return give(l, &l->next, SALTUS_POINT_EP, ahead, "end of the parameters' range", message);
+    }
+    l->step = saltus_curve_next_step(l->step, l->next.at.iterations, l->options.step_max);
+    status = give(l, &l->next, r->kind, ahead, "", message);
+    l->arclength += ahead;
+    const saltus_rest swap = l->here;
+    l->here = l->next;
+    l->next = swap;
+    memcpy(l->tests, l->ahead, sizeof l->tests);
+    saltus_curve_bend(&l->next.at, &l->here.at);
+    if (status != SALTUS_OK)
+        return status;
+    return renew(l, l->here.at.u, message);
+}
+
+saltus_status saltus_rest_locus_step(saltus_rest_locus *l, saltus_branch_point *point, bool *more,
+                                     saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    *more = true;
+    while (status == SALTUS_OK && l->queue_next == l->queue_count) {
+        l->queue_next = l->queue_count = 0;
+        if (!l->ended) {
+            status = advance(l, message);
+        } else if (l->way < l->way_count) {
+            status = begin(l, message);
+        } else {
+            *more = false;
+            return status;
+        }
+        if (l->rests.starved)
+            return no_memory(message);
+    }
+    if (status == SALTUS_OK)
+        *point = l->queue[l->queue_next++];
+    return status;
+}
+
+bool saltus_rest_locus_rests(const saltus_rest_locus *l) {
+    return l->queue_next == l->queue_count;
+}
+
+/* The equations become those of the point that was read. */
+static saltus_status restore(saltus_rest_locus *l, unsigned contacts, saltus_archive *a,
+                             saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    const saltus_curve_point *at = &l->here.at;
+    const int held = saltus_count_bits(contacts);
+    double state[SALTUS_STATE_MAX] = {0};
+    a->sound = a->sound && at->unknowns == r->width + held + 2;
+    if (!a->sound)
+        return SALTUS_OK;
+    for (int i = 0; i < r->width; i++)
+        state[i < r->dof ? i : i + r->dof] = at->u[i] * r->state_scale[i < r->dof ? i : i + r->dof];
+    return saltus_rests_shape(r, contacts, state, at->u + r->width + held, message);
+}
+
+saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    const unsigned contacts = (unsigned)saltus_archive_whole(a, r->contacts, 0, (1LL << a->faces) - 1);
+    r->face = (int)saltus_archive_whole(a, r->face, -1, a->faces - 1);
+    l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
+    l->number = (int)saltus_archive_whole(a, l->number, 0, 1);
+    l->made = (int)saltus_archive_whole(a, l->made, 0, INT_MAX);
+    l->ended = saltus_archive_flag(a, l->ended);
+    saltus_archive_finite(a, &l->arclength, 1);
+    saltus_archive_finite(a, &l->step, 1);
+    saltus_archive_real(a, &l->square);
+    saltus_archive_real(a, &l->first_square);
+    for (int k = 0; k < tests_max; k++) {
+        l->tests[k].kind =
+            (saltus_point_kind)saltus_archive_whole(a, l->tests[k].kind, 0, SALTUS_POINT_KINDS - 1);
+        l->tests[k].ends = saltus_archive_flag(a, l->tests[k].ends);
+        saltus_archive_real(a, &l->tests[k].value);
+    }
+    saltus_archive_point(a, &l->here.at);
+    saltus_archive_array(a, &l->beginning, 2 * (size_t)l->here.at.unknowns);
+    saltus_status status = a->reading ? restore(l, contacts, a, message) : SALTUS_OK;
+    if (status == SALTUS_OK && a->sound)
+        saltus_archive_finite(a, r->row_scale, (size_t)r->width);
+    if (status != SALTUS_OK || !a->reading || !a->sound)
+        return status;
+    r->square = l->square;
+    status = saltus_rest_see(r, &l->here, message);
+    return status == SALTUS_OK ? renew(l, l->here.at.u, message) : status;
+}

@@ -1,0 +1,171 @@
+/* Equilibria as points of a branch, and special ones between two of them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/rest_point.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *saltus_rest_label(unsigned contacts) {
+    return contacts ? "held" : "equilibrium";
+}
+
+saltus_status saltus_rest_point(const saltus_rests *r, const saltus_rest *s, saltus_branch_point *point,
+                                saltus_message *message) {
+    const size_t n = (size_t)r->n;
+    saltus_spec spec = saltus_family_spec(&r->family, s->parameter, 0);
+    /* What the parameter's rounding leaves to the equilibrium's value, as on a border of the range. */
+    const double rest = s->value[0] - (r->origin[0] + r->family.unit[0] * s->parameter[0]);
+    *point = (saltus_branch_point){.value = {s->value[0], r->family.parameters > 1 ? s->value[1] : NAN},
+                                   .heading = s->at.tangent[s->at.unknowns - r->family.parameters] *
+                                              r->family.unit[0],
+                                   .spec = saltus_spec_shifted(&spec, &r->family.direction[0], rest),
+                                   .period = NAN,
+                                   .dimension = r->n,
+                                   .unstable = s->unstable,
+                                   .stable = s->stable,
+                                   .admissible = true,
+                                   .residual = s->at.residual,
+                                   .iterations = s->at.iterations,
+                                   .log_volume = 0,
+                                   .sum_rule = s->trace,
+                                   .grazing_time = NAN,
+                                   .contact_force = NAN,
+                                   .lyapunov_coefficient = NAN,
+                                   .state = calloc(n, sizeof *point->state),
+                                   .events = calloc(1, sizeof *point->events),
+                                   .multipliers = calloc(n, sizeof *point->multipliers),
+                                   .multiplier_count = s->rate_count};
+    if (!point->state || !point->events || !point->multipliers) {
+        saltus_branch_point_clear(point);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a point of a branch");
+    }
+    memcpy(point->state, s->state, n * sizeof *s->state);
+    for (int k = 0; k < r->n; k++)
+        point->multipliers[k] = k < s->rate_count ? s->rates[k] : (saltus_multiplier){NAN, NAN, NAN};
+    for (int k = 0; k < s->rate_count; k++)
+        point->log_volume += s->rates[k].re;
+    for (int f = 0; f < r->system->face_count; f++)
+        if (s->contacts >> f & 1)
+            point->contact_force = fmin(point->contact_force, s->force[f]);
+    snprintf(point->label, sizeof point->label, "%s", saltus_rest_label(s->contacts));
+    return SALTUS_OK;
+}
+
+void saltus_rest_touch(const saltus_rests *r, int face, saltus_branch_point *point) {
+    const saltus_face f = r->system->faces[face];
+    point->grazing_time = 0;
+    point->grazing_stop = f.stop + 1;
+    point->grazing_side = f.side;
+}
+
+double saltus_rest_value(saltus_rest_asked asked, const saltus_rest *s, const saltus_rest *from) {
+    switch (asked.test) {
+    case SALTUS_REST_FOLD:
+        return s->at.tangent[s->at.unknowns - 1];
+    case SALTUS_REST_CROSSING:
+        return saltus_scaled_in(s->at.crossing, from->at.crossing.exponent);
+    case SALTUS_REST_PAIRS:
+        return saltus_scaled_in(s->pairs, from->pairs.exponent);
+    case SALTUS_REST_BREACH:
+        /* A step begins on the admissible side, where the contact was just made or given up. */
+        return s == from ? fmin(s->breach[asked.face], -1e-300) : s->breach[asked.face];
+    default:
+        return s->value[0] - asked.target;
+    }
+}
+
+/* A zero under way. */
+typedef struct sought {
+    saltus_rests *rests;
+    saltus_rest_asked asked;
+    const saltus_rest *from;
+    saltus_rest *out;
+} sought;
+
+static bool value_ahead(void *context, double ahead, double *value) {
+    sought *s = context;
+    saltus_message ignored;
+    if (saltus_rest_visit(s->rests, s->from, ahead, s->out, &ignored) != SALTUS_OK)
+        return false;
+    *value = saltus_rest_value(s->asked, s->out, s->from);
+    return true;
+}
+
+/* How far along the curve the zero may be off by rounding: what points beside it scatter by. */
+static double scatter(sought *s, double ahead) {
+    const double apart = 1e-7;
+    double value[3];
+    for (int k = 0; k < 3; k++)
+        if (!value_ahead(s, ahead + (k - 1) * apart, &value[k]))
+            return apart;
+    const double slope = fabs(value[2] - value[0]) / (2 * apart);
+    const double off = fabs(value[1]) + fabs(value[1] - 0.5 * (value[0] + value[2]));
+    return slope > 0 ? fmin(off / slope, apart) : apart;
+}
+
+saltus_zero saltus_rest_zero(saltus_rests *r, gsl_root_fsolver *solver, saltus_rest_asked asked,
+                             const saltus_rest *from, const saltus_rest *to, saltus_rest *out) {
+    sought s = {r, asked, from, out};
+    saltus_zero zero = {.accuracy = INFINITY};
+    saltus_message ignored;
+    double width = 0;
+    const double near = saltus_rest_value(asked, from, from), far = saltus_rest_value(asked, to, from);
+    zero.ahead = to->at.ahead;
+    if (far != 0 && !saltus_curve_zero(solver, value_ahead, &s, near, to->at.ahead, far, &zero.ahead, &width))
+        return zero;
+    const double off = scatter(&s, zero.ahead) + width;
+    zero.found = saltus_rest_visit(r, from, zero.ahead, out, &ignored) == SALTUS_OK;
+    const double heading = fabs(out->at.tangent[out->at.unknowns - 1]);
+    zero.accuracy = r->family.unit[0] * (off * fmax(heading, off) + DBL_EPSILON);
+    return zero;
+}
+
+saltus_zero saltus_rest_crossing(saltus_rests *r, const saltus_rest *from, double ahead, double reach,
+                                 saltus_rest *out) {
+    enum { samples = 6, passes = 3 };
+    static const double place[samples] = {-1, 1, -2, 2, -3, 3};
+    const saltus_rest_asked asked = {.test = SALTUS_REST_CROSSING};
+    const int m = from->at.unknowns;
+    double test[samples], apart = fmin(0.1 * reach, 4e-3), middle = ahead;
+    double *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *best = u + m * samples;
+    saltus_message ignored;
+    saltus_zero zero = {.accuracy = INFINITY};
+    bool sound = saltus_rests_noted(r, u ? SALTUS_OK : SALTUS_NO_MEMORY) == SALTUS_OK;
+    for (int pass = 0; pass < passes && sound; pass++) {
+        for (int k = 0; k < samples && sound; k++) {
+            sound = saltus_rest_visit(r, from, middle + place[k] * apart, out, &ignored) == SALTUS_OK;
+            test[k] = sound ? saltus_rest_value(asked, out, from) : 0;
+            for (int j = 0; j < m && sound; j++)
+                u[j * samples + k] = out->at.u[j];
+            sound = sound && (pass == 0 || k % 2 == 0 || test[k] * test[k - 1] < 0);
+        }
+        if (!sound)
+            break;
+        const double *last = u + (m - 1) * samples;
+        const double at = saltus_curve_interpolate(test, last, samples);
+        const double spread = fabs(at - saltus_curve_interpolate(test, last, samples - 2));
+        zero.ahead = 0;
+        for (int j = 0; j < m; j++) {
+            best[j] = saltus_curve_interpolate(test, u + j * samples, samples);
+            zero.ahead += (best[j] - from->at.u[j]) * from->at.tangent[j];
+        }
+        zero.found = pass > 0;
+        zero.accuracy = r->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
+        middle = zero.ahead;
+        apart = fmin(apart, 3e-4);
+    }
+    if (zero.found) {
+        memcpy(out->at.u, best, (size_t)m * sizeof *best);
+        out->at.ahead = zero.ahead;
+        saltus_status status = saltus_equations_evaluate(&r->equations, out->at.u, &ignored);
+        if (status == SALTUS_OK)
+            status = saltus_rest_see(r, out, &ignored);
+        zero.found = saltus_rests_noted(r, status) == SALTUS_OK;
+        out->at.residual = r->equations.size;
+    }
+    free(u);
+    return zero;
+}

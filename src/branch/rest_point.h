@@ -1,0 +1,44 @@
+/* Private: equilibria as points of a branch, and special ones between two of them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BRANCH_REST_POINT_H
+#define SALTUS_BRANCH_REST_POINT_H
+
+#include "branch/rest.h"
+#include "branch/solution.h"
+
+/* All that an equilibrium tells of a point; it owns its arrays: saltus_branch_point_clear. Errors:
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_rest_point(const saltus_rests *rests, const saltus_rest *rest,
+                                saltus_branch_point *point, saltus_message *message);
+/* The same stop and side as what is touched at grazing. */
+void saltus_rest_touch(const saltus_rests *rests, int face, saltus_branch_point *point);
+/* "equilibrium" or "held". */
+const char *saltus_rest_label(unsigned contacts);
+
+/* Functions whose zeros along a branch of equilibria are special points. */
+typedef enum saltus_rest_test {
+    SALTUS_REST_FOLD,     /* the parameter's share of the tangent */
+    SALTUS_REST_CROSSING, /* `crossing` */
+    SALTUS_REST_PAIRS,    /* `pairs` */
+    SALTUS_REST_BREACH,   /* of a face */
+    SALTUS_REST_VALUE     /* the parameter minus a target */
+} saltus_rest_test;
+
+/* A test, and what it needs. */
+typedef struct saltus_rest_asked {
+    saltus_rest_test test;
+    int face;
+    double target;
+} saltus_rest_asked;
+
+/* The value at an equilibrium, products in units of those at another. */
+double saltus_rest_value(saltus_rest_asked asked, const saltus_rest *rest, const saltus_rest *from);
+/* Its zero between `from` and `to`, one of which may have it; `out` becomes the point there. */
+saltus_zero saltus_rest_zero(saltus_rests *rests, gsl_root_fsolver *solver, saltus_rest_asked asked,
+                             const saltus_rest *from, const saltus_rest *to, saltus_rest *out);
+/* The point where branches cross near `ahead` from `from`: its equations are singular, so it is interpolated
+ * from points around it, not further than a tenth of `reach`. */
+saltus_zero saltus_rest_crossing(saltus_rests *rests, const saltus_rest *from, double ahead, double reach,
+                                 saltus_rest *out);
+
+#endif

@@ -1,0 +1,126 @@
+/* How many orders a step's series need.
+ *
+ * Most steps end where their series of full degree do. A flight between the impacts of a chatter ends long
+ * before, and so does the last step to a target that is near: there a few orders do. How long it will last is
+ * told by the first orders of the gap's series, which are expanded first; how many more it takes follows from
+ * them and from a bound on the linear part's rate, and is checked as any step is: the event must come in the
+ * first half of what the tolerance allows. Otherwise the expansion goes on to the full degree. Only a lane's
+ * own state decides, so its bits do not depend on its neighbours.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
+
+#include <math.h>
+
+enum { first_orders = 4 };
+/* Of the step that the tolerance allows a series, this is left unused. */
+static const double margin = 2;
+/* In periods: what surely moves the clock. */
+static const double clock = 1e-12;
+
+/* Steps of lower orders are stable to shorter lengths, at worst in proportion. */
+static double stable_step(const saltus_flow *flow, int lane, int degree) {
+    return flow->work.lane->limit[lane] * degree / flow->lane[lane].degree;
+}
+
+double saltus_flow_brief(const saltus_system *system, int degree, double rtol) {
+    const int less = degree - 2;
+    return exp((log(rtol) + lgamma(less + 1)) / less) / (margin * system->rate);
+}
+
+/* The degree at which the way ahead is within the tolerance, from what the first orders allow: each further
+ * order adds a factor of at most rate * time / order. At most the lane's own. */
+static int degree_for(const saltus_flow *flow, int lane, double ahead) {
+    const double reached = margin * ahead, turn = reached * flow->lane[lane].system->rate;
+    const double part = reached / flow->work.lane->step[lane];
+    double term = part * part * part * part;
+    int degree = first_orders;
+    while (degree < flow->lane[lane].degree && !(term <= 1 && reached <= stable_step(flow, lane, degree))) {
+        term *= turn / (degree + 1) * (turn / (degree + 2));
+        degree += 2;
+    }
+    return degree < flow->lane[lane].degree ? degree : flow->lane[lane].degree;
+}
+
+static void set_degree(saltus_flow *flow, int lane, int degree) {
+    flow->work.lane->degree[lane] = degree;
+    flow->shortened |= degree < flow->lane[lane].degree;
+}
+
+static void set_full_degrees(saltus_flow *flow) {
+    for (int l = 0; l < flow->lanes; l++)
+        flow->work.lane->degree[l] = flow->lane[l].degree;
+    flow->shortened = false;
+    saltus_work_settle_degrees(&flow->work);
+}
+
+static void expand(saltus_flow *flow, int from, int to) {
+    saltus_fixed_expand(&flow->fixed, flow->kernel, flow->lane[0].system, &flow->work, from, to);
+}
+
+/* After the first orders: degrees of the lanes that are `hasty`, a bit each; the way ahead of these. */
+static void choose_degrees(saltus_flow *flow, unsigned hasty, double *ahead) {
+    saltus_work *w = &flow->work;
+    for (int l = 0; l < flow->lanes; l++)
+        if (hasty >> l & 1)
+            w->lane->degree[l] = first_orders;
+    saltus_work_settle_degrees(w);
+    flow->kernel->measure(w);
+    for (int l = 0; l < flow->lanes; l++) {
+        if (!(hasty >> l & 1))
+            continue;
+        ahead[l] = fmin(w->lane->left[l], saltus_events_forecast(flow, l));
+        set_degree(flow, l, degree_for(flow, l, ahead[l]));
+    }
+    saltus_work_settle_degrees(w);
+}
+
+static bool is_short(const saltus_flow *flow, int lane) {
+    return flow->work.lane->degree[lane] < flow->lane[lane].degree;
+}
+
+/* Full degrees for the lanes whose series do not reach as far as they should; whether there are any. */
+static bool raise_degrees(saltus_flow *flow, const double *ahead) {
+    saltus_work *w = &flow->work;
+    bool missed = false;
+    for (int l = 0; l < flow->lanes; l++)
+        if (is_short(flow, l) && !(margin * ahead[l] <= w->lane->step[l])) {
+            w->lane->degree[l] = flow->lane[l].degree;
+            missed = true;
+        }
+    saltus_work_settle_degrees(w);
+    return missed;
+}
+
+void saltus_flow_expand(saltus_flow *flow) {
+    saltus_work *w = &flow->work;
+    double ahead[SALTUS_LANES_MAX];
+    unsigned hasty = 0;
+    if (flow->shortened)
+        set_full_degrees(flow);
+    for (int l = 0; l < flow->lanes; l++) {
+        const saltus_lane *self = &flow->lane[l];
+        if (self->target.aimed && self->hold.count == 0 &&
+            fmin(self->flight, w->lane->left[l]) <= self->brief)
+            hasty |= 1u << l;
+    }
+    const int full = w->degree_most;
+    if (hasty) {
+        expand(flow, 0, first_orders);
+        choose_degrees(flow, hasty, ahead);
+    }
+    const int some = w->degree_most;
+    if (!hasty || some > first_orders) {
+        expand(flow, hasty ? first_orders : 0, some);
+        flow->kernel->measure(w);
+    }
+    if (!flow->shortened)
+        return;
+    if (raise_degrees(flow, ahead)) {
+        if (some < full)
+            expand(flow, some, w->degree_most);
+        flow->kernel->measure(w);
+    }
+    for (int l = 0; l < flow->lanes; l++)
+        if (is_short(flow, l))
+            w->lane->step[l] = fmin(w->lane->step[l], fmax(margin * ahead[l], clock * w->lane->period[l]));
+}

@@ -1,0 +1,63 @@
+/* Returns of a trajectory without forcing to its section.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "motion/visits.h"
+
+#include <stdlib.h>
+
+bool saltus_visits_open(saltus_visits *v, int dimension, int longest, double near) {
+    *v = (saltus_visits){0};
+    bool sound = saltus_settling_open(&v->settling, dimension, longest, near);
+    v->times = calloc((size_t)v->settling.size, sizeof *v->times);
+    return sound && v->times;
+}
+
+void saltus_visits_close(saltus_visits *v) {
+    saltus_settling_close(&v->settling);
+    free(v->times);
+    *v = (saltus_visits){0};
+}
+
+void saltus_visits_reset(saltus_visits *v, const saltus_system *system) {
+    saltus_settling_reset(&v->settling, system);
+    v->returns = (saltus_crossings){0};
+}
+
+void saltus_visits_take(saltus_visits *v, const saltus_flow *flow, int lane, const saltus_event *event,
+                        const double *state, saltus_flow_info done) {
+    v->done = done;
+    saltus_crossings_take(&v->returns, flow, lane, event, state);
+}
+
+bool saltus_visits_next(saltus_visits *v, const saltus_flow *flow, int lane, double *state) {
+    saltus_time time;
+    int change;
+    while ((change = saltus_crossings_next(&v->returns, flow, lane, state, &time)) != 0)
+        if (change > 0 && !v->returns.falling) {
+            v->times[v->settling.count % v->settling.size] = saltus_time_periods(time);
+            saltus_settling_add(&v->settling, state, v->done.impacts, v->done.sticks + v->done.releases);
+            return true;
+        }
+    return false;
+}
+
+double saltus_visits_last(const saltus_visits *v) {
+    return v->times[(v->settling.count - 1) % v->settling.size];
+}
+
+double saltus_visits_taken(const saltus_visits *v, int returns) {
+    long long now = v->settling.count - 1;
+    return saltus_visits_last(v) - v->times[(now - returns) % v->settling.size];
+}
+
+saltus_status saltus_visits_count(const saltus_visits *v, const saltus_system *system,
+                                  saltus_system **counted, saltus_message *message) {
+    enum { few = 16 };
+    const saltus_settling *r = &v->settling;
+    *counted = NULL;
+    if (r->count < few)
+        return SALTUS_OK;
+    int span = r->count <= r->size ? (int)r->count - 1 : r->size - 1;
+    saltus_spec spec = *saltus_system_spec(system);
+    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) * span / saltus_visits_taken(v, span));
+    return saltus_system_new(&spec, counted, message);
+}

@@ -1,0 +1,46 @@
+/* The motion that keeps given contacts, in coordinates of its own.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/held.h"
+
+#include "base/bits.h"
+#include "base/dense.h"
+#include "system/system.h"
+
+#include <string.h>
+
+bool saltus_held_basis(const saltus_system *system, unsigned contacts, double *basis, double *scratch,
+                       int *rows) {
+    int n = system->dimension, dof = system->dof, held = saltus_count_bits(contacts), width = dof - held;
+    double *normals = scratch, *free_rows = normals + held * dof, *values = free_rows + width * dof;
+    memset(basis, 0, (size_t)(n * n) * sizeof *basis);
+    for (int f = 0, row = 0; f < system->face_count; f++)
+        if (contacts >> f & 1)
+            memcpy(normals + dof * row++, system->stop_normal[system->faces[f].stop],
+                   (size_t)dof * sizeof *normals);
+    if (held > 0 && width > 0 &&
+        saltus_dense_null_vectors(normals, held, dof, width, free_rows, values) != SALTUS_OK)
+        return false;
+    *rows = 2 * width + system->extra;
+    for (int i = 0; i < width; i++)
+        for (int j = 0; j < dof; j++)
+            basis[i * n + j] = basis[(width + i) * n + dof + j] = held ? free_rows[i * dof + j] : i == j;
+    for (int i = 0; i < system->extra; i++)
+        basis[(2 * width + i) * n + 2 * dof + i] = 1;
+    return true;
+}
+
+void saltus_held_reduce(const double *basis, int rows, int n, const double *jacobian, double *scratch,
+                        double *matrix) {
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < n; j++) {
+            scratch[i * n + j] = 0;
+            for (int k = 0; k < n; k++)
+                scratch[i * n + j] += basis[i * n + k] * jacobian[j * n + k];
+        }
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < rows; j++) {
+            matrix[i * rows + j] = 0;
+            for (int k = 0; k < n; k++)
+                matrix[i * rows + j] += scratch[i * n + k] * basis[j * n + k];
+        }
+}

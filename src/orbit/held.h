@@ -1,0 +1,18 @@
+/* Private: the motion that keeps given contacts, in coordinates of its own.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_ORBIT_HELD_H
+#define SALTUS_ORBIT_HELD_H
+
+#include "saltus/system.h"
+
+/* An orthonormal basis of the displacements and velocities that keep the contacts, and of the extra states:
+ * rows of length n, their number to *rows. `basis` and `scratch` have room for n x n numbers. False without
+ * memory. */
+bool saltus_held_basis(const saltus_system *system, unsigned contacts, double *basis, double *scratch,
+                       int *rows);
+/* The Jacobian (n columns, as saltus_flow_tangent_field has it with the contacts held) in these coordinates,
+ * rows x rows; `scratch` as above. */
+void saltus_held_reduce(const double *basis, int rows, int n, const double *jacobian, double *scratch,
+                        double *matrix);
+
+#endif

@@ -1,0 +1,411 @@
+/* Returns of a motion without forcing to its section, and the cycles counted by them.
+ *
+ * Where an expression chooses the section, each step is looked at through polynomials of its values along the
+ * dense output, whose rises through zero are isolated (flow/isolate.h) and then refined on the expression
+ * itself. The sign is carried from step to step, so that neither a zero at a step's end nor a jump at an
+ * impact is lost or met twice.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/poincare.h"
+
+#include "flow/isolate.h"
+#include "system/state.h"
+#include "system/system.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+unsigned saltus_crossings_watch(const saltus_system *system) {
+    switch (saltus_system_poincare(system).kind) {
+    case SALTUS_POINCARE_IMPACT:
+        return SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK;
+    case SALTUS_POINCARE_ZERO:
+        return SALTUS_WATCH_CONTACT | SALTUS_WATCH_STEP;
+    default:
+        return SALTUS_WATCH_IMPACT | SALTUS_WATCH_STICK | SALTUS_WATCH_TURNING;
+    }
+}
+
+/* The observed velocity before an impact, from that after it and the impulse. */
+static double velocity_before(const saltus_system *system, const saltus_event *event, double after) {
+    int stop = saltus_system_face(system, event->face).stop;
+    double share = saltus_system_observed(system, system->stop_impulse[stop]);
+    return after - share * (event->velocity_after - event->velocity_before);
+}
+
+static bool is_maximum(const saltus_system *system, const saltus_event *event, const double *state) {
+    const double rounding = 1e-12; /* of the velocity before, after an impact without rebound */
+    if (event->kind == SALTUS_TURNING)
+        return event->velocity_before < 0;
+    if (!saltus_event_strikes(event))
+        return false;
+    double after = saltus_system_observed(system, state + saltus_system_dof(system)),
+           before = velocity_before(system, event, after);
+    return before > 0 && after <= rounding * before;
+}
+
+static bool is_return(const saltus_system *system, const saltus_event *event, const double *state) {
+    const saltus_poincare section = saltus_system_poincare(system);
+    if (section.kind == SALTUS_POINCARE_MAXIMA)
+        return is_maximum(system, event, state);
+    if (!saltus_event_strikes(event))
+        return false;
+    saltus_face face = saltus_system_face(system, event->face);
+    return face.stop == section.stop && (section.side == 0 || section.side == face.side);
+}
+
+/* By how much an event changes the number of returns. */
+static int count(saltus_crossings *r, const saltus_system *system, const saltus_event *event,
+                 const double *state) {
+    const bool impact = event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK;
+    int change = 0;
+    if (is_return(system, event, state)) {
+        double speed = fabs(event->velocity_before);
+        change = 1;
+        r->falling = impact && r->run > 0 && r->face == event->face && speed < r->speed;
+        r->run = !impact ? 0 : r->run > 0 && r->face == event->face ? r->run + 1 : 1;
+        r->face = event->face;
+        r->speed = speed;
+    }
+    if (event->kind == SALTUS_STICK && r->run > 1 && r->face == event->face) {
+        change -= r->run - 1;
+        r->run = 1;
+    }
+    return change;
+}
+
+enum { pieces = 4, degree = 8 }; /* in which a step is looked at, and of their polynomials */
+
+static double value_since(const saltus_flow *flow, int lane, double since) {
+    double state[SALTUS_STATE_MAX];
+    saltus_flow_dense(flow, lane, since, state);
+    return saltus_system_poincare_value(saltus_flow_system(flow, lane), state);
+}
+
+/* Powers of s in [0, 1] from values at Lobatto's Chebyshev points: divided differences, multiplied out. */
+static void interpolate(const double *points, const double *values, double *powers) {
+    double difference[degree + 1];
+    memcpy(difference, values, sizeof difference);
+    for (int k = 1; k <= degree; k++)
+        for (int i = degree; i >= k; i--)
+            difference[i] = (difference[i] - difference[i - 1]) / (points[i] - points[i - k]);
+    memset(powers, 0, (degree + 1) * sizeof *powers);
+    for (int k = degree; k >= 0; k--) {
+        for (int i = degree; i > 0; i--)
+            powers[i] = powers[i - 1] - points[k] * powers[i];
+        powers[0] = difference[k] - points[k] * powers[0];
+    }
+}
+
+/* The zero of the expression itself next to that of its polynomial, by bisection between signs where there
+ * are two. */
+static double refine(const saltus_flow *flow, int lane, double guess, double begin, double end) {
+    const double around = 1e-3 * (end - begin);
+    double low = fmax(begin, guess - around), high = fmin(end, guess + around);
+    if (!(value_since(flow, lane, low) < 0 && value_since(flow, lane, high) >= 0))
+        return guess;
+    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high))
+        *(value_since(flow, lane, middle) < 0 ? &low : &high) = middle;
+    return high;
+}
+
+static void add_zero(saltus_crossings *r, double since) {
+    if (r->zeros < SALTUS_ZEROS_MAX)
+        r->zero[r->zeros++] = since;
+}
+
+/* A piece of a step. A zero that has been met is not met again where rounding brings the sign back. */
+static void look(saltus_crossings *r, const saltus_flow *flow, int lane, double begin, double end) {
+    double points[degree + 1], values[degree + 1], powers[degree + 1], root, rounding = 0;
+    bool met = false;
+    for (int k = 0; k <= degree; k++) {
+        points[k] = 0.5 - 0.5 * cos(M_PI * k / degree);
+        values[k] = value_since(flow, lane, begin + points[k] * (end - begin));
+        rounding = fmax(rounding, 1e-12 * fabs(values[k]));
+    }
+    if (r->begun && r->below && (values[0] >= 0 || (values[0] > -rounding && values[1] >= 0))) {
+        add_zero(r, begin);
+        met = true;
+    }
+    if (r->begun && (met || !r->below) && values[0] > -rounding)
+        values[0] = fmax(values[0], rounding);
+    interpolate(points, values, powers);
+    /* The polynomial's own rounding may hide a rise at the very end. */
+    bool rises = saltus_isolate_rise(powers, degree, &root), ends_above = values[degree] >= 0;
+    double zero = rises ? refine(flow, lane, begin + root * (end - begin), begin, end) : end;
+    if (rises ? zero < end || ends_above : values[0] < 0 && ends_above) {
+        add_zero(r, zero);
+        met = true;
+    }
+    r->begun = true;
+    r->below = values[degree] < (met ? -rounding : 0);
+}
+
+void saltus_crossings_take(saltus_crossings *r, const saltus_flow *flow, int lane, const saltus_event *event,
+                           const double *state) {
+    const saltus_system *system = saltus_flow_system(flow, lane);
+    r->change = r->zeros = r->told = 0;
+    r->time = event->time;
+    if (saltus_system_poincare(system).kind != SALTUS_POINCARE_ZERO) {
+        r->change = event->kind == SALTUS_REACHED ? 0 : count(r, system, event, state);
+        return;
+    }
+    const double length = saltus_flow_step_length(flow, lane);
+    r->falling = false;
+    for (int k = 0; k < pieces && length > 0; k++)
+        look(r, flow, lane, length * k / pieces, length * (k + 1) / pieces);
+}
+
+int saltus_crossings_next(saltus_crossings *r, const saltus_flow *flow, int lane, double *state,
+                          saltus_time *time) {
+    *time = r->time;
+    if (r->told < r->zeros) {
+        double since = r->zero[r->told++];
+        saltus_time begin = saltus_flow_step_begin(flow, lane);
+        saltus_flow_dense(flow, lane, since, state);
+        *time = saltus_time_of(begin.phase + since / saltus_system_period(saltus_flow_system(flow, lane)));
+        time->cycle += begin.cycle;
+        saltus_state_admit(saltus_flow_system(flow, lane), state);
+        return 1;
+    }
+    int change = r->change;
+    r->change = 0;
+    /* Rounding must not leave a section point beyond the stop that it lies on. */
+    if (change > 0 && r->run > 0)
+        saltus_state_admit(saltus_flow_system(flow, lane), state);
+    return change;
+}
+
+/* The returns of a lap: time, rank, state. */
+typedef struct section {
+    saltus_crossings returns;
+    int n, count, room;
+    double *rows;
+} section;
+
+static double *row_of(const section *s, int k) {
+    return s->rows + (size_t)k * (size_t)(s->n + 2);
+}
+
+/* What section points are ordered by. */
+static double rank_of(const saltus_system *system, const saltus_event *event, const double *state) {
+    switch (saltus_system_poincare(system).kind) {
+    case SALTUS_POINCARE_IMPACT:
+        return fabs(event->velocity_before);
+    case SALTUS_POINCARE_ZERO:
+        return saltus_system_observed(system, state);
+    default:
+        return saltus_event_displacement(system, event, state);
+    }
+}
+
+static bool add_row(section *s, double time, double rank, const double *state) {
+    if (s->count == s->room) {
+        int room = s->room ? 2 * s->room : 8;
+        double *grown = realloc(s->rows, (size_t)room * (size_t)(s->n + 2) * sizeof *grown);
+        if (!grown)
+            return false;
+        s->rows = grown;
+        s->room = room;
+    }
+    double *row = row_of(s, s->count++);
+    row[0] = time;
+    row[1] = rank;
+    memcpy(row + 2, state, (size_t)s->n * sizeof *state);
+    return true;
+}
+
+/* Note the returns that an event tells of. */
+static bool note(section *s, const saltus_flow *flow, const saltus_event *event, const double *now) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    double state[SALTUS_STATE_MAX];
+    saltus_time time;
+    int change;
+    bool room = true;
+    saltus_crossings_take(&s->returns, flow, 0, event, now);
+    memcpy(state, now, (size_t)s->n * sizeof *state);
+    while (room && (change = saltus_crossings_next(&s->returns, flow, 0, state, &time)) != 0) {
+        s->count += change < 0 ? change : 0;
+        if (change > 0)
+            room = add_row(s, saltus_time_periods(time), rank_of(system, event, state), state);
+    }
+    return room;
+}
+
+/* Whether a row comes before another: by rank, and where zeros of an expression all have one, by the first
+ * entry of the state that tells them apart. */
+static bool is_higher(const section *s, const saltus_system *system, int a, int b) {
+    const double alike = 1e-6, *p = row_of(s, a), *q = row_of(s, b);
+    if (saltus_system_poincare(system).kind != SALTUS_POINCARE_ZERO)
+        return p[1] > q[1];
+    for (int i = 0; i < s->n; i++)
+        if (fabs(p[2 + i] - q[2 + i]) > alike * saltus_system_scale(system)[i])
+            return p[2 + i] > q[2 + i];
+    return false;
+}
+
+/* Times of a lap are counted from `origin` on. */
+static void shift_events(saltus_lap *lap, double origin) {
+    int first = 0;
+    for (int k = 0; k < lap->event_count; k++) {
+        double time = saltus_time_periods(lap->events[k].time) - origin;
+        first += time < 0;
+        lap->events[k].time = saltus_time_of(time < 0 ? time + 1 : time);
+    }
+    for (int turn = 0; turn < first; turn++) {
+        saltus_event event = lap->events[0];
+        memmove(lap->events, lap->events + 1, (size_t)(lap->event_count - 1) * sizeof event);
+        lap->events[lap->event_count - 1] = event;
+    }
+}
+
+/* The section's rows become the lap's points, from the highest on. */
+static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *system, const double *state) {
+    size_t n = (size_t)s->n;
+    int highest = 0;
+    lap->periods = s->count > 0 ? s->count : 1;
+    if (!saltus_lap_reserve(lap, lap->periods, s->n))
+        return false;
+    memcpy(lap->points, state, n * sizeof *state);
+    for (int k = 1; k < s->count; k++)
+        if (is_higher(s, system, k, highest))
+            highest = k;
+    for (int k = 0; k < s->count; k++)
+        memcpy(lap->points + (size_t)k * n, row_of(s, (highest + k) % s->count) + 2, n * sizeof *state);
+    if (s->count > 0)
+        shift_events(lap, row_of(s, highest)[0]);
+    return true;
+}
+
+/* When the next event or return after an event comes, in periods; 0 where that tells of none. */
+static double coming(saltus_crossings *returns, const saltus_flow *flow, const saltus_event *event) {
+    const double own = 1e-6; /* so soon it is the event that the start is at */
+    double state[SALTUS_STATE_MAX], next = event->kind == SALTUS_STEP ? 0 : saltus_time_periods(event->time);
+    saltus_time time;
+    next = next > own ? next : 0;
+    saltus_flow_state(flow, 0, state);
+    saltus_crossings_take(returns, flow, 0, event, state);
+    while (saltus_crossings_next(returns, flow, 0, state, &time) != 0) {
+        double at = saltus_time_periods(time);
+        if (at > own && (next == 0 || at < next))
+            next = at;
+    }
+    return next;
+}
+
+saltus_status saltus_cycle_leave(saltus_flow *flow, double *state, double *later, saltus_message *message) {
+    const unsigned watch =
+        SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | saltus_crossings_watch(saltus_flow_system(flow, 0));
+    saltus_crossings returns = {0};
+    saltus_event event = {.kind = SALTUS_STEP};
+    double next = 0;
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    while (status == SALTUS_OK && next == 0) {
+        status = saltus_flow_advance(flow, (saltus_time){1, 0}, watch, &event, message);
+        if (status == SALTUS_OK)
+            next = coming(&returns, flow, &event);
+    }
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(flow, saltus_time_of(0.5 * next), 0, &event, message);
+    *later = 0.5 * next;
+    saltus_flow_state(flow, 0, state);
+    return status;
+}
+
+saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double *start,
+                               saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    const unsigned watch = SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | saltus_crossings_watch(system);
+    section s = {.n = saltus_system_dimension(system)};
+    double state[SALTUS_STATE_MAX], later;
+    saltus_event event = {.kind = SALTUS_STEP};
+    bool room = true;
+    memcpy(state, start, (size_t)s.n * sizeof *state);
+    saltus_status status = saltus_cycle_leave(flow, state, &later, message);
+    saltus_lap_begin(lap, system, state);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    while (status == SALTUS_OK && room && event.kind != SALTUS_REACHED) {
+        status = saltus_flow_advance(flow, (saltus_time){1, 0}, watch, &event, message);
+        saltus_flow_state(flow, 0, state);
+        if (status == SALTUS_OK)
+            room = saltus_lap_add(lap, &event, state) && note(&s, flow, &event, state);
+    }
+    if (status == SALTUS_OK && room) {
+        lap->contacts = saltus_flow_contacts(flow, 0);
+        lap->square = saltus_flow_information(flow, 0).square;
+        lap->watched = 1;
+        room = hand_over(lap, &s, system, start);
+        if (room)
+            saltus_flow_state(flow, 0, lap->end);
+    }
+    free(s.rows);
+    return room ? status : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
+}
+
+static saltus_status clock_by(const saltus_system *system, double omega, saltus_system **clocked,
+                              saltus_message *message) {
+    saltus_spec spec = *saltus_system_spec(system);
+    saltus_spec_set_omega(&spec, omega);
+    return saltus_system_new(&spec, clocked, message);
+}
+
+/* A rest closes after any time: how far the flow would go in a period at the orbit's speed at its base, in
+ * the state's scales. */
+static saltus_status base_speed(saltus_flow *flow, const double *state, double *speed,
+                                saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    const double *scale = saltus_system_scale(system);
+    double field[SALTUS_STATE_MAX];
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    *speed = 0;
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_field(flow, 0, field);
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        *speed = fmax(*speed, fabs(field[i]) / scale[i] * saltus_system_period(system));
+    return status;
+}
+
+saltus_status saltus_cycle_polish(const saltus_system *system, const double *guess,
+                                  const saltus_orbit_options *options, saltus_orbit *orbit,
+                                  saltus_system **clocked, saltus_lap *lap, saltus_message *message) {
+    saltus_orbit_options shooting = *options;
+    saltus_flow *flow = NULL;
+    const double still = 1e-9;
+    double speed;
+    int part = 1;
+    shooting.free_period = true;
+    *clocked = NULL;
+    saltus_status status = saltus_orbit_find(system, 1, guess, &shooting, orbit, message);
+    if (status == SALTUS_OK)
+        status = clock_by(system, orbit->omega, clocked, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_single(*clocked, 0, &options->flow, &flow, message);
+    if (status == SALTUS_OK)
+        status = base_speed(flow, orbit->state, &speed, message);
+    if (status == SALTUS_OK && speed < still)
+        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "Newton's iteration ends in a rest");
+    if (status == SALTUS_OK)
+        status = saltus_lap_cycle(lap, flow, orbit->state, message);
+    if (status == SALTUS_OK)
+        part = lap->periods / saltus_lap_least_period(lap, &options->flow);
+    saltus_flow_free(flow);
+    if (status == SALTUS_OK && part == 1)
+        return status;
+    saltus_orbit longer = *orbit;
+    saltus_system *slower = *clocked;
+    *orbit = (saltus_orbit){0};
+    *clocked = NULL;
+    saltus_system *faster = NULL;
+    if (status == SALTUS_OK)
+        status = clock_by(slower, longer.omega * part, &faster, message);
+    if (status == SALTUS_OK)
+        status = saltus_cycle_polish(faster, longer.state, options, orbit, clocked, lap, message);
+    saltus_system_free(faster);
+    saltus_system_free(slower);
+    saltus_orbit_clear(&longer);
+    return status;
+}

@@ -1,0 +1,130 @@
+/* How long a step the linear part allows.
+ *
+ * On q' = lambda q a step h of a Taylor integrator multiplies by T(h lambda), T being the exponential's
+ * Taylor polynomial. Fast modes whose motion has died away are held down only while |T| <= 1: beyond that
+ * they grow out of rounding until the error estimate sees them and makes the steps shorter, at random. On
+ * rays from the origin the bound grows nearly linearly with the order, between 0.37 and 0.5 an order, but it
+ * depends on the ray (order 12: 4.4 along the imaginary axis, 5.2 along the real one, 7.2 between): so it is
+ * looked for along the rays of the system's own eigenvalues. An undamped mode is neither held down nor wanted
+ * to be; near the imaginary axis a growth by a hundredth of a percent a step, which the estimate deals with,
+ * is let pass.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "system/spectrum.h"
+
+#include "base/dense.h"
+
+#include <math.h>
+
+void saltus_spectrum_reserve(saltus_system *system) {
+    const size_t rates = (size_t)(system->dof + system->extra), dimension = (size_t)system->dimension;
+    system->linear = system->dimension <= SALTUS_SPECTRUM_MAX
+                         ? saltus_arena_doubles(&system->arena, rates * dimension)
+                         : NULL;
+}
+
+/* Of the modes by themselves: the roots of s^2 + damping s + stiffness. */
+static void find_of_modes(saltus_system *system) {
+    double largest = 0;
+    for (int i = 0; i < system->dof; i++) {
+        const double half = 0.5 * system->damping[i], inside = half * half - system->stiffness[i];
+        const double root = sqrt(fabs(inside));
+        for (int k = 0; k < 2; k++) {
+            system->eigen_real[2 * i + k] = (inside > 0 ? (k ? root : -root) : 0) - half;
+            system->eigen_imaginary[2 * i + k] = inside > 0 ? 0 : k ? root : -root;
+            largest = fmax(largest, hypot(system->eigen_real[2 * i + k], system->eigen_imaginary[2 * i + k]));
+        }
+    }
+    const double scale = largest > 0 ? fmax(1, system->rate / largest) : 0;
+    for (int i = 0; i < 2 * system->dof; i++) {
+        system->eigen_real[i] *= scale;
+        system->eigen_imaginary[i] *= scale;
+    }
+    system->eigenvalues = 2 * system->dof;
+}
+
+static void find(saltus_system *system) {
+    const int n = system->dof, dimension = system->dimension;
+    double matrix[SALTUS_SPECTRUM_MAX * SALTUS_SPECTRUM_MAX];
+    system->eigenvalues = 0;
+    if (!system->linear) {
+        find_of_modes(system);
+        return;
+    }
+    /* The transposed matrix has the same eigenvalues. */
+    for (int i = 0; i < dimension; i++)
+        for (int j = 0; j < dimension; j++)
+            matrix[i * dimension + j] = i < n ? j == n + i : system->linear[(i - n) * dimension + j];
+    if (saltus_dense_eigenvalues(matrix, dimension, system->eigen_real, system->eigen_imaginary))
+        system->eigenvalues = dimension;
+    else
+        find_of_modes(system);
+}
+
+saltus_system saltus_spectrum_of(const saltus_system *system, saltus_eigenvalues *room) {
+    saltus_system known = *system;
+    known.eigen_real = room->real;
+    known.eigen_imaginary = room->imaginary;
+    find(&known);
+    return known;
+}
+
+/* |T(z)|^2 for the Taylor polynomial T of the exponential. */
+static double square_of_polynomial(int order, double real, double imaginary) {
+    double a = 1, b = 0;
+    for (int k = order; k > 0; k--) {
+        const double next = 1 + (real * a - imaginary * b) / k;
+        b = (real * b + imaginary * a) / k;
+        a = next;
+    }
+    return a * a + b * b;
+}
+
+/* How far along the ray of an eigenvalue, and no further than `limit`, the polynomial stays within 1. What
+ * grows by itself at rest is damped elsewhere, or it would grow for ever: it counts as if it were damped; and
+ * within a step it may lift rounding no more than exp(6) times. */
+static double reach(int order, double real, double imaginary, double limit) {
+    /* Closer to the origin no polynomial of an order allowed lets anything grow. */
+    static const double quiet = 2.5, stride = 1.02, tolerated = 1.0002, lift = 6;
+    const double modulus = hypot(real, imaginary);
+    limit = real * limit > lift ? lift / real : limit;
+    if (!(modulus * limit > quiet))
+        return limit;
+    for (double step = quiet / modulus; step < limit; step *= stride)
+        if (square_of_polynomial(order, -step * fabs(real), step * imaginary) > tolerated)
+            return step / stride;
+    return limit;
+}
+
+/* The same for all eigenvalues. */
+static double reach_of_all(const saltus_system *system, int order, double limit) {
+    for (int i = 0; i < system->eigenvalues; i++)
+        if (system->eigen_imaginary[i] >= 0)
+            limit = reach(order, system->eigen_real[i], system->eigen_imaginary[i], limit);
+    return limit;
+}
+
+double saltus_system_step_limit(const saltus_system *system, int order) {
+    /* Series of more than 14 orders are for tolerances near rounding, which longer steps would lift: their
+     * terms are as large as exp(step * rate), and cancel. */
+    const double turns = 6;
+    double limit = (order > 14 ? turns : order) / system->rate;
+    if (system->spec.model->forcing >= 0)
+        limit = fmin(limit, turns / system->omega);
+    return reach_of_all(system, order, limit);
+}
+
+/* The angular frequency of the fastest motion that lasts: of the modes, each counted the less the more it is
+ * damped, and of the forcing's second harmonic. */
+static double ringing_of(const saltus_system *system) {
+    double fastest = system->forced ? 2 * system->omega : 0;
+    for (int i = 0; i < system->eigenvalues; i++) {
+        const double modulus = hypot(system->eigen_real[i], system->eigen_imaginary[i]);
+        fastest = fmax(fastest, modulus + fmin(system->eigen_real[i], 0));
+    }
+    return fastest;
+}
+
+bool saltus_system_outruns(const saltus_system *system, int order, double angle) {
+    const double ringing = ringing_of(system);
+    return ringing > 0 && ringing * reach_of_all(system, order, 2 * angle / ringing) <= angle;
+}

@@ -1,0 +1,199 @@
+/* What branches go on with where orbits meet others or change their events, by rules that hold beyond: which
+ * orbits they are, in which order they come, and that none is taken for another.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch_recount.h"
+
+static saltus_spec small_pipe(double modes, double omega, double alpha, double u0, double sigma) {
+    saltus_spec spec = pipe_spec(modes, omega);
+    set_parameter(&spec, "alpha", alpha);
+    set_parameter(&spec, "u0", u0);
+    set_parameter(&spec, "sigma", sigma);
+    return spec;
+}
+
+static const saltus_branch_point *last_of(const branch_record *record) {
+    return &record->point[record->count - 1];
+}
+
+/* The multiplier of the orbit near a state, on the system of a point, that is nearest to a number. */
+static double multiplier_near(const saltus_branch_point *point, int periods, const double *state,
+                              double number) {
+    saltus_orbit_options options = saltus_orbit_defaults();
+    saltus_message message = {.text = ""};
+    saltus_system *system = build(&point->spec);
+    saltus_orbit orbit;
+    double nearest = INFINITY;
+    check_ok(saltus_orbit_find(system, periods, state, &options, &orbit, &message), &message);
+    for (int i = 0; i < point->dimension; i++)
+        if (orbit.multipliers[i].im == 0 && fabs(orbit.multipliers[i].re - number) < fabs(nearest - number))
+            nearest = orbit.multipliers[i].re;
+    saltus_orbit_clear(&orbit);
+    saltus_system_free(system);
+    return nearest;
+}
+
+/* Orbits of two periods stay such until they meet those of one, where these flip, however long the steps. */
+static void doubled_orbits_end_at_flips(void **unused) {
+    (void)unused;
+    const double steps[] = {0.005, 0.02, 0.05};
+    for (int row = 0; row < 3; row++) {
+        saltus_spec spec = small_pipe(1, 11.8489, 0.00455, 4.26446, 0.224);
+        add_stop(&spec, 0.01642, 0.53119, SALTUS_UPPER);
+        saltus_branch_options options = branch_along("r", 0.371836, 0.584313);
+        options.direction = -1;
+        options.step_max = options.step = steps[row];
+        branch_record record = branch_run_settled(&spec, &options, "2/2");
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            assert_int_equal(p->event_count, 2);
+            double apart = saltus_time_periods(p->events[1].time) - saltus_time_periods(p->events[0].time);
+            if (p->kind == SALTUS_POINT_REGULAR)
+                assert_true(fabs(apart - 1) > 1e-6);
+        }
+        const saltus_branch_point *join = last_of(&record) - 1;
+        assert_int_equal(join->kind, SALTUS_POINT_PD);
+        assert_string_equal(join->reason, "joins the orbits of half the period");
+        check_near(multiplier_near(join, 1, join->state, -1), -1, 1e-3);
+        branch_forget(&record);
+    }
+}
+
+/* A pipe that has buckled straightens where the straight one has a multiplier 1; the parameter turns back in
+ * the very place, which has one name. */
+static void a_pitchfork_has_one_name(void **unused) {
+    (void)unused;
+    const double sigma[] = {0.1, 0.209, 0.3};
+    for (int row = 0; row < 3; row++) {
+        saltus_spec spec = small_pipe(2, 33.08051, 0.00425, 3.25, sigma[row]);
+        add_stop(&spec, 0.05, 0.5, SALTUS_LOWER);
+        saltus_branch_options options = branch_along("u0", 2.9, 3.3);
+        options.direction = -1;
+        branch_record record = branch_run_settled(&spec, &options, "0/1");
+        const double straight[4] = {0};
+        int found = 0, from = 0;
+        const saltus_branch_point *point;
+        while ((point = branch_next_special(&record, 0, &from)) && point->kind != SALTUS_POINT_GR) {
+            assert_int_equal(point->kind, SALTUS_POINT_BP);
+            check_near(multiplier_near(point, 1, straight, 1), 1, 1e-7);
+            found++;
+        }
+        assert_int_equal(found, 1);
+        branch_forget(&record);
+    }
+}
+
+static saltus_spec chattering_pipe(void) {
+    saltus_spec spec = small_pipe(1, 28.30537, 0.00607, 3.96774, 0.159);
+    add_stop(&spec, 0.017, 0.26214, SALTUS_BOTH);
+    return spec;
+}
+
+/* Orbits that forget all perturbations neither fold nor flip nor turn back where an impact of theirs is born.
+ * Where their chatter ceases to complete the branch leads on to ever fewer impacts; the way back, on which
+ * they are born one by one, leads to the same place. */
+static void runs_of_impacts_end_where_they_begin(void **unused) {
+    (void)unused;
+    saltus_spec spec = chattering_pipe();
+    saltus_branch_options options = branch_along("d", 0.011898, 0.022096);
+    options.direction = -1;
+    branch_record record = branch_run_settled(&spec, &options, "chatter/3");
+    const saltus_branch_point *complete = NULL, *back = NULL;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        bool forgets = true;
+        for (int i = 0; i < p->dimension; i++)
+            forgets = forgets && p->multipliers[i].log_modulus == -INFINITY;
+        if (p->kind == SALTUS_POINT_LP || p->kind == SALTUS_POINT_PD)
+            assert_false(forgets);
+        if (p->kind == SALTUS_POINT_GR && forgets)
+            assert_null(strstr(p->reason, "turns back"));
+        if (p->kind == SALTUS_POINT_CH) {
+            assert_null(complete);
+            complete = p;
+        }
+        if (p->kind == SALTUS_POINT_GR && complete && !back && atoi(p->label) > 4)
+            assert_int_equal(atoi(p->label_after), atoi(p->label) - 1);
+        if (complete && !back && p->kind == SALTUS_POINT_REGULAR && p->impacts == 4)
+            back = p;
+    }
+    assert_true(complete && back);
+    assert_string_equal(last_of(&record)->reason, "end of the parameter's range");
+    options.direction = back->heading > 0 ? -1 : 1;
+    branch_record run = branch_run(&back->spec, back->periods, back->state, &options);
+    const saltus_branch_point *completes = NULL;
+    for (int k = 0; k < run.count && !completes; k++) {
+        const saltus_branch_point *p = &run.point[k];
+        completes = p->kind == SALTUS_POINT_CH ? p : NULL;
+        if (p->kind == SALTUS_POINT_GR)
+            assert_int_equal(atoi(p->label_after), atoi(p->label) + 1);
+    }
+    assert_non_null(completes);
+    check_near(completes->value[0], complete->value[0], completes->accuracy + complete->accuracy);
+    branch_forget(&run);
+    branch_forget(&record);
+}
+
+/* Of two chatters in one orbit one ceases to complete, and completes again where births of impacts
+ * accumulate, while the other one stays. */
+static void one_of_two_chatters_completes(void **unused) {
+    (void)unused;
+    saltus_spec spec = small_pipe(2, 10.475, 0.004354, 4.5, 0.2);
+    add_stop(&spec, 0.023229, 0.3146, SALTUS_UPPER);
+    saltus_branch_options options = branch_along("omega", 8.3, 10.6);
+    options.direction = -1;
+    options.step_max = 0.1;
+    branch_record record = branch_run_settled(&spec, &options, "chatter/4");
+    int changes = 0, births = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        changes += p->kind == SALTUS_POINT_CH;
+        assert_int_not_equal(p->kind, SALTUS_POINT_ST);
+        assert_string_equal(p->label, "chatter/4");
+        if (p->kind == SALTUS_POINT_REGULAR)
+            assert_int_equal(p->sticking_intervals, changes == 1 ? 1 : 2);
+        births += p->kind == SALTUS_POINT_GR && strstr(p->reason, "is born");
+    }
+    assert_int_equal(changes, 2);
+    assert_true(births > 4);
+    assert_string_equal(last_of(&record)->reason, "end of the parameter's range");
+    branch_forget(&record);
+}
+
+/* Where orbits of 42 periods cease to chatter completely, there are others near, of 14 periods, that do: the
+ * branch does not go on with them. */
+static void other_branches_are_not_gone_on_with(void **unused) {
+    (void)unused;
+    saltus_spec spec = small_pipe(1, 41.90829, 0.00579, 3.84031, 0.387);
+    add_stop(&spec, 0.01225, 0.396, SALTUS_BOTH);
+    saltus_branch_options options = branch_along("d", 0.008572, 0.01592);
+    options.direction = 1;
+    branch_record record = branch_run_settled(&spec, &options, "chatter/42");
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        int first = -1, repeated = 0, releases = 0;
+        for (int i = 0; i < p->event_count; i++) {
+            if (p->events[i].kind != SALTUS_RELEASE)
+                continue;
+            double since = first < 0 ? 1
+                                     : remainder(saltus_time_periods(p->events[i].time) -
+                                                     saltus_time_periods(p->events[first].time),
+                                                 p->periods / 3.);
+            repeated += fabs(since) < 1e-6;
+            first = first < 0 ? i : first;
+            releases++;
+        }
+        assert_true(releases >= 2 && repeated < 2);
+    }
+    branch_forget(&record);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(doubled_orbits_end_at_flips),
+        cmocka_unit_test(a_pitchfork_has_one_name),
+        cmocka_unit_test(runs_of_impacts_end_where_they_begin),
+        cmocka_unit_test(one_of_two_chatters_completes),
+        cmocka_unit_test(other_branches_are_not_gone_on_with),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

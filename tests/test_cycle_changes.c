@@ -1,0 +1,315 @@
+/* What changes along branches of cycles, and how they go on beyond.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch_check.h"
+
+#include "saltus/scene.h"
+
+static saltus_scene scene_from(const char *text, const char *const *settings, int count) {
+    saltus_message message = {.text = ""};
+    saltus_scene scene;
+    check_ok(saltus_scene_parse(text, strlen(text), "text", &scene, &message), &message);
+    for (int k = 0; k < count; k++)
+        check_ok(saltus_scene_set(&scene, settings[k], &message), &message);
+    return scene;
+}
+
+/* All points of the branch of cycles through what a scene settles on; *reach (may be NULL): how far that one
+ * reaches upwards. */
+static branch_record branch_of(saltus_scene *scene, saltus_branch_options options, double *reach) {
+    saltus_message message = {.text = ""};
+    saltus_classify_options classify = saltus_classify_defaults();
+    saltus_system *system = build(&scene->spec);
+    saltus_motion m;
+    double state[SALTUS_STATE_MAX];
+    check_ok(saltus_scene_state(scene, system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &classify, &m, &message), &message);
+    assert_int_equal(m.verdict, SALTUS_PERIODIC);
+    saltus_spec_set_omega(&scene->spec, 2 * M_PI / m.period);
+    options.orbit.free_period = true;
+    branch_record record = branch_run(&scene->spec, m.periods, m.state, &options);
+    if (reach)
+        *reach = m.largest;
+    saltus_motion_clear(&m);
+    saltus_system_free(system);
+    return record;
+}
+
+/* The number of special points of a branch, of any kind. */
+static int count_special(const branch_record *record) {
+    int count = 0;
+    for (int k = 0; k < record->count; k++)
+        count += branch_special(&record->point[k]);
+    return count;
+}
+
+/* The valve's cycle touches its seat in one place, wherever the branch begins and however long its steps are:
+ * also where the orbit is cut open where the lift is smallest. */
+static void grazing_is_met_from_everywhere(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *setting;
+        double step_max;
+    } starts[] = {{"q=7.6", 0.02}, {"q=7.9", 0.02}, {"q=7.9", 0.3}, {"q=8.2", 0.1}};
+    for (size_t k = 0; k < sizeof starts / sizeof starts[0]; k++) {
+        saltus_scene scene;
+        saltus_message message = {.text = ""};
+        check_ok(saltus_scene_load("relief-valve", &scene, &message), &message);
+        check_ok(saltus_scene_set(&scene, starts[k].setting, &message), &message);
+        saltus_branch_options options = branch_along("q", 7.5, 8.3);
+        options.direction = -1;
+        options.step_max = starts[k].step_max;
+        branch_record record = branch_of(&scene, options, NULL);
+        assert_int_equal(count_special(&record), 1);
+        for (int j = 0; j < record.count; j++)
+            if (branch_special(&record.point[j])) {
+                assert_int_equal(record.point[j].kind, SALTUS_POINT_GR);
+                check_near(record.point[j].value[0], 7.557210971877, 1e-11);
+                assert_string_equal(record.point[j].label_after, "1/1");
+            }
+        check_near(record.point[record.count - 1].value[0], 7.5, 0);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
+/* Van der Pol's cycle between stops: it meets them where they are as far as it reaches. Its perturbations die
+ * in one direction, in which each impact of no speed takes the factor r^2: so much smaller is the multiplier
+ * beyond, and the cycle neither folds nor flips there. */
+static void a_planar_cycle_keeps_stable_through_grazing(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {mu: 0.5}\n"
+                               "  motion: {x: mu*(1 - x^2)*x' - x}\n"
+                               "stop: {coordinate: x, d: 2.2, r: 0.8, sides: both}\n"
+                               "initial: {x: 1}\n";
+    static const char *const sides[] = {"sides=lower", "sides=upper", "sides=both"};
+    static const char *const places[] = {"d=2.2", "d=2.05"};
+    for (int k = 0; k < 6; k++) {
+        const int impacts = k % 3 == 2 ? 2 : 1;
+        saltus_scene scene = scene_from(text, (const char *const[]){sides[k % 3], places[k / 3]}, 2);
+        saltus_branch_options options = branch_along("d", 1.95, 2.3);
+        options.direction = -1;
+        double before = NAN, after = NAN, reach;
+        branch_record record = branch_of(&scene, options, &reach);
+        assert_int_equal(count_special(&record), 1);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            if (p->kind == SALTUS_POINT_GR) {
+                check_near(p->value[0], reach, p->accuracy + 1e-11);
+                assert_true(p->accuracy < 1e-10);
+            } else if (p->impacts == 0) {
+                before = p->multipliers[0].re;
+            } else if (isnan(after)) {
+                assert_int_equal(p->impacts, impacts);
+                after = p->multipliers[0].re;
+            }
+        }
+        check_near(after / before, pow(0.8, 2 * impacts), 0.01);
+        check_near(record.point[record.count - 1].value[0], 1.95, 0);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
+/* A cycle between two stops meets both at once and goes on with both impacts, in steps of any length. */
+static void symmetric_cycles_pass_grazing(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {mu: 0.1}\n"
+                               "  motion: {x: mu*x' - x^2*x' - x}\n"
+                               "stop: {coordinate: x, d: 0.8, r: 0.7, sides: both}\n"
+                               "initial: {x: 0.1}\n";
+    static const double steps[][2] = {{0.005, 0.02}, {0.05, 0.2}, {0.1, 0.3}};
+    for (size_t k = 0; k < sizeof steps / sizeof steps[0]; k++) {
+        saltus_scene scene = scene_from(text, NULL, 0);
+        saltus_branch_options options = branch_along("mu", 0.05, 0.5);
+        options.direction = 1;
+        options.step = steps[k][0];
+        options.step_max = steps[k][1];
+        branch_record record = branch_of(&scene, options, NULL);
+        assert_int_equal(count_special(&record), 1);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            if (p->kind != SALTUS_POINT_GR)
+                continue;
+            /* It reaches the stop: its highest point, the state, is there. */
+            check_near(p->state[0], 0.8, 1e-9);
+            assert_string_equal(p->label, "0/1");
+            assert_string_equal(p->label_after, "2/1");
+        }
+        check_near(record.point[record.count - 1].value[0], 0.5, 0);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
+/* On the circle of radius s, u = s cos t and w = s sin t, the displacement x is u + 2 a u w / s, s (cos t +
+ * a sin 2t): it has a second maximum where a > 1/2, and u reaches 1 where s > 1. */
+static const char circle[] =
+    "model:\n"
+    "  parameters: {a: 0.4, s: 1.2}\n"
+    "  states: {u: u - w - u*(u^2 + w^2)/s^2, w: u + w - w*(u^2 + w^2)/s^2}\n"
+    "  motion:\n"
+    "    x: -u - 8*a*u*w/s - 2*(x' + w - 2*a*(u^2 - w^2)/s) - 3*(x - u - 2*a*u*w/s)\n"
+    "initial: {x: 0.3, u: 0.5}\n";
+
+/* Where the cycle ceases to meet its section, or begins to, is told sharply, once, and the branch goes on:
+ * from either side, in short steps and long ones. */
+static void returns_come_and_go(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *key, *setting, *section;
+        double low, high, place, step_max;
+        int below, above; /* returns */
+    } cases[] = {{"a", "a=0.4", "maxima", 0.3, 0.7, 0.5, 0.02, 1, 2},
+                 {"a", "a=0.6", "maxima", 0.3, 0.7, 0.5, 0.02, 1, 2},
+                 {"a", "a=0.55", "maxima", 0.3, 0.7, 0.5, 0.5, 1, 2},
+                 {"a", "a=0.45", "maxima", 0.3, 0.7, 0.5, 0.5, 1, 2},
+                 {"s", "s=1.2", "zero: u - 1", 0.8, 1.5, 1, 0.02, 0, 1},
+                 {"s", "s=1.4", "zero: u - 1", 0.8, 1.5, 1, 0.3, 0, 1},
+                 {"s", "s=0.9", "maxima", 0.8, 1.5, NAN, 0.1, 1, 1}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_scene scene = scene_from(circle, &cases[k].setting, 1);
+        saltus_message message = {.text = ""};
+        check_ok(saltus_scene_set_section(&scene, cases[k].section, &message), &message);
+        saltus_branch_options options = branch_along(cases[k].key, cases[k].low, cases[k].high);
+        options.step_max = cases[k].step_max;
+        branch_record record = branch_of(&scene, options, NULL);
+        int told = 0;
+        double least = INFINITY, most = -INFINITY;
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            least = fmin(least, p->value[0]);
+            most = fmax(most, p->value[0]);
+            if (p->kind == SALTUS_POINT_REGULAR && p->reason[0]) {
+                assert_non_null(strstr(p->reason, "returns to the section"));
+                check_near(p->value[0], cases[k].place, 1e-11);
+                assert_true(p->accuracy > 0 && p->accuracy < 1e-9);
+                told++;
+            } else if (cases[k].below) {
+                assert_int_equal(p->periods, p->value[0] > cases[k].place ? cases[k].above : cases[k].below);
+            }
+        }
+        assert_int_equal(told, isfinite(cases[k].place));
+        assert_true(least == cases[k].low && most == cases[k].high);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
+/* A mass on a spring that feeds its oscillation, pressed by F against a stop at 1/2, and the same with a
+ * further state and a nonlinear spring. */
+static const char pressed[] = "model:\n"
+                              "  parameters: {F: 1, z: 0.05}\n"
+                              "  motion: {x: 2*z*x' - x + F}\n"
+                              "stop: {coordinate: x, d: 0.5, r: 0.6, sides: upper}\n"
+                              "initial: {x: 0.5}\n";
+static const char delayed[] = "model:\n"
+                              "  parameters: {F: 1, z: 0.1}\n"
+                              "  states: {w: x - 2*w}\n"
+                              "  motion: {x: 2*z*x' - x + F + 0.3*w - 0.2*x^2}\n"
+                              "stop: {coordinate: x, d: 0.5, r: 0.6, sides: upper}\n"
+                              "initial: {x: 0.5}\n";
+
+/* The branches of equilibria from F = 1 down, and the cycles that begin on them. */
+static branch_record rests_of(const char *text, const char *setting, double low) {
+    saltus_message message = {.text = ""};
+    saltus_scene scene = scene_from(text, &setting, 1);
+    saltus_system *system = build(&scene.spec);
+    double state[SALTUS_STATE_MAX];
+    saltus_branch_options options = branch_along("F", low, 1);
+    options.switches = 1;
+    check_ok(saltus_scene_state(&scene, system, state, &message), &message);
+    branch_record record = branch_run(&scene.spec, 0, state, &options);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+    return record;
+}
+
+static const saltus_branch_point *boundary_of(const branch_record *record) {
+    for (int k = 0; k < record->count; k++)
+        if (record->point[k].kind == SALTUS_POINT_BE)
+            return &record->point[k];
+    fail_msg("no equilibrium meets the stop");
+    return NULL;
+}
+
+/* Counted from the equilibrium at F, the stop being D = 1/2 - F away, the mass leaves it with -r v and is
+ * back with v after a time T, in closed form. It loses what it is fed where the cycle is stable; so cycles
+ * stand on one side of F = 1/2 or on the other, as r e^(pi z / w) is less than 1 or more, and none where
+ * nothing is fed. Their area changes by r^2 e^(2 z T) in a period. */
+static void cycles_are_born_at_a_stop(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *setting;
+        double z;
+        int side; /* of F = 1/2; 0: no cycle */
+    } cases[] = {{"z=0.05", 0.05, -1}, {"z=0.2", 0.2, 1}, {"z=-0.05", -0.05, 0}};
+    const double r = 0.6;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const double z = cases[k].z, w = sqrt(1 - z * z);
+        branch_record record = rests_of(pressed, cases[k].setting, -1);
+        int cycles = 0;
+        check_near(boundary_of(&record)->value[0], 0.5, 1e-12);
+        assert_int_equal(strstr(boundary_of(&record)->reason, "a cycle with one impact") != NULL,
+                         cases[k].side != 0);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            if (p->periods == 0)
+                continue;
+            const double D = 0.5 - p->value[0], T = p->period, v = p->events[0].velocity_before;
+            const double c = cos(w * T), s = sin(w * T) / w, grown = exp(z * T);
+            assert_true(p->impacts == 1 && p->event_count == 1 && D * cases[k].side < 0);
+            check_near(grown * (D * c + (-r * v - z * D) * s) / D, 1, 1e-9);
+            check_near(grown * (-r * v * c + (-r * z * v - D) * s) / v, 1, 1e-9);
+            check_near(p->multipliers[0].re, r * r * grown * grown, 1e-9);
+            cycles++;
+        }
+        assert_int_equal(cycles > 10, cases[k].side != 0);
+        branch_forget(&record);
+    }
+}
+
+/* From the other end the branch of cycles comes to the same place, and ends there. */
+static void cycles_shrink_to_an_equilibrium_on_a_stop(void **unused) {
+    (void)unused;
+    static const char *const texts[] = {pressed, delayed};
+    static const char *const settings[] = {"z=0.05", "z=0.1"};
+    for (int k = 0; k < 2; k++) {
+        branch_record rests = rests_of(texts[k], settings[k], 0.3);
+        const double place = boundary_of(&rests)->value[0];
+        for (int far = 0; far < 2; far++) {
+            saltus_scene scene =
+                scene_from(texts[k], (const char *const[]){settings[k], far ? "F=0.1" : "F=0.4"}, 2);
+            saltus_branch_options options = branch_along("F", 0, 1);
+            options.direction = 1;
+            branch_record record = branch_of(&scene, options, NULL);
+            const saltus_branch_point *meets = boundary_of(&record);
+            check_near(meets->value[0], place, 1e-10);
+            assert_true(meets->accuracy < 1e-8);
+            assert_int_equal(record.point[record.count - 1].kind, SALTUS_POINT_EP);
+            assert_ptr_equal(meets, &record.point[record.count - 2]);
+            /* The cycle born there on the branch of equilibria is this one. */
+            for (int j = 0; j < rests.count; j++)
+                if (rests.point[j].periods) {
+                    check_near(rests.point[j].period, meets->period, 1e-2);
+                    break;
+                }
+            branch_forget(&record);
+            saltus_scene_clear(&scene);
+        }
+        branch_forget(&rests);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grazing_is_met_from_everywhere),
+        cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
+        cmocka_unit_test(symmetric_cycles_pass_grazing),
+        cmocka_unit_test(returns_come_and_go),
+        cmocka_unit_test(cycles_are_born_at_a_stop),
+        cmocka_unit_test(cycles_shrink_to_an_equilibrium_on_a_stop),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
