@@ -1339,6 +1339,7 @@ static void resumed_anywhere(void **unused) {
  * values asked for. */
 static void resumed_through_chatter_and_switches(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1);
     set_parameter(&spec, "F0", 2);
     add_stop(&spec, 1.75, 0.5, SALTUS_UPPER);

@@ -446,6 +446,7 @@ static void a_branch_leaves_chatter(void **unused) {
 /* Grazings that follow one another ever closer are not taken for one and the same. */
 static void grazings_close_together(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_spec spec = pipe_spec(1, 29.374);
     set_parameter(&spec, "alpha", 0.00809);
     set_parameter(&spec, "u0", 4.742);

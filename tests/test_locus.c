@@ -167,6 +167,7 @@ static branch_record run_curve(const closed_curve *c, closed_oscillator *o,
 
 static void curves_in_closed_form(void **unused) {
     (void)unused;
+    skip_where_slow();
     for (size_t c = 0; c < sizeof curves / sizeof curves[0]; c++) {
         closed_oscillator o;
         int ways[2] = {0};

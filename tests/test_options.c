@@ -1193,6 +1193,7 @@ static void quiet_commands_are_silent(void **state) {
 /* On a narrow terminal no line is longer than it, and what counts most stands first: seeds that are done, ...
  */
 static void progress_fits_a_narrow_terminal(void **state) {
+    skip_where_slow();
     static const struct {
         const char *line, *begin;
     } cases[] = {{"classify impact-oscillator --seeds 3", "2 of 3 seeds done"},

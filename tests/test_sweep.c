@@ -213,6 +213,7 @@ static outcome run_division(const division *d, int lanes, int threads, long long
 
 static void bits_do_not_depend_on_the_division(void **unused) {
     (void)unused;
+    skip_where_slow();
     /* lanes, threads, step through the tasks: backwards, in two or three runs as ranks would */
     static const int ways[][3] = {{8, 3, 3}, {4, 1, -1}, {0, 1, 1}, {0, 2, 2}};
     const size_t count = getenv("SALTUS_LONG_TESTS") ? sizeof ways / sizeof ways[0] : 2;

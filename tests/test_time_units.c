@@ -111,6 +111,7 @@ static void quasi_periodic_motions(void **unused) {
 /* Chaos, in units in which its exponent is that of a torus. */
 static void chaotic_motions(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_spec spec = impacting(0.1, 1, 0.8, 0, 0, 0.8);
     saltus_classify_options options = saltus_classify_defaults();
     double exponent = 0, error = 0, impacts = 0;

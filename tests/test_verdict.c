@@ -64,6 +64,7 @@ static void chaos_is_proven(void **unused) {
 
 static void verdicts_repeat_bit_for_bit(void **unused) {
     (void)unused;
+    skip_where_slow();
     saltus_classify_options options = saltus_classify_defaults();
     saltus_spec spec = scene_spec("fig6", chaotic_pipe);
     options.transient = 700;

@@ -231,7 +231,7 @@ static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solu
     if (status == SALTUS_OK) {
         const saltus_equations *e = saltus_shooting_equations(shooting);
         int c = e->count;
-        double *a = work = calloc((size_t)(c * (c + 1)), sizeof *work), *null = a + c * c, sum = 0;
+        double *a = work = calloc((size_t)(c * (c + 1)), sizeof *work), *null = a ? a + c * c : NULL, sum = 0;
         if (!work)
             status = SALTUS_NO_MEMORY;
         for (int i = 0; i < c && work; i++)

@@ -55,9 +55,10 @@ static void apply(const double *matrix, int count, double complex factor, const 
 /* Solve (shift - A) x = right. False where it is singular. */
 static bool resolve(saltus_rests *r, const expansion *x, double complex shift, double complex *right) {
     const int c = x->count, m = 2 * c;
-    double *a = calloc((size_t)(m * m + m), sizeof *a), *b = a + m * m;
+    double *a = calloc((size_t)(m * m + m), sizeof *a);
     int *pivots = calloc((size_t)m, sizeof *pivots);
     bool sound = saltus_rests_noted(r, a && pivots ? SALTUS_OK : SALTUS_NO_MEMORY) == SALTUS_OK;
+    double *b = sound ? a + m * m : NULL;
     for (int i = 0; i < c && sound; i++) {
         for (int j = 0; j < c; j++) {
             const double re = (i == j ? creal(shift) : 0) - x->linear[i * c + j];
@@ -290,7 +291,8 @@ static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK)
         status = saltus_shooting_fill(o->shooting, &start->parameter, state, out->at.u, message);
-    double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal), *place = normal + e->unknowns;
+    double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal),
+           *place = normal ? normal + e->unknowns : NULL;
     if (!normal)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK) {

@@ -107,7 +107,7 @@ static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const d
     const double parameters[2] = {parameter, 0};
     saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
     const int m = r->equations.unknowns;
-    double *normal = calloc(2 * (size_t)m, sizeof *normal), *anchor = normal + m;
+    double *normal = calloc(2 * (size_t)m, sizeof *normal), *anchor = normal ? normal + m : NULL;
     l->beginning = calloc(2 * (size_t)m, sizeof *l->beginning);
     if (status == SALTUS_OK && (!normal || !l->beginning || !saltus_curve_reserve(at, m)))
         status = no_memory(message);

@@ -130,7 +130,7 @@ saltus_zero saltus_rest_crossing(saltus_rests *r, const saltus_rest *from, doubl
     const saltus_rest_asked asked = {.test = SALTUS_REST_CROSSING};
     const int m = from->at.unknowns;
     double test[samples], apart = fmin(0.1 * reach, 4e-3), middle = ahead;
-    double *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *best = u + m * samples;
+    double *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *best = u ? u + m * samples : NULL;
     saltus_message ignored;
     saltus_zero zero = {.accuracy = INFINITY};
     bool sound = saltus_rests_noted(r, u ? SALTUS_OK : SALTUS_NO_MEMORY) == SALTUS_OK;

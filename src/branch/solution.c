@@ -423,7 +423,8 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
     const double sharp = 1e-11 * o->family.unit[0];
     int m = from->at.unknowns;
     double test[crossing_samples], apart = 0.1 * reach, middle = ahead;
-    double *u = calloc((size_t)(m * (crossing_samples + 1)), sizeof *u), *best = u + m * crossing_samples;
+    double *u = calloc((size_t)(m * (crossing_samples + 1)), sizeof *u),
+           *best = u ? u + m * crossing_samples : NULL;
     saltus_message ignored;
     saltus_zero zero = {.accuracy = INFINITY};
     if (!u)

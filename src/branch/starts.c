@@ -92,7 +92,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
                            SALTUS_MARKS_MAX);
     size_t m = (size_t)saltus_sequence_unknowns(&start.sequence, o->n) + 1;
-    double *work = calloc(4 * m, sizeof *work), *old = work + 2 * m;
+    double *work = calloc(4 * m, sizeof *work), *old = work ? work + 2 * m : NULL;
     saltus_status status = work ? find_plane(o, &start.sequence, at, work, message)
                                 : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
     if (status == SALTUS_OK) {

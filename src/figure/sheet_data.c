@@ -70,7 +70,7 @@ static long long events_within(const saltus_trajectory *r, long long rows) {
 /* The last finite stretch of the exponent's history, where the exponent is finite itself. */
 static void choose_course(saltus_sheet *sheet) {
     const saltus_evidence *e = &sheet->motion->evidence;
-    if (saltus_verdict_settled(sheet->motion->verdict) || !isfinite(sheet->motion->lyapunov))
+    if (saltus_verdict_settled(sheet->motion->verdict) || !isfinite(sheet->motion->lyapunov) || !e->history)
         return;
     int first = e->history_count;
     while (first > 0 && isfinite(e->history[first - 1].exponent) &&
