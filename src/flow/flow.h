@@ -103,6 +103,7 @@ struct saltus_flow {
     saltus_work *probe;  /* one narrow work per lane, for single points */
     saltus_radau *radau; /* stiff integrator, one per flow (width 1); NULL: Taylor's */
     saltus_parameter_column parameter[SALTUS_DIRECTIONS_MAX];
+    bool transients;         /* of tangent vectors are all there is to them */
     double period_steps_max; /* a period of more steps is not followed to its end */
     /* Scratch in plain layout, for one lane at a time where it starts or has an event. */
     double *state, *tangents;   /* dimension, columns * dimension */

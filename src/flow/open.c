@@ -135,7 +135,8 @@ static void load_lane(saltus_flow *flow, int lane) {
     const saltus_flow_options *o = &flow->options;
     const saltus_system *system = flow->lane[lane].system,
                         known = flow->radau ? *system : saltus_spectrum_of(system, &room);
-    const int degree = flow->radau || o->order ? flow->work.order : degree_for(&known, o->rtol);
+    const int degree =
+        flow->radau || o->order || flow->transients ? flow->work.order : degree_for(&known, o->rtol);
     flow->lane[lane].degree = degree;
     /* An order that is asked for is that of every step. */
     flow->lane[lane].brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
@@ -242,6 +243,12 @@ void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *direc
 
 void saltus_flow_limit_steps(saltus_flow *flow, double per_period) {
     flow->period_steps_max = per_period > 0 ? per_period : steps_usual;
+}
+
+void saltus_flow_expect_transients(saltus_flow *flow) {
+    flow->transients = true;
+    for (int l = 0; l < flow->lanes; l++)
+        reload(flow, l);
 }
 
 saltus_status saltus_flow_retune(saltus_flow *flow, int lane, const saltus_system *system,

@@ -470,8 +470,10 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
     orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);
     if (status == SALTUS_OK && !(product && orbit->monodromy && orbit->multipliers))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK) {
+        saltus_flow_expect_transients(flow);
         status = go_around(&cocycle, system, flow, options, orbit, product, message);
+    }
     if (status == SALTUS_OK && cocycle.wanted > cocycle.density)
         status = go_around(&cocycle, system, flow, options, orbit, product, message);
     free(product);
