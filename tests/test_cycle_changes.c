@@ -197,6 +197,47 @@ static void returns_come_and_go(void **unused) {
     }
 }
 
+/* A cycle around x = s, of which m - 1/2 is the damping's part that grows: it is born at the Hopf point m =
+ * 1/2, with the period 2 pi, stable where a < 0, otherwise unstable, until it folds. The scene's third state
+ * follows x and dies with e^-gt. */
+static const char normal[] = "model:\n"
+                             "  parameters: {m: 0.8, a: -1, g: 1.5}\n"
+                             "  motion:\n"
+                             "    x: (m - 0.5 + a*x'^2 - 0.7*x'^4)*x' - (x - 2*m) + 0.3*(x - 2*m)^2\n"
+                             "       - 0.4*(x - 2*m)^3\n"
+                             "  states: {p: (x - 2*m)^2 - g*p}\n"
+                             "initial: {x: 1.7}\n";
+
+/* Where cycles shrink to nothing is told by the equilibrium's own equation, to rounding, with the multipliers
+ * that they have there, however long the steps are that lead up to it. */
+static void cycles_end_where_they_are_born(void **unused) {
+    (void)unused;
+    static const char *const kinds[] = {"a=-1", "a=0.6"};
+    static const double step_max[] = {0.03, 0.1, 0.3, 1};
+    for (int k = 0; k < 8; k++) {
+        saltus_scene scene = scene_from(normal, &kinds[k / 4], 1);
+        saltus_branch_options options = branch_along("m", 0.1, 1.3);
+        options.direction = -1;
+        options.step_max = step_max[k % 4];
+        branch_record record = branch_of(&scene, options, NULL);
+        const saltus_branch_point *end = &record.point[record.count - 1], *hopf = end - 1;
+        assert_int_equal(end->kind, SALTUS_POINT_EP);
+        assert_int_equal(hopf->kind, SALTUS_POINT_HB);
+        assert_true(hopf->accuracy < 1e-12);
+        check_near(hopf->value[0], 0.5, hopf->accuracy);
+        check_near(hopf->period, 2 * M_PI, 1e-12);
+        check_near(hopf->state[0], 1, 1e-12);
+        assert_int_equal(hopf->multiplier_count, 2);
+        check_near(hopf->multipliers[0].re, 1, 0);
+        check_near(hopf->multipliers[1].re, exp(-1.5 * 2 * M_PI), 1e-15);
+        /* Nothing but cycles lies on the way, of one size or a fold. */
+        for (int j = 0; j < record.count - 2; j++)
+            assert_true(record.point[j].trivial_multiplier > 0.999);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* A mass on a spring that feeds its oscillation, pressed by F against a stop at 1/2, and the same with a
  * further state and a nonlinear spring. */
 static const char pressed[] = "model:\n"
@@ -308,6 +349,7 @@ int main(void) {
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
         cmocka_unit_test(returns_come_and_go),
+        cmocka_unit_test(cycles_end_where_they_are_born),
         cmocka_unit_test(cycles_are_born_at_a_stop),
         cmocka_unit_test(cycles_shrink_to_an_equilibrium_on_a_stop),
     };

@@ -563,12 +563,73 @@ static saltus_status tell_shrinking(saltus_branch *b, const saltus_solution *at,
     return status;
 }
 
+/* The shortest step that is cut where a longer one has led astray. */
+static const double step_least = 1e-5;
+
+/* Whether `at`, where the cycles of a step seem to have shrunk to nothing, tells of the Hopf point in
+ * which they end: that of the equilibrium, by its own equation, which lies in the very same place. */
+static saltus_status find_hopf(saltus_branch *b, const saltus_special *special, const saltus_solution *at,
+                               saltus_shrunk *hopf, saltus_message *message) {
+    const double close = 1e-6, alike = 1e-3, slack = 10;
+    const saltus_solution *here = b->trace.here;
+    saltus_status status = saltus_cycle_shrinks(&b->orbits, at, hopf, message);
+    const double omega = (special->sharp ? at : here)->sequence.omega / here->sequence.periods;
+    const double unit = b->orbits.family.unit[0];
+    const double apart = fabs(hopf->parameter - (special->sharp ? at : here)->parameter[0]);
+    const double most = special->sharp ? slack * special->accuracy / unit + close : b->next->at.ahead;
+    hopf->found = hopf->found && apart < most && fabs(log(hopf->omega / omega)) < alike;
+    return status;
+}
+
+/* Whether a step has led off the cycles: an equilibrium solves their equations with any period. */
+static bool is_equilibrium(const saltus_branch *b, const saltus_solution *next) {
+    const double shrunk = 1e-3;
+    return next->sequence.omega > 0 && next->sequence.count == 0 &&
+           next->speed < shrunk * b->trace.here->speed;
+}
+
+/* `trial` becomes the Hopf point that it tells of; where that is not found, no more is said than that the
+ * cycles shrink to an equilibrium. */
+static saltus_status become_hopf(saltus_branch *b, saltus_special *special, saltus_message *message) {
+    saltus_shrunk hopf;
+    saltus_status status = find_hopf(b, special, b->trial, &hopf, message);
+    if (status == SALTUS_OK && hopf.found)
+        status = saltus_cycle_shrink(&b->orbits, &hopf, b->trial, message);
+    if (status != SALTUS_OK)
+        return status;
+    special->kind = hopf.found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
+    special->value = b->trial->value;
+    special->accuracy = hopf.found ? b->orbits.family.unit[0] * hopf.accuracy : NAN;
+    return status;
+}
+
+/* Whether a step has been too long to see where the cycles shrink to nothing. */
+static saltus_status misses_hopf(saltus_branch *b, bool *misses, saltus_message *message) {
+    const saltus_solution *here = b->trace.here, *next = b->next;
+    saltus_special special;
+    saltus_shrunk hopf;
+    *misses = is_equilibrium(b, next);
+    if (*misses || here->sequence.count > 0 ||
+        !saltus_special_hopf(&b->orbits, here, next, &special, b->trial))
+        return SALTUS_OK;
+    bool is_one;
+    saltus_status status =
+        saltus_special_visit(&b->orbits, here, next->at.ahead, &special, b->trial, &is_one, message);
+    if (status != SALTUS_OK || !is_one)
+        return status;
+    status = find_hopf(b, &special, b->trial, &hopf, message);
+    *misses = !special.sharp || !hopf.found;
+    return status;
+}
+
 /* One special point of the step from `here` to `next`. */
 static saltus_status give_special(saltus_branch *b, saltus_special *special, saltus_message *message) {
     trace *t = &b->trace;
     bool is_one;
     saltus_status status =
         saltus_special_visit(&b->orbits, t->here, b->next->at.ahead, special, b->trial, &is_one, message);
+    if (status == SALTUS_OK && is_one && special->kind == SALTUS_POINT_HB)
+        status = become_hopf(b, special, message);
     if (status != SALTUS_OK || !is_one)
         return status;
     if (b->options.locus && b->options.locus == special->kind &&
@@ -930,7 +991,6 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_orbits *o = &b->orbits;
     trace *t = &b->trace;
     const saltus_curve_bound bound = {o->equations->count, b->range[0], b->range[1]};
-    const double step_least = 1e-5;
     saltus_zero breach = {.accuracy = NAN};
     saltus_message why = {.text = ""};
     int reached;
@@ -950,6 +1010,16 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         t->step = 0.5 * b->next->at.ahead;
         return SALTUS_OK;
     }
+    bool misses = false;
+    status = misses_hopf(b, &misses, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (misses && b->next->at.ahead > step_least) {
+        t->step = 0.5 * b->next->at.ahead;
+        return SALTUS_OK;
+    }
+    if (misses && is_equilibrium(b, b->next))
+        return end(b, t->here, 0, "the orbit shrinks to an equilibrium", message);
     /* A touch in the very place where the orbit is cut open would not be seen. */
     if (saltus_solution_base_beyond(o, b->next) && b->next->at.ahead > step_least) {
         int order[SALTUS_MARKS_MAX];

@@ -2,9 +2,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/ending.h"
 
+#include "branch/rest.h"
 #include "saltus/equilibrium.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* How fast the flow is at a state of its own system, in the state's scales. */
@@ -65,4 +67,148 @@ saltus_status saltus_cycle_passes(saltus_orbits *o, const saltus_solution *s, sa
     }
     saltus_equilibrium_clear(&rest);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", why.text) : SALTUS_OK;
+}
+
+/* Half the sum of the two eigenvalues whose product is near `*square`, at the equilibrium near u with the
+ * parameter that is there; NAN where there is none. */
+static double real_part(saltus_rests *r, double *u, double *square) {
+    int iterations;
+    double found;
+    saltus_message ignored;
+    const saltus_status status = saltus_newton(&r->equations, u, NULL, NULL, true, &iterations, &ignored);
+    if (saltus_rests_noted(r, status) != SALTUS_OK)
+        return NAN;
+    const double half = saltus_rests_pair(r, u, *square, &found);
+    *square = found;
+    return half;
+}
+
+/* The secant method on the real part from the equilibrium at u: true where it comes to a zero. */
+static bool find_zero(saltus_rests *r, double *u, saltus_shrunk *hopf) {
+    enum { iterations = 30 };
+    const double apart = 1e-6, sharp = 1e-14;
+    const int last = r->equations.unknowns - 1;
+    double square = hopf->omega * hopf->omega, place[2] = {u[last]}, value[2], slope = NAN, step = INFINITY;
+    value[0] = real_part(r, u, &square);
+    place[1] = u[last] += apart;
+    value[1] = real_part(r, u, &square);
+    for (int k = 0; k < iterations && isfinite(value[1]); k++) {
+        const double before = fabs(step);
+        slope = place[1] != place[0] ? (value[1] - value[0]) / (place[1] - place[0]) : slope;
+        step = -value[1] / slope;
+        if (!isfinite(step) || fabs(step) > 1 || fabs(step) < sharp ||
+            (before < 1e-9 && fabs(step) >= before))
+            break;
+        place[0] = place[1];
+        value[0] = value[1];
+        place[1] = u[last] += step;
+        value[1] = real_part(r, u, &square);
+    }
+    hopf->parameter = place[1];
+    hopf->omega = sqrt(square);
+    hopf->accuracy = fabs(value[1] / slope) + fabs(step);
+    return isfinite(value[1]) && hopf->accuracy < 1e-9 && square > 0;
+}
+
+/* What rounding leaves of the zero: what real parts beside it scatter by. */
+static double scatter(saltus_rests *r, double *u, const saltus_shrunk *hopf) {
+    const double apart = 1e-6;
+    const int last = r->equations.unknowns - 1;
+    double value[5], square = hopf->omega * hopf->omega;
+    for (int k = 0; k < 5; k++) {
+        u[last] = hopf->parameter + (k - 2) * apart;
+        value[k] = real_part(r, u, &square);
+    }
+    u[last] = hopf->parameter;
+    const double slope = (value[4] - value[0]) / (4 * apart);
+    const double bend = value[0] - 4 * value[1] + 6 * value[2] - 4 * value[3] + value[4];
+    const double kept = real_part(r, u, &square);
+    return (fabs(bend) + fabs(kept)) / fabs(slope);
+}
+
+/* State and eigenvalues of the equilibrium at u. */
+static saltus_status note_rates(saltus_rests *r, const double *u, saltus_shrunk *hopf) {
+    saltus_rest rest = {.rate_count = 0};
+    saltus_message ignored;
+    saltus_status status =
+        saltus_curve_reserve(&rest.at, r->equations.unknowns) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK) {
+        memcpy(rest.at.u, u, (size_t)r->equations.unknowns * sizeof *u);
+        status = saltus_rest_see(r, &rest, &ignored);
+    }
+    hopf->found = hopf->found && status == SALTUS_OK;
+    hopf->rate_count = status == SALTUS_OK ? rest.rate_count : 0;
+    for (int i = 0; i < r->n && status == SALTUS_OK; i++)
+        hopf->state[i] = rest.state[i];
+    for (int k = 0; k < hopf->rate_count; k++)
+        hopf->rates[k] = rest.rates[k];
+    saltus_rest_clear(&rest);
+    return saltus_rests_noted(r, status);
+}
+
+saltus_status saltus_cycle_shrinks(saltus_orbits *o, const saltus_solution *s, saltus_shrunk *hopf,
+                                   saltus_message *message) {
+    saltus_rests r = {.family = o->family, .origin = {o->origin}};
+    saltus_message why = {.text = ""};
+    double *u = NULL;
+    *hopf = (saltus_shrunk){.omega = s->sequence.omega / s->sequence.periods};
+    saltus_status status = saltus_rests_open(&r, &why);
+    if (status == SALTUS_OK)
+        status = saltus_rests_shape(&r, s->sequence.contacts, s->state, s->parameter, &why);
+    if (status == SALTUS_OK)
+        u = calloc((size_t)r.equations.unknowns, sizeof *u);
+    if (status == SALTUS_OK)
+        status = u ? saltus_rests_fill(&r, s->parameter, s->state, u, &why) : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK && find_zero(&r, u, hopf)) {
+        hopf->accuracy += scatter(&r, u, hopf);
+        hopf->found = isfinite(hopf->accuracy);
+        status = note_rates(&r, u, hopf);
+    }
+    const bool starved = r.starved || status == SALTUS_NO_MEMORY;
+    free(u);
+    saltus_rests_close(&r);
+    return starved ? saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch") : SALTUS_OK;
+}
+
+/* Of the two imaginary eigenvalues one makes the multiplier 1 along the flow, the other one 1, too. */
+static void tell_multipliers(const saltus_shrunk *hopf, double period, saltus_survey *survey) {
+    int count = 0, pair = 0;
+    for (int k = 0; k < hopf->rate_count; k++)
+        if (fabs(hopf->rates[k].im - hopf->omega) < fabs(hopf->rates[pair].im - hopf->omega))
+            pair = k;
+    for (int k = 0; k < hopf->rate_count; k++) {
+        const saltus_multiplier rate = hopf->rates[k];
+        const double log_modulus = rate.re * period, modulus = exp(log_modulus);
+        if (k == pair)
+            survey->multipliers[count++] = (saltus_multiplier){1, 0, 0};
+        else if (k != pair + 1)
+            survey->multipliers[count++] = (saltus_multiplier){modulus * cos(rate.im * period),
+                                                               modulus * sin(rate.im * period), log_modulus};
+    }
+    while (count < survey->multiplier_count)
+        survey->multipliers[count++] = (saltus_multiplier){0, 0, -INFINITY};
+    survey->multiplier_count = count;
+    survey->trivial = 1;
+    survey->log_volume = 0;
+    for (int k = 0; k < count; k++)
+        survey->log_volume += survey->multipliers[k].log_modulus;
+    survey->unstable = saltus_multipliers_unstable(survey->multipliers, count);
+}
+
+saltus_status saltus_cycle_shrink(saltus_orbits *o, const saltus_shrunk *hopf, saltus_solution *out,
+                                  saltus_message *message) {
+    saltus_sequence sequence = out->sequence;
+    sequence.omega = hopf->omega * sequence.periods;
+    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_fill(o->shooting, &hopf->parameter, hopf->state, out->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(o->equations, out->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_survey(o, out, message);
+    if (status == SALTUS_OK && out->survey.walked)
+        tell_multipliers(hopf, 2 * M_PI / hopf->omega, &out->survey);
+    return status;
 }

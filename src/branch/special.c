@@ -108,6 +108,12 @@ static int end_at_equilibrium(saltus_special *specials, int count, double reach)
     return kept;
 }
 
+bool saltus_special_hopf(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
+                         saltus_special *special, saltus_solution *scratch) {
+    return from->sequence.omega > 0 &&
+           add(o, from, to, SALTUS_POINT_HB, SALTUS_TEST_ONWARD, 0, special, 0, scratch) > 0;
+}
+
 int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
                         const double *targets, const saltus_point_kind *kinds, int target_count,
                         saltus_special *specials, saltus_solution *scratch) {
@@ -124,8 +130,9 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
         count = add_pairs(o, from, to, specials, count, scratch);
     for (int k = 0; k < target_count; k++)
         count = add(o, from, to, kinds[k], SALTUS_TEST_VALUE, targets[k], specials, count, scratch);
-    if (from->sequence.omega > 0)
-        count = add(o, from, to, SALTUS_POINT_HB, SALTUS_TEST_ONWARD, 0, specials, count, scratch);
+    saltus_special hopf;
+    if (saltus_special_hopf(o, from, to, &hopf, scratch))
+        count = insert(hopf, specials, count);
     return end_at_equilibrium(specials, count, to->at.ahead);
 }
 
@@ -367,6 +374,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     saltus_test by = special->kind == SALTUS_POINT_HB ? SALTUS_TEST_ONWARD : SALTUS_TEST_CROSSING;
     if (special->kind == SALTUS_POINT_BP || special->kind == SALTUS_POINT_HB)
         crossing = saltus_solution_crossing(o, by, from, special->ahead, reach, at);
+    special->sharp = crossing.found;
     if (crossing.found)
         special->accuracy =
             crossing.accuracy + doubt_of_crossing(o, by, from, special->ahead, reach, at->value);

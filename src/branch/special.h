@@ -14,6 +14,7 @@ typedef struct saltus_special {
     double ahead, accuracy;
     const char *end; /* the branch ends here: why; NULL: it does not */
     double value;    /* of the parameter; sharper than the solution's where the equations are singular */
+    bool sharp;      /* where they are singular: the place was interpolated between points on both sides */
 } saltus_special;
 
 /* All places between `from` and `to` where tests change their sign, in order; `scratch` is overwritten. Where
@@ -23,6 +24,10 @@ typedef struct saltus_special {
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                         bool fresh, const double *targets, const saltus_point_kind *kinds, int target_count,
                         saltus_special *specials, saltus_solution *scratch);
+/* The place at which orbits of a period of their own seem to shrink to an equilibrium; false: there is none.
+ */
+bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
+                         saltus_special *special, saltus_solution *scratch);
 /* What is at such a place: `at` becomes the orbit there, surveyed, and kind, value, accuracy and end are set.
  * False: it is no special point after all. `reach`: length of the step from `from`. Errors: SALTUS_NO_MEMORY.
  */

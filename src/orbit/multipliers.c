@@ -416,8 +416,10 @@ saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *o
     const int n = cocycle->n;
     *count = n - cocycle->autonomous;
     *trivial = cocycle->autonomous ? deflate(cocycle) : 0;
-    saltus_status status = saltus_cocycle_multipliers(cocycle->segments, *count, cocycle->count,
-                                                      cocycle->zeros, out, log_volume, message);
+    /* At rest on a stop no direction is left, not even the flow's. */
+    const int zeros = cocycle->zeros < *count ? cocycle->zeros : *count;
+    saltus_status status = saltus_cocycle_multipliers(cocycle->segments, *count, cocycle->count, zeros, out,
+                                                      log_volume, message);
     if (status != SALTUS_OK || !cocycle->autonomous)
         return status;
     /* Where the flow contracts most is not known before it has been followed. */
