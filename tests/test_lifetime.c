@@ -166,6 +166,32 @@ static void rare_contacts_count_in_rows(void **unused) {
     }
 }
 
+/* What was watched for is said: of chaos that a contact could end, how seldom one comes at most; nothing of
+ * the kind where none can; and of a contact that has come, that no other one did. */
+static void verdicts_tell_for_how_long_contacts_were_watched_for(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char *const words = "lasting contacts that would end it come less than once in ";
+    saltus_classify_options options = saltus_classify_defaults();
+    options.lifetime = 1000;
+    for (int k = 0; k < 2; k++) {
+        saltus_motion motion =
+            classify_with(k ? "pipe" : "budd-dux", k ? "d=0.035 omega=10" : "omega=2.8 d=0", &options);
+        const char *told = strstr(motion.reason, words);
+        assert_int_equal(motion.verdict, SALTUS_CHAOTIC);
+        assert_true((told == NULL) == k);
+        if (told)
+            assert_true(strtod(told + strlen(words), NULL) > 10 * motion.evidence.lifetime_at_least);
+        saltus_motion_clear(&motion);
+    }
+    options = saltus_classify_defaults();
+    options.transient = 640;
+    saltus_motion motion = classify_with("budd-dux", "omega=4.85 d=.01", &options);
+    assert_true(motion.verdict == SALTUS_LONG_PERIOD && motion.lyapunov == -INFINITY);
+    assert_non_null(strstr(motion.reason, "no other one comes within 6400 periods"));
+    saltus_motion_clear(&motion);
+}
+
 /* The contact that is told is the first one, whichever trajectory meets it: the same one, to the last bit,
  * where the trajectories are given in another order, and one of those that they meet by themselves. */
 static void first_contact_is_told(void **unused) {
@@ -179,21 +205,22 @@ static void first_contact_is_told(void **unused) {
     const double *ahead[trajectories], *back[trajectories];
     int distinct = 0, among = 0;
     bool found;
+    long long without;
     for (int k = 0; k < trajectories; k++) {
         start[k][0] = -0.07 - 0.05 * k;
         start[k][1] = 0.01 * k;
         ahead[k] = back[trajectories - 1 - k] = start[k];
-        check_ok(
-            saltus_motion_meets_contact(system, &options, &ahead[k], 1, 1000, after[k], &found, &message),
-            &message);
-        assert_true(found);
+        check_ok(saltus_motion_meets_contact(system, &options, &ahead[k], 1, 1000, after[k], &found, &without,
+                                             &message),
+                 &message);
+        assert_true(found && !without);
         distinct += memcmp(after[k], after[0], sizeof after[k]) != 0;
     }
     check_ok(saltus_motion_meets_contact(system, &options, ahead, trajectories, 1000 * trajectories, told,
-                                         &found, &message),
+                                         &found, &without, &message),
              &message);
     check_ok(saltus_motion_meets_contact(system, &options, back, trajectories, 1000 * trajectories, reversed,
-                                         &found, &message),
+                                         &found, &without, &message),
              &message);
     for (int k = 0; k < trajectories; k++)
         among += memcmp(after[k], told, sizeof told) == 0;
@@ -226,6 +253,7 @@ int main(void) {
         cmocka_unit_test(rounding_decides_long_superstable_periods),
         cmocka_unit_test(rare_contacts_count_from_any_start),
         cmocka_unit_test(rare_contacts_count_in_rows),
+        cmocka_unit_test(verdicts_tell_for_how_long_contacts_were_watched_for),
         cmocka_unit_test(first_contact_is_told),
         cmocka_unit_test(long_orbits_amid_chaos_are_found),
     };

@@ -38,6 +38,12 @@ static saltus_status find_contact(saltus_search *s, saltus_motion *motion, saltu
                  "%lld periods; in between neighbours separate so far that another tolerance gives another "
                  "time: rounding decides the period",
                  periods);
+    else if (status == SALTUS_OK && periods < 0)
+        snprintf(
+            motion->reason, sizeof motion->reason,
+            "superstable: every difference dies in a lasting contact, but so seldom that no other one comes "
+            "within %lld periods (ten times --transient)",
+            10 * s->options->transient);
     else if (status == SALTUS_OK && !periods)
         snprintf(motion->reason, sizeof motion->reason,
                  "superstable: every difference dies in a lasting contact, but the motion does not return to "

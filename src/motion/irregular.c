@@ -48,6 +48,7 @@ typedef struct judge {
     long long return_count;
     bool searched;                   /* for stable orbits */
     bool sticks;                     /* a contact that wipes out all differences has been met */
+    long long without_contact;       /* periods watched without one; 0: there can be none */
     long long escaped[trajectories]; /* samples of each until it left; 0: it has not */
     /* Sticking makes tangent vectors shrink now and then without any escape: a look that found none is not
      * repeated before twice as many samples. */
@@ -185,9 +186,9 @@ static saltus_status look_for_contact(judge *j, saltus_message *message) {
     double after[SALTUS_STATE_MAX];
     for (int m = 0; m < trajectories; m++)
         states[m] = j->ensemble.member[m].state;
-    saltus_status status =
-        saltus_motion_meets_contact(j->system, &j->how.flow, states, trajectories,
-                                    saltus_ensemble_periods(&j->ensemble), after, &j->sticks, message);
+    saltus_status status = saltus_motion_meets_contact(j->system, &j->how.flow, states, trajectories,
+                                                       saltus_ensemble_periods(&j->ensemble), after,
+                                                       &j->sticks, &j->without_contact, message);
     if (status == SALTUS_OK && j->sticks)
         memcpy(j->ensemble.member[0].state, after, (size_t)j->ensemble.n * sizeof *after);
     return status;
@@ -384,6 +385,9 @@ static void tell_chaos(judge *j) {
         "the run; none of %d trajectories has come to a period or to rest: mean lifetime at least %.0f "
         "periods (95 %%)",
         m->lyapunov, m->lyapunov_error, e->periods, e->members, e->lifetime_at_least);
+    if (j->without_contact)
+        say(m, "; lasting contacts that would end it come less than once in %.0f periods",
+            saltus_lifetime_at_least((double)j->without_contact, 0));
     if (e->laminar_period)
         say(m,
             "; intermittent: %.0f %% of the time near a motion of period %d T, up to %lld periods at a "

@@ -124,7 +124,8 @@ static bool same(const saltus_system *system, const contact *a, const contact *b
 }
 
 /* Periods from a contact that wipes out all differences until the motion is at the same one again, twice
- * alike; 0: it is not within so many. `begin` is the contact, its section point the orbit's. */
+ * alike; 0: it is not within so many; -1: not even to another one. `begin` is the contact, its section point
+ * the orbit's. */
 static saltus_status return_to_contact(const saltus_system *system, const saltus_flow_options *options,
                                        const double *state, long long patient, contact *begin,
                                        long long *periods, saltus_message *message) {
@@ -138,8 +139,12 @@ static saltus_status return_to_contact(const saltus_system *system, const saltus
     for (int k = 0; k < contacts_watched && status == SALTUS_OK && !*periods; k++) {
         bool found;
         status = next_contact(system, flow, patient, &seen[k], &found, message);
-        if (status != SALTUS_OK || !found)
+        if (status != SALTUS_OK)
             break;
+        if (!found) {
+            *periods = k ? 0 : -1;
+            break;
+        }
         for (int j = k - 1; j >= 0 && !*periods; j--)
             if (same(system, &seen[k], &seen[j])) {
                 *periods = seen[k].time.cycle - seen[j].time.cycle;
@@ -165,7 +170,7 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
     other.rtol *= 4;
     saltus_status status =
         return_to_contact(system, &options->flow, state, patient, &begin, periods, message);
-    if (status != SALTUS_OK || !*periods)
+    if (status != SALTUS_OK || *periods <= 0)
         return status;
     status = return_to_contact(system, &other, begin.section, 2 * *periods, &again, &with_other, message);
     *rounding = with_other != *periods;
@@ -238,7 +243,8 @@ static bool can_lose_all(const saltus_system *system) {
 
 saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
                                           const double *const *states, int count, long long watched,
-                                          double *state, bool *found, saltus_message *message) {
+                                          double *state, bool *found, long long *without,
+                                          saltus_message *message) {
     const int width = options->integrator == SALTUS_RADAU ? 1 : saltus_flow_width(system);
     const saltus_system *systems[SALTUS_PACK_MAX];
     saltus_status status = SALTUS_OK;
@@ -256,5 +262,6 @@ saltus_status saltus_motion_meets_contact(const saltus_system *system, const sal
         saltus_flow_free(flow);
     }
     *found = first.trajectory >= 0;
+    *without = can_lose_all(system) && !*found ? first.cycle * count : 0;
     return status;
 }
