@@ -22,8 +22,9 @@
 enum {
     longest = 1024, /* period of a locked motion */
     followed = 4 * longest,
-    tries = 6,            /* of the closest returns */
-    costly = 3000,        /* impacts of an orbit: it is not tried */
+    tries = 6,     /* of the closest returns */
+    costly = 3000, /* impacts of an orbit: it is not tried */
+    few_steps = 8, /* of Newton's method, which an orbit so near converges in; on a torus it never does */
     contacts_watched = 8, /* that wipe out all differences */
     rare = 20,    /* times as long as chaos has been measured it is watched for a contact that ends it */
     patience = 10 /* times as long as a motion may take to settle, until such a contact */
@@ -79,7 +80,8 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
     for (int k = 0; k < tries && periods[k] && status == SALTUS_OK; k++) {
         if (periods[k] * impacts > costly)
             continue;
-        saltus_status polished = saltus_motion_polish(system, periods[k], end, near_return, &how, found);
+        saltus_status polished =
+            saltus_motion_polish(system, periods[k], end, near_return, few_steps, &how, found);
         if (polished == SALTUS_OK) {
             found->transient = followed;
             return SALTUS_OK;
@@ -177,7 +179,7 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
     if (status != SALTUS_OK || *rounding || *periods > patient)
         return status;
     saltus_status polished =
-        saltus_motion_polish(system, (int)*periods, begin.section, near_return, &how, found);
+        saltus_motion_polish(system, (int)*periods, begin.section, near_return, 0, &how, found);
     return polished == SALTUS_NO_MEMORY ? saltus_fail(message, polished, "no memory for an orbit")
                                         : SALTUS_OK;
 }

@@ -306,7 +306,7 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     remember(s, p, f->state);
     if (!periods)
         return SALTUS_OK;
-    saltus_status status = saltus_motion_polish(s->system, periods, state, INFINITY, &options, motion);
+    saltus_status status = saltus_motion_polish(s->system, periods, state, INFINITY, 0, &options, motion);
     *found = status == SALTUS_OK && lies_amid(s, motion);
     if (status == SALTUS_OK && !*found)
         saltus_motion_clear(motion);
