@@ -68,10 +68,10 @@ typedef struct saltus_evidence {
     double dimension, dimension_error; /* correlation dimension of the section points */
     double broadband;                  /* part of the section points' variance that is not in lines */
     int curves;                        /* closed curves that the section points fill; 0: they do not */
-    double impacts_per_period;
-    double laminar;          /* part of the time spent near a periodic motion, ... */
-    int laminar_period;      /* ... of this period; 0: no intermittency */
-    long long longest_phase; /* longest of these laminar phases, in periods */
+    double impacts_per_period;         /* NAN with complete chatter */
+    double laminar;                    /* part of the time spent near a periodic motion, ... */
+    int laminar_period;                /* ... of this period; 0: no intermittency */
+    long long longest_phase;           /* longest of these laminar phases, in periods */
     /* Chaos may be a transient that ends by chance, at any time alike. Periods watched until trajectories
      * left it bound its mean lifetime from below: M trajectories of L periods of which none has left, by M L
      * / 3. */
@@ -94,7 +94,7 @@ typedef struct saltus_motion {
     int periods;            /* p, least period in forcing periods, without forcing in returns to the section;
                                0 if not periodic */
     double period;          /* least period in units of time; NAN if not periodic */
-    long long impacts;      /* n per orbit; -1 when complete chatter makes it infinite */
+    long long impacts;      /* n per orbit; -1 when complete chatter makes it infinite, in any motion */
     int sticking_intervals; /* per orbit */
     long long impacts_by_face[SALTUS_FACES_MAX]; /* with chatter those simulated one by one */
     long long counted; /* periods that these were counted over: an orbit's, or 400 of a motion without a

@@ -241,6 +241,7 @@ saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flo
     motion->rms = saltus_lap_rms(&lap);
     motion->mirror = saltus_system_mirror_symmetric(system, &shift) ? SALTUS_MIRROR_OPEN : SALTUS_MIRROR_NONE;
     if (status == SALTUS_OK) {
+        motion->impacts = saltus_lap_impacts(&lap) < 0 ? -1 : 0;
         memcpy(motion->impacts_by_face, lap.impacts_by_face, sizeof lap.impacts_by_face);
         motion->counted = periods;
     }

@@ -73,23 +73,34 @@ static saltus_runs runs_of(const judge *j) {
                          .lost = j->sticks || saltus_ensemble_lost(e) >= e->n};
 }
 
+/* Whether a face can be chattered on. */
+static bool rebounds(const saltus_system *system) {
+    for (int f = 0; f < saltus_system_face_count(system); f++)
+        if (saltus_system_face(system, f).r > 0)
+            return true;
+    return false;
+}
+
 static void tell_exponent(judge *j) {
     const saltus_ensemble *e = &j->ensemble;
     saltus_evidence *evidence = &j->motion->evidence;
     saltus_runs runs = runs_of(j);
-    long long impacts = 0;
+    long long impacts = 0, sticks = 0;
     j->motion->lyapunov = runs.lost ? -INFINITY : runs.all.mean;
     j->motion->lyapunov_error = runs.lost ? 0 : runs.all.standard_error;
     evidence->half[0] = runs.first.mean;
     evidence->half[1] = runs.second.mean;
     evidence->half_errors[0] = runs.first.standard_error;
     evidence->half_errors[1] = runs.second.standard_error;
-    for (int m = 0; m < trajectories; m++)
-        impacts += saltus_flow_information(e->member[m].flow, e->member[m].lane).impacts -
-                   e->member[m].begin.impacts;
+    for (int m = 0; m < trajectories; m++) {
+        const saltus_flow_info now = saltus_flow_information(e->member[m].flow, e->member[m].lane);
+        impacts += now.impacts - e->member[m].begin.impacts;
+        sticks += now.sticks - e->member[m].begin.sticks;
+    }
     evidence->periods = saltus_ensemble_periods(e);
     evidence->members = trajectories;
-    evidence->impacts_per_period = (double)impacts / (double)evidence->periods;
+    evidence->impacts_per_period =
+        sticks > 0 && rebounds(j->system) ? NAN : (double)impacts / (double)evidence->periods;
 }
 
 /* Has a trajectory come to a regular motion, one whose tangent vectors have shrunk while those of the others

@@ -96,10 +96,11 @@ static void put_faces(FILE *file, const saltus_system *system, const saltus_moti
         else
             fprintf(file, "%lld", motion->impacts_by_face[f]);
     }
-    if (!settled)
-        fprintf(file, " (in %lld periods)", motion->counted);
     bool modal = saltus_notation_of(system)->structure == SALTUS_STRUCTURE_LINE;
-    bool cut = !held && motion->impacts < 0;
+    bool cut = !held && settled && motion->impacts < 0;
+    if (!settled)
+        fprintf(file, " (in %lld periods%s)", motion->counted,
+                motion->impacts < 0 ? ", of complete chatter those simulated one by one" : "");
     fputs(held && modal ? " (per modal mass)\n" : cut ? " (before the chatter completes)\n" : "\n", file);
 }
 
@@ -211,8 +212,9 @@ static void put_evidence(FILE *file, const saltus_system *system, const saltus_m
             fprintf(file, ", %.3g by the escape of %d of %d trajectories", e->lifetime, e->left, e->members);
         fputc('\n', file);
     }
-    fprintf(file, "  %-14s%.4g per T = %.6g\n", "impacts", e->impacts_per_period,
-            saltus_system_period(system));
+    if (!isnan(e->impacts_per_period))
+        fprintf(file, "  %-14s%.4g per T = %.6g\n", "impacts", e->impacts_per_period,
+                saltus_system_period(system));
 }
 
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
