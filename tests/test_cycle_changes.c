@@ -238,6 +238,36 @@ static void cycles_end_where_they_are_born(void **unused) {
     }
 }
 
+/* Van der Pol's relaxation oscillation pressed aside ends in the explosion of a canard, near a = 1 - 1/(8
+ * mu^2), where the parameter stands still, or beyond it at the Hopf point a = 1: its period is finite, no
+ * orbit is an equilibrium, and nothing is said that would be so at a homoclinic orbit. */
+static void canards_are_no_homoclinic_orbits(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char text[] = "model:\n"
+                               "  parameters: {a: 0.5}\n"
+                               "  motion: {x: 4*(1 - x^2)*x' - x + a}\n"
+                               "initial: {x: 0.1}\n";
+    static const double step_max[] = {0.1, 1};
+    for (int k = 0; k < 2; k++) {
+        saltus_scene scene = scene_from(text, NULL, 0);
+        saltus_branch_options options = branch_along("a", 0.3, 1.2);
+        options.direction = 1;
+        options.step_max = step_max[k];
+        branch_record record = branch_of(&scene, options, NULL);
+        const saltus_branch_point *end = &record.point[record.count - 1];
+        const bool passed = end[-1].kind == SALTUS_POINT_HB;
+        assert_int_equal(count_special(&record), passed);
+        assert_null(strstr(end->reason, "homoclinic"));
+        assert_null(strstr(end->reason, "without bound"));
+        check_near(end->value[0], passed ? 1 : 1 - 1. / (8 * 16), passed ? 1e-12 : 2e-3);
+        for (int j = 0; j < record.count; j++)
+            check_near(record.point[j].trivial_multiplier, 1, 1e-6);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* A mass on a spring that feeds its oscillation, pressed by F against a stop at 1/2, and the same with a
  * further state and a nonlinear spring. */
 static const char pressed[] = "model:\n"
@@ -350,6 +380,7 @@ int main(void) {
         cmocka_unit_test(symmetric_cycles_pass_grazing),
         cmocka_unit_test(returns_come_and_go),
         cmocka_unit_test(cycles_end_where_they_are_born),
+        cmocka_unit_test(canards_are_no_homoclinic_orbits),
         cmocka_unit_test(cycles_are_born_at_a_stop),
         cmocka_unit_test(cycles_shrink_to_an_equilibrium_on_a_stop),
     };

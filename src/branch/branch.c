@@ -901,27 +901,32 @@ static saltus_status settle(saltus_branch *b, saltus_message *message) {
     return accept(b, !retraced, !same, same ? NULL : "impacts in the tail of a long run come or go", message);
 }
 
-/* Where along a branch of cycles the period grows and the parameter stands still: *ended, and the branch ends
- * at `at`, which tells how near it comes to an equilibrium. */
+static const char still_period[] = "the parameter stands still while the period changes";
+
+/* Where along a branch of cycles the period changes and the parameter stands still: *ended, and the branch
+ * ends at `at`, at a homoclinic orbit where it comes near to a saddle. */
 static saltus_status end_at_saddle(saltus_branch *b, const saltus_solution *at, double ahead, bool *ended,
                                    saltus_message *message) {
     const double near = 1e-2, still = 1e-3;
     const double stretching = fabs(at->at.tangent[at->at.unknowns - 2]);
     saltus_passed passed = {.found = false};
-    char reason[SALTUS_REASON_MAX], where[64] = "; no equilibrium is near";
+    char reason[SALTUS_REASON_MAX];
     *ended = at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching;
     if (!*ended)
         return SALTUS_OK;
     saltus_status status = saltus_cycle_passes(&b->orbits, at, &passed, message);
     if (status != SALTUS_OK)
         return status;
-    const bool meets = passed.found && passed.distance < near, saddle = passed.unstable && passed.stable;
+    /* At the explosion of a canard, too, the parameter stands still, but the period stays finite. */
+    const bool meets = passed.found && passed.distance < near && passed.unstable && passed.stable;
+    const double period = 2 * M_PI * at->sequence.periods / at->sequence.omega;
     if (meets)
-        snprintf(where, sizeof where, " at a distance of %.2g from %s%s", passed.distance,
-                 saddle ? "a saddle" : "an equilibrium", passed.contacts ? " on a stop" : "");
-    snprintf(reason, sizeof reason, "%sthe period grows without bound, here %.6g%s",
-             meets && saddle ? "homoclinic: " : "", 2 * M_PI * at->sequence.periods / at->sequence.omega,
-             where);
+        snprintf(
+            reason, sizeof reason,
+            "homoclinic: the period grows without bound, here %.6g at a distance of %.2g from a saddle%s",
+            period, passed.distance, passed.contacts ? " on a stop" : "");
+    else
+        snprintf(reason, sizeof reason, "%s, here %.6g; no saddle is near", still_period, period);
     return end(b, at, ahead, reason, message);
 }
 
@@ -952,6 +957,16 @@ static saltus_status end_at_boundary(saltus_branch *b, bool *ended, saltus_messa
 /* Whether the parameter does not change along the branch, but for rounding. */
 static bool is_vertical(const saltus_solution *s) {
     return fabs(saltus_solution_heading(s)) < 1e-10;
+}
+
+/* Whether orbits of one value of the parameter may form a family, as far as their multipliers tell: one of
+ * them is 1, beside that along the flow. */
+static bool is_of_family(const saltus_solution *s) {
+    const double close = 1e-6;
+    bool one = s->sequence.omega == 0 || !s->survey.walked;
+    for (int k = 0; k < s->survey.multiplier_count && !one; k++)
+        one = hypot(s->survey.multipliers[k].re - 1, s->survey.multipliers[k].im) < close;
+    return one;
 }
 
 /* The length of a step at whose end an orbit breaches, though `next` does not, as on a border of the range on
@@ -1019,7 +1034,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         return SALTUS_OK;
     }
     if (misses && is_equilibrium(b, b->next))
-        return end(b, t->here, 0, "the orbit shrinks to an equilibrium", message);
+        return end(b, t->here, 0, "the curve cannot be told from the equilibria near it", message);
     /* A touch in the very place where the orbit is cut open would not be seen. */
     if (saltus_solution_base_beyond(o, b->next) && b->next->at.ahead > step_least) {
         int order[SALTUS_MARKS_MAX];
@@ -1051,13 +1066,13 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (ended || status != SALTUS_OK)
         return status;
     if (is_vertical(t->here) && is_vertical(b->next)) {
+        if (is_of_family(b->next))
+            return end(b, b->next, b->next->at.ahead,
+                       "the orbits of one value of the parameter form a family", message);
         status = end_at_saddle(b, b->next, b->next->at.ahead, &ended, message);
         if (ended || status != SALTUS_OK)
             return status;
     }
-    if (is_vertical(t->here) && is_vertical(b->next))
-        return end(b, b->next, b->next->at.ahead, "the orbits of one value of the parameter form a family",
-                   message);
     if (!breached && !b->next->survey.follows) {
         bool free = t->here->survey.impacts >= 0 && t->here->survey.sticking_intervals == 0;
         double hidden = free && reached >= 0 ? hidden_breach(b) : 0;

@@ -198,6 +198,14 @@ static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *sta
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
+/* Whether an orbit of a period of its own is none, but an equilibrium, which closes after any time. */
+static bool rests(const saltus_solution *s) {
+    const double nothing = 1e-6;
+    const saltus_sequence *sequence = &s->sequence;
+    return sequence->omega > 0 && sequence->count == 0 &&
+           s->speed * sequence->speed * 2 * M_PI * sequence->periods < nothing * sequence->omega;
+}
+
 /* Shooting with the flow's own events: whether there is an orbit of the period of `old` near a state at its
  * base, which becomes `out`, with the sequence that the flow meets on it. `state` (n) is overwritten. */
 static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const double *parameters,
@@ -217,7 +225,7 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
         return false;
     return sequence_met(o, out, state, &met) &&
            saltus_solution_place(o, &met, parameters, state, true, out, &ignored) == SALTUS_OK &&
-           saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
+           !rests(out) && saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
 }
 
 /* The same along the tangent of an orbit to a parameter. */
