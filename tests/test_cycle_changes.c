@@ -143,6 +143,45 @@ static void symmetric_cycles_pass_grazing(void **unused) {
     }
 }
 
+/* From the other side, both impacts of van der Pol's cycle between stops lose their speed at once, in steps
+ * of any length, where the cycle without them reaches the stops; it goes on as that one. */
+static void impacts_of_symmetric_cycles_die_together(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {mu: 1}\n"
+                               "  motion: {x: mu*(1 - x^2)*x' - x}\n"
+                               "stop: {coordinate: x, d: 2.3, r: 0.8, sides: both}\n"
+                               "initial: {x: 0.1}\n";
+    static const char *const strengths[] = {"mu=0.4", "mu=2"}, *const losses[] = {"r=0.5", "r=0.8", "r=0.95"};
+    static const double step_max[] = {0.02, 0.1, 1};
+    for (int k = 0; k < 18; k++) {
+        const char *const settings[] = {strengths[k / 9], losses[k / 3 % 3], "d=1.7"};
+        saltus_branch_options options = branch_along("d", 1.6, 2.3);
+        double reach;
+        saltus_scene free = scene_from(text, settings, 2), scene = scene_from(text, settings, 3);
+        options.direction = 1;
+        branch_record record = branch_of(&free, options, &reach);
+        branch_forget(&record);
+        options.step_max = step_max[k % 3];
+        record = branch_of(&scene, options, NULL);
+        assert_int_equal(count_special(&record), 1);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            if (p->kind == SALTUS_POINT_GR) {
+                check_near(p->value[0], reach, p->accuracy + 1e-11);
+                assert_true(p->accuracy < 1e-10);
+                assert_string_equal(p->label_after, "0/1");
+            } else {
+                assert_int_equal(p->impacts, p->value[0] < reach ? 2 : 0);
+            }
+        }
+        check_near(record.point[record.count - 1].value[0], 2.3, 0);
+        branch_forget(&record);
+        saltus_scene_clear(&free);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* On the circle of radius s, u = s cos t and w = s sin t, the displacement x is u + 2 a u w / s, s (cos t +
  * a sin 2t): it has a second maximum where a > 1/2, and u reaches 1 where s > 1. */
 static const char circle[] =
@@ -378,6 +417,7 @@ int main(void) {
         cmocka_unit_test(grazing_is_met_from_everywhere),
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
+        cmocka_unit_test(impacts_of_symmetric_cycles_die_together),
         cmocka_unit_test(returns_come_and_go),
         cmocka_unit_test(cycles_end_where_they_are_born),
         cmocka_unit_test(canards_are_no_homoclinic_orbits),

@@ -1001,6 +1001,79 @@ static bool has_strayed(saltus_branch *b) {
     return false;
 }
 
+/* The speed of an orbit's impacts in the system's scale, where they are all alike; NAN where they are not, or
+ * where there are none. */
+static double common_speed(const saltus_solution *s) {
+    const double alike = 1e-6;
+    double least = INFINITY, most = -INFINITY;
+    int count = 0;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED) {
+            least = fmin(least, -s->breaches[k].value);
+            most = fmax(most, -s->breaches[k].value);
+            count++;
+        }
+    return count > 1 && count == s->sequence.count && most - least < alike ? 0.5 * (least + most) : NAN;
+}
+
+/* Whether all impacts of a cycle of a planar flow lose their speed at once on the step ahead. Such a cycle
+ * forgets when they are, so that where they have no speed its equations are singular twice, and lead
+ * anywhere. */
+static bool fades(const saltus_branch *b) {
+    const double slow = 0.3, share = 0.5;
+    const saltus_solution *here = b->trace.here, *next = b->next;
+    const double before = common_speed(here), after = common_speed(next);
+    const double way = (next->parameter[0] - here->parameter[0]) * saltus_solution_heading(here);
+    return b->orbits.n == 2 && here->sequence.omega > 0 && !here->sequence.contacts &&
+           !here->sequence.driven && before > 0 && before < slow && !(after > share * before && way > 0);
+}
+
+/* Where that is, the cycle without impacts tells: it touches its stops there. *done: it does, and the branch
+ * goes on with it. */
+static saltus_status fade(saltus_branch *b, bool *done, saltus_message *message) {
+    static const double reach[] = {1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
+    enum { reaches = sizeof reach / sizeof reach[0] };
+    saltus_orbits *o = &b->orbits;
+    const saltus_solution *here = b->trace.here;
+    const double heading = saltus_solution_heading(here);
+    saltus_message ignored;
+    saltus_zero zero = {.found = false};
+    saltus_sequence bare = here->sequence;
+    bare.count = 0;
+    *done = false;
+    for (int k = 0; k < reaches && !zero.found; k++) {
+        const double parameter = here->parameter[0] + copysign(reach[k], heading);
+        if (parameter < b->range[0] || parameter > b->range[1] ||
+            saltus_solution_place(o, &bare, &parameter, here->state, true, b->spare, &ignored) != SALTUS_OK ||
+            b->spare->worst.value > 0 || saltus_solution_survey(o, b->spare, &ignored) != SALTUS_OK ||
+            !b->spare->survey.follows)
+            continue;
+        saltus_solution_head(b->spare, -heading);
+        const double back = reach[k] / fabs(saltus_solution_heading(b->spare));
+        if (saltus_solution_visit(o, b->spare, back, b->other, &ignored) == SALTUS_OK &&
+            b->other->worst.value > 0)
+            zero = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, b->spare, b->other, b->trial);
+    }
+    if (!zero.found || o->starved)
+        return saltus_shooting_shape(o->shooting, &here->sequence, message);
+    *done = true;
+    notice what = {.kind = SALTUS_POINT_GR,
+                   .ahead = fabs((b->trial->parameter[0] - here->parameter[0]) / heading),
+                   .accuracy = zero.accuracy + saltus_special_doubt(o, SALTUS_TEST_BREACH, b->trial),
+                   .reason = "impacts die",
+                   .after = b->spare->survey.label,
+                   .change = true,
+                   .grazing = &b->trial->worst};
+    saltus_status status = saltus_solution_survey(o, b->trial, message);
+    if (status == SALTUS_OK)
+        status = give(b, b->trial, what, message);
+    if (status != SALTUS_OK || b->phase != RUN_FOLLOW)
+        return status;
+    b->trace.run.count = 0;
+    saltus_solution_head(b->spare, heading);
+    return go_on_at(b, what.ahead + zero.ahead, message);
+}
+
 /* One step along the branch under way. */
 static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_orbits *o = &b->orbits;
@@ -1020,6 +1093,11 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         status = end_at_saddle(b, t->here, 0, &ended, message);
         return ended || status != SALTUS_OK ? status
                                             : leap(b, 2 * t->step, SALTUS_LEAP_LOST, why.text, message);
+    }
+    if (fades(b) && b->options.locus == SALTUS_POINT_REGULAR) {
+        status = fade(b, &ended, message);
+        if (ended || status != SALTUS_OK)
+            return status;
     }
     if (has_strayed(b) && b->next->at.ahead > step_least) {
         t->step = 0.5 * b->next->at.ahead;
