@@ -182,6 +182,31 @@ static void impacts_of_symmetric_cycles_die_together(void **unused) {
     }
 }
 
+/* A cycle whose section points are impacts is followed from there, too: once around, the impact that it
+ * begins with neither counts twice nor is missed. */
+static void cycles_begin_at_impacts(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {mu: 0.1}\n"
+                               "  motion: {x: mu*(1 - x^2)*x' - x}\n"
+                               "stop: {coordinate: x, d: 1.7, r: 0.8, sides: both}\n"
+                               "initial: {x: 0.1}\n";
+    for (int k = 0; k < 40; k++) {
+        char strength[32], loss[32];
+        snprintf(strength, sizeof strength, "mu=%g", 0.1 + 0.07 * (k / 4));
+        snprintf(loss, sizeof loss, "r=%g", 0.6 + 0.1 * (k % 4));
+        saltus_scene scene = scene_from(text, (const char *const[]){strength, loss}, 2);
+        saltus_branch_options options = branch_along("d", 1.69, 1.71);
+        options.direction = 1;
+        options.step = options.step_max = 1;
+        branch_record record = branch_of(&scene, options, NULL);
+        check_near(record.point[record.count - 1].value[0], 1.71, 0);
+        assert_string_equal(record.point[0].label, "2/1");
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* On the circle of radius s, u = s cos t and w = s sin t, the displacement x is u + 2 a u w / s, s (cos t +
  * a sin 2t): it has a second maximum where a > 1/2, and u reaches 1 where s > 1. */
 static const char circle[] =
@@ -418,6 +443,7 @@ int main(void) {
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
         cmocka_unit_test(impacts_of_symmetric_cycles_die_together),
+        cmocka_unit_test(cycles_begin_at_impacts),
         cmocka_unit_test(returns_come_and_go),
         cmocka_unit_test(cycles_end_where_they_are_born),
         cmocka_unit_test(canards_are_no_homoclinic_orbits),

@@ -187,6 +187,33 @@ static saltus_status meet(search *s, saltus_sequence *met, saltus_message *messa
     return status;
 }
 
+/* A state just behind an impact moves on, into the flight up to the next event: once around from the impact
+ * itself the flow would meet it again or not by chance. */
+static saltus_status leave_stop(search *s, saltus_message *message) {
+    const double touching = 1e-9;
+    const saltus_system *system = saltus_flow_system(s->flow, 0);
+    const double length = saltus_system_scale(system)[0];
+    const int watched = SALTUS_WATCH_CONTACT;
+    saltus_event event = {.kind = SALTUS_REACHED};
+    bool touches = false;
+    for (int f = 0; f < saltus_system_face_count(system); f++)
+        touches = touches || fabs(saltus_system_gap(system, f, s->state)) < touching * length;
+    if (!touches)
+        return SALTUS_OK;
+    saltus_status status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, s->state, message);
+    if (status != SALTUS_OK || saltus_flow_contacts(s->flow, 0))
+        return status;
+    status = saltus_flow_advance(s->flow, (saltus_time){1, 0}, watched, &event, message);
+    const double half = 0.5 * saltus_time_periods(event.time);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, s->state, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(s->flow, saltus_time_of(half), 0, &event, message);
+    if (status == SALTUS_OK)
+        saltus_flow_state(s->flow, 0, s->state);
+    return status;
+}
+
 /* The two formulations in turn, each from where the other has come to. The cause that a failure names: an
  * orbit found that passes through a stop says more than a residual. */
 static saltus_status find(search *s, const double *guess, saltus_message *message) {
@@ -197,7 +224,9 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
     int passing = -1;
     memcpy(s->state, guess, (size_t)s->n * sizeof *guess);
     if (s->options->free_period) {
-        first = meet(s, &driven, message);
+        first = leave_stop(s, message);
+        if (first == SALTUS_OK)
+            first = meet(s, &driven, message);
         if (first != SALTUS_OK)
             return first;
         driven.count = 0;
