@@ -143,9 +143,10 @@ static void symmetric_cycles_pass_grazing(void **unused) {
     }
 }
 
-/* From the other side, both impacts of van der Pol's cycle between stops lose their speed at once, in steps
- * of any length, where the cycle without them reaches the stops; it goes on as that one. */
-static void impacts_of_symmetric_cycles_die_together(void **unused) {
+/* From the other side, the impacts of van der Pol's cycle at one stop or two lose their speed at once, in
+ * steps of any length, where the cycle without them reaches the stops; it goes on as that one, and neither
+ * folds nor flips, as its one multiplier is neither 1 nor -1. */
+static void impacts_of_planar_cycles_die_together(void **unused) {
     (void)unused;
     static const char text[] = "model:\n"
                                "  parameters: {mu: 1}\n"
@@ -154,15 +155,17 @@ static void impacts_of_symmetric_cycles_die_together(void **unused) {
                                "initial: {x: 0.1}\n";
     static const char *const strengths[] = {"mu=0.4", "mu=2"}, *const losses[] = {"r=0.5", "r=0.8", "r=0.95"};
     static const double step_max[] = {0.02, 0.1, 1};
-    for (int k = 0; k < 18; k++) {
-        const char *const settings[] = {strengths[k / 9], losses[k / 3 % 3], "d=1.7"};
+    static const char *const sides[] = {"sides=both", "sides=upper"};
+    for (int k = 0; k < 36; k++) {
+        const int impacts = k % 2 ? 1 : 2;
+        const char *const settings[] = {strengths[k / 18], losses[k / 6 % 3], sides[k % 2], "d=1.7"};
         saltus_branch_options options = branch_along("d", 1.6, 2.3);
         double reach;
-        saltus_scene free = scene_from(text, settings, 2), scene = scene_from(text, settings, 3);
+        saltus_scene free = scene_from(text, settings, 3), scene = scene_from(text, settings, 4);
         options.direction = 1;
         branch_record record = branch_of(&free, options, &reach);
         branch_forget(&record);
-        options.step_max = step_max[k % 3];
+        options.step_max = step_max[k / 2 % 3];
         record = branch_of(&scene, options, NULL);
         assert_int_equal(count_special(&record), 1);
         for (int j = 0; j < record.count; j++) {
@@ -172,7 +175,7 @@ static void impacts_of_symmetric_cycles_die_together(void **unused) {
                 assert_true(p->accuracy < 1e-10);
                 assert_string_equal(p->label_after, "0/1");
             } else {
-                assert_int_equal(p->impacts, p->value[0] < reach ? 2 : 0);
+                assert_int_equal(p->impacts, p->value[0] < reach ? impacts : 0);
             }
         }
         check_near(record.point[record.count - 1].value[0], 2.3, 0);
@@ -442,7 +445,7 @@ int main(void) {
         cmocka_unit_test(grazing_is_met_from_everywhere),
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
-        cmocka_unit_test(impacts_of_symmetric_cycles_die_together),
+        cmocka_unit_test(impacts_of_planar_cycles_die_together),
         cmocka_unit_test(cycles_begin_at_impacts),
         cmocka_unit_test(returns_come_and_go),
         cmocka_unit_test(cycles_end_where_they_are_born),

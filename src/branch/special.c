@@ -364,6 +364,17 @@ static bool forgets_all(const saltus_survey *survey) {
     return all && survey->multiplier_count > 0;
 }
 
+/* Whether an orbit of a period of its own lacks the multiplier, 1 or -1, that its fold or flip would have: at
+ * grazing the equations of planar cycles are singular for other reasons. */
+static bool lacks_multiplier(const saltus_solution *at, saltus_point_kind kind) {
+    const double close = 0.05, wanted = kind == SALTUS_POINT_PD ? -1 : 1;
+    const saltus_survey *survey = &at->survey;
+    bool lacks = at->sequence.omega > 0 && survey->walked && survey->multiplier_count > 0;
+    for (int k = 0; k < survey->multiplier_count && lacks; k++)
+        lacks = hypot(survey->multipliers[k].re - wanted, survey->multipliers[k].im) > close;
+    return lacks;
+}
+
 saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
                                    saltus_special *special, saltus_solution *at, bool *is_one,
                                    saltus_message *message) {
@@ -390,6 +401,8 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
                   : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     bool joins = is_fold && (joins_half(o, at, special) || joins_image(o, from, at, special));
+    const bool turns = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_PD;
+    *is_one = *is_one && (joins || !turns || !lacks_multiplier(at, special->kind));
     if (*is_one && !joins && !crossing.found && special->test != SALTUS_TEST_VALUE)
         special->accuracy += saltus_special_doubt(o, special->test, at);
     return status;
