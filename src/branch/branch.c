@@ -622,12 +622,32 @@ static saltus_status misses_hopf(saltus_branch *b, bool *misses, saltus_message 
     return status;
 }
 
+/* Whether the fold at `trial` cannot be told from the Hopf point in which the cycles end soon after: there
+ * the parameter stands still, and rounding turns it. */
+static saltus_status is_of_hopf(saltus_branch *b, const saltus_special *special, bool *is,
+                                saltus_message *message) {
+    const double small = 0.2;
+    const saltus_solution *at = b->trial;
+    saltus_shrunk hopf;
+    *is = special->kind == SALTUS_POINT_LP && at->sequence.omega > 0 && at->sequence.count == 0 &&
+          at->speed < small * b->trace.here->speed;
+    if (!*is)
+        return SALTUS_OK;
+    saltus_status status = saltus_cycle_shrinks(&b->orbits, at, &hopf, message);
+    const double apart = b->orbits.family.unit[0] * fabs(hopf.parameter - at->parameter[0]);
+    *is = status == SALTUS_OK && hopf.found && apart <= special->accuracy;
+    return status;
+}
+
 /* One special point of the step from `here` to `next`. */
 static saltus_status give_special(saltus_branch *b, saltus_special *special, saltus_message *message) {
     trace *t = &b->trace;
-    bool is_one;
+    bool is_one, is_none = false;
     saltus_status status =
         saltus_special_visit(&b->orbits, t->here, b->next->at.ahead, special, b->trial, &is_one, message);
+    if (status == SALTUS_OK && is_one)
+        status = is_of_hopf(b, special, &is_none, message);
+    is_one = is_one && !is_none;
     if (status == SALTUS_OK && is_one && special->kind == SALTUS_POINT_HB)
         status = become_hopf(b, special, message);
     if (status != SALTUS_OK || !is_one)
@@ -904,22 +924,25 @@ static saltus_status settle(saltus_branch *b, saltus_message *message) {
 static const char still_period[] = "the parameter stands still while the period changes";
 
 /* Where along a branch of cycles the period changes and the parameter stands still: *ended, and the branch
- * ends at `at`, at a homoclinic orbit where it comes near to a saddle. */
-static saltus_status end_at_saddle(saltus_branch *b, const saltus_solution *at, double ahead, bool *ended,
-                                   saltus_message *message) {
+ * ends at `at`, at a homoclinic orbit where it comes near to a saddle. At the explosion of a canard, too, the
+ * parameter stands still, but the period stays finite: there the branch ends only where it is `lost`. */
+static saltus_status end_at_saddle(saltus_branch *b, const saltus_solution *at, double ahead, bool lost,
+                                   bool *ended, saltus_message *message) {
     const double near = 1e-2, still = 1e-3;
     const double stretching = fabs(at->at.tangent[at->at.unknowns - 2]);
     saltus_passed passed = {.found = false};
     char reason[SALTUS_REASON_MAX];
-    *ended = at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching;
-    if (!*ended)
+    *ended = false;
+    if (!(at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching))
         return SALTUS_OK;
     saltus_status status = saltus_cycle_passes(&b->orbits, at, &passed, message);
     if (status != SALTUS_OK)
         return status;
-    /* At the explosion of a canard, too, the parameter stands still, but the period stays finite. */
     const bool meets = passed.found && passed.distance < near && passed.unstable && passed.stable;
     const double period = 2 * M_PI * at->sequence.periods / at->sequence.omega;
+    *ended = meets || lost;
+    if (!*ended)
+        return SALTUS_OK;
     if (meets)
         snprintf(
             reason, sizeof reason,
@@ -1074,6 +1097,12 @@ static saltus_status fade(saltus_branch *b, bool *done, saltus_message *message)
     return go_on_at(b, what.ahead + zero.ahead, message);
 }
 
+/* Whether the last of ever shorter steps has left Newton's method with a residual that rounding may be to
+ * blame for. */
+static bool lacks_digits(const saltus_orbits *o) {
+    return o->equations->size < 1e3 * o->equations->tolerance;
+}
+
 /* One step along the branch under way. */
 static saltus_status advance(saltus_branch *b, saltus_message *message) {
     saltus_orbits *o = &b->orbits;
@@ -1089,10 +1118,16 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
     if (status == SALTUS_NO_MEMORY)
         return no_memory(message);
     bool ended = false;
+    if (status == SALTUS_NO_CONVERGENCE && lacks_digits(o) &&
+        saltus_solution_refine(o, t->here, b->trial, (int[SALTUS_MARKS_MAX]){0})) {
+        t->step = b->options.step;
+        return SALTUS_OK;
+    }
     if (status != SALTUS_OK) {
-        status = end_at_saddle(b, t->here, 0, &ended, message);
-        return ended || status != SALTUS_OK ? status
-                                            : leap(b, 2 * t->step, SALTUS_LEAP_LOST, why.text, message);
+        status = end_at_saddle(b, t->here, 0, true, &ended, message);
+        if (ended || status != SALTUS_OK)
+            return status;
+        return leap(b, 2 * t->step, SALTUS_LEAP_LOST, why.text, message);
     }
     if (fades(b) && b->options.locus == SALTUS_POINT_REGULAR) {
         status = fade(b, &ended, message);
@@ -1147,7 +1182,7 @@ static saltus_status advance(saltus_branch *b, saltus_message *message) {
         if (is_of_family(b->next))
             return end(b, b->next, b->next->at.ahead,
                        "the orbits of one value of the parameter form a family", message);
-        status = end_at_saddle(b, b->next, b->next->at.ahead, &ended, message);
+        status = end_at_saddle(b, b->next, b->next->at.ahead, false, &ended, message);
         if (ended || status != SALTUS_OK)
             return status;
     }

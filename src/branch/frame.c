@@ -73,7 +73,7 @@ static int count_cuts(const saltus_orbits *o, const saltus_solution *s) {
     int asked = o->options.segments, cuts = s->sequence.cuts;
     if (asked > 0)
         return asked < SALTUS_CUTS_MAX ? asked : SALTUS_CUTS_MAX;
-    return s->growth > growth_max && 2 * cuts <= SALTUS_CUTS_MAX / 2 ? 2 * cuts : cuts;
+    return !(s->growth > growth_max) ? cuts : 2 * cuts < SALTUS_CUTS_MAX ? 2 * cuts : SALTUS_CUTS_MAX;
 }
 
 /* The base of an orbit of unknown period is the state that it begins with. */
@@ -150,6 +150,16 @@ bool saltus_solution_reframe(saltus_orbits *o, bool trims, bool leaves, saltus_s
     *s = *scratch;
     *scratch = swap;
     return true;
+}
+
+bool saltus_solution_refine(saltus_orbits *o, saltus_solution *s, saltus_solution *scratch, int *order) {
+    const int cuts = s->sequence.cuts;
+    const double growth = s->growth;
+    s->growth = INFINITY;
+    const bool placed = saltus_solution_reframe(o, false, false, s, scratch, order);
+    if (!placed)
+        s->growth = growth;
+    return placed && s->sequence.cuts > cuts;
 }
 
 bool saltus_solution_base_beyond(const saltus_orbits *o, const saltus_solution *s) {

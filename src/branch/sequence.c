@@ -133,7 +133,10 @@ static void cut_evenly(saltus_sequence *s, int cuts) {
             k--;
         double from = k < 0 ? s->base : s->mark[k].time;
         double to = k + 1 < s->count ? s->mark[k + 1].time : s->base + s->periods;
-        at = fmin(fmax(at, from + 0.2 * (to - from)), to - 0.2 * (to - from));
+        if (k >= 0)
+            at = fmax(at, from + 0.2 * (to - from));
+        if (k + 1 < s->count)
+            at = fmin(at, to - 0.2 * (to - from));
         if ((k < 0 || !bound[k]) && at > s->cut[s->cuts - 1] + 0.02)
             s->cut[s->cuts++] = at;
     }
