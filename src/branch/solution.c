@@ -28,11 +28,9 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
         return no_memory(message);
     status = saltus_flow_single(o->system, 0, &o->options.flow, &o->flow, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_single(o->system, o->n, &o->options.flow, &o->tangent, message);
-    if (status == SALTUS_OK) {
-        saltus_flow_expect_transients(o->tangent);
+        status = saltus_cocycle_flow(o->system, 1, &o->options.flow, &o->tangent, message);
+    if (status == SALTUS_OK)
         status = saltus_shooting_new(&o->family, &o->options, &o->shooting, message);
-    }
     if (status == SALTUS_OK)
         o->equations = saltus_shooting_equations(o->shooting);
     return status;

@@ -33,12 +33,14 @@ static const double separate = 1e-12;
  * the tangent vectors, which are 1e-13 of their length. */
 static const double weakest_growth = 1e-10;
 
+/* Segments a period that do for the leading multipliers alone. */
+enum { coarse = 16 };
+
 /* So many segments that no direction contracts by more than e^-14 over one: then the errors of the tangent
  * vectors cost the smallest multipliers few digits. Where they would need more than 16 MiB, as many as fit if
- * that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had, for which
- * a few segments do. */
+ * that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had. */
 static double choose_density(const saltus_system *system, int n, int periods) {
-    enum { bytes_max = 1 << 24, coarse = 16 };
+    enum { bytes_max = 1 << 24 };
     double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
     double fit = floor(bytes_max / (8.0 * n * n));
     double fine = periods * fmax(1, ceil(decay / 14)), enough = periods * fmax(1, ceil(decay / 20));
@@ -63,6 +65,19 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     for (int i = 0; i < n; i++)
         cocycle->columns[i * n + i] = 1;
     return SALTUS_OK;
+}
+
+saltus_status saltus_cocycle_flow(const saltus_system *system, int periods,
+                                  const saltus_flow_options *options, saltus_flow **flow,
+                                  saltus_message *message) {
+    const int n = saltus_system_dimension(system);
+    saltus_flow_options own = *options;
+    if (own.integrator == SALTUS_AUTOMATIC && choose_density(system, n, periods) > coarse)
+        own.integrator = SALTUS_TAYLOR;
+    saltus_status status = saltus_flow_single(system, n, &own, flow, message);
+    if (status == SALTUS_OK)
+        saltus_flow_expect_transients(*flow);
+    return status;
 }
 
 void saltus_cocycle_close(saltus_cocycle *cocycle) {
@@ -466,16 +481,14 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
     size_t square = (size_t)n * (size_t)n;
     saltus_cocycle cocycle = {.n = n};
     saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_single(system, n, &options->flow, &flow, message);
+    saltus_status status = saltus_cocycle_flow(system, orbit->periods, &options->flow, &flow, message);
     double *product = calloc(square, sizeof *product);
     orbit->monodromy = calloc(square, sizeof *orbit->monodromy);
     orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);
     if (status == SALTUS_OK && !(product && orbit->monodromy && orbit->multipliers))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-    if (status == SALTUS_OK) {
-        saltus_flow_expect_transients(flow);
+    if (status == SALTUS_OK)
         status = go_around(&cocycle, system, flow, options, orbit, product, message);
-    }
     if (status == SALTUS_OK && cocycle.wanted > cocycle.density)
         status = go_around(&cocycle, system, flow, options, orbit, product, message);
     free(product);

@@ -28,6 +28,13 @@ typedef struct saltus_cocycle {
  * no rests; its memory is used again. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *system, int periods,
                                   bool autonomous, saltus_message *message);
+/* A flow that a cocycle over so many periods is followed by. In segments so short that the fastest modes of a
+ * stiff system are still under way at their ends, steps as short as stability wants are no loss: Taylor's
+ * method is 2 to 3 times faster there than Radau's, and slower where segments are long (measured on pipes of
+ * 14 to 32 modes). The caller frees the flow. Errors: those of saltus_flow_new. */
+saltus_status saltus_cocycle_flow(const saltus_system *system, int periods,
+                                  const saltus_flow_options *options, saltus_flow **flow,
+                                  saltus_message *message);
 /* A zeroed cocycle is accepted. */
 void saltus_cocycle_close(saltus_cocycle *cocycle);
 /* Follow lane 0 of a flow to a time; contact events go to the lap (may be NULL). Errors: those of the flow,
