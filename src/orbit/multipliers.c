@@ -36,14 +36,14 @@ static const double weakest_growth = 1e-10;
 /* Segments a period that do for the leading multipliers alone. */
 enum { coarse = 16 };
 
-/* So many segments that no direction contracts by more than e^-14 over one: then the errors of the tangent
+/* So many segments that no direction contracts by more than e^-18 over one: then the errors of the tangent
  * vectors cost the smallest multipliers few digits. Where they would need more than 16 MiB, as many as fit if
  * that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had. */
 static double choose_density(const saltus_system *system, int n, int periods) {
     enum { bytes_max = 1 << 24 };
     double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
     double fit = floor(bytes_max / (8.0 * n * n));
-    double fine = periods * fmax(1, ceil(decay / 14)), enough = periods * fmax(1, ceil(decay / 20));
+    double fine = periods * fmax(1, ceil(decay / 18)), enough = periods * fmax(1, ceil(decay / 20));
     return (fine <= fit ? fine : enough <= fit ? fit : coarse * (double)periods) / periods;
 }
 
