@@ -14,6 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Segments a period for the multipliers: those of ten modes and more would be most of a point's time, for
+ * multipliers below 1e-40, which no change of stability is told by. */
+enum { segments_most = 24 };
+
 static saltus_status no_memory(saltus_message *message) {
     return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
 }
@@ -27,8 +31,9 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
     if (!o->solver)
         return no_memory(message);
     status = saltus_flow_single(o->system, 0, &o->options.flow, &o->flow, message);
+    o->cocycle.most = segments_most;
     if (status == SALTUS_OK)
-        status = saltus_cocycle_flow(o->system, 1, &o->options.flow, &o->tangent, message);
+        status = saltus_cocycle_flow(o->system, 1, segments_most, &o->options.flow, &o->tangent, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_new(&o->family, &o->options, &o->shooting, message);
     if (status == SALTUS_OK)

@@ -33,16 +33,16 @@ static const double separate = 1e-12;
  * the tangent vectors, which are 1e-13 of their length. */
 static const double weakest_growth = 1e-10;
 
-/* Segments a period that do for the leading multipliers alone. */
-enum { coarse = 16 };
+/* Segments a period that do for the leading multipliers alone, and what segments may take of memory. */
+enum { coarse = 4, bytes_max = 1 << 22 };
 
 /* So many segments that no direction contracts by more than e^-18 over one: then the errors of the tangent
- * vectors cost the smallest multipliers few digits. Where they would need more than 16 MiB, as many as fit if
- * that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had. */
-static double choose_density(const saltus_system *system, int n, int periods) {
-    enum { bytes_max = 1 << 24 };
-    double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
-    double fit = floor(bytes_max / (8.0 * n * n));
+ * vectors cost the smallest multipliers few digits. Where that would be more than there may be, as many as
+ * may if that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had. */
+static double choose_density(const saltus_system *system, int n, int periods, int most) {
+    const double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
+    const double room = floor(bytes_max / (8.0 * n * n)),
+                 fit = most ? fmin(room, (double)most * periods) : room;
     double fine = periods * fmax(1, ceil(decay / 18)), enough = periods * fmax(1, ceil(decay / 20));
     return (fine <= fit ? fine : enough <= fit ? fit : coarse * (double)periods) / periods;
 }
@@ -55,7 +55,7 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     cocycle->periods = periods;
     cocycle->scale = saltus_system_scale(system);
     cocycle->sum_rule = 0;
-    cocycle->density = fmax(choose_density(system, n, periods), cocycle->wanted);
+    cocycle->density = fmax(choose_density(system, n, periods, cocycle->most), cocycle->wanted);
     if (!cocycle->table)
         cocycle->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
     if (!cocycle->columns)
@@ -67,12 +67,12 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     return SALTUS_OK;
 }
 
-saltus_status saltus_cocycle_flow(const saltus_system *system, int periods,
+saltus_status saltus_cocycle_flow(const saltus_system *system, int periods, int most,
                                   const saltus_flow_options *options, saltus_flow **flow,
                                   saltus_message *message) {
     const int n = saltus_system_dimension(system);
     saltus_flow_options own = *options;
-    if (own.integrator == SALTUS_AUTOMATIC && choose_density(system, n, periods) > coarse)
+    if (own.integrator == SALTUS_AUTOMATIC && choose_density(system, n, periods, most) > coarse)
         own.integrator = SALTUS_TAYLOR;
     saltus_status status = saltus_flow_single(system, n, &own, flow, message);
     if (status == SALTUS_OK)
@@ -426,7 +426,6 @@ static void forget_hidden(const saltus_cocycle *cocycle, saltus_multiplier *foun
 
 saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
                                    double *trivial, double *log_volume, saltus_message *message) {
-    enum { bytes_max = 1 << 24 };
     const double over_segment = 10; /* a contraction that leaves the smallest multiplier its digits */
     const int n = cocycle->n;
     *count = n - cocycle->autonomous;
@@ -481,7 +480,7 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
     size_t square = (size_t)n * (size_t)n;
     saltus_cocycle cocycle = {.n = n};
     saltus_flow *flow = NULL;
-    saltus_status status = saltus_cocycle_flow(system, orbit->periods, &options->flow, &flow, message);
+    saltus_status status = saltus_cocycle_flow(system, orbit->periods, 0, &options->flow, &flow, message);
     double *product = calloc(square, sizeof *product);
     orbit->monodromy = calloc(square, sizeof *orbit->monodromy);
     orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);

@@ -16,6 +16,7 @@ typedef struct saltus_cocycle {
     double *segments;    /* count matrices n x n, by columns */
     double sum_rule;     /* integral of the trace, and 2 ln r for each impact */
     double density;      /* of segments, per period */
+    int most;            /* segments a period that may be spent on the smallest multipliers; 0: any number */
     double wanted;       /* at least as many, as an orbit before has shown; 0: not known */
     double *columns;     /* the identity, and room for a state */
     bool autonomous;     /* the flow's own direction is a multiplier of 1, which is told apart */
@@ -28,11 +29,12 @@ typedef struct saltus_cocycle {
  * no rests; its memory is used again. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *system, int periods,
                                   bool autonomous, saltus_message *message);
-/* A flow that a cocycle over so many periods is followed by. In segments so short that the fastest modes of a
- * stiff system are still under way at their ends, steps as short as stability wants are no loss: Taylor's
- * method is 2 to 3 times faster there than Radau's, and slower where segments are long (measured on pipes of
- * 14 to 32 modes). The caller frees the flow. Errors: those of saltus_flow_new. */
-saltus_status saltus_cocycle_flow(const saltus_system *system, int periods,
+/* A flow that a cocycle over so many periods, with a bound like its `most`, is followed by. In segments so
+ * short that the fastest modes of a stiff system are still under way at their ends, steps as short as
+ * stability wants are no loss: Taylor's method is 2 to 3 times faster there than Radau's, and slower where
+ * segments are long (measured on pipes of 14 to 32 modes). The caller frees the flow. Errors: those of
+ * saltus_flow_new. */
+saltus_status saltus_cocycle_flow(const saltus_system *system, int periods, int most,
                                   const saltus_flow_options *options, saltus_flow **flow,
                                   saltus_message *message);
 /* A zeroed cocycle is accepted. */
