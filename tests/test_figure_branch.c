@@ -622,6 +622,10 @@ static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
         }
         assert_int_equal(all_pieces(&f.panel[0]), expected);
         assert_non_null(figure_element_of(&f.panel[0], kinds[kind].meaning, 0));
+        bool dots = false;
+        for (int k = 0; k < points; k++)
+            dots = dots || !solid_at[k];
+        assert_int_equal(figure_element_of(&f.panel[0], "bounds no stable orbit", 0) != NULL, dots);
         assert_non_null(strstr(f.panel[0].label[1], "{/:Italic d}"));
         const double *y = f.panel[0].range[1];
         assert_true(y[0] < 0.2 && y[1] > 0.438 && y[1] - y[0] < 1.2 * 0.24);
@@ -900,7 +904,7 @@ static void long_names_leave_room_for_fewer(void **state) {
             if (kind == 1)
                 write_branch(names[1]);
             figure f = draw_files(names, kind == 1 ? 2 : 1, &how);
-            assert_int_equal(figure_titles(&f.panel[0]), count + (kind == 1 ? 4 : 2));
+            assert_int_equal(figure_titles(&f.panel[0]), count + (kind == 1 ? 4 : kind == 0 ? 2 : 1));
             check_rows_of_legend(&f.panel[0], kind == 0 ? 8 : 5);
             figure_free(&f);
         }
@@ -1056,6 +1060,40 @@ static void dashes_do_not_fill_each_other(void **state) {
         count_pieces(&f.panel[0], from, to, pieces);
         assert_true(pieces[solid] == 1 && pieces[dashed] == 1 && pieces[dotted] == 0);
     }
+    figure_free(&f);
+}
+
+/* How many dashed lines go over a place across the page. */
+static int dashes_over(const figure_panel *panel, double x) {
+    int count = 0;
+    for (int e = 0; e < panel->element_count; e++) {
+        const figure_element *line = &panel->element[e];
+        for (int k = 1; k < line->values.count && line->text[0] == '$' && strstr(line->style, "with lines");
+             k++)
+            count += line->values.joined[k] && stroke_of(panel, line->style) == dashed &&
+                     (line->values.at[k - 1][0] < x) != (line->values.at[k][0] < x);
+    }
+    return count;
+}
+
+/* Where one unstable branch runs onto another, and leaves it, amid its steps, all of it is dashed, once. */
+static void dashes_end_where_others_begin(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    make_branch();
+    for (int k = 0; k < points; k++) {
+        static const double first[3] = {1.7, 1.2, 1}, step[3] = {0.011, 0.049, 0.01};
+        const int b = made.point[k].branch;
+        made.point[k].stable = b == 2;
+        made.point[k].value[0] = first[b] + step[b] * (k % 30);
+        made.state[k][0] = b == 2 ? 0.9 : 0.2 + 0.1 * made.point[k].value[0];
+    }
+    write_branch("b.h5");
+    figure f = draw(&how);
+    for (double x = 1.2031; x < 2.62; x += 0.0037)
+        if (fabs(x - 1.7) > 0.006 && fabs(x - 2.019) > 0.006)
+            assert_int_equal(dashes_over(&f.panel[0], x), 1);
     figure_free(&f);
 }
 
@@ -1232,6 +1270,7 @@ int main(void) {
         cmocka_unit_test(branches_lie_over_clouds),
         cmocka_unit_test(special_points_lie_over_maps),
         cmocka_unit_test(dashes_do_not_fill_each_other),
+        cmocka_unit_test(dashes_end_where_others_begin),
         cmocka_unit_test(sparse_points_give_smooth_curves),
         cmocka_unit_test(pages_have_the_size_asked_for),
         cmocka_unit_test(axes_are_laid_out_as_asked),

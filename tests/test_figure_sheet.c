@@ -705,6 +705,35 @@ static void a_rest_has_room_about_it(void **state) {
     saltus_system_free(system);
 }
 
+/* Beside the impacts there is room for the names of their stops' sides, on a page of one column too. */
+static void names_of_sides_stay_on_the_page(void **state) {
+    (void)state;
+    static made_up m;
+    const double sign = 37, letter = 7.6; /* widths, in the page's units */
+    saltus_system *system = between_stops(0.033);
+    saltus_scene scene = scene_of(system);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_motion motion = orbit_of(1);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    make_record(&m, system, 1, two_impacts, 2);
+    for (int column = 0; column < 2; column++) {
+        const saltus_figure_options look = {.width = column ? 85 : 0};
+        saltus_message message = {.text = ""};
+        char path[path_size];
+        check_ok(saltus_write_sheet(path_in("sheet.svg", path), &scene, system, &options, &diagnosis, &look,
+                                    NULL, &message),
+                 &message);
+        figure f = figure_taken(folder);
+        const figure_panel *panel = figure_panel_of(&f, "(mod 1)");
+        const figure_element *side = figure_element_of(panel, "lower side", 0);
+        double page = strtod(f.terminal + strlen("svg size "), NULL);
+        assert_true(side && panel->key && page > 400);
+        assert_true((1 - panel->frame[1]) * page > sign + letter * (double)strlen("stop 1, upper side"));
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_portrait_is_the_record),
@@ -721,6 +750,7 @@ int main(void) {
         cmocka_unit_test(long_records_are_cut_at_whole_periods),
         cmocka_unit_test(long_captions_are_broken_between_words),
         cmocka_unit_test(a_rest_has_room_about_it),
+        cmocka_unit_test(names_of_sides_stay_on_the_page),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

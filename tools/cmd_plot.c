@@ -24,7 +24,7 @@ static const cli_option label =
 static const cli_option view =
     CLI_TEXT_OPTION("--view", view, "name",
                     "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, "
-                    "speed, rate, contact, lyapunov or settled");
+                    "rms, speed, rate, contact, lyapunov or settled");
 
 static const cli_option over =
     CLI_FILES_OPTION("--over", over, "file.h5 ...",

@@ -52,8 +52,20 @@ static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
     return false;
 }
 
+/* Whether a curve of special points on the page bounds no stable orbit. */
+static bool has_dots(const saltus_plot_page *page) {
+    for (int i = 0; i < page->count && page->locus; i++) {
+        const saltus_branch_file *f = &page->files[i];
+        for (int k = 1; k < f->point_count; k++)
+            if (f->points[k - 1].branch == f->points[k].branch && saltus_plot_shown(page, &f->points[k]) &&
+                saltus_plot_stroke(f, k - 1, k) != SALTUS_STROKE_STABLE)
+                return true;
+    }
+    return false;
+}
+
 static int legend_entries(const saltus_plot_page *page) {
-    int count = page->locus ? 1 : page->count == 1 ? 2 : 2 + page->count;
+    int count = page->locus ? has_dots(page) : page->count == 1 ? 2 : 2 + page->count;
     for (int hue = 0; hue < SALTUS_HUES; hue++)
         count += page->locus && has_hue(page, hue);
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
@@ -136,9 +148,9 @@ static void put_line_legend(const saltus_plot_page *page) {
         saltus_plot_add_differences(page, i, &name);
         fprintf(page->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
     }
-    if (page->locus)
+    if (has_dots(page))
         fprintf(page->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
-    else {
+    if (!page->locus) {
         fprintf(page->file, line, "lw 2.6", "#404040", "stable");
         fprintf(page->file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
     }

@@ -469,16 +469,12 @@ static double distance(const double at[2], const double a[2], const double b[2])
     return hypot(at[0] - a[0] - part * dx, at[1] - a[1] - part * dy);
 }
 
-/* Whether the piece of a curve from one place to another lies on an earlier one of the same file that is
- * drawn with dashes too: those of both would fill each other's gaps and look solid. */
-static bool covered(const saltus_plot_page *page, int file, int branch, const double from[2],
-                    const double to[2]) {
+/* Whether a place of a curve lies on an earlier one of the same file that is drawn with dashes too: those of
+ * both would fill each other's gaps and look solid. */
+static bool covered(const saltus_plot_page *page, int file, int branch, const double at[2]) {
     const double near = 2; /* units */
     const saltus_branch_file *f = &page->files[file];
-    bool on[3] = {false, false, false};
-    const double middle[2] = {0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])};
-    const double *const places[3] = {from, middle, to};
-    for (int k = 0; k + 1 < f->point_count && !(on[0] && on[1] && on[2]); k++) {
+    for (int k = 0; k + 1 < f->point_count; k++) {
         double a[2], b[2];
         if (f->points[k].branch >= branch || f->points[k].branch != f->points[k + 1].branch ||
             saltus_plot_stroke(f, k, k + 1) != SALTUS_STROKE_UNSTABLE)
@@ -486,10 +482,42 @@ static bool covered(const saltus_plot_page *page, int file, int branch, const do
         saltus_plot_place(page, saltus_plot_x(page, &f->points[k]), saltus_plot_y(page, &f->points[k]), a);
         saltus_plot_place(page, saltus_plot_x(page, &f->points[k + 1]),
                           saltus_plot_y(page, &f->points[k + 1]), b);
-        for (int n = 0; n < 3; n++)
-            on[n] = on[n] || distance(places[n], a, b) < near;
+        if (distance(at, a, b) < near)
+            return true;
     }
-    return on[0] && on[1] && on[2];
+    return false;
+}
+
+static void between(const double from[2], const double to[2], double part, double at[2]) {
+    for (int i = 0; i < 2; i++)
+        at[i] = from[i] + part * (to[i] - from[i]);
+}
+
+/* Whether a dashed piece of a branch from one point to another is drawn whole. Of one that is covered from
+ * somewhere on, over a way that would be seen, a line to there is drawn in its place. */
+static bool put_uncovered(const saltus_plot_page *page, int file, int branch, const double from[2],
+                          const double to[2]) {
+    const double seen = 16; /* units */
+    double ends[2][2], at[2], part[2] = {0, 1};
+    saltus_plot_place(page, from[0], from[1], ends[0]);
+    saltus_plot_place(page, to[0], to[1], ends[1]);
+    const bool first = covered(page, file, branch, ends[0]), last = covered(page, file, branch, ends[1]);
+    if (first == last) {
+        between(ends[0], ends[1], 0.5, at);
+        return !(first && covered(page, file, branch, at));
+    }
+    while (part[1] - part[0] > 1e-4) {
+        const double middle = 0.5 * (part[0] + part[1]);
+        between(ends[0], ends[1], middle, at);
+        part[covered(page, file, branch, at) == last] = middle;
+    }
+    between(ends[0], ends[1], part[0], at);
+    if (hypot(at[0] - ends[last][0], at[1] - ends[last][1]) < seen)
+        return true;
+    fprintf(page->file, "\n%.12g %.9g\n%.12g %.9g\n", first ? to[0] : from[0], first ? to[1] : from[1],
+            value_at(page->x, page->logarithmic[0], at[0] / (page->frame.right - page->frame.left)),
+            value_at(page->y, page->logarithmic[1], at[1] / (page->frame.top - page->frame.bottom)));
+    return false;
 }
 
 /* A branch of one stroke, by the value that its points show. */
@@ -498,21 +526,17 @@ static bool put_branch(const saltus_plot_page *page, int file, int first, int la
     int count = last - first + 1;
     double(*points)[2] = calloc((size_t)count, sizeof *points);
     bool *drawn = calloc((size_t)count, sizeof *drawn), *corners = calloc((size_t)count, sizeof *corners);
-    for (int k = 0; k < count && points && drawn && corners; k++) {
+    bool sound = points && drawn && corners;
+    for (int k = 0; k < count && sound; k++) {
         const saltus_branch_point *point = &f->points[first + k];
         points[k][0] = saltus_plot_x(page, point);
         points[k][1] = saltus_plot_y(page, point);
         corners[k] = corner(point) || isnan(points[k][1]);
         drawn[k] = k + 1 < count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
     }
-    for (int k = 0; k + 1 < count && stroke == SALTUS_STROKE_UNSTABLE && !page->locus && points && drawn;
-         k++) {
-        double from[2], to[2];
-        saltus_plot_place(page, points[k][0], points[k][1], from);
-        saltus_plot_place(page, points[k + 1][0], points[k + 1][1], to);
-        drawn[k] = drawn[k] && !covered(page, file, f->points[first].branch, from, to);
-    }
-    bool sound = points && drawn && corners && put_curve(page, points, drawn, corners, count);
+    for (int k = 0; k + 1 < count && stroke == SALTUS_STROKE_UNSTABLE && !page->locus && sound; k++)
+        drawn[k] = drawn[k] && put_uncovered(page, file, f->points[first].branch, points[k], points[k + 1]);
+    sound = sound && put_curve(page, points, drawn, corners, count);
     free(points);
     free(drawn);
     free(corners);

@@ -159,7 +159,7 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     saltus_range_pad(&signed_range, 0.08, 1);
     int faces = saltus_system_face_count(sheet->system);
     if (faces > 1) /* the legend stands beside the panel */
-        frame.right -= 144;
+        frame.right -= 156;
     saltus_sheet_impacts_heading(sheet, heading, sizeof heading);
     saltus_page_panel(sheet->page, frame, letter, heading);
     if (logarithmic) {

@@ -41,7 +41,7 @@ static saltus_status check_view(const saltus_sweep_page *page, saltus_message *m
         return saltus_fail(
             message, SALTUS_BAD_INPUT,
             "%.200s: view %s is over one axis, the file has two (%s and %s): class, attractors, "
-            "largest, speed, rate, contact, lyapunov and settled are maps",
+            "largest, rms, speed, rate, contact, lyapunov and settled are maps",
             page->path, word, sweep->axes[0].key, sweep->axes[1].key);
     if (!holds(sweep, page->view))
         return saltus_fail(message, SALTUS_BAD_INPUT,
