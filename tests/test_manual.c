@@ -81,6 +81,38 @@ static void help_is_told_by_name_too(void **state) {
     assert_int_equal(run(*state, "help classify sweep"), 2);
 }
 
+/* What a value may be stands in the refusal of any other, and all of it in the option's line of the help. */
+static void help_names_what_may_be_chosen(void **state) {
+    static const struct {
+        const char *command, *option, *line;
+    } cases[] = {{"plot", "--view", "plot s.h5 -o s.png"},
+                 {"plot", "--show", "plot b.h5 -o s.png"},
+                 {"sweep", "--start", "sweep impact-oscillator --over omega=1,1.1 -o s.h5 --force"},
+                 {"continue", "--locus", "continue impact-oscillator --in omega=1:1.1 -o c.h5"}};
+    assert_int_equal(run(*state, "sweep impact-oscillator --over omega=1,1.1 -o s.h5"), 0);
+    assert_int_equal(run(*state, "continue impact-oscillator --in omega=1:1.01 -o b.h5"), 0);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char line[160];
+        snprintf(line, sizeof line, "%s %s unheard-of", cases[k].line, cases[k].option);
+        assert_int_equal(run(*state, line), 2);
+        char *refusal = said(*state, "err"), *words = strstr(refusal, "must be ");
+        snprintf(line, sizeof line, "help %s", cases[k].command);
+        char *help = told(*state, line), *tells = strstr(help, "\noptions\n");
+        snprintf(line, sizeof line, "  %s ", cases[k].option);
+        tells = tells ? strstr(tells, line) : NULL;
+        assert_true(words && tells);
+        *strchr(tells, '\n') = '\0';
+        int count = 0;
+        for (char *word = strtok_r(words + strlen("must be "), ", \n", &words); word;
+             word = strtok_r(NULL, ", \n", &words), count++)
+            if (strcmp(word, "or") != 0 && !strstr(tells, word))
+                fail_msg("%s: %s is not in its help", cases[k].option, word);
+        assert_true(count > 2);
+        free(refusal);
+        free(help);
+    }
+}
+
 /* Text as man shows it: a typed hyphen is \-. */
 static bool page_has(const char *page, const char *text) {
     char typed[256];
@@ -255,6 +287,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(examples_work_as_typed),
         cmocka_unit_test(help_is_told_by_name_too),
+        cmocka_unit_test(help_names_what_may_be_chosen),
         cmocka_unit_test(pages_tell_what_the_help_tells),
         cmocka_unit_test(worked_examples_of_the_language_work),
         cmocka_unit_test(all_pages_are_written),
