@@ -146,14 +146,13 @@ const cli_command cmd_check = {
     .name = "check",
     .summary = "what a scene means",
     .usage = "SCENE [--set key=value ...] [--derivatives]",
-    .help =
-        "Read a scene, check it and show what it means: the state, equations in normal form (masses divided "
-        "out, numbers folded), parameters, stops, the metric of impacts, symmetry and forcing, and how the "
-        "equations of a text are run (saltus help text, SPEED).\n"
-        "With --derivatives the scene is run from its start over its first contact, where one comes within "
-        "ten periods, otherwise over a quarter of one; the derivatives of the end by all entries of the "
-        "start, all parameters and properties of stops are compared with differences of neighbouring "
-        "runs. Exit status 1 when one is wrong.",
+    .help = "Read a scene, check it and show what it means: the state, equations in normal form (masses "
+            "divided out, numbers folded), parameters, stops, the metric of impacts, symmetry and forcing, "
+            "and how the equations of a text are run (saltus help text, SPEED).\n"
+            "With --derivatives the scene is run from its start over its first contact, where one comes "
+            "within ten periods, otherwise over a quarter of one; the derivatives of the end by all entries "
+            "of the start, all parameters and properties of stops are compared with differences of "
+            "neighbouring runs. Exit status 1 when one is wrong.",
     .needs_scene = true,
     .options = options,
     .examples = examples,

@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cli_option show = CLI_TEXT_OPTION(
-    "--show", show, "what",
-    "speed (largest of an orbit), impacts (the speed of each), displacement, velocity, period or amplitude "
-    "(largest and smallest displacement)");
+static const cli_option show =
+    CLI_TEXT_OPTION("--show", show, "what",
+                    "speed (largest of an orbit), impacts (the speed of each), displacement, velocity, "
+                    "period or amplitude (largest and smallest displacement)");
 
 static const cli_option range = CLI_KEYS_OPTION(
     "--range", parts, "key=lo:hi",
@@ -26,10 +26,9 @@ static const cli_option view =
                     "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, "
                     "rms, speed, rate, contact, lyapunov or settled");
 
-static const cli_option over =
-    CLI_FILES_OPTION("--over", over, "file.h5 ...",
-                     "draw files of saltus continue over a sweep: branches over a diagram, curves of special "
-                     "points over a map");
+static const cli_option over = CLI_FILES_OPTION("--over", over, "file.h5 ...",
+                                                "draw files of saltus continue over a sweep: branches over a "
+                                                "diagram, curves of special points over a map");
 
 static const cli_option swap = CLI_FLAG_OPTION("--swap", look.swap, "exchange the axes");
 static const cli_option log_axes =
@@ -98,8 +97,8 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes,
         return CLI_BAD_INPUT;
     how.view = (saltus_view)(chosen + 1);
     if (request->input_count > 1 || request->show || request->labels.count) {
-        fprintf(stderr, "saltus: plot: --view and --over are of one sweep, --show and --label of "
-                        "files of saltus continue\n");
+        fprintf(stderr, "saltus: plot: --view and --over are of one sweep, --show and --label of files of "
+                        "saltus continue\n");
         return CLI_BAD_INPUT;
     }
     saltus_status status = saltus_plot_sweep(request->output, request->inputs[0], &how, &message);
@@ -167,17 +166,16 @@ const cli_command cmd_plot = {
     .help = "Draw a file of saltus sweep or basins: a diagram over one axis with the class of motion along "
             "it, a map over two; or files of saltus continue. Branches of periodic orbits: solid where "
             "stable, dashed where not, n/p along them, special points marked; without forcing amplitudes of "
-            "cycles and equilibria. Curves of special points, over "
-            "their two parameters: solid where they bound stable orbits, dotted where not. Several files of "
-            "one sort are laid over each other. A file of saltus simulate: phase portrait and time history.",
+            "cycles and equilibria. Curves of special points, over their two parameters: solid where they "
+            "bound stable orbits, dotted where not. Several files of one sort are laid over each other. A "
+            "file of saltus simulate: phase portrait and time history.",
     .inputs = CLI_INPUTS_MAX,
     .endings = cli_figures,
     .options = options,
-    .notes =
-        "A motion has one colour and texture in all figures, by its n/p alone. Dense clouds are "
-        "density-shaded rasters in vector axes. --view of a sweep shows the largest displacement, impact "
-        "speed, rate, contact, settling time or the number of attractors. --over lays branches over a "
-        "diagram (turning points, impacts, speed, section), curves of special points over a map.",
+    .notes = "A motion has one colour and texture in all figures, by its n/p alone. Dense clouds are "
+             "density-shaded rasters in vector axes. --view of a sweep shows the largest displacement, "
+             "impact speed, rate, contact, settling time or the number of attractors. --over lays branches "
+             "over a diagram (turning points, impacts, speed, section), curves of special points over a map.",
     .examples = examples,
     .see = "sweep continue simulate export",
     .run = run,

@@ -52,11 +52,8 @@ const cli_command cmd_scenes = {
         "them by saltus classify, the scene's own and k - 1 others at each point by saltus sweep.\n"
         "Displacement diagrams, largest and smallest displacements, root mean squares and spectra are of the "
         "first stop's coordinate. observe: in a scene, or --set observe=, chooses another displacement: "
-        "stop2 "
-        "is that of the second stop, q2 that entry of the state, 0.3 the place xi = 0.3 of a "
-        "pipe.\nEquations "
-        "of one's own stand under model: instead of a name; saltus help text tells "
-        "how.",
+        "stop2 is that of the second stop, q2 that entry of the state, 0.3 the place xi = 0.3 of a "
+        "pipe.\nEquations of one's own stand under model: instead of a name; saltus help text tells how.",
     .options = no_options,
     .examples = scenes_examples,
     .see = "text check classify",

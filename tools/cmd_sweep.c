@@ -41,11 +41,10 @@ static bool read_what(const char *text, unsigned *keep) {
         while (k < words && !(strlen(known[k].text) == length && strncmp(known[k].text, c, length) == 0))
             k++;
         if (k == words) {
-            fprintf(
-                stderr,
-                "saltus: --what %s: must be a list of turning, impacts, stroboscopic, class, lyapunov and "
-                "max with commas between them\n",
-                text);
+            fprintf(stderr,
+                    "saltus: --what %s: must be a list of turning, impacts, stroboscopic, class, lyapunov "
+                    "and max with commas between them\n",
+                    text);
             return false;
         }
         *keep |= known[k].bits;
@@ -130,20 +129,19 @@ const cli_command cmd_sweep = {
     .resumes = true,
     .tables = tables,
     .options = options,
-    .notes =
-        "A least period is certain when the trajectory comes back to within 1e-9 of the state's scale, "
-        "closes in on that, has as many impacts each time, and returns after a small random disturbance, "
-        "which it would not to an unstable orbit. Where iteration is slow or cannot tell n/p from 2n/2p, "
-        "Newton's method and the multipliers decide. What has no period up to --longest after --at-most "
-        "periods is irregular; with --what lyapunov it is judged by the rules of saltus classify, from the "
-        "one trajectory of the row.\n"
-        "--start carry follows the attractor from point to point, up and down, and keeps both apart, so "
-        "that hysteresis shows. --seeds k starts from k initial states at each point and counts the "
-        "distinct attractors. What --what does not ask for is not computed.\n"
-        "Trajectories run side by side in SIMD lanes, on all cores, and under mpirun on many machines. The "
-        "file is the same, byte for byte, for any number of lanes, threads and processes, and however "
-        "often a run was killed and finished by --resume. It is plain HDF5 (layout in saltus/record.h), "
-        "for h5py, MATLAB and Julia.",
+    .notes = "A least period is certain when the trajectory comes back to within 1e-9 of the state's scale, "
+             "closes in on that, has as many impacts each time, and returns after a small random "
+             "disturbance, which it would not to an unstable orbit. Where iteration is slow or cannot tell "
+             "n/p from 2n/2p, Newton's method and the multipliers decide. What has no period up to --longest "
+             "after --at-most periods is irregular; with --what lyapunov it is judged by the rules of saltus "
+             "classify, from the one trajectory of the row.\n"
+             "--start carry follows the attractor from point to point, up and down, and keeps both apart, so "
+             "that hysteresis shows. --seeds k starts from k initial states at each point and counts the "
+             "distinct attractors. What --what does not ask for is not computed.\n"
+             "Trajectories run side by side in SIMD lanes, on all cores, and under mpirun on many machines. "
+             "The file is the same, byte for byte, for any number of lanes, threads and processes, and "
+             "however often a run was killed and finished by --resume. It is plain HDF5 (layout in "
+             "saltus/record.h), for h5py, MATLAB and Julia.",
     .examples = examples,
     .see = "plot export basins",
     .run = run,

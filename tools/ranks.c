@@ -199,9 +199,8 @@ bool ranks_receive(int kind, ranks_packet *packet) {
 #else
 
 bool ranks_join(void) {
-    return announced() < 2 ||
-           refuse(announced(), "this saltus was built without MPI: on Debian, install libopenmpi-dev and "
-                               "openmpi-bin, then build it again");
+    return announced() < 2 || refuse(announced(), "this saltus was built without MPI: on Debian, install "
+                                                  "libopenmpi-dev and openmpi-bin, then build it again");
 }
 
 void ranks_leave(void) {}

@@ -110,10 +110,9 @@ static void print_hint(const saltus_sweep *sweep, const sweep_report *report) {
             "irregular: no period up to %d T was found; --what lyapunov would tell chaos from the others\n",
             o->longest);
     else if (is_met(report, "irregular") && o->measure > 0)
-        printf(
-            "irregular: chaos watched for %lld periods, too few for a --lifetime of %lld; a larger --measure "
-            "would tell\n",
-            o->measure, o->lifetime);
+        printf("irregular: chaos watched for %lld periods, too few for a --lifetime of %lld; a larger "
+               "--measure would tell\n",
+               o->measure, o->lifetime);
     if (is_met(report, "undecided") && measured && o->measure > 0)
         printf("undecided: exponents that %lld periods do not tell from zero; a larger --measure would\n",
                o->measure);

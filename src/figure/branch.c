@@ -327,8 +327,7 @@ static saltus_status check_options(const saltus_branch_file *file, const saltus_
             strcmp(label->key[0], label->key[1]) == 0)
             return saltus_fail(
                 message, SALTUS_BAD_INPUT,
-                "label %.60s: its place must be in two parameters that the figure shows; it shows "
-                "%s%s%s",
+                "label %.60s: its place must be in two parameters that the figure shows; it shows %s%s%s",
                 label->text, o->key[0], *o->key[1] ? " and " : "", o->key[1]);
     }
     return SALTUS_OK;

@@ -195,11 +195,10 @@ static void put_block(FILE *file, double xi, double d, int side, saltus_range ra
     double height = 0.09 * (range.high - range.low) * side, width = 0.025;
     if (!(d > range.low && d < range.high))
         return;
-    fprintf(
-        file,
-        "set object %d polygon from %.6g,%.6g to %.6g,%.6g to %.6g,%.6g to %.6g,%.6g front fc rgb '#808080' "
-        "fs solid 1 border lc rgb '#505050'\n",
-        number, xi, d, xi + width, d + height, xi - width, d + height, xi, d);
+    fprintf(file,
+            "set object %d polygon from %.6g,%.6g to %.6g,%.6g to %.6g,%.6g to %.6g,%.6g front fc rgb "
+            "'#808080' fs solid 1 border lc rgb '#505050'\n",
+            number, xi, d, xi + width, d + height, xi - width, d + height, xi, d);
 }
 
 /* Stops in the picture of the shapes, where they are near enough to be seen with the pipe. */

@@ -38,15 +38,13 @@ static saltus_status check_view(const saltus_sweep_page *page, saltus_message *m
     const saltus_sweep_file *sweep = page->sweep;
     const char *word = saltus_view_word(page->view);
     if (saltus_view_is_cloud(page->view) && sweep->axis_count > 1)
-        return saltus_fail(
-            message, SALTUS_BAD_INPUT,
-            "%.200s: view %s is over one axis, the file has two (%s and %s): class, attractors, "
-            "largest, rms, speed, rate, contact, lyapunov and settled are maps",
-            page->path, word, sweep->axes[0].key, sweep->axes[1].key);
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%.200s: view %s is over one axis, the file has two (%s and %s): class, "
+                           "attractors, largest, rms, speed, rate, contact, lyapunov and settled are maps",
+                           page->path, word, sweep->axes[0].key, sweep->axes[1].key);
     if (!holds(sweep, page->view))
         return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%.200s: holds no data for view %s: the sweep was run "
-                           "without --what %s",
+                           "%.200s: holds no data for view %s: the sweep was run without --what %s",
                            page->path, word, word);
     if (page->view == SALTUS_VIEW_ATTRACTORS && sweep->basins && !sweep->complete)
         return saltus_fail(message, SALTUS_BAD_INPUT,
@@ -86,8 +84,7 @@ static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells
     const double *list = page->sweep->axes[axis].list;
     if (part && (part->low >= high || part->high <= low))
         return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%.200s: there is nothing from %s = %g to %g: the sweep "
-                           "goes from %.6g to %.6g",
+                           "%.200s: there is nothing from %s = %g to %g: the sweep goes from %.6g to %.6g",
                            page->path, cells->key, part->low, part->high, list[cells->order[0]],
                            list[cells->order[cells->count - 1]]);
     if (part && cells->logarithmic && part->low <= 0)
@@ -105,10 +102,10 @@ static saltus_status check_look(const saltus_sweep_page *page, saltus_message *m
     const char *view = saltus_view_word(page->view);
     bool two = page->sweep->axis_count > 1;
     if (look->swap && !two)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%.200s: the axes of a sweep over one parameter cannot be exchanged: the classes "
-                           "stand along %s",
-                           page->path, page->x.key);
+        return saltus_fail(
+            message, SALTUS_BAD_INPUT,
+            "%.200s: the axes of a sweep over one parameter cannot be exchanged: the classes stand along %s",
+            page->path, page->x.key);
     for (int k = 0; k < look->logarithmic_count; k++) {
         const char *key = look->logarithmic[k];
         const saltus_cells *cells = strcmp(key, page->x.key) == 0          ? &page->x
@@ -203,10 +200,10 @@ static saltus_status find_measure(const saltus_sweep_page *page, saltus_plot_pag
     else if (page->view == SALTUS_VIEW_TURNING)
         curves->turning = true;
     else if (!curves->locus)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%.200s: branches can be drawn over the views turning, impacts, speed and "
-                           "stroboscopic, not %s",
-                           page->path, saltus_view_word(page->view));
+        return saltus_fail(
+            message, SALTUS_BAD_INPUT,
+            "%.200s: branches can be drawn over the views turning, impacts, speed and stroboscopic, not %s",
+            page->path, saltus_view_word(page->view));
     return SALTUS_OK;
 }
 
@@ -306,10 +303,10 @@ static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(&sweep->spec, &system, message);
     if (status == SALTUS_OK && saltus_system_dimension(system) != sweep->dimension)
-        status = saltus_fail(message, SALTUS_BAD_INPUT,
-                             "%.300s: is not a sound sweep file: its states have %d entries, its scene makes "
-                             "it %d",
-                             path, sweep->dimension, saltus_system_dimension(system));
+        status = saltus_fail(
+            message, SALTUS_BAD_INPUT,
+            "%.300s: is not a sound sweep file: its states have %d entries, its scene makes it %d", path,
+            sweep->dimension, saltus_system_dimension(system));
     saltus_sweep_page page = {.sweep = sweep,
                               .wish = view,
                               .path = path,

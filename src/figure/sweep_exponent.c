@@ -69,11 +69,10 @@ void saltus_sweep_put_exponent_elements(const saltus_sweep_page *page) {
     double zero = within(&page->up, 0);
     /* Columns only where each value of the axis has one exponent. */
     for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
-        fprintf(
-            page->file,
-            "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc rgb "
-            "'#%06x' notitle, \\\n",
-            sides[k].sign, zero, (unsigned)sides[k].colour);
+        fprintf(page->file,
+                "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc "
+                "rgb '#%06x' notitle, \\\n",
+                sides[k].sign, zero, (unsigned)sides[k].colour);
     if (zero == 0)
         fputs("     0 with lines lc rgb '#707070' lw 1.2 notitle, \\\n", page->file);
     fprintf(page->file,

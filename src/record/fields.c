@@ -169,8 +169,7 @@ static const saltus_field line_fields[] = {
     ROW(sticking, "1", "sticking intervals of one orbit", SALTUS_INT),
     ROW(attractor, "1",
         "which of the distinct attractors met at this point, from 0; in basins, which row of /attractors; "
-        "-1: "
-        "none",
+        "-1: none",
         SALTUS_INT),
     ROW(settled, "T", "forcing periods until the verdict, without forcing units of time", SALTUS_LONG),
     ROW(settled_impacts, "1", "impacts until the verdict", SALTUS_LONG),

@@ -42,13 +42,12 @@ static void put_header(const saltus_spectra_source *source, FILE *file) {
         put_quantity(file, &source->spectra->spectra[k],
                      saltus_quantity_name(source->system, source->spectra->quantities[k]).text);
     }
-    fputs(
-        "# a line is amplitude * cos(frequency_over_omega * omega * time + phase), time from section phase "
-        "0\n"
-        "# a density (psd) is one-sided: its integral over frequency_over_omega is the total power; low and "
-        "high bound its confidence band\n"
-        "# dB: of an amplitude over the highest line's, of a density over its peak's\n",
-        file);
+    fputs("# a line is amplitude * cos(frequency_over_omega * omega * time + phase), time from section phase "
+          "0\n"
+          "# a density (psd) is one-sided: its integral over frequency_over_omega is the total power; low "
+          "and high bound its confidence band\n"
+          "# dB: of an amplitude over the highest line's, of a density over its peak's\n",
+          file);
 }
 
 static void put_value(FILE *file, double value) {

@@ -282,8 +282,7 @@ saltus_status saltus_journal_add(saltus_journal *journal, const saltus_sweep_res
     (void)!ftruncate(journal->file, (off_t)journal->end);
     return saltus_fail(
         message, SALTUS_IO,
-        "%s: nothing more can be written: %s; the results up to here are kept, --resume goes on "
-        "from them",
+        "%s: nothing more can be written: %s; the results up to here are kept, --resume goes on from them",
         journal->path, strerror(reason));
 }
 

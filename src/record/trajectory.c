@@ -41,8 +41,7 @@ static void put_header(const source *s, FILE *file) {
               "# q1.., v1..: displacements of the modes or masses and their rates; z1..: further states\n",
               file);
     fputs("# stop, side, event: an impact, stick or release, on the row just before it; the row just after "
-          "an impact or "
-          "a stick follows with the same time\n",
+          "an impact or a stick follows with the same time\n",
           file);
 }
 

@@ -251,13 +251,12 @@ static void explain_syntax(const builder *b, size_t place, int *line, char *what
     } else if (found && strchr("]}", found))
         snprintf(what, room, "found %c, but no bracket is open", found);
     else if (found && (!scanning || strchr(":-?", found)))
-        snprintf(
-            what, room, "%s",
-            opens_line(b, place)
-                ? "this does not go with what stands above; begin all keys of a mapping, and all dashes of "
-                  "a list, in one column"
-                : "no value goes on like this; put one that holds ': ', begins with '- ' or goes on "
-                  "behind a bracket or a quotation mark wholly in quotation marks");
+        snprintf(what, room, "%s",
+                 opens_line(b, place)
+                     ? "this does not go with what stands above; begin all keys of a mapping, and all dashes "
+                       "of a list, in one column"
+                     : "no value goes on like this; put one that holds ': ', begins with '- ' or goes on "
+                       "behind a bracket or a quotation mark wholly in quotation marks");
     else
         snprintf(what, room, "%s", p->problem ? p->problem : "cannot be parsed");
 }

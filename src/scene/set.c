@@ -62,11 +62,10 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
         return SALTUS_OK;
     int dimension = saltus_spec_dimension(&scene->spec, NULL);
     if (dimension != scene->initial_count)
-        return saltus_fail_at(
-            message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
-            "%s = %s: the scene's initial state has %d entries, but the system would have %d; "
-            "change the initial state in the scene",
-            s->key, s->value, scene->initial_count, dimension);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+                              "%s = %s: the scene's initial state has %d entries, but the system would have "
+                              "%d; change the initial state in the scene",
+                              s->key, s->value, scene->initial_count, dimension);
     return SALTUS_OK;
 }
 

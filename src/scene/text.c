@@ -409,8 +409,7 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     if (status == SALTUS_OK && r.text.motion.count == 0)
         status = saltus_node_fail(
             place, node,
-            "model: motion is missing; it holds the equations of displacements, such as x: -x - "
-            "0.1*x'%s",
+            "model: motion is missing; it holds the equations of displacements, such as x: -x - 0.1*x'%s",
             r.text.states.count ? ", of which there must be one beside the states" : "");
     r.source = source;
     if (!initial)

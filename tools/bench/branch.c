@@ -100,8 +100,7 @@ int main(int count, char **arguments) {
     }
     printf("**A branch of periodic orbits with multipliers** (fig7d's family, omega = 35 to 56; CPU)\n\n"
            "| largest step | points | special | total, s | per point, ms | Newton steps per point | orbits "
-           "computed "
-           "per point | largest residual | largest error of the sum rule (points) |\n"
+           "computed per point | largest residual | largest error of the sum rule (points) |\n"
            "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
     bool measured_all = measure(&r, 0.02) && measure(&r, 0.006);
     free(r.text);

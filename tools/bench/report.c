@@ -126,8 +126,8 @@ static void print_measure(FILE *file, const char *problem_name, const char *key,
 }
 
 void report_csv(FILE *file, const results *r) {
-    fprintf(file, "problem,method,rtol,event_error_T,state_error,cpu_us,evaluations,"
-                  "multipliers_by,multiplier_error,multiplier_cpu_us,multiplier_evaluations\n");
+    fprintf(file, "problem,method,rtol,event_error_T,state_error,cpu_us,evaluations,multipliers_by,"
+                  "multiplier_error,multiplier_cpu_us,multiplier_evaluations\n");
     for (int p = 0; p < r->problem_count; p++)
         for (int m = 0; m < r->method_count; m++)
             for (int t = 0; t < r->tolerance_count; t++)
@@ -229,11 +229,10 @@ static void print_defeats(FILE *file, const results *r, quantity q, const char *
 
 void report_details(FILE *file, const results *r) {
     defeats count = {0, 0};
-    fprintf(file,
-            "### Multipliers\n\nThe same for an error of the two leading Floquet multipliers, the time "
-            "with tangent vectors included. Ours are carried along by the flow; the rivals integrate the "
-            "variational equations with the state and apply the saltation matrix at each impact; CVODE BDF "
-            "takes central differences of its period map.\n\n");
+    fprintf(file, "### Multipliers\n\nThe same for an error of the two leading Floquet multipliers, the time "
+                  "with tangent vectors included. Ours are carried along by the flow; the rivals integrate "
+                  "the variational equations with the state and apply the saltation matrix at each impact; "
+                  "CVODE BDF takes central differences of its period map.\n\n");
     print_ratios(file, r, of_multipliers, "CPU time over our best at error 1e-6 / 1e-9 / 1e-12");
     fprintf(file, "### Where ours is not the fastest\n\n");
     print_defeats(file, r, of_motion, "error", &count);
@@ -241,12 +240,10 @@ void report_details(FILE *file, const results *r) {
     if (count.all == 0)
         fprintf(file, "Nowhere in this run.\n");
     if (count.of_one_mode > 0)
-        fprintf(
-            file,
-            "\nWith one mode or mass an evaluation of the vector field costs little more than its call, "
-            "while a Taylor coefficient of order k takes a product of k terms for each nonlinearity: where "
-            "little accuracy is asked, a Runge-Kutta method of order eight needs no more evaluations than "
-            "ours needs orders.\n");
+        fprintf(file, "\nWith one mode or mass an evaluation of the vector field costs little more than its "
+                      "call, while a Taylor coefficient of order k takes a product of k terms for each "
+                      "nonlinearity: where little accuracy is asked, a Runge-Kutta method of order eight "
+                      "needs no more evaluations than ours needs orders.\n");
     fprintf(file, "\n");
 }
 
@@ -297,11 +294,10 @@ static void print_asked(FILE *file, const results *r, bool events, yardstick by)
 }
 
 void report_asked(FILE *file, const results *r) {
-    fprintf(file,
-            "Where an orbit is sensitive, near grazing above all, no integrator keeps the error at its "
-            "tolerance: the second pair of tables divides by the larger of rtol and the error that a "
-            "change of the start by rtol (of the orbit's size, each component in turn) brings about. 1 T "
-            "stands for an impact that is missing.\n\n");
+    fprintf(file, "Where an orbit is sensitive, near grazing above all, no integrator keeps the error at its "
+                  "tolerance: the second pair of tables divides by the larger of rtol and the error that a "
+                  "change of the start by rtol (of the orbit's size, each component in turn) brings about. 1 "
+                  "T stands for an impact that is missing.\n\n");
     for (int by = tolerance_itself; by <= tolerance_amplified; by++) {
         print_asked(file, r, true, by);
         print_asked(file, r, false, by);

@@ -64,10 +64,9 @@ static void print_row(const row *r, measures unit) {
 }
 
 static void print_engine_head(void) {
-    printf(
-        "\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | max "
-        "| right counts | elsewhere | wrong | right n/p |\n"
-        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    printf("\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | "
+           "max | right counts | elsewhere | wrong | right n/p |\n"
+           "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
 }
 
 static void print_engine_row(const row *r, const row *first, const sweep *s) {
@@ -213,10 +212,9 @@ static bool check(sweep *s) {
         row r;
         if (!sweep_measure(s, &list[k], 1, 1, &r))
             return false;
-        printf(
-            "Counts of impacts, %s at rtol %.1e against rtol %.0e with steps of at most %g: of %d periodic "
-            "omegas %d right, %d on another motion with every impact confirmed, %d wrong.\n",
-            list[k].name, own_tolerance, exact, capped_step, r.judged, r.right, r.elsewhere, r.wrong);
+        printf("Counts of impacts, %s at rtol %.1e against rtol %.0e with steps of at most %g: of %d "
+               "periodic omegas %d right, %d on another motion with every impact confirmed, %d wrong.\n",
+               list[k].name, own_tolerance, exact, capped_step, r.judged, r.right, r.elsewhere, r.wrong);
         wrong += r.wrong;
     }
     return wrong == 0;
@@ -263,9 +261,9 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
         print_row(&other[k], unit);
     }
     print_rivals(other, count, unit);
-    printf("\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
-           "one.\n",
-           lanes, flows[1].cost.seconds / unit.flow, flows[0].cost.wall / flows[2].cost.wall);
+    printf(
+        "\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of one.\n",
+        lanes, flows[1].cost.seconds / unit.flow, flows[0].cost.wall / flows[2].cost.wall);
     print_orders(flows, flow_count);
     return true;
 }

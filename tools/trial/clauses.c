@@ -102,8 +102,7 @@ static void write_measures(FILE *file, const trial_survey *survey, const trial_c
     }
     fprintf(file,
             "; %.0f %% chaotic by their exponents, %.0f %% irregular with a negative one: longer periods; "
-            "%.3g to %.3g "
-            "impacts per period; in contact %.1f %% of the time on average",
+            "%.3g to %.3g impacts per period; in contact %.1f %% of the time on average",
             100.0 * (double)chaotic / (double)all, 100.0 * (double)longer / (double)all, least, most,
             100 * contact / (double)all);
 }

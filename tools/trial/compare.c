@@ -59,10 +59,8 @@ static void write_difference(FILE *table, const trial_figure *figure, double h, 
 }
 
 saltus_status trial_write_figures(FILE *table, trial_bench *bench, saltus_message *message) {
-    fprintf(
-        table,
-        "| figure | h | trajectories | another class than from the same start | a class that no start has "
-        "| another kind | deepest |\n| --- | --- | --- | --- | --- | --- | --- |\n");
+    fprintf(table, "| figure | h | trajectories | another class than from the same start | a class that no "
+                   "start has | another kind | deepest |\n| --- | --- | --- | --- | --- | --- | --- |\n");
     for (int k = 0; trial_figure_at(k); k++)
         for (int step = 0; step < trial_coarse_steps; step++) {
             const trial_survey *exact, *naive;

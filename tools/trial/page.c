@@ -34,12 +34,12 @@ void trial_write_section(FILE *file, const trial_claim *claim, const trial_findi
 static void write_how(FILE *file, const trial_request *request) {
     int coarser = request->quick ? trial_figure_find("5")->quick : 1;
     fprintf(file,
-            "**How.** Each figure's range is visited in steps of %g in omega (%g for Figure 8; %g in "
-            "d)%s, at each value from %d initial states, ",
+            "**How.** Each figure's range is visited in steps of %g in omega (%g for Figure 8; %g in d)%s, "
+            "at each value from %d initial states, ",
             coarser * trial_figure_find("5")->step, coarser * trial_figure_find("8a")->step,
             coarser * trial_figure_find("4a")->step, coarser > 1 ? ", a coarse run" : "", (int)trial_starts);
-    fputs("the same at all values: the scene's own and random ones. A trajectory counts as periodic when "
-          "a period up to 20 T has become certain within 500 periods; otherwise its largest exponent is "
+    fputs("the same at all values: the scene's own and random ones. A trajectory counts as periodic when a "
+          "period up to 20 T has become certain within 500 periods; otherwise its largest exponent is "
           "measured over at most 2000 periods. *Chaotic* is proven by that; *irregular* is everything "
           "without a period up to 20. n/p is n impacts in p forcing periods.\n\n",
           file);
@@ -47,22 +47,22 @@ static void write_how(FILE *file, const trial_request *request) {
 
 static void write_head(FILE *file, const trial_request *request) {
     fprintf(file,
-            "# The 2020 paper on trial\n\nClaims of Wang et al. 2020, doi 10.6052/0459-1879-20-137, "
-            "against what the same equations do when every impact is located. One command writes this "
-            "page, its tables and its figures: `sh tools/trial.sh%s`. `build/saltus_trial F5b` computes "
-            "one row anew and prints it with what it rests on.\n\n",
+            "# The 2020 paper on trial\n\nClaims of Wang et al. 2020, doi 10.6052/0459-1879-20-137, against "
+            "what the same equations do when every impact is located. One command writes this page, its "
+            "tables and its figures: `sh tools/trial.sh%s`. `build/saltus_trial F5b` computes one row anew "
+            "and prints it with what it rests on.\n\n",
             request->quick ? " --quick" : "");
     write_how(file, request);
     fputs("**Rule.** A claim is made of clauses. The share of a clause is the part of the trajectories in "
-          "its range that do what it says. A claim *holds* where every clause has 95 % and more, *does "
-          "not hold* where none has 50 %, and else holds *in part*. Claims about one motion are judged "
-          "likewise by the share of random initial states that lead to it; what the others are asked is "
-          "said in their sections.\n\n",
+          "its range that do what it says. A claim *holds* where every clause has 95 % and more, *does not "
+          "hold* where none has 50 %, and else holds *in part*. Claims about one motion are judged likewise "
+          "by the share of random initial states that lead to it; what the others are asked is said in their "
+          "sections.\n\n",
           file);
 }
 
-static const char *const trial_head = "| id | claim | verdict | numbers | figure | command |\n| --- | --- "
-                                      "| --- | --- | --- | --- |\n";
+static const char *const trial_head =
+    "| id | claim | verdict | numbers | figure | command |\n| --- | --- | --- | --- | --- | --- |\n";
 
 static void write_table(FILE *file, const trial_finding *findings, int count) {
     int tally[3] = {0};
@@ -73,25 +73,24 @@ static void write_table(FILE *file, const trial_finding *findings, int count) {
     }
     fprintf(file, "\nOf %d claims %d hold, %d hold in part, %d do not hold.\n\n", count, tally[TRIAL_HOLDS],
             tally[TRIAL_IN_PART], tally[TRIAL_DOES_NOT_HOLD]);
-    fprintf(file,
-            "[paper/windows.csv](paper/windows.csv) lists, for each figure, the ranges of one dominant "
-            "class with the share of the starts that come to it\nand the part proven chaotic; "
-            "[paper/classes.csv](paper/classes.csv) how many starts come to which kind at each "
-            "value.\n\n![Kinds of motion against the pulsation frequency, with the ranges that the paper "
-            "names](figures/trial.png)\n\n![Kinds of motion against the "
-            "clearance](figures/trial-clearance.png)\n\n");
+    fprintf(file, "[paper/windows.csv](paper/windows.csv) lists, for each figure, the ranges of one dominant "
+                  "class with the share of the starts that come to it\nand the part proven chaotic; "
+                  "[paper/classes.csv](paper/classes.csv) how many starts come to which kind at each "
+                  "value.\n\n![Kinds of motion against the pulsation frequency, with the ranges that the "
+                  "paper names](figures/trial.png)\n\n![Kinds of motion against the "
+                  "clearance](figures/trial-clearance.png)\n\n");
 }
 
 static saltus_status write_naive(FILE *file, FILE *rows, trial_bench *bench, saltus_message *message) {
-    fputs("## How much is the method's doing\n\nThe paper integrates with a fixed fourth-order "
-          "Runge-Kutta step and looks for contact at step ends; it does not give the step. `tests/naive` "
-          "does the same, under the name of *the naive method* (not for use): a velocity that points into "
-          "the stop is reversed at the first step end beyond it, the displacement stays where it is. A "
-          "motion's class is told from 61 section points with a tolerance for the jitter of impacts that "
-          "are noticed up to h late (`tests/naive/naive_class.h`); reversals at successive steps count as "
-          "one impact.\n\n### d = 0.03, omega = 43, step by step\n\nThe paper says 4/5; the exact flow "
-          "has one stable orbit, 3/5. The column 4/5 counts starts that come to four impacts in five "
-          "periods or a multiple of both. `build/saltus_trial naive` repeats the table.\n\n",
+    fputs("## How much is the method's doing\n\nThe paper integrates with a fixed fourth-order Runge-Kutta "
+          "step and looks for contact at step ends; it does not give the step. `tests/naive` does the same, "
+          "under the name of *the naive method* (not for use): a velocity that points into the stop is "
+          "reversed at the first step end beyond it, the displacement stays where it is. A motion's class is "
+          "told from 61 section points with a tolerance for the jitter of impacts that are noticed up to h "
+          "late (`tests/naive/naive_class.h`); reversals at successive steps count as one impact.\n\n### d = "
+          "0.03, omega = 43, step by step\n\nThe paper says 4/5; the exact flow has one stable orbit, 3/5. "
+          "The column 4/5 counts starts that come to four impacts in five periods or a multiple of both. "
+          "`build/saltus_trial naive` repeats the table.\n\n",
           file);
     saltus_status status = trial_write_steps(file, rows, &bench->request, message);
     if (status != SALTUS_OK)
@@ -99,19 +98,19 @@ static saltus_status write_naive(FILE *file, FILE *rows, trial_bench *bench, sal
     int coarser = bench->request.quick ? trial_figure_find("5")->quick : 1;
     fprintf(file,
             "\n![Stroboscopic points and impacts per period of the naive method against its "
-            "step](figures/naive.png)\n\n### Figure by figure\n\nAt values %g apart in omega (%g in d), "
-            "from the same initial states: the part of the trajectories that the naive method classes "
-            "otherwise, doublings of the period of impact motion aside. *Kind* is one of free, impacts, "
-            "chatter, held, irregular; *deepest* is the largest penetration of the stop. Figure 2, "
-            "without a stop, is the control. `build/saltus_trial naive-figures` repeats it.\n\n",
+            "step](figures/naive.png)\n\n### Figure by figure\n\nAt values %g apart in omega (%g in d), from "
+            "the same initial states: the part of the trajectories that the naive method classes otherwise, "
+            "doublings of the period of impact motion aside. *Kind* is one of free, impacts, chatter, held, "
+            "irregular; *deepest* is the largest penetration of the stop. Figure 2, without a stop, is the "
+            "control. `build/saltus_trial naive-figures` repeats it.\n\n",
             coarser * trial_figure_find("5")->sparse * trial_figure_find("5")->step,
             coarser * trial_figure_find("4a")->sparse * trial_figure_find("4a")->step);
     status = trial_write_figures(file, bench, message);
     if (status != SALTUS_OK)
         return status;
     fputs("\n### Clause by clause\n\nShares of the clauses by both methods, at the same values. Where the "
-          "naive method agrees with the paper and the exact flow does not, the claim is the method's "
-          "doing. `build/saltus_trial naive-claims` repeats it.\n\n",
+          "naive method agrees with the paper and the exact flow does not, the claim is the method's doing. "
+          "`build/saltus_trial naive-claims` repeats it.\n\n",
           file);
     return trial_write_shares(file, bench, message);
 }

@@ -202,9 +202,8 @@ static row look(unsigned long seed, int k) {
     return r;
 }
 
-static const char head[] =
-    "point,scene,verdict,seconds,exponent,error,lifetime_at_least,followers_settled,on,"
-    "periods_followed,exponent_followed,error_followed,judgement\n";
+static const char head[] = "point,scene,verdict,seconds,exponent,error,lifetime_at_least,followers_settled,"
+                           "on,periods_followed,exponent_followed,error_followed,judgement\n";
 
 static void write_row(FILE *table, int k, const row *r) {
     const witness *seen = &r->seen;
@@ -252,11 +251,10 @@ static void summarise(counts *c) {
     for (int v = 0; v < SALTUS_VERDICTS; v++)
         if (c->of[v] && v != SALTUS_PERIODIC)
             printf(", %d %s", c->of[v], saltus_verdict_word((saltus_verdict)v));
-    printf(
-        "; %d wrong; %.1f %% undecided or irregular; %d of %d bounds of lifetimes above what the followers "
-        "show; median time of a chaotic verdict %.2f s\n",
-        c->wrong, 100.0 * open / c->points, c->bounds_above, c->bounds,
-        chaotic ? c->chaotic_seconds[chaotic / 2] : 0);
+    printf("; %d wrong; %.1f %% undecided or irregular; %d of %d bounds of lifetimes above what the "
+           "followers show; median time of a chaotic verdict %.2f s\n",
+           c->wrong, 100.0 * open / c->points, c->bounds_above, c->bounds,
+           chaotic ? c->chaotic_seconds[chaotic / 2] : 0);
 }
 
 int main(int argc, char **argv) {

@@ -86,11 +86,10 @@ static saltus_status obey(const char *word, char *const *next, trial_bench *benc
         return trial_write_page(bench, next[0], message);
     if (strcmp(word, "survey") == 0 && next[0])
         return print_survey(next[0], next[1], bench, message);
-    return saltus_fail(
-        message, SALTUS_BAD_INPUT,
-        "no claim %s: F2a ... F8, naive, naive-figures, naive-claims, naive-points, page FOLDER or survey "
-        "FIGURE [STEP]",
-        word);
+    return saltus_fail(message, SALTUS_BAD_INPUT,
+                       "no claim %s: F2a ... F8, naive, naive-figures, naive-claims, naive-points, page "
+                       "FOLDER or survey FIGURE [STEP]",
+                       word);
 }
 
 /* Options out of the arguments; the words left, NULL-terminated, or NULL after a message. */
@@ -116,8 +115,8 @@ int main(int count, char **arguments) {
     saltus_status status = SALTUS_OK;
     char **words = count > 1 ? read_options(arguments + 1, &bench.request) : NULL;
     if (!words || !*words) {
-        fprintf(stderr, "usage: saltus_trial [--quick] [--keep FOLDER] CLAIM ... | naive | naive-figures "
-                        "| naive-claims | naive-points | page FOLDER | survey FIGURE [STEP]\n");
+        fprintf(stderr, "usage: saltus_trial [--quick] [--keep FOLDER] CLAIM ... | naive | naive-figures | "
+                        "naive-claims | naive-points | page FOLDER | survey FIGURE [STEP]\n");
         return bad_input;
     }
     if (bench.request.keep && mkdir(bench.request.keep, 0777) && errno != EEXIST)
