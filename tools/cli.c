@@ -335,14 +335,93 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
     return true;
 }
 
+/* "column", "two-columns", "W" or "WxH". */
+static bool read_size(const char *text, double *width, double *height) {
+    static const struct {
+        const char *word;
+        double width;
+    } words[] = {{"column", 85}, {"two-columns", 175}};
+    char *end = NULL;
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        if (strcmp(text, words[k].word) == 0) {
+            *width = words[k].width;
+            return true;
+        }
+    *width = strtod(text, &end);
+    if (end != text && *end == 'x' && isdigit((unsigned char)end[1])) {
+        *height = strtod(end + 1, &end);
+        if (!(*height > 0))
+            return false;
+    }
+    bool hexadecimal = text[0] == '0' && text[1] == 'x';
+    return isdigit((unsigned char)text[0]) && !hexadecimal && *end == '\0' && *width > 0 &&
+           isfinite(*width) && isfinite(*height);
+}
+
+/* How a figure is laid out, with the options that are not members of its own; false after a message. */
+static bool choose_look(cli_request *request) {
+    saltus_figure_options *look = &request->look;
+    look->logarithmic = request->logarithmic.items;
+    look->logarithmic_count = request->logarithmic.count;
+    if (request->size && !read_size(request->size, &look->width, &look->height)) {
+        fprintf(stderr, "saltus: --size %s: must be column, two-columns, W or WxH in mm, such as 85x60\n",
+                request->size);
+        return false;
+    }
+    for (int k = 0; k < look->logarithmic_count; k++)
+        if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. ")) {
+            fprintf(stderr,
+                    "saltus: --log %s: must be a parameter or what is shown, such as omega or speed\n",
+                    look->logarithmic[k]);
+            return false;
+        }
+    if (look->script && !cli_ends_in(look->script, ".gp")) {
+        fprintf(stderr, "saltus: --keep-script %s: the ending must be .gp\n", look->script);
+        return false;
+    }
+    saltus_message message = {.text = ""};
+    const char *output = request->output;
+    bool drawn =
+        output && (cli_ends_in(output, ".png") || cli_ends_in(output, ".pdf") || cli_ends_in(output, ".svg"));
+    const char *given = request->size      ? "--size"
+                        : look->script     ? "--keep-script"
+                        : look->title      ? "--title"
+                        : look->no_heading ? "--no-heading"
+                                           : NULL;
+    if (!drawn && given && (!output || cli_ends_in(output, ".csv"))) {
+        fprintf(stderr, "saltus: %s: there is no figure: -o file.png, file.pdf or file.svg is needed\n",
+                given);
+        return false;
+    }
+    if (!drawn || saltus_figure_check(output, look, &message) == SALTUS_OK)
+        return true;
+    fprintf(stderr, "saltus: %s%s: %s\n", request->size ? "--size " : "-o ",
+            request->size ? request->size : output, message.text);
+    return false;
+}
+
+static int work_on_scene(const cli_command *command, const cli_request *request) {
+    cli_setup setup;
+    saltus_message message = {.text = ""};
+    const char *cut = NULL;
+    int code = cli_build(request, &setup);
+    if (code != CLI_DONE)
+        return code;
+    saltus_status status = command->work(request, &setup, &cut, &message);
+    cli_clear(&setup);
+    return cut ? interrupt_report(cut) : cli_report(status, &message);
+}
+
 int cli_run(const cli_command *command, cli_request *request) {
     target out = {.descriptor = -1};
     /* What the first rank finds out holds for all. */
     int code = ranks_here() == 0 ? target_open(command, request, &out) : CLI_DONE;
     if (command->together)
         code = ranks_agree(code);
+    if (code == CLI_DONE && !choose_look(request))
+        code = CLI_BAD_INPUT;
     if (code == CLI_DONE)
-        code = command->run(request);
+        code = command->work ? work_on_scene(command, request) : command->run(request);
     return target_close(&out, code);
 }
 
@@ -541,70 +620,6 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
 void cli_tell_written(const cli_request *request, const char *what) {
     if (!request->quiet && !request->to_stdout)
         printf("%s: %s\n", what, request->output);
-}
-
-/* "column", "two-columns", "W" or "WxH". */
-static bool read_size(const char *text, double *width, double *height) {
-    static const struct {
-        const char *word;
-        double width;
-    } words[] = {{"column", 85}, {"two-columns", 175}};
-    char *end = NULL;
-    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
-        if (strcmp(text, words[k].word) == 0) {
-            *width = words[k].width;
-            return true;
-        }
-    *width = strtod(text, &end);
-    if (end != text && *end == 'x' && isdigit((unsigned char)end[1])) {
-        *height = strtod(end + 1, &end);
-        if (!(*height > 0))
-            return false;
-    }
-    bool hexadecimal = text[0] == '0' && text[1] == 'x';
-    return isdigit((unsigned char)text[0]) && !hexadecimal && *end == '\0' && *width > 0 &&
-           isfinite(*width) && isfinite(*height);
-}
-
-bool cli_figure_options(const cli_request *request, saltus_figure_options *look) {
-    *look = request->look;
-    look->logarithmic = request->logarithmic.items;
-    look->logarithmic_count = request->logarithmic.count;
-    if (request->size && !read_size(request->size, &look->width, &look->height)) {
-        fprintf(stderr, "saltus: --size %s: must be column, two-columns, W or WxH in mm, such as 85x60\n",
-                request->size);
-        return false;
-    }
-    for (int k = 0; k < look->logarithmic_count; k++)
-        if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. ")) {
-            fprintf(stderr,
-                    "saltus: --log %s: must be a parameter or what is shown, such as omega or speed\n",
-                    look->logarithmic[k]);
-            return false;
-        }
-    if (look->script && !cli_ends_in(look->script, ".gp")) {
-        fprintf(stderr, "saltus: --keep-script %s: the ending must be .gp\n", look->script);
-        return false;
-    }
-    saltus_message message = {.text = ""};
-    const char *output = request->output;
-    bool drawn =
-        output && (cli_ends_in(output, ".png") || cli_ends_in(output, ".pdf") || cli_ends_in(output, ".svg"));
-    const char *given = request->size      ? "--size"
-                        : look->script     ? "--keep-script"
-                        : look->title      ? "--title"
-                        : look->no_heading ? "--no-heading"
-                                           : NULL;
-    if (!drawn && given && (!output || cli_ends_in(output, ".csv"))) {
-        fprintf(stderr, "saltus: %s: there is no figure: -o file.png, file.pdf or file.svg is needed\n",
-                given);
-        return false;
-    }
-    if (!drawn || saltus_figure_check(output, look, &message) == SALTUS_OK)
-        return true;
-    fprintf(stderr, "saltus: %s%s: %s\n", request->size ? "--size " : "-o ",
-            request->size ? request->size : output, message.text);
-    return false;
 }
 
 bool cli_ends_in(const char *path, const char *ending) {

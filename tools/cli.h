@@ -23,6 +23,7 @@ typedef struct cli_list {
 } cli_list;
 
 typedef struct cli_command cli_command;
+typedef struct cli_setup cli_setup;
 
 /* Everything any subcommand can be told; each accepts a part of it. */
 typedef struct cli_request {
@@ -41,7 +42,7 @@ typedef struct cli_request {
     saltus_lyapunov_options lyapunov;
     saltus_spectrum_options spectrum;
     saltus_sweep_options sweep;
-    saltus_figure_options look;
+    saltus_figure_options look; /* a command finds all that is asked of figures here */
     /* What only the command line knows. */
     bool json, quiet, help, derivatives, unstable, mirror, verbose, resume, force, quick, all;
     bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
@@ -120,6 +121,10 @@ struct cli_command {
     const cli_example *examples;      /* the last without a line */
     const char *see;                  /* commands that go with it: "plot export" */
     int (*run)(const cli_request *request);
+    /* In place of `run`: what is done with a scene that has been built. *cut, where it is set, says what is
+     * there of a run that was interrupted. */
+    saltus_status (*work)(const cli_request *request, cli_setup *setup, const char **cut,
+                          saltus_message *message);
 };
 
 extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, cmd_check, cmd_orbit,
@@ -135,12 +140,12 @@ extern const char *const cli_figures[], *const cli_figures_or_table[], *const cl
 #define CLI_FIGURE_OPTIONS &cli_size, &cli_no_heading, &cli_title, &cli_keep_script
 
 /* What most subcommands work on. */
-typedef struct cli_setup {
+struct cli_setup {
     saltus_scene scene; /* with all --set applied */
     saltus_system *system;
     saltus_start start; /* the motion of --from; without it, or where that tells no state, its state is the
                            initial one and `dimension` is 0 */
-} cli_setup;
+};
 
 /* One option of a command, whoever it belongs to. */
 typedef struct cli_entry {
@@ -196,9 +201,6 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
 /* "figure: file" on stdout, unless --quiet says otherwise or the result itself goes there. */
 void cli_tell_written(const cli_request *request, const char *what);
 bool cli_ends_in(const char *path, const char *ending);
-/* How a figure is laid out, with the options that are not a member of their own; the texts are the
- * request's. False after a message. */
-bool cli_figure_options(const cli_request *request, saltus_figure_options *look);
 /* With the progress line of a settling motion, where one is shown. */
 saltus_classify_options cli_classify_options(const cli_request *request);
 /* Whether progress is shown: on a terminal, without --quiet. */

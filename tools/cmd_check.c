@@ -79,15 +79,15 @@ static void print_symmetry(const saltus_system *system) {
                                         : "all signs changed");
 }
 
-/* A line for each column; false where one is wrong. */
-static int print_derivatives(const saltus_scene *scene, const saltus_system *system) {
+/* A line for each column; a failure where one is wrong. */
+static saltus_status print_derivatives(const saltus_scene *scene, const saltus_system *system,
+                                       saltus_message *message) {
     saltus_column_check *checks = calloc(SALTUS_COLUMN_CHECKS_MAX, sizeof *checks);
-    saltus_message message = {.text = ""};
     double state[SALTUS_STATE_MAX];
     int count = 0, wrong = 0;
-    saltus_status status = checks ? saltus_scene_state(scene, system, state, &message) : SALTUS_NO_MEMORY;
+    saltus_status status = checks ? saltus_scene_state(scene, system, state, message) : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
-        status = saltus_columns_check(system, state, checks, &count, &message);
+        status = saltus_columns_check(system, state, checks, &count, message);
     if (status == SALTUS_OK)
         puts("derivatives of the flow, beside differences");
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
@@ -100,40 +100,36 @@ static int print_derivatives(const saltus_scene *scene, const saltus_system *sys
         wrong += !c->agrees;
     }
     free(checks);
-    if (wrong)
-        fprintf(stderr, "saltus: %d of %d derivatives do not agree with differences\n", wrong, count);
-    return status != SALTUS_OK ? cli_report(status, &message) : wrong ? CLI_FAILED : CLI_DONE;
+    return wrong ? saltus_fail(message, SALTUS_NO_CONVERGENCE,
+                               "%d of %d derivatives do not agree with differences", wrong, count)
+                 : status;
 }
 
-static int check_scene(const cli_request *request) {
-    cli_setup setup;
-    int code = cli_build(request, &setup), count;
-    if (code != CLI_DONE)
-        return code;
-    const saltus_spec *spec = &setup.scene.spec;
+static saltus_status check_scene(const cli_request *request, cli_setup *setup, const char **cut,
+                                 saltus_message *message) {
+    int count;
+    (void)cut;
+    const saltus_spec *spec = &setup->scene.spec;
     const saltus_parameter *table = saltus_model_parameters(spec->model, &count);
-    printf("%s: ok\nmodel: %s (%s)\n", setup.scene.name, saltus_model_name(spec->model),
+    printf("%s: ok\nmodel: %s (%s)\n", setup->scene.name, saltus_model_name(spec->model),
            saltus_model_summary(spec->model));
-    print_equations(setup.system);
+    print_equations(setup->system);
     for (int k = 0; k < count; k++)
         printf("  %-6s %-12.9g %s\n", table[k].name, spec->parameters[k], table[k].meaning);
-    for (int s = 0; s < saltus_system_spec(setup.system)->stop_count; s++)
-        print_stop(saltus_system_spec(setup.system), s);
+    for (int s = 0; s < saltus_system_spec(setup->system)->stop_count; s++)
+        print_stop(saltus_system_spec(setup->system), s);
     if (spec->stop_count)
-        print_metric(setup.system);
-    print_symmetry(setup.system);
-    if (saltus_system_forced(setup.system))
-        printf("forcing period T = %.15g, ", saltus_system_period(setup.system));
+        print_metric(setup->system);
+    print_symmetry(setup->system);
+    if (saltus_system_forced(setup->system))
+        printf("forcing period T = %.15g, ", saltus_system_period(setup->system));
     else
-        printf("no forcing: time is counted in units of %.15g, ", saltus_system_period(setup.system));
-    printf("integrator %s\n", saltus_system_integrator(setup.system));
+        printf("no forcing: time is counted in units of %.15g, ", saltus_system_period(setup->system));
+    printf("integrator %s\n", saltus_system_integrator(setup->system));
     char how[512];
-    if (saltus_fixed_tell(setup.system, how, sizeof how))
+    if (saltus_fixed_tell(setup->system, how, sizeof how))
         printf("equations: %s\n", how);
-    if (request->derivatives)
-        code = print_derivatives(&setup.scene, setup.system);
-    cli_clear(&setup);
-    return code;
+    return request->derivatives ? print_derivatives(&setup->scene, setup->system, message) : SALTUS_OK;
 }
 
 static const cli_example examples[] = {
@@ -157,5 +153,5 @@ const cli_command cmd_check = {
     .options = options,
     .examples = examples,
     .see = "text scenes",
-    .run = check_scene,
+    .work = check_scene,
 };

@@ -15,7 +15,9 @@ static const cli_option seed =
 static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set, &cli_section, &cli_json, &seeds, &seed, NULL};
 
-static saltus_status classify_once(const cli_request *request, const cli_setup *setup, bool *cut,
+static const char so_far[] = "this is what was found so far";
+
+static saltus_status classify_once(const cli_request *request, const cli_setup *setup, const char **cut,
                                    saltus_message *message) {
     saltus_classify_options how = cli_classify_options(request);
     saltus_motion motion;
@@ -25,7 +27,7 @@ static saltus_status classify_once(const cli_request *request, const cli_setup *
         return status;
     (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, &setup->scene,
                                                                           setup->system, &motion);
-    *cut = interrupt_asked() && motion.verdict == SALTUS_UNDECIDED;
+    *cut = interrupt_asked() && motion.verdict == SALTUS_UNDECIDED ? so_far : NULL;
     saltus_motion_clear(&motion);
     return SALTUS_OK;
 }
@@ -36,7 +38,7 @@ static void show_seeds(void *context, double done, double seeds) {
                   100 * (done - floor(done)));
 }
 
-static saltus_status classify_seeds(const cli_request *request, const cli_setup *setup, bool *cut,
+static saltus_status classify_seeds(const cli_request *request, const cli_setup *setup, const char **cut,
                                     saltus_message *message) {
     saltus_classify_options how = cli_classify_options(request);
     saltus_attractors found;
@@ -48,23 +50,14 @@ static saltus_status classify_seeds(const cli_request *request, const cli_setup 
     if (status != SALTUS_OK)
         return status;
     saltus_write_attractors(stdout, &setup->scene, setup->system, &found, request->json);
-    *cut = found.seeds < request->seeds;
+    *cut = found.seeds < request->seeds ? so_far : NULL;
     saltus_attractors_clear(&found);
     return SALTUS_OK;
 }
 
-static int run(const cli_request *request) {
-    cli_setup setup;
-    saltus_message message = {.text = ""};
-    bool cut = false;
-    int code = cli_build(request, &setup);
-    if (code != CLI_DONE)
-        return code;
-    saltus_status status = (request->seeds ? classify_seeds : classify_once)(request, &setup, &cut, &message);
-    cli_clear(&setup);
-    if (status == SALTUS_OK && cut)
-        return interrupt_report("this is what was found so far");
-    return cli_report(status, &message);
+static saltus_status classify(const cli_request *request, cli_setup *setup, const char **cut,
+                              saltus_message *message) {
+    return (request->seeds ? classify_seeds : classify_once)(request, setup, cut, message);
 }
 
 static const cli_example examples[] = {
@@ -109,5 +102,5 @@ const cli_command cmd_classify = {
         "evidence; reason, parameters, version.",
     .examples = examples,
     .see = "orbit diagnose lyapunov sweep",
-    .run = run,
+    .work = classify,
 };

@@ -61,8 +61,10 @@ static saltus_status analyse_motion(const saltus_system *system, const saltus_fl
                        : SALTUS_OK;
 }
 
-static saltus_status diagnose(const cli_request *request, cli_setup *setup, const saltus_figure_options *look,
+static saltus_status diagnose(const cli_request *request, cli_setup *setup, const char **cut,
                               saltus_message *message) {
+    if (!request->output)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "diagnose: needs -o file.png, file.pdf or file.svg");
     const saltus_scene *scene = &setup->scene;
     saltus_classify_options how = cli_classify_options(request);
     page p = {.sectioned = false};
@@ -78,7 +80,7 @@ static saltus_status diagnose(const cli_request *request, cli_setup *setup, cons
     if (status == SALTUS_OK) {
         const saltus_diagnosis diagnosis = {&p.motion, &p.record, p.sectioned ? &p.section : NULL,
                                             p.analysed ? &p.spectra : NULL};
-        status = saltus_write_sheet(request->output, scene, system, &how.flow, &diagnosis, look,
+        status = saltus_write_sheet(request->output, scene, system, &how.flow, &diagnosis, &request->look,
                                     request->data, message);
     }
     if (status == SALTUS_OK || (classified && interrupt_asked()))
@@ -89,27 +91,8 @@ static saltus_status diagnose(const cli_request *request, cli_setup *setup, cons
     saltus_trajectory_clear(&p.section);
     saltus_trajectory_clear(&p.record);
     saltus_motion_clear(&p.motion);
+    *cut = status != SALTUS_OK && interrupt_asked() ? "no figure was drawn" : NULL;
     return status;
-}
-
-static int run(const cli_request *request) {
-    cli_setup setup;
-    saltus_message message = {.text = ""};
-    if (!request->output) {
-        fprintf(stderr, "saltus: diagnose: needs -o file.png, file.pdf or file.svg\n");
-        return CLI_BAD_INPUT;
-    }
-    saltus_figure_options look;
-    if (!cli_figure_options(request, &look))
-        return CLI_BAD_INPUT;
-    int code = cli_build(request, &setup);
-    if (code != CLI_DONE)
-        return code;
-    saltus_status status = diagnose(request, &setup, &look, &message);
-    cli_clear(&setup);
-    if (status != SALTUS_OK && interrupt_asked())
-        return interrupt_report("no figure was drawn");
-    return cli_report(status, &message);
 }
 
 static const cli_example examples[] = {
@@ -134,5 +117,5 @@ const cli_command cmd_diagnose = {
     .options = options,
     .examples = examples,
     .see = "classify spectrum lyapunov",
-    .run = run,
+    .work = diagnose,
 };

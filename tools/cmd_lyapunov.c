@@ -38,13 +38,13 @@ static saltus_status choose(const cli_request *request, const saltus_system *sys
 /* The numbers first: a figure that cannot be drawn does not take them along. */
 static saltus_status deliver(const cli_request *request, const cli_setup *setup,
                              const saltus_lyapunov_options *how, const saltus_lyapunov *result,
-                             const saltus_figure_options *look, saltus_message *message) {
+                             saltus_message *message) {
     (request->json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, &setup->scene,
                                                                               setup->system, how, result);
     if (!request->output)
         return SALTUS_OK;
-    saltus_status status =
-        saltus_write_convergence(request->output, &setup->scene, setup->system, how, result, look, message);
+    saltus_status status = saltus_write_convergence(request->output, &setup->scene, setup->system, how,
+                                                    result, &request->look, message);
     if (status == SALTUS_OK && !request->json)
         cli_tell_written(request, "convergence");
     return status;
@@ -70,36 +70,28 @@ static saltus_status run_orbit(const cli_request *request, cli_setup *setup,
     return status;
 }
 
-static int run(const cli_request *request) {
-    cli_setup setup;
-    saltus_message message = {.text = ""};
+static saltus_status measure(const cli_request *request, cli_setup *setup, const char **cut,
+                             saltus_message *message) {
     saltus_lyapunov_options how;
     saltus_lyapunov result = {0};
     bool shown = cli_shows_progress(request), interrupted = false;
-    saltus_figure_options look;
-    if (!cli_figure_options(request, &look))
-        return CLI_BAD_INPUT;
-    int code = cli_build(request, &setup);
-    if (code != CLI_DONE)
-        return code;
-    saltus_status status = choose(request, setup.system, &how, &message);
-    if (status == SALTUS_OK && cli_on_orbit(&setup))
-        status = run_orbit(request, &setup, &how, &result, &message);
+    saltus_status status = choose(request, setup->system, &how, message);
+    if (status == SALTUS_OK && cli_on_orbit(setup))
+        status = run_orbit(request, setup, &how, &result, message);
     else if (status == SALTUS_OK) {
         how.progress = (saltus_progress){shown ? show : NULL, &result};
         if (shown)
             progress_line("settling: %lld periods", how.transient);
-        status = saltus_lyapunov_run(setup.system, setup.start.state, &how, &result, &message);
+        status = saltus_lyapunov_run(setup->system, setup->start.state, &how, &result, message);
         interrupted = interrupt_asked() && !result.precise;
         cli_progress_end(request);
     }
     if (status == SALTUS_OK)
-        status = deliver(request, &setup, &how, &result, &look, &message);
+        status = deliver(request, setup, &how, &result, message);
     if (status == SALTUS_OK && interrupted)
-        code = interrupt_report("the numbers rest on what was measured so far");
+        *cut = "the numbers rest on what was measured so far";
     saltus_lyapunov_clear(&result);
-    cli_clear(&setup);
-    return status == SALTUS_OK ? code : cli_report(status, &message);
+    return status;
 }
 
 static const cli_example examples[] = {
@@ -129,5 +121,5 @@ const cli_command cmd_lyapunov = {
         "swing; the run ends when the precision asked for is reached and its halves and trajectories agree.",
     .examples = examples,
     .see = "classify spectrum",
-    .run = run,
+    .work = measure,
 };

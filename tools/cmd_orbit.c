@@ -139,28 +139,23 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
     return status;
 }
 
-static int run(const cli_request *request) {
-    cli_setup setup;
-    saltus_message message = {.text = ""};
-    int code = cli_build(request, &setup);
-    if (code != CLI_DONE)
-        return code;
-    bool forced = saltus_system_forced(setup.system);
-    int p = request->periods ? (int)request->periods : setup.start.periods;
+static saltus_status find_orbits(const cli_request *request, cli_setup *setup, const char **cut,
+                                 saltus_message *message) {
+    bool forced = saltus_system_forced(setup->system);
+    int p = request->periods ? (int)request->periods : setup->start.periods;
     saltus_status status = SALTUS_OK;
     if (!p && forced && !request->unstable)
-        status = saltus_fail(&message, SALTUS_BAD_INPUT, "orbit: needs --periods p, or --from an orbit");
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "orbit: needs --periods p, or --from an orbit");
     if (status == SALTUS_OK && !request->unstable)
-        status = prepare(request, &setup, &message);
+        status = prepare(request, setup, message);
     if (status == SALTUS_OK)
-        status = request->unstable ? harvest(request, &setup, &message)
-                 : forced          ? find(request, &setup, p, &message)
-                 : p               ? find_cycle(request, &setup, p, &message)
-                                   : find_equilibrium(request, &setup, &message);
-    cli_clear(&setup);
+        status = request->unstable ? harvest(request, setup, message)
+                 : forced          ? find(request, setup, p, message)
+                 : p               ? find_cycle(request, setup, p, message)
+                                   : find_equilibrium(request, setup, message);
     if (status == SALTUS_OK && request->unstable && interrupt_asked())
-        return interrupt_report("these are the orbits found so far");
-    return cli_report(status, &message);
+        *cut = "these are the orbits found so far";
+    return status;
 }
 
 static const cli_example examples[] = {
@@ -185,5 +180,5 @@ const cli_command cmd_orbit = {
     .options = options,
     .examples = examples,
     .see = "classify continue",
-    .run = run,
+    .work = find_orbits,
 };

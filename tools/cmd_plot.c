@@ -84,10 +84,9 @@ static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
 }
 
 /* What only a sweep can be asked for. */
-static int draw_sweep(const cli_request *request, const plot_wishes *wishes,
-                      const saltus_figure_options *look) {
+static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
     saltus_message message = {.text = ""};
-    saltus_sweep_view how = {.look = *look,
+    saltus_sweep_view how = {.look = request->look,
                              .parts = wishes->parts,
                              .part_count = request->parts.count,
                              .branches = request->over.items,
@@ -108,7 +107,8 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes,
 }
 
 /* A trajectory is drawn whole, in one way. */
-static int draw_trajectory(const cli_request *request, const saltus_figure_options *look) {
+static int draw_trajectory(const cli_request *request) {
+    const saltus_figure_options *look = &request->look;
     saltus_message message = {.text = ""};
     if (request->input_count > 1 || request->show || request->view || request->parts.count ||
         request->labels.count || request->over.count || look->swap || look->logarithmic_count) {
@@ -131,13 +131,13 @@ static int run(const cli_request *request) {
         fprintf(stderr, "saltus: plot: needs a file and -o figure.png, figure.pdf or figure.svg\n");
         return CLI_BAD_INPUT;
     }
-    if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes) ||
-        !cli_figure_options(request, &how.look))
+    if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes))
         return CLI_BAD_INPUT;
+    how.look = request->look;
     if (strcmp(saltus_file_identify(request->inputs[0]).kind, "trajectory") == 0)
-        return draw_trajectory(request, &how.look);
+        return draw_trajectory(request);
     if (request->view || request->over.count)
-        return draw_sweep(request, &wishes, &how.look);
+        return draw_sweep(request, &wishes);
     how.show = (saltus_show)(chosen + 1);
     how.parts = wishes.parts;
     how.part_count = request->parts.count;

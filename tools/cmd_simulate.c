@@ -3,7 +3,6 @@
 #include "cli.h"
 
 #include "flow/options.h"
-#include "interrupt.h"
 #include "origin.h"
 #include "progress.h"
 
@@ -27,17 +26,12 @@ static void show(void *context, double periods, double all) {
     }
 }
 
-static int run(const cli_request *request) {
-    cli_setup setup;
-    saltus_message message = {.text = ""};
+static saltus_status simulate(const cli_request *request, cli_setup *setup, const char **cut,
+                              saltus_message *message) {
     saltus_trajectory record = {0};
-    if (!request->output || !request->periods) {
-        fprintf(stderr, "saltus: simulate: needs --periods n and -o file.h5 or file.csv\n");
-        return CLI_BAD_INPUT;
-    }
-    int code = cli_build(request, &setup);
-    if (code != CLI_DONE)
-        return code;
+    if (!request->output || !request->periods)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "simulate: needs --periods n and -o file.h5 or file.csv");
     saltus_flow_options flow = request->flow;
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_motion motion = {0};
@@ -45,13 +39,13 @@ static int run(const cli_request *request) {
     cli_origin origin = {.command = NULL};
     double told = 0;
     describing.flow = flow;
-    if (cli_on_orbit(&setup) && request->transient)
+    if (cli_on_orbit(setup) && request->transient)
         status =
-            saltus_fail(&message, SALTUS_BAD_INPUT,
+            saltus_fail(message, SALTUS_BAD_INPUT,
                         "--transient %ld: not with --from an orbit, on which there is nothing to wait for",
                         request->transient);
-    else if (cli_on_orbit(&setup))
-        status = cli_motion(request, &setup, &describing, &motion, &message);
+    else if (cli_on_orbit(setup))
+        status = cli_motion(request, setup, &describing, &motion, message);
     const saltus_trajectory_plan plan = {.points = motion.section_states,
                                          .orbit = motion.periods,
                                          .transient = request->transient,
@@ -59,25 +53,24 @@ static int run(const cli_request *request) {
                                          .per_period = (int)request->samples,
                                          .progress = {cli_shows_progress(request) ? show : NULL, &told}};
     if (status == SALTUS_OK)
-        status = saltus_trajectory_follow(setup.system, setup.start.state, &flow, &plan, &record, &message);
+        status = saltus_trajectory_follow(setup->system, setup->start.state, &flow, &plan, &record, message);
     cli_progress_end(request);
-    bool cut = status == SALTUS_INTERRUPTED && record.samples > 0;
-    if (status == SALTUS_OK || cut)
-        status = cli_origin_new(request, &origin, &message);
+    bool ended_early = status == SALTUS_INTERRUPTED && record.samples > 0;
+    if (status == SALTUS_OK || ended_early)
+        status = cli_origin_new(request, &origin, message);
     if (status == SALTUS_OK)
-        status = saltus_write_trajectory(request->output, &setup.scene, setup.system, &flow, &record,
-                                         &origin.told, &message);
+        status = saltus_write_trajectory(request->output, &setup->scene, setup->system, &flow, &record,
+                                         &origin.told, message);
     cli_origin_clear(&origin);
     if (status == SALTUS_OK && !request->quiet && !request->to_stdout)
         printf("%s: %lld samples, %lld events over %.9g %s\n", request->output, record.samples,
                record.event_count, record.time[record.samples - 1],
-               saltus_system_forced(setup.system) ? "periods" : "T");
+               saltus_system_forced(setup->system) ? "periods" : "T");
     saltus_trajectory_clear(&record);
     saltus_motion_clear(&motion);
-    cli_clear(&setup);
-    if (status == SALTUS_OK && cut)
-        return interrupt_report("the file holds what was simulated so far");
-    return cli_report(status, &message);
+    if (status == SALTUS_OK && ended_early)
+        *cut = "the file holds what was simulated so far";
+    return status;
 }
 
 static const cli_example examples[] = {
@@ -100,5 +93,5 @@ const cli_command cmd_simulate = {
     .options = options,
     .examples = examples,
     .see = "plot export orbit",
-    .run = run,
+    .work = simulate,
 };

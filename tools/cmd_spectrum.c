@@ -33,8 +33,9 @@ static saltus_status read_wishes(const cli_request *request, const saltus_system
     return SALTUS_OK;
 }
 
-static saltus_status analyse(const cli_request *request, cli_setup *setup, const saltus_figure_options *look,
+static saltus_status analyse(const cli_request *request, cli_setup *setup, const char **cut,
                              saltus_message *message) {
+    (void)cut;
     const saltus_scene *scene = &setup->scene;
     saltus_classify_options how = cli_classify_options(request);
     saltus_spectrum_options wishes;
@@ -49,8 +50,8 @@ static saltus_status analyse(const cli_request *request, cli_setup *setup, const
     if (status == SALTUS_OK)
         status = saltus_motion_spectra(system, &motion, &wishes, &spectra, message);
     if (status == SALTUS_OK && request->output)
-        status = saltus_write_spectra(request->output, scene, system, &wishes.flow, &motion, &spectra, look,
-                                      message);
+        status = saltus_write_spectra(request->output, scene, system, &wishes.flow, &motion, &spectra,
+                                      &request->look, message);
     if (status == SALTUS_OK)
         (request->json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system,
                                                                                 &motion, &spectra);
@@ -59,20 +60,6 @@ static saltus_status analyse(const cli_request *request, cli_setup *setup, const
     saltus_spectra_clear(&spectra);
     saltus_motion_clear(&motion);
     return status;
-}
-
-static int run(const cli_request *request) {
-    cli_setup setup;
-    saltus_message message = {.text = ""};
-    saltus_figure_options look;
-    if (!cli_figure_options(request, &look))
-        return CLI_BAD_INPUT;
-    int code = cli_build(request, &setup);
-    if (code != CLI_DONE)
-        return code;
-    saltus_status status = analyse(request, &setup, &look, &message);
-    cli_clear(&setup);
-    return cli_report(status, &message);
 }
 
 static const cli_example examples[] = {
@@ -99,5 +86,5 @@ const cli_command cmd_spectrum = {
              "frequency is stated and what lies above is greyed.",
     .examples = examples,
     .see = "lyapunov diagnose",
-    .run = run,
+    .work = analyse,
 };
