@@ -27,7 +27,7 @@ struct saltus_branch_output {
     saltus_system *system;   /* of the start */
     saltus_rows points, events;
     char *path;
-    saltus_h5_origin origin;
+    saltus_origin origin;
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 

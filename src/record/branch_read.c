@@ -92,19 +92,14 @@ static saltus_status read_start(reader *r) {
 }
 
 static saltus_status read_events(reader *r, long long *count) {
-    saltus_h5_shape shape = {.rank = 0};
-    saltus_status status =
-        saltus_h5_find_rows(&r->h5, "events", &saltus_event_fields, NULL, most_rows, false, &shape);
-    if (status != SALTUS_OK)
-        return status;
-    *count = (long long)shape.size[0];
-    saltus_event_row *rows = calloc((size_t)*count + 1, sizeof *rows);
+    void *rows;
+    saltus_status status = saltus_h5_get_all(&r->h5, "events", &saltus_event_fields, NULL, most_rows,
+                                             sizeof(saltus_event_row), &rows, count);
     r->made->events = calloc((size_t)*count + 1, sizeof *r->made->events);
-    status = rows && r->made->events ? saltus_h5_get_rows(&r->h5, "events", &saltus_event_fields, NULL,
-                                                          &shape, rows, sizeof *rows)
-                                     : saltus_h5_no_memory(&r->h5);
+    if (status == SALTUS_OK && !r->made->events)
+        status = saltus_h5_no_memory(&r->h5);
     for (long long e = 0; e < *count && status == SALTUS_OK; e++)
-        if (!saltus_event_of_row(r->system, &rows[e], &r->made->events[e]))
+        if (!saltus_event_of_row(r->system, (const saltus_event_row *)rows + e, &r->made->events[e]))
             status = saltus_h5_refuse(&r->h5,
                                       "an event is none of an impact, stick or release at one of the stops");
     free(rows);

@@ -98,17 +98,14 @@ static bool get_attribute(hid_t owner, const char *name, H5T_class_t class, hid_
     return fits;
 }
 
-static bool get_double(hid_t owner, const char *name, double *value) {
-    return get_attribute(owner, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, value);
-}
-
 /* False when the attribute is absent, of another type, or no value of the field. */
 static bool get_field(hid_t owner, const saltus_field *field, void *record) {
     char text[SALTUS_FIELD_TEXT_MAX];
     double real;
     long long whole;
     if (field->type == SALTUS_REAL)
-        return get_double(owner, field->name, &real) && saltus_field_set_number(field, real, record);
+        return saltus_h5_get_double(owner, field->name, &real) &&
+               saltus_field_set_number(field, real, record);
     if (field->words || field->type == SALTUS_TEXT)
         return saltus_h5_get_text(owner, field->name, text, sizeof text) &&
                saltus_field_read(field, text, record);
@@ -346,7 +343,7 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
     if (group < 0)
         return saltus_h5_refuse(r, "the group /parameters is missing");
     for (int k = 0; k < count && !lacking; k++)
-        if (!get_double(group, p[k].name, &spec->parameters[k]) || !isfinite(spec->parameters[k]))
+        if (!saltus_h5_get_double(group, p[k].name, &spec->parameters[k]) || !isfinite(spec->parameters[k]))
             lacking = p[k].name;
     H5Gclose(group);
     if (lacking)

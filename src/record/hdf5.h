@@ -64,18 +64,14 @@ void saltus_h5_close(hid_t object);
 void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const char *title,
                         const saltus_spec *spec, bool complete);
 
-/* origin.c: a copy of how results came about, what is not told being NULL. */
-typedef struct saltus_h5_origin {
-    char *command, *date, *scene;
-} saltus_h5_origin;
-
-/* Copy (NULL: nothing is told); to be cleared, also where memory is lacking: false. */
-bool saltus_h5_origin_keep(saltus_h5_origin *kept, const saltus_origin *origin);
-void saltus_h5_origin_clear(saltus_h5_origin *kept);
-void saltus_h5_put_origin(saltus_h5 *w, const saltus_h5_origin *origin);
+/* origin.c: copy how results came about (NULL: nothing is told); to be cleared, also where memory is lacking:
+ * false. */
+bool saltus_h5_origin_keep(saltus_origin *kept, const saltus_origin *origin);
+void saltus_h5_origin_clear(saltus_origin *kept);
+void saltus_h5_put_origin(saltus_h5 *w, const saltus_origin *origin);
 /* What the file of an interrupted run at `path` tells takes the place of what was kept; what cannot be read
  * tells nothing. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_h5_origin_take_over(saltus_h5_origin *kept, const char *path, saltus_message *message);
+saltus_status saltus_h5_origin_take_over(saltus_origin *kept, const char *path, saltus_message *message);
 /* An attribute for each option that the results depend on. */
 void saltus_h5_options(saltus_h5 *w, hid_t owner, const saltus_option_table *table, const void *record);
 

@@ -81,6 +81,17 @@ void saltus_json_named(FILE *file, const char *names, const saltus_field_table *
     }
 }
 
+/* Rows of numbers, one after the other. */
+static void put_rows(FILE *file, const char *key, const double *rows, int count, int length) {
+    saltus_json_key(file, key);
+    fputc('[', file);
+    for (int k = 0; k < count; k++) {
+        fputs(k ? ", " : "", file);
+        saltus_json_vector(file, rows + (size_t)k * (size_t)length, length);
+    }
+    fputc(']', file);
+}
+
 /* The names of the state's entries, where the scene gives them. */
 static void put_state_names(FILE *file, const saltus_system *system) {
     if (!saltus_model_text(saltus_system_spec(system)->model))
@@ -99,13 +110,8 @@ static void put_states(FILE *file, const saltus_motion *motion) {
         saltus_json_vector(file, motion->state, motion->dimension);
     else
         fputs("null", file);
-    saltus_json_key(file, "section_states");
-    fputc('[', file);
-    for (int k = 0; motion->section_states && k < motion->periods; k++) {
-        fputs(k ? ", " : "", file);
-        saltus_json_vector(file, motion->section_states + k * motion->dimension, motion->dimension);
-    }
-    fputc(']', file);
+    put_rows(file, "section_states", motion->section_states, motion->section_states ? motion->periods : 0,
+             motion->dimension);
 }
 
 /* Complete chatter makes them infinite: how many are simulated one by one depends on the tolerance. */
@@ -152,31 +158,23 @@ void saltus_json_events(FILE *file, const saltus_system *system, const saltus_ev
 }
 
 void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count) {
-    saltus_json_key(file, "multipliers");
-    fputc('[', file);
+    double pairs[SALTUS_STATE_MAX][2], moduli[SALTUS_STATE_MAX];
     for (int k = 0; k < count; k++) {
-        const double pair[2] = {multipliers[k].re, multipliers[k].im};
-        fputs(k ? ", " : "", file);
-        saltus_json_vector(file, pair, 2);
+        pairs[k][0] = multipliers[k].re;
+        pairs[k][1] = multipliers[k].im;
+        moduli[k] = multipliers[k].log_modulus;
     }
-    fputc(']', file);
-    saltus_json_key(file, "log_moduli");
-    for (int k = 0; k < count; k++) {
-        fputs(k ? ", " : "[", file);
-        saltus_json_value(file, multipliers[k].log_modulus);
-    }
-    fputs(count ? "]" : "[]", file);
+    put_rows(file, "multipliers", pairs[0], count, 2);
+    saltus_json_list(file, "log_moduli", moduli, count);
 }
 
 void saltus_json_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count) {
-    saltus_json_key(file, "eigenvalues");
-    fputc('[', file);
+    double pairs[SALTUS_STATE_MAX][2];
     for (int k = 0; k < count; k++) {
-        const double pair[2] = {eigenvalues[k].re, eigenvalues[k].im};
-        fputs(k ? ", " : "", file);
-        saltus_json_vector(file, pair, 2);
+        pairs[k][0] = eigenvalues[k].re;
+        pairs[k][1] = eigenvalues[k].im;
     }
-    fputc(']', file);
+    put_rows(file, "eigenvalues", pairs[0], count, 2);
 }
 
 static void put_sum_rule(FILE *file, const saltus_motion *motion) {

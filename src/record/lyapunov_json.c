@@ -27,12 +27,10 @@ static void put_exponents(FILE *file, const saltus_lyapunov *l) {
     saltus_json_text(file, "sign", saltus_sense_word(saltus_lyapunov_sense(l)));
     saltus_json_list(file, "exponents", l->exponents, l->count);
     /* null for the exponents that have none because they are -infinity */
-    saltus_json_key(file, "standard_errors");
-    for (int k = 0; k < l->count; k++) {
-        fputs(k ? ", " : "[", file);
-        saltus_json_value(file, isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN);
-    }
-    fputc(']', file);
+    double errors[SALTUS_STATE_MAX];
+    for (int k = 0; k < l->count; k++)
+        errors[k] = isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN;
+    saltus_json_list(file, "standard_errors", errors, l->count);
 }
 
 void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const saltus_system *system,

@@ -8,22 +8,18 @@
 /* Longer texts are those of another program. */
 static const size_t most = 1 << 22;
 
-static bool copy(char **to, const char *text) {
-    *to = text ? strdup(text) : NULL;
-    return *to || !text;
+bool saltus_h5_origin_keep(saltus_origin *kept, const saltus_origin *origin) {
+    const saltus_origin told = origin ? *origin : (saltus_origin){NULL, NULL, NULL};
+    *kept = (saltus_origin){told.command ? strdup(told.command) : NULL, told.date ? strdup(told.date) : NULL,
+                            told.scene ? strdup(told.scene) : NULL};
+    return !told.command == !kept->command && !told.date == !kept->date && !told.scene == !kept->scene;
 }
 
-bool saltus_h5_origin_keep(saltus_h5_origin *kept, const saltus_origin *origin) {
-    *kept = (saltus_h5_origin){NULL, NULL, NULL};
-    return !origin || (copy(&kept->command, origin->command) && copy(&kept->date, origin->date) &&
-                       copy(&kept->scene, origin->scene));
-}
-
-void saltus_h5_origin_clear(saltus_h5_origin *kept) {
-    free(kept->command);
-    free(kept->date);
-    free(kept->scene);
-    *kept = (saltus_h5_origin){NULL, NULL, NULL};
+void saltus_h5_origin_clear(saltus_origin *kept) {
+    free((char *)kept->command);
+    free((char *)kept->date);
+    free((char *)kept->scene);
+    *kept = (saltus_origin){NULL, NULL, NULL};
 }
 
 /* A text of any length has a dataset, with a checksum: attributes have at most 64 KiB. */
@@ -45,7 +41,7 @@ static void put_text(saltus_h5 *w, const char *name, const char *meaning, const 
     saltus_h5_close(type);
 }
 
-void saltus_h5_put_origin(saltus_h5 *w, const saltus_h5_origin *origin) {
+void saltus_h5_put_origin(saltus_h5 *w, const saltus_origin *origin) {
     put_text(w, "command", "command line, but for what the results do not depend on", origin->command);
     put_text(w, "date", "when the run began", origin->date);
     put_text(w, "scene_text", "the scene before the command line changed it", origin->scene);
@@ -75,7 +71,7 @@ static char *get_text(hid_t file, const char *name, bool *memory) {
     return text;
 }
 
-saltus_status saltus_h5_origin_take_over(saltus_h5_origin *kept, const char *path, saltus_message *message) {
+saltus_status saltus_h5_origin_take_over(saltus_origin *kept, const char *path, saltus_message *message) {
     saltus_message reason = {.text = ""};
     saltus_h5_reader reader = {.path = path, .message = &reason};
     bool memory = true;

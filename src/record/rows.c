@@ -337,20 +337,29 @@ saltus_status saltus_h5_get_rows(const saltus_h5_reader *r, const char *group, c
     return status;
 }
 
+saltus_status saltus_h5_get_all(const saltus_h5_reader *r, const char *group, const saltus_field_table *kind,
+                                const int *counts, long long most, size_t stride, void **records,
+                                long long *count) {
+    saltus_h5_shape shape = {.rank = 0};
+    saltus_status status = saltus_h5_find_rows(r, group, kind, counts, most, false, &shape);
+    *records = NULL;
+    if (status != SALTUS_OK)
+        return status;
+    *count = (long long)shape.size[0];
+    *records = calloc((size_t)*count + 1, stride);
+    return *records ? saltus_h5_get_rows(r, group, kind, counts, &shape, *records, stride)
+                    : saltus_h5_no_memory(r);
+}
+
 saltus_status saltus_h5_get_reals(const saltus_h5_reader *r, const char *group, const char *name, int most,
                                   bool finite, int *count, double **values) {
     const saltus_field field = {.name = name, .type = SALTUS_REAL};
     const saltus_field_table kind = {&field, 1};
-    saltus_h5_shape shape = {.rank = 0};
-    *values = NULL;
-    saltus_status status = saltus_h5_find_rows(r, group, &kind, NULL, most, false, &shape);
-    if (status != SALTUS_OK)
-        return status;
-    *count = (int)shape.size[0];
-    *values = malloc(((size_t)*count + 1) * sizeof **values);
-    if (!*values)
-        return saltus_h5_no_memory(r);
-    status = saltus_h5_get_rows(r, group, &kind, NULL, &shape, *values, sizeof **values);
+    long long length = 0;
+    void *records;
+    saltus_status status = saltus_h5_get_all(r, group, &kind, NULL, most, sizeof **values, &records, &length);
+    *values = records;
+    *count = (int)length;
     for (int i = 0; i < *count && status == SALTUS_OK; i++)
         if (finite && !isfinite((*values)[i]))
             status = saltus_h5_refuse_part(r, group, name);

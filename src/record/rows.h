@@ -65,6 +65,11 @@ saltus_status saltus_h5_find_rows(const saltus_h5_reader *r, const char *group,
 saltus_status saltus_h5_get_rows(const saltus_h5_reader *r, const char *group, const saltus_field_table *kind,
                                  const int *counts, const saltus_h5_shape *shape, void *records,
                                  size_t stride);
+/* Find and read all rows of a group that tells their number itself, at most `most`; *records is to be freed,
+ * also after a failure. */
+saltus_status saltus_h5_get_all(const saltus_h5_reader *r, const char *group, const saltus_field_table *kind,
+                                const int *counts, long long most, size_t stride, void **records,
+                                long long *count);
 /* Read a dataset of numbers, at most `most`, all finite where `finite` says so; *values is to be freed, also
  * after a failure. */
 saltus_status saltus_h5_get_reals(const saltus_h5_reader *r, const char *group, const char *name, int most,

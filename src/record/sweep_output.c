@@ -23,7 +23,7 @@ struct saltus_sweep_output {
     saltus_basins *basins; /* NULL: not of basins */
     saltus_journal journal;
     char *path;
-    saltus_h5_origin origin;
+    saltus_origin origin;
     bool table;           /* comma-separated values */
     bool finished;        /* a complete file of this sweep was there: nothing is to be done */
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */

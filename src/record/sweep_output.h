@@ -59,7 +59,7 @@ typedef struct saltus_sweep_stream {
     saltus_journal *journal;
     saltus_basins *basins; /* NULL: not of basins */
     bool complete;         /* all places are there: basins are told apart */
-    const saltus_h5_origin *origin;
+    const saltus_origin *origin;
     saltus_sweep_line *lines; /* of one place */
     int distinct;             /* attractors met at this place */
     saltus_sweep_result result;

@@ -177,19 +177,6 @@ static saltus_status read_spans(reader *r, const char *group, long long total, l
     return status;
 }
 
-/* Read all rows of a group that tells their number itself; *records is to be freed. */
-static saltus_status read_all(reader *r, const char *group, const saltus_field_table *fields, size_t stride,
-                              long long most, void **records, long long *count) {
-    saltus_h5_shape shape = {.rank = 0};
-    saltus_status status = saltus_h5_find_rows(&r->h5, group, fields, r->counts, most, false, &shape);
-    if (status != SALTUS_OK)
-        return status;
-    *count = (long long)shape.size[0];
-    *records = calloc((size_t)*count + 1, stride);
-    return *records ? saltus_h5_get_rows(&r->h5, group, fields, r->counts, &shape, *records, stride)
-                    : saltus_h5_no_memory(&r->h5);
-}
-
 static saltus_status read_cloud(reader *r, int which, long long **first, long long **count, void **entries,
                                 long long *total) {
     const saltus_cloud_kind *cloud = &saltus_clouds[which];
@@ -197,8 +184,8 @@ static saltus_status read_cloud(reader *r, int which, long long **first, long lo
     *total = 0;
     if (!(r->made->options.keep & cloud->keep))
         return SALTUS_OK;
-    saltus_status status =
-        read_all(r, cloud->group, &cloud->fields, stride, LLONG_MAX / 1024, entries, total);
+    saltus_status status = saltus_h5_get_all(&r->h5, cloud->group, &cloud->fields, r->counts,
+                                             LLONG_MAX / 1024, stride, entries, total);
     return status == SALTUS_OK ? read_spans(r, cloud->group, *total, first, count) : status;
 }
 
@@ -227,11 +214,12 @@ static saltus_status read_attractors(reader *r) {
     long long count = 0, points = 0;
     if (!made->basins || !made->complete)
         return SALTUS_OK;
-    saltus_status status = read_all(r, "attractors", &saltus_attractor_fields, sizeof(saltus_attractor_row),
-                                    INT_MAX / 64, &rows, &count);
+    saltus_status status = saltus_h5_get_all(&r->h5, "attractors", &saltus_attractor_fields, r->counts,
+                                             INT_MAX / 64, sizeof(saltus_attractor_row), &rows, &count);
     if (status == SALTUS_OK)
-        status = read_all(r, "attractors", &saltus_attractor_point_fields,
-                          (size_t)made->dimension * sizeof(double), LLONG_MAX / 1024, &states, &points);
+        status =
+            saltus_h5_get_all(&r->h5, "attractors", &saltus_attractor_point_fields, r->counts,
+                              LLONG_MAX / 1024, (size_t)made->dimension * sizeof(double), &states, &points);
     made->attractor_states = states;
     size_t room = (size_t)count + 1;
     made->attractor_label = calloc(room, sizeof *made->attractor_label);

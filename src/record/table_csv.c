@@ -54,15 +54,11 @@ static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltu
     to->counts[SALTUS_COUNT_STOPS] = spec->stop_count;
     saltus_model_parameters(spec->model, &to->counts[SALTUS_COUNT_PARAMETERS]);
     pack_fields(tables[which].fields, to);
-    saltus_h5_shape shape = {.rank = 0};
-    status = saltus_h5_find_rows(r, tables[which].group, &to->kind, to->counts, 1000000000, false, &shape);
-    if (status != SALTUS_OK)
-        return status;
-    to->count = (long long)shape.size[0];
-    to->records = calloc((size_t)to->count + 1, to->stride);
-    return to->records ? saltus_h5_get_rows(r, tables[which].group, &to->kind, to->counts, &shape,
-                                            to->records, to->stride)
-                       : saltus_h5_no_memory(r);
+    void *records;
+    status = saltus_h5_get_all(r, tables[which].group, &to->kind, to->counts, 1000000000, to->stride,
+                               &records, &to->count);
+    to->records = records;
+    return status;
 }
 
 /* The name of an entry: the member's, with the numbers of the row and of the column where there are several;

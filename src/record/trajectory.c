@@ -16,7 +16,7 @@ typedef struct source {
     const saltus_scene *scene;
     const saltus_system *system;
     const saltus_flow_options *options;
-    saltus_h5_origin origin;
+    const saltus_origin *origin; /* NULL: not told */
 } source;
 
 static void put_header(const source *s, FILE *file) {
@@ -125,7 +125,8 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
                       saltus_integrator_used(s->system, used.integrator), &used);
     (void)message;
     saltus_h5_put_head(w, "trajectory", s->scene->name, s->scene->title, saltus_system_spec(s->system), true);
-    saltus_h5_put_origin(w, &s->origin);
+    if (s->origin)
+        saltus_h5_put_origin(w, s->origin);
     saltus_h5_double(w, w->file, "period", saltus_system_period(s->system));
     saltus_h5_options(w, w->file, &saltus_flow_table, &used);
     put_rows(w, "trajectory", "samples, with one on each side of every impact", &samples);
@@ -141,14 +142,9 @@ saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scen
     bool csv = saltus_path_ends(path, ".csv"), hdf5 = saltus_path_ends(path, ".h5");
     if (!csv && !hdf5)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .csv or .h5", path);
-    source s = {record, scene, system, options, {NULL, NULL, NULL}};
-    if (hdf5) {
-        saltus_status made = saltus_h5_origin_keep(&s.origin, origin)
-                                 ? saltus_h5_write(path, false, put_file, &s, message)
-                                 : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
-        saltus_h5_origin_clear(&s.origin);
-        return made;
-    }
+    source s = {record, scene, system, options, origin};
+    if (hdf5)
+        return saltus_h5_write(path, false, put_file, &s, message);
     saltus_output output;
     saltus_status status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
