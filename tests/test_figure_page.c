@@ -74,7 +74,7 @@ static void check_grid(const figure *f, const part *there) {
         memcpy(edge[p], f->panel[p].frame, sizeof edge[p]);
         edge[p][1] += there[p] == structure && strstr(part_words[structure], "pipe") ? 0.05 : 0;
         edge[p][3] += there[p] == convergence ? 62.0 / 1200 : 0;
-        edge[p][1] += there[p] == map && f->panel[p].key ? 0.09 : 0; /* the legend beside it */
+        edge[p][1] += there[p] == map && f->panel[p].key ? 156.0 / 1600 : 0; /* the legend beside it */
     }
     for (int p = 0; p + 1 < count; p++)
         if (there[p] != history && there[p + 1] != history && edge[p + 1][0] > edge[p][1]) {

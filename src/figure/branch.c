@@ -4,8 +4,8 @@
 #include "figure/branch.h"
 
 #include "record/describe.h"
-#include "record/hdf5.h"
 #include "record/output.h"
+#include "saltus/record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -333,22 +333,13 @@ static saltus_status check_options(const saltus_branch_file *file, const saltus_
     return SALTUS_OK;
 }
 
-/* Whether a file is of a sweep; what else is wrong with it is left to its reader. */
-static bool is_sweep(const char *path) {
-    saltus_h5_reader reader = {.path = path};
-    char kind[32] = "";
-    bool known = saltus_h5_reader_open(&reader) == SALTUS_OK &&
-                 saltus_h5_get_text(reader.file, "kind", kind, sizeof kind);
-    saltus_h5_reader_close(&reader);
-    return known && (strcmp(kind, "sweep") == 0 || strcmp(kind, "basins") == 0);
-}
-
 /* Draw a sweep where the first file is one; *drawn tells. */
 static saltus_status draw_sweep(const char *const *paths, int count, const saltus_plot_options *options,
                                 const char *figure, bool *drawn, saltus_message *message) {
     saltus_sweep_view view = {
         .parts = options->parts, .part_count = options->part_count, .look = options->look};
-    *drawn = is_sweep(paths[0]);
+    const saltus_file_facts facts = saltus_file_identify(paths[0]);
+    *drawn = strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0;
     if (!*drawn)
         return SALTUS_OK;
     if (count > 1)

@@ -44,6 +44,8 @@ double saltus_plot_x(const saltus_plot_page *page, const saltus_branch_point *po
 double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point);
 /* A place of the axes in the page's units from the panel's lower left corner. */
 void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]);
+/* How far a place is from the chord between two others. */
+double saltus_plot_distance(const double at[2], const double a[2], const double b[2]);
 /* Find the visits where impacts or turning points are shown; the caller frees them. Errors: those of the flow
  * along orbits, SALTUS_NO_MEMORY. */
 saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *message);

@@ -164,10 +164,23 @@ static bool find_impacts(const saltus_branch_point *point, saltus_visits *visits
     return visits->list != NULL;
 }
 
+/* Of these the largest and the smallest, among them the one that the state may be; a rest has one. */
+static void keep_extremes(const saltus_plot_page *page, const saltus_branch_point *point,
+                          saltus_visits *visits) {
+    double high = saltus_system_observed(page->system, point->state), low = high;
+    for (int k = 0; k < visits->count; k++) {
+        high = fmax(high, visits->list[k].value);
+        low = fmin(low, visits->list[k].value);
+    }
+    visits->list[0] = (saltus_visit){.value = high, .face = -1};
+    visits->list[1] = (saltus_visit){.value = low, .face = -1};
+    visits->count = 2;
+}
+
 /* The displacements at which an orbit turns, freely or at a stop, from once around it, and that of a rest.
  * One that cannot be followed, such as one that the equations have beyond a stop, shows none. */
-static saltus_status find_turnings(const saltus_branch_point *point, saltus_visits *visits,
-                                   saltus_message *message) {
+static saltus_status find_turnings(const saltus_plot_page *page, const saltus_branch_point *point,
+                                   saltus_visits *visits, saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_system *system = NULL;
     saltus_flow *flow = NULL;
@@ -204,26 +217,11 @@ static saltus_status find_turnings(const saltus_branch_point *point, saltus_visi
         if (turns)
             visits->list[visits->count++] = (saltus_visit){time, event->displacement, -1};
     }
+    if (page->amplitude && point->periods && visits->count)
+        keep_extremes(page, point, visits);
     saltus_lap_close(&lap);
     saltus_flow_free(flow);
     saltus_system_free(system);
-    return status;
-}
-
-/* Of those the largest and the smallest, among them the one that the state may be; a rest has one. */
-static saltus_status find_extremes(const saltus_plot_page *page, const saltus_branch_point *point,
-                                   saltus_visits *visits, saltus_message *message) {
-    saltus_status status = find_turnings(point, visits, message);
-    if (status != SALTUS_OK || !point->periods || !visits->count)
-        return status;
-    double high = saltus_system_observed(page->system, point->state), low = high;
-    for (int k = 0; k < visits->count; k++) {
-        high = fmax(high, visits->list[k].value);
-        low = fmin(low, visits->list[k].value);
-    }
-    visits->list[0] = (saltus_visit){.value = high, .face = -1};
-    visits->list[1] = (saltus_visit){.value = low, .face = -1};
-    visits->count = 2;
     return status;
 }
 
@@ -232,21 +230,18 @@ saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *me
     if (page->locus || !(page->turning || page->show == SALTUS_SHOW_IMPACTS))
         return SALTUS_OK;
     page->visits = calloc((size_t)page->count, sizeof *page->visits);
-    for (int i = 0; i < page->count && page->visits && status == SALTUS_OK; i++) {
+    bool memory = page->visits != NULL;
+    for (int i = 0; i < page->count && memory && status == SALTUS_OK; i++) {
         const saltus_branch_file *f = &page->files[i];
-        page->visits[i] = calloc((size_t)f->point_count + 1, sizeof *page->visits[i]);
-        for (int k = 0; k < f->point_count && page->visits[i] && status == SALTUS_OK; k++)
-            if (page->amplitude)
-                status = find_extremes(page, &f->points[k], &page->visits[i][k], message);
-            else if (page->turning)
-                status = find_turnings(&f->points[k], &page->visits[i][k], message);
-            else if (!find_impacts(&f->points[k], &page->visits[i][k]))
-                status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
-        if (!page->visits[i])
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
+        saltus_visits *visits = page->visits[i] = calloc((size_t)f->point_count + 1, sizeof *visits);
+        memory = visits != NULL;
+        for (int k = 0; k < f->point_count && memory && status == SALTUS_OK; k++)
+            if (page->turning)
+                status = find_turnings(page, &f->points[k], &visits[k], message);
+            else
+                memory = find_impacts(&f->points[k], &visits[k]);
     }
-    return page->visits ? status
-                        : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
+    return memory ? status : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
 }
 
 void saltus_plot_free_visits(saltus_plot_page *page) {
@@ -435,34 +430,47 @@ static void put_arc(const saltus_plot_page *page, const run *r, int k) {
     }
 }
 
-/* A curve through points of the axes as the lines of one stroke; `drawn[k]` tells whether its piece from
- * point k to the next has that stroke, `corners[k]` where it may have a corner. */
-static bool put_curve(const saltus_plot_page *page, double (*points)[2], const bool *drawn,
-                      const bool *corners, int count) {
-    double(*places)[2] = calloc((size_t)count + 1, sizeof *places);
-    if (!places)
-        return false;
-    for (int k = 0; k < count; k++)
-        saltus_plot_place(page, points[k][0], points[k][1], places[k]);
-    for (int first = 0, last; first + 1 < count; first = last) {
-        for (last = first + 1; last + 1 < count && !corners[last];)
-            last++;
-        const run smooth = {places + first, last - first + 1};
-        for (int k = first; k < last; k++) {
-            if (!drawn[k])
-                continue;
-            if (k == 0 || !drawn[k - 1])
-                fprintf(page->file, "\n%.12g %.9g\n", points[k][0], points[k][1]);
-            put_arc(page, &smooth, k - first);
-            fprintf(page->file, "%.12g %.9g\n", points[k + 1][0], points[k + 1][1]);
-        }
-    }
-    free(places);
-    return true;
+/* A curve through points of the axes: `drawn[k]` tells whether its piece from point k to the next has the
+ * stroke that is put, `corners[k]` where it may have a corner. */
+typedef struct curve {
+    double (*points)[2], (*places)[2]; /* on the axes, and on the page */
+    bool *drawn, *corners;
+    int count;
+} curve;
+
+static bool open_curve(curve *c, int room) {
+    const size_t size = (size_t)room + 1;
+    *c = (curve){calloc(size, sizeof *c->points), calloc(size, sizeof *c->places),
+                 calloc(size, sizeof *c->drawn), calloc(size, sizeof *c->corners), 0};
+    return c->points && c->places && c->drawn && c->corners;
 }
 
-/* How far a place is from the chord between two others. */
-static double distance(const double at[2], const double a[2], const double b[2]) {
+static void close_curve(curve *c) {
+    free(c->points);
+    free(c->places);
+    free(c->drawn);
+    free(c->corners);
+}
+
+static void put_curve(const saltus_plot_page *page, const curve *c) {
+    for (int k = 0; k < c->count; k++)
+        saltus_plot_place(page, c->points[k][0], c->points[k][1], c->places[k]);
+    for (int first = 0, last; first + 1 < c->count; first = last) {
+        for (last = first + 1; last + 1 < c->count && !c->corners[last];)
+            last++;
+        const run smooth = {c->places + first, last - first + 1};
+        for (int k = first; k < last; k++) {
+            if (!c->drawn[k])
+                continue;
+            if (k == 0 || !c->drawn[k - 1])
+                fprintf(page->file, "\n%.12g %.9g\n", c->points[k][0], c->points[k][1]);
+            put_arc(page, &smooth, k - first);
+            fprintf(page->file, "%.12g %.9g\n", c->points[k + 1][0], c->points[k + 1][1]);
+        }
+    }
+}
+
+double saltus_plot_distance(const double at[2], const double a[2], const double b[2]) {
     double dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
     double part = square > 0 ? ((at[0] - a[0]) * dx + (at[1] - a[1]) * dy) / square : 0;
     part = fmin(fmax(part, 0), 1);
@@ -482,7 +490,7 @@ static bool covered(const saltus_plot_page *page, int file, int branch, const do
         saltus_plot_place(page, saltus_plot_x(page, &f->points[k]), saltus_plot_y(page, &f->points[k]), a);
         saltus_plot_place(page, saltus_plot_x(page, &f->points[k + 1]),
                           saltus_plot_y(page, &f->points[k + 1]), b);
-        if (distance(at, a, b) < near)
+        if (saltus_plot_distance(at, a, b) < near)
             return true;
     }
     return false;
@@ -521,26 +529,22 @@ static bool put_uncovered(const saltus_plot_page *page, int file, int branch, co
 }
 
 /* A branch of one stroke, by the value that its points show. */
-static bool put_branch(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke) {
+static void put_branch(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
+                       curve *c) {
     const saltus_branch_file *f = &page->files[file];
-    int count = last - first + 1;
-    double(*points)[2] = calloc((size_t)count, sizeof *points);
-    bool *drawn = calloc((size_t)count, sizeof *drawn), *corners = calloc((size_t)count, sizeof *corners);
-    bool sound = points && drawn && corners;
-    for (int k = 0; k < count && sound; k++) {
+    const bool dashed = stroke == SALTUS_STROKE_UNSTABLE && !page->locus;
+    c->count = last - first + 1;
+    for (int k = 0; k < c->count; k++) {
         const saltus_branch_point *point = &f->points[first + k];
-        points[k][0] = saltus_plot_x(page, point);
-        points[k][1] = saltus_plot_y(page, point);
-        corners[k] = corner(point) || isnan(points[k][1]);
-        drawn[k] = k + 1 < count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
+        c->points[k][0] = saltus_plot_x(page, point);
+        c->points[k][1] = saltus_plot_y(page, point);
+        c->corners[k] = corner(point) || isnan(c->points[k][1]);
+        c->drawn[k] = k + 1 < c->count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
     }
-    for (int k = 0; k + 1 < count && stroke == SALTUS_STROKE_UNSTABLE && !page->locus && sound; k++)
-        drawn[k] = drawn[k] && put_uncovered(page, file, f->points[first].branch, points[k], points[k + 1]);
-    sound = sound && put_curve(page, points, drawn, corners, count);
-    free(points);
-    free(drawn);
-    free(corners);
-    return sound;
+    for (int k = 0; k + 1 < c->count && dashed; k++)
+        c->drawn[k] =
+            c->drawn[k] && put_uncovered(page, file, f->points[first].branch, c->points[k], c->points[k + 1]);
+    put_curve(page, c);
 }
 
 /* The visit of point b that is nearest in time to one of point a, on the same face; -1 when there is none
@@ -573,33 +577,26 @@ static int partner(const saltus_plot_page *page, int file, int k, int v) {
 }
 
 /* Each visit as a curve of its own, from where it is born to where it dies. */
-static bool put_visits(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke) {
+static void put_visits(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
+                       curve *c) {
     const saltus_branch_file *f = &page->files[file];
-    int room = last - first + 1;
-    double(*points)[2] = calloc((size_t)room, sizeof *points);
-    bool *drawn = calloc((size_t)room, sizeof *drawn), *corners = calloc((size_t)room, sizeof *corners);
-    bool sound = points && drawn && corners;
-    for (int k = first; k < last && sound; k++)
+    for (int k = first; k < last; k++)
         for (int v = 0; v < page->visits[file][k].count; v++) {
             /* It begins here where no visit of the point before leads to it. */
             bool begins = true;
             for (int w = 0; k > first && begins && w < page->visits[file][k - 1].count; w++)
                 begins = partner(page, file, k - 1, w) != v;
-            int count = 0;
+            c->count = 0;
             for (int at = k, visit = v; begins && visit >= 0 && at <= last; at++) {
                 double value = page->visits[file][at].list[visit].value;
-                points[count][page->swap] = f->points[at].value[0];
-                points[count][!page->swap] = value;
-                corners[count] = corner(&f->points[at]);
+                c->points[c->count][page->swap] = f->points[at].value[0];
+                c->points[c->count][!page->swap] = value;
+                c->corners[c->count] = corner(&f->points[at]);
                 visit = at < last ? partner(page, file, at, visit) : -1;
-                drawn[count++] = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
+                c->drawn[c->count++] = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
             }
-            sound = sound && (count < 2 || put_curve(page, points, drawn, corners, count));
+            put_curve(page, c);
         }
-    free(points);
-    free(drawn);
-    free(corners);
-    return sound;
 }
 
 static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
@@ -608,11 +605,16 @@ static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stro
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
         for (int first = 0, last; first < f->point_count; first = last + 1) {
+            curve c;
             for (last = first;
                  last + 1 < f->point_count && f->points[last + 1].branch == f->points[first].branch;)
                 last++;
-            if (saltus_plot_hue(page, i, f->points[first].branch) == hue)
-                sound = sound && (page->visits ? put_visits : put_branch)(page, i, first, last, stroke);
+            if (saltus_plot_hue(page, i, f->points[first].branch) != hue)
+                continue;
+            sound = open_curve(&c, last - first + 1) && sound;
+            if (sound)
+                (page->visits ? put_visits : put_branch)(page, i, first, last, stroke, &c);
+            close_curve(&c);
         }
     }
     fputs("\nEOD\n", page->file);

@@ -61,6 +61,11 @@ static void put_label(const saltus_plot_page *page, const saltus_line *line, pla
             where.y / high(page), style);
 }
 
+/* How far a place is from the chord between two others. */
+static double from_chord(place at, place a, place b) {
+    return saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y});
+}
+
 /* How far the curves stay away from a place, as far as it matters. */
 static double clearance(const saltus_plot_page *page, place wanted) {
     const double enough = 1.3;
@@ -69,13 +74,8 @@ static double clearance(const saltus_plot_page *page, place wanted) {
         for (int k = 0; k + 1 < page->files[i].point_count; k++) {
             const saltus_branch_point *points = page->files[i].points;
             place a = place_of(page, &points[k], 0), b = place_of(page, &points[k + 1], 0);
-            if (points[k].branch != points[k + 1].branch)
-                continue;
-            /* Distance to the chord between the two points. */
-            double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
-            double part = square > 0 ? ((wanted.x - a.x) * dx + (wanted.y - a.y) * dy) / square : 0;
-            part = fmin(fmax(part, 0), 1);
-            least = fmin(least, hypot(wanted.x - a.x - part * dx, wanted.y - a.y - part * dy));
+            if (points[k].branch == points[k + 1].branch)
+                least = fmin(least, from_chord(wanted, a, b));
         }
     return least;
 }
@@ -191,12 +191,9 @@ static bool named_below(const saltus_plot_page *page, int file, int row) {
     place own = place_of(page, &f->points[row], 0);
     for (int k = 0; k + 1 < f->point_count && f->points[k].branch < f->points[row].branch; k++) {
         place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
-        double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
-        double part = square > 0 ? ((own.x - a.x) * dx + (own.y - a.y) * dy) / square : 0;
-        part = fmin(fmax(part, 0), 1);
         if (strcmp(f->points[k].label, f->points[row].label) == 0 &&
             f->points[k].branch == f->points[k + 1].branch && f->points[k].stable == f->points[row].stable &&
-            hypot(own.x - a.x - part * dx, own.y - a.y - part * dy) < near)
+            from_chord(own, a, b) < near)
             return true;
     }
     return false;

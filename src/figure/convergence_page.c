@@ -73,22 +73,17 @@ static void add_measurement(saltus_line *line, saltus_line *doubt, const saltus_
 static void put_figure(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
                        const saltus_lyapunov *l, double precision) {
     saltus_course course = saltus_lyapunov_course(l);
-    saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
-                measurement = {.length = 0}, doubt = {.length = 0};
+    saltus_line head = {.length = 0}, measurement = {.length = 0}, doubt = {.length = 0};
     saltus_line_plain(&head, scene->name);
     saltus_line_add(&head, ":  largest Lyapunov exponent  ");
     if (isfinite(l->exponents[0]))
         saltus_line_uncertain(&head, saltus_uncertain_text(l->exponents[0], l->standard_errors[0]));
     else
         saltus_line_add(&head, "−∞");
-    saltus_line_plain(&title, scene->title);
-    saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
     add_measurement(&measurement, &doubt, l, precision);
     saltus_page_begin(page);
     saltus_course_data(page, &course);
-    saltus_page_heading(page, &head);
-    saltus_page_words(page, &title, "#606060");
-    saltus_page_words(page, &parameters, "#202020");
+    saltus_page_scene(page, &head, scene, system);
     saltus_page_words(page, &measurement, "#202020");
     saltus_page_words(page, &doubt, "#c44e2a");
     saltus_course_panel(page, system, &course, saltus_page_rest(page, page->width < 1000 ? 76 : 36));

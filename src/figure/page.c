@@ -17,19 +17,10 @@ saltus_figure_options saltus_figure_defaults(void) {
     return (saltus_figure_options){.no_heading = false};
 }
 
-static const char *const endings[] = {".png", ".pdf", ".svg"};
-
-static int ending_of(const char *path) {
-    int k = 0;
-    while (k < 3 && !saltus_path_ends(path, endings[k]))
-        k++;
-    return k;
-}
-
 saltus_status saltus_figure_check(const char *path, const saltus_figure_options *look,
                                   saltus_message *message) {
     const double least = 30, most = 2000; /* millimetres */
-    if (ending_of(path) == 3)
+    if (!saltus_path_ends(path, ".png") && !saltus_path_ends(path, ".pdf") && !saltus_path_ends(path, ".svg"))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: the ending must be .png, .pdf or .svg", path);
     if (!look)
         return SALTUS_OK;
@@ -203,6 +194,16 @@ void saltus_page_words(saltus_page *page, const saltus_line *line, const char *c
     snprintf(style, sizeof style, " tc rgb '%s'", colour);
     if (!page->look.no_heading)
         page->top = put_lines(page, line->text, "", "", 151, style, page->top, 30.6);
+}
+
+void saltus_page_scene(saltus_page *page, const saltus_line *own, const saltus_scene *scene,
+                       const saltus_system *system) {
+    saltus_line title = {.length = 0}, parameters = {.length = 0};
+    saltus_line_plain(&title, scene->title);
+    saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
+    saltus_page_heading(page, own);
+    saltus_page_words(page, &title, "#606060");
+    saltus_page_words(page, &parameters, "#202020");
 }
 
 void saltus_page_fit_caption(saltus_page *page) {

@@ -47,6 +47,9 @@ saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_
  * where no heading is wanted; a title that was asked for stands in place of the figure's own. */
 void saltus_page_heading(saltus_page *page, const saltus_line *own);
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour);
+/* The heading, and below it the scene's title, parameters and stops. */
+void saltus_page_scene(saltus_page *page, const saltus_line *own, const saltus_scene *scene,
+                       const saltus_system *system);
 
 /* Before the page begins: take back a caption that was put on trial, and where the height is free and the
  * page narrow, so that a caption has many lines, give the page room for it. */

@@ -370,17 +370,6 @@ static void put_script(saltus_sheet *sheet, saltus_page *page) {
     fputs("unset multiplot\n", page->file);
 }
 
-/* A path with another ending in place of ".h5"; NULL: no memory. */
-static char *beside(const char *data, const char *ending) {
-    size_t stem = strlen(data) - strlen(".h5");
-    char *path = malloc(stem + strlen(ending) + 1);
-    if (path) {
-        memcpy(path, data, stem);
-        strcpy(path + stem, ending);
-    }
-    return path;
-}
-
 saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, const saltus_system *system,
                                  const saltus_flow_options *options, const saltus_diagnosis *diagnosis,
                                  const saltus_figure_options *look, const char *data,
@@ -406,16 +395,16 @@ saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, co
     saltus_status status = saltus_page_open(&page, path, look, message);
     if (status != SALTUS_OK)
         return status;
-    char *script = data && !page.look.script ? beside(data, ".gp") : NULL;
-    if (data)
-        status = saltus_write_trajectory(data, scene, system, options, record, NULL, message);
-    if (status == SALTUS_OK && data && !page.look.script && !script)
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a file name");
-    if (script)
+    char script[4096]; /* beside the data */
+    const bool beside = data && !page.look.script;
+    if (beside && snprintf(script, sizeof script, "%.*s.gp", (int)(strlen(data) - strlen(".h5")), data) >=
+                      (int)sizeof script)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "%.200s...: the name is too long", data);
+    if (beside)
         page.look.script = script;
+    if (status == SALTUS_OK && data)
+        status = saltus_write_trajectory(data, scene, system, options, record, NULL, message);
     if (status == SALTUS_OK)
         put_script(&sheet, &page);
-    status = saltus_page_close(&page, status, message);
-    free(script);
-    return status;
+    return saltus_page_close(&page, status, message);
 }

@@ -174,24 +174,19 @@ static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
 
 void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
     char verdict[64];
-    saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
-                motion = {.length = 0}, evidence = {.length = 0}, phases = {.length = 0},
-                shown = {.length = 0};
+    saltus_line head = {.length = 0}, motion = {.length = 0}, evidence = {.length = 0},
+                phases = {.length = 0}, shown = {.length = 0};
     saltus_motion_summary(sheet->motion, verdict);
     saltus_line_plain(&head, sheet->scene->name);
     saltus_line_add(&head, ":  ");
     saltus_line_plain(&head, verdict);
-    saltus_line_plain(&title, sheet->scene->title);
-    saltus_line_parameters(&parameters, sheet->system, (const char *const[2]){NULL, NULL});
     add_motion(&motion, sheet);
     add_multipliers(&motion, sheet->motion);
     add_exponent(&evidence, sheet->motion);
     add_evidence(&evidence, sheet->motion);
     add_intermittency(&phases, sheet->motion);
     add_stretch(&shown, sheet);
-    saltus_page_heading(page, &head);
-    saltus_page_words(page, &title, "#606060");
-    saltus_page_words(page, &parameters, "#202020");
+    saltus_page_scene(page, &head, sheet->scene, sheet->system);
     saltus_page_words(page, &motion, "#202020");
     saltus_page_words(page, &evidence, "#202020");
     saltus_page_words(page, &phases, "#202020");

@@ -276,20 +276,15 @@ static void add_findings(const saltus_spectra_source *source, saltus_line *line)
 
 static void put_caption(const saltus_spectra_source *source, saltus_page *page) {
     char verdict[64], method[256];
-    saltus_line head = {.length = 0}, title = {.length = 0}, parameters = {.length = 0},
-                analysed = {.length = 0}, findings = {.length = 0};
+    saltus_line head = {.length = 0}, analysed = {.length = 0}, findings = {.length = 0};
     saltus_motion_summary(source->motion, verdict);
     saltus_spectra_method(source->spectra, method, sizeof method);
     saltus_line_plain(&head, source->scene->name);
     saltus_line_add(&head, ":  spectrum,  ");
     saltus_line_plain(&head, verdict);
-    saltus_line_plain(&title, source->scene->title);
-    saltus_line_parameters(&parameters, source->system, (const char *const[2]){NULL, NULL});
     saltus_line_plain(&analysed, method);
     add_findings(source, &findings);
-    saltus_page_heading(page, &head);
-    saltus_page_words(page, &title, "#606060");
-    saltus_page_words(page, &parameters, "#202020");
+    saltus_page_scene(page, &head, source->scene, source->system);
     saltus_page_words(page, &analysed, "#202020");
     saltus_page_words(page, &findings, "#202020");
 }

@@ -3,6 +3,7 @@
 #include "figure/sweep.h"
 
 #include "record/describe.h"
+#include "record/fields.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,16 +11,10 @@
 
 /* Whether a file holds the cloud of a view. */
 static bool holds(const saltus_sweep_file *sweep, saltus_view view) {
-    switch (view) {
-    case SALTUS_VIEW_TURNING:
-        return (sweep->options.keep & SALTUS_KEEP_TURNING) && sweep->turning_count;
-    case SALTUS_VIEW_IMPACTS:
-        return (sweep->options.keep & SALTUS_KEEP_IMPACTS) && sweep->impact_count;
-    case SALTUS_VIEW_STROBOSCOPIC:
-        return (sweep->options.keep & SALTUS_KEEP_STROBOSCOPIC) && sweep->strobe_count;
-    default:
+    if (!saltus_view_is_cloud(view))
         return view != SALTUS_VIEW_LYAPUNOV || (sweep->options.keep & SALTUS_KEEP_LYAPUNOV);
-    }
+    const int cloud = (int)(view - SALTUS_VIEW_TURNING);
+    return (sweep->options.keep & saltus_clouds[cloud].keep) && saltus_sweep_entries_of(sweep, cloud).count;
 }
 
 static saltus_view choose_view(const saltus_sweep_file *sweep, saltus_view wanted) {

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 #include "record/describe.h"
+#include "record/fields.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,17 +37,9 @@ static int pass_drawn(const saltus_sweep_page *page, int k) {
 
 /* Points of a row's cloud. */
 static long long cloud_count(const saltus_sweep_page *page, long long row) {
-    const saltus_sweep_file *sweep = page->sweep;
-    switch (page->view) {
-    case SALTUS_VIEW_TURNING:
-        return sweep->turning_count[row];
-    case SALTUS_VIEW_IMPACTS:
-        return sweep->impact_count[row];
-    case SALTUS_VIEW_STROBOSCOPIC:
-        return sweep->strobe_count[row];
-    default:
-        return 1;
-    }
+    return saltus_view_is_cloud(page->view)
+               ? saltus_sweep_entries_of(page->sweep, (int)(page->view - SALTUS_VIEW_TURNING)).count[row]
+               : 1;
 }
 
 /* Distinct attractors met at the place of a row, where that row is its first seed's. */

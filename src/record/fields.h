@@ -66,6 +66,14 @@ typedef struct saltus_cloud_kind {
 } saltus_cloud_kind;
 extern const saltus_cloud_kind saltus_clouds[SALTUS_CLOUDS];
 
+/* The entries of a cloud of a file, and which are each row's; all NULL where they were not kept. sweep_csv.c
+ */
+typedef struct saltus_sweep_entries {
+    const long long *first, *count;
+    const void *values;
+} saltus_sweep_entries;
+saltus_sweep_entries saltus_sweep_entries_of(const saltus_sweep_file *file, int cloud);
+
 /* An attractor of basins; first and count are of its points. */
 typedef struct saltus_attractor_row {
     char label[SALTUS_LABEL_MAX];

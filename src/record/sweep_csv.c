@@ -92,22 +92,17 @@ static saltus_status put_columns(const saltus_sweep_file *file, const saltus_clo
     return status;
 }
 
-/* A cloud's entries in memory, and which are a row's. */
-typedef struct entries {
-    const long long *first, *count;
-    const void *values;
-} entries;
-
-static entries entries_of(const saltus_sweep_file *file, int cloud) {
-    const entries all[SALTUS_CLOUDS] = {{file->turning_first, file->turning_count, file->turning},
-                                        {file->impact_first, file->impact_count, file->impacts},
-                                        {file->strobe_first, file->strobe_count, file->strobes}};
+saltus_sweep_entries saltus_sweep_entries_of(const saltus_sweep_file *file, int cloud) {
+    const saltus_sweep_entries all[SALTUS_CLOUDS] = {
+        {file->turning_first, file->turning_count, file->turning},
+        {file->impact_first, file->impact_count, file->impacts},
+        {file->strobe_first, file->strobe_count, file->strobes}};
     return all[cloud];
 }
 
 static void put_points(const saltus_sweep_file *file, int cloud, long long row, FILE *out) {
     const saltus_cloud_kind *kind = &saltus_clouds[cloud];
-    const entries e = entries_of(file, cloud);
+    const saltus_sweep_entries e = saltus_sweep_entries_of(file, cloud);
     size_t stride = kind->bytes ? kind->bytes : (size_t)file->dimension * sizeof(double);
     for (long long i = 0; i < e.count[row]; i++) {
         put_place(file, row, out);
@@ -139,7 +134,7 @@ saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *
     saltus_output output;
     if (table < SALTUS_TABLE_ROWS || table > SALTUS_TABLE_STROBES)
         return saltus_fail(message, SALTUS_BAD_INPUT, "table %d: there is none of that number", (int)table);
-    if (table != SALTUS_TABLE_ROWS && !entries_of(file, (int)table - SALTUS_TABLE_TURNING).count)
+    if (table != SALTUS_TABLE_ROWS && !saltus_sweep_entries_of(file, (int)table - SALTUS_TABLE_TURNING).count)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the sweep did not keep %s points or impacts", path,
                            saltus_clouds[(int)table - SALTUS_TABLE_TURNING].group);
     saltus_status status = saltus_output_open(&output, path, message);
