@@ -5,13 +5,13 @@
  * where they are made, those for steps taken back and for the location of special points included. Residual
  * and sum rule are those of the same runs. An argument names the folder of the reference.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "clock.h"
 #include "reference.h"
 
 #include "saltus/branch.h"
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics.h>
-#include <time.h>
 
 enum { repeats = 3 };
 
@@ -22,12 +22,6 @@ typedef struct measured {
     long ruled; /* points whose multipliers are all resolved */
     double residual, sum_rule;
 } measured;
-
-static double cpu_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static void count_iteration(void *context, int iteration, double residual, const char *what) {
     measured *m = context;
@@ -61,7 +55,7 @@ static bool run(const reference *r, double step_max, measured *m) {
     options.step_max = step_max;
     options.orbit.history = count_iteration;
     options.orbit.context = m;
-    double begin = cpu_seconds();
+    double begin = processor_seconds();
     saltus_status status = saltus_branch_new(&r->spec, r->periods, r->states[0], &options, &branch, &message);
     while (status == SALTUS_OK) {
         status = saltus_branch_step(branch, &point, &message);
@@ -69,7 +63,7 @@ static bool run(const reference *r, double step_max, measured *m) {
             break;
         note(m, point);
     }
-    m->seconds = cpu_seconds() - begin;
+    m->seconds = processor_seconds() - begin;
     saltus_branch_free(branch);
     if (status != SALTUS_OK)
         fprintf(stderr, "saltus_branch_bench: %s\n", message.text);

@@ -8,8 +8,6 @@
 
 #include "measure.h"
 
-#include <time.h>
-
 enum { stretches = 9, lanes_max = 16 };
 
 /* What a run carries, and what is asked of it. */
@@ -322,12 +320,6 @@ static saltus_status drop_result(void *context, const saltus_sweep_result *resul
     return SALTUS_OK;
 }
 
-static double wall_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool measure_threads(int threads, int points, int periods, double *us) {
     enum { repeats = 3 };
     saltus_scene scene;
@@ -344,9 +336,9 @@ static bool measure_threads(int threads, int points, int periods, double *us) {
     for (int k = 0; k < repeats && done; k++) {
         tasks all = {0, saltus_sweep_tasks(sweep)};
         const saltus_sweep_feed feed = {.context = &all, .next = next_task, .take = drop_result};
-        const double start = wall_seconds();
+        const double start = clock_seconds(CLOCK_MONOTONIC);
         done = saltus_sweep_run(sweep, &feed, NULL) == SALTUS_OK;
-        seconds[k] = (wall_seconds() - start) / ((double)points * periods);
+        seconds[k] = (clock_seconds(CLOCK_MONOTONIC) - start) / ((double)points * periods);
     }
     saltus_sweep_free(sweep);
     if (done)

@@ -7,7 +7,6 @@
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics.h>
-#include <time.h>
 
 /* What one run left, and its mean time over a batch. */
 typedef struct outcome {
@@ -15,12 +14,6 @@ typedef struct outcome {
     double state[reference_dimension];
     double evaluations, seconds;
 } outcome;
-
-double processor_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 double median(double *values, int count) {
     gsl_sort(values, 1, (size_t)count);

@@ -3,6 +3,7 @@
 #ifndef SALTUS_BENCH_MEASURE_H
 #define SALTUS_BENCH_MEASURE_H
 
+#include "clock.h"
 #include "problem.h"
 
 /* A method is one of Saltus' integrators, or a rival. */
@@ -39,7 +40,6 @@ typedef struct condition {
     double events, state;
 } condition;
 
-double processor_seconds(void);
 double median(double *values, int count);
 /* Runs from the reference's state once around the orbit, and with `how` once more with the derivative. */
 measure measure_method(const problem *p, const method *m, double rtol, derivative how, const effort *e);

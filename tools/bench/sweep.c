@@ -80,12 +80,12 @@ static void print_engine_row(const row *r, const row *first, const sweep *s) {
     fflush(stdout);
 }
 
-static program flow_program(const char *name, int lanes, int threads, bool stopped, bool impacts) {
+static program flow_program(const char *name, int lanes, bool stopped) {
     return (program){.name = name,
                      .kind = program_flow,
                      .tolerance = own_tolerance,
                      .stopped = stopped,
-                     .own = {.lanes = lanes, .threads = threads, .rtol = own_tolerance, .impacts = impacts}};
+                     .own = {.lanes = lanes, .rtol = own_tolerance}};
 }
 
 static program engine_program(const char *name, engine_request request) {
@@ -120,28 +120,23 @@ static int list_rivals(program *list) {
 }
 
 static int list_flows(program *list, int lanes) {
-    list[0] = flow_program("Saltus flow, all lanes", lanes, 1, true, true);
-    list[1] = flow_program("Saltus flow, one lane", 1, 1, true, true);
-    list[2] = flow_program("Saltus flow, all lanes, two threads", lanes, 2, true, true);
-    list[3] = flow_program("Saltus flow, all lanes, no stop", lanes, 1, false, true);
-    list[4] = flow_program("Saltus flow, all lanes, counts only", lanes, 1, true, false);
-    return 5;
+    list[0] = flow_program("Saltus flow, all lanes", lanes, true);
+    list[1] = flow_program("Saltus flow, one lane", 1, true);
+    list[2] = flow_program("Saltus flow, all lanes, no stop", lanes, false);
+    return 3;
 }
 
 static int list_engines(program *list) {
-    enum { rows = 12 };
+    enum { rows = 9 };
     static const char *const names[rows] = {"impacts kept, all lanes",
                                             "one lane",
                                             "two threads",
                                             "without the stop",
                                             "nothing kept: class and measures",
                                             "turning points, impacts, section points kept",
-                                            "impacts kept, with the Lyapunov exponent",
                                             "adaptive, class and measures",
-                                            "adaptive, all clouds",
                                             "default tolerance, all clouds",
-                                            "default tolerance, adaptive, class and measures",
-                                            "default tolerance, adaptive, all clouds"};
+                                            "default tolerance, adaptive, class and measures"};
     const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
     engine_request r[rows];
     for (int k = 0; k < rows; k++)
@@ -150,11 +145,10 @@ static int list_engines(program *list) {
     r[1].lanes = 1;
     r[2].threads = 2;
     r[3].stopped = false;
-    r[6].keep |= SALTUS_KEEP_LYAPUNOV;
-    r[5].keep = r[8].keep = r[9].keep = r[11].keep = clouds;
-    r[4].keep = r[7].keep = r[10].keep = 0;
-    r[7].adaptive = r[8].adaptive = r[10].adaptive = r[11].adaptive = true;
-    r[9].rtol = r[10].rtol = r[11].rtol = default_tolerance;
+    r[5].keep = r[7].keep = clouds;
+    r[4].keep = r[6].keep = r[8].keep = 0;
+    r[6].adaptive = r[8].adaptive = true;
+    r[7].rtol = r[8].rtol = default_tolerance;
     for (int k = 0; k < rows; k++)
         list[k] = engine_program(names[k], r[k]);
     return rows;
@@ -180,7 +174,7 @@ static bool calibrate(sweep *s, bool rivals) {
     for (size_t k = 0; k < sizeof orders / sizeof *orders; k++) {
         char name[32];
         snprintf(name, sizeof name, orders[k] ? "Saltus, order %d" : "Saltus, automatic", orders[k]);
-        program p = flow_program(name, lanes, 1, true, true);
+        program p = flow_program(name, lanes, true);
         p.own.order = orders[k];
         if (!calibrate_one(s, p, 6.5, 8.5, 0.25))
             return false;
@@ -194,8 +188,7 @@ static bool calibrate(sweep *s, bool rivals) {
 /* Every count of impacts at the benchmark's tolerance against steps too short to jump over anything. */
 static bool check(sweep *s) {
     const int lanes = saltus_flow_width(s->stopped[0]);
-    const own_request capped = {
-        .lanes = lanes, .threads = 1, .rtol = exact, .impacts = true, .step_max = capped_step};
+    const own_request capped = {.lanes = lanes, .rtol = exact, .step_max = capped_step};
     program list[rows_max];
     const bool all = s->count == omegas_max;
     saltus_message message = {.text = ""};
@@ -206,7 +199,7 @@ static bool check(sweep *s) {
         return false;
     }
     list_engines(list + 1);
-    list[0] = flow_program("flow", lanes, 1, true, true);
+    list[0] = flow_program("flow", lanes, true);
     list[1].name = "sweep";
     for (int k = 0; k < (all ? 2 : 1); k++) {
         row r;
@@ -261,9 +254,8 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
         print_row(&other[k], unit);
     }
     print_rivals(other, count, unit);
-    printf(
-        "\nFlow: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of one.\n",
-        lanes, flows[1].cost.seconds / unit.flow, flows[0].cost.wall / flows[2].cost.wall);
+    printf("\nFlow: %d lanes take 1/%.2f of the time of one lane.\n", lanes,
+           flows[1].cost.seconds / unit.flow);
     print_orders(flows, flow_count);
     return true;
 }

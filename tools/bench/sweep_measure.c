@@ -50,11 +50,7 @@ static bool with_strobe(motion *motions, int count) {
 }
 
 saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
-    own_request request = {.lanes = saltus_flow_width(s->stopped[0]),
-                           .threads = 1,
-                           .rtol = exact,
-                           .impacts = true,
-                           .strobe = true};
+    own_request request = {.lanes = saltus_flow_width(s->stopped[0]), .rtol = exact, .strobe = true};
     sweep_cost cost;
     if (!with_strobe(s->reference, s->count) || !with_strobe(s->found, s->count))
         return SALTUS_NO_MEMORY;
@@ -224,7 +220,7 @@ static void run_rival(sweep *s, const program *p, row *r) {
 static bool tells_impacts(const program *p) {
     if (p->kind == program_engine)
         return !p->engine.adaptive && p->engine.keep & SALTUS_KEEP_IMPACTS;
-    return p->kind == program_rival || p->own.impacts;
+    return true;
 }
 
 static bool measure(sweep *s, const program *p, bool judged, row *r) {

@@ -4,7 +4,7 @@
 #define SALTUS_BENCH_SWEEP_MEASURE_H
 
 #include "rivals.h"
-#include "sweep_engine.h"
+#include "sweep_own.h"
 
 enum { omegas_max = 1000, rival_events_max = 1 << 20 };
 

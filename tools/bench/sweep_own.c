@@ -1,47 +1,33 @@
-/* The sweep on flows whose lanes are refilled as soon as they are free.
+/* The sweep on a flow whose lanes are refilled as soon as they are free, and as a user of the library runs
+ * it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_own.h"
 
+#include "clock.h"
+
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
-#include <stdlib.h>
-#include <time.h>
+#include <string.h>
 
-enum { lanes_max = 64, threads_max = 64 };
-
-/* What the threads share. */
-typedef struct shared {
-    saltus_system *const *systems;
-    int count;
-    const own_request *request;
-    motion *motions;
-    atomic_int next; /* the first system that nobody has taken */
-} shared;
+enum { lanes_max = 64 };
 
 /* A lane's present system and how far it has come. */
 typedef struct lane_task {
-    int index;           /* -1: nothing is left for this lane */
-    long target;         /* which of its target times comes next */
-    long pieces;         /* target times in a period, where steps are limited */
-    long long settled;   /* impacts before the recorded periods */
-    long long settled_s; /* and sticks */
+    int index;         /* -1: nothing is left for this lane */
+    long target;       /* which of its target times comes next */
+    long pieces;       /* target times in a period, where steps are limited */
+    long long settled; /* sticks before the recorded periods */
 } lane_task;
 
 typedef struct worker {
-    shared *all;
+    saltus_system *const *systems;
+    int count, next; /* of the systems; the first that no lane has taken */
+    const own_request *request;
+    motion *motions;
     saltus_flow *flow;
     lane_task tasks[lanes_max];
-    sweep_cost cost;
-    saltus_status status;
-    saltus_message message;
+    sweep_cost *cost;
+    saltus_message *message;
 } worker;
-
-static double clock_seconds(clockid_t clock) {
-    struct timespec now;
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* The target times: the ends of the two stages, or of each recorded period, or of each piece of a period. */
 static saltus_time target_time(const own_request *request, const lane_task *task) {
@@ -54,32 +40,32 @@ static saltus_time target_time(const own_request *request, const lane_task *task
 }
 
 static void aim(worker *w, int lane) {
-    const own_request *request = w->all->request;
+    const own_request *request = w->request;
     const saltus_time target = target_time(request, &w->tasks[lane]);
     const bool recorded =
         target.cycle > settling_periods || (target.cycle == settling_periods && target.phase > 0);
-    saltus_flow_aim(w->flow, lane, target, request->impacts && recorded ? SALTUS_WATCH_IMPACT : 0);
+    saltus_flow_aim(w->flow, lane, target, recorded ? SALTUS_WATCH_IMPACT : 0);
 }
 
 static saltus_status fill(worker *w, int lane) {
     lane_task *task = &w->tasks[lane];
     double state[SALTUS_SCENE_STATE_MAX];
-    const int index = atomic_fetch_add(&w->all->next, 1);
+    const int index = w->next++;
     *task = (lane_task){.index = -1};
-    if (index >= w->all->count)
+    if (index >= w->count)
         return SALTUS_OK;
-    const saltus_system *system = w->all->systems[index];
-    saltus_status status = saltus_flow_retune(w->flow, lane, system, &w->message);
+    const saltus_system *system = w->systems[index];
+    saltus_status status = saltus_flow_retune(w->flow, lane, system, w->message);
     if (status == SALTUS_OK)
-        status = saltus_system_default_state(system, state, &w->message);
+        status = saltus_system_default_state(system, state, w->message);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(w->flow, lane, (saltus_time){0, 0}, state, &w->message);
+        status = saltus_flow_start(w->flow, lane, (saltus_time){0, 0}, state, w->message);
     if (status != SALTUS_OK)
         return status;
     task->index = index;
-    if (w->all->request->step_max > 0)
-        task->pieces = (long)ceil(saltus_system_period(system) / w->all->request->step_max);
-    motion_clear(&w->all->motions[index]);
+    if (w->request->step_max > 0)
+        task->pieces = (long)ceil(saltus_system_period(system) / w->request->step_max);
+    motion_clear(&w->motions[index]);
     aim(w, lane);
     return SALTUS_OK;
 }
@@ -87,27 +73,23 @@ static saltus_status fill(worker *w, int lane) {
 static saltus_status finish(worker *w, int lane) {
     const lane_task *task = &w->tasks[lane];
     const saltus_flow_info info = saltus_flow_information(w->flow, lane);
-    motion *m = &w->all->motions[task->index];
-    m->sticks = (int)(info.sticks - task->settled_s);
-    if (!w->all->request->impacts)
-        m->count = (int)(info.impacts - task->settled);
-    w->cost.steps += info.steps;
-    w->cost.evaluations += info.field_evaluations;
+    motion *m = &w->motions[task->index];
+    m->sticks = (int)(info.sticks - task->settled);
+    w->cost->steps += info.steps;
+    w->cost->evaluations += info.field_evaluations;
     return fill(w, lane);
 }
 
 static saltus_status reached(worker *w, int lane) {
     lane_task *task = &w->tasks[lane];
     const saltus_time now = saltus_flow_time(w->flow, lane);
-    motion *m = &w->all->motions[task->index];
+    motion *m = &w->motions[task->index];
     const bool whole = now.phase == 0 && now.cycle >= settling_periods;
-    if (whole && w->all->request->strobe)
+    if (whole && w->request->strobe)
         saltus_flow_state(w->flow, lane, m->strobe[now.cycle - settling_periods]);
     if (whole && now.cycle == settling_periods) {
         saltus_flow_state(w->flow, lane, m->settled);
-        const saltus_flow_info info = saltus_flow_information(w->flow, lane);
-        task->settled = info.impacts;
-        task->settled_s = info.sticks;
+        task->settled = saltus_flow_information(w->flow, lane).sticks;
     }
     if (now.cycle == settling_periods + recorded_periods)
         return finish(w, lane);
@@ -121,12 +103,12 @@ static saltus_status run_lanes(worker *w) {
     saltus_event event;
     saltus_status status = SALTUS_OK;
     int live = 0;
-    for (int l = 0; l < w->all->request->lanes && status == SALTUS_OK; l++) {
+    for (int l = 0; l < w->request->lanes && status == SALTUS_OK; l++) {
         status = fill(w, l);
         live += w->tasks[l].index >= 0;
     }
     while (live > 0 && status == SALTUS_OK) {
-        status = saltus_flow_run(w->flow, &lane, &event, &w->message);
+        status = saltus_flow_run(w->flow, &lane, &event, w->message);
         if (status != SALTUS_OK)
             return status;
         if (event.kind == SALTUS_REACHED) {
@@ -134,7 +116,7 @@ static saltus_status run_lanes(worker *w) {
             live -= w->tasks[lane].index < 0;
         } else {
             const double time = (double)(event.time.cycle - settling_periods) + event.time.phase;
-            motion_add_impact(&w->all->motions[w->tasks[lane].index], time, event.velocity_before);
+            motion_add_impact(&w->motions[w->tasks[lane].index], time, event.velocity_before);
             aim(w, lane);
         }
     }
@@ -149,62 +131,26 @@ static saltus_flow_options options_of(const own_request *request) {
     return options;
 }
 
-/* Each thread makes its own flow, whose memory then lies apart from that of the others. */
-static saltus_status open_flow(worker *w) {
-    const own_request *request = w->all->request;
-    const saltus_system *first[lanes_max];
-    const saltus_flow_options options = options_of(request);
-    for (int l = 0; l < request->lanes && l < lanes_max; l++)
-        first[l] = w->all->systems[0];
-    return saltus_flow_new(first, request->lanes, &options, &w->flow, &w->message);
-}
-
-static void *work(void *context) {
-    worker *w = context;
-    const double start = clock_seconds(CLOCK_THREAD_CPUTIME_ID);
-    w->status = open_flow(w);
-    if (w->status == SALTUS_OK)
-        w->status = run_lanes(w);
-    saltus_flow_free(w->flow);
-    w->cost.seconds = clock_seconds(CLOCK_THREAD_CPUTIME_ID) - start;
-    return NULL;
-}
-
-static void run_threads(worker *workers, int threads) {
-    pthread_t thread[threads_max];
-    bool running[threads_max] = {false};
-    for (int k = 1; k < threads; k++)
-        running[k] = pthread_create(&thread[k], NULL, work, &workers[k]) == 0;
-    work(&workers[0]);
-    for (int k = 1; k < threads; k++)
-        if (running[k])
-            pthread_join(thread[k], NULL);
-}
-
 saltus_status own_sweep(saltus_system *const *systems, int count, const own_request *request, motion *motions,
                         sweep_cost *cost, saltus_message *message) {
-    shared all = {.systems = systems, .count = count, .request = request, .motions = motions};
-    const int threads = request->threads < threads_max ? request->threads : threads_max;
-    worker *workers = calloc((size_t)threads, sizeof *workers);
-    saltus_status status = workers ? SALTUS_OK : SALTUS_NO_MEMORY;
+    worker w = {.systems = systems,
+                .count = count,
+                .request = request,
+                .motions = motions,
+                .cost = cost,
+                .message = message};
+    const saltus_system *first[lanes_max];
+    const saltus_flow_options options = options_of(request);
     *cost = (sweep_cost){0};
-    for (int k = 0; k < threads && workers; k++)
-        workers[k].all = &all;
-    if (status == SALTUS_OK) {
-        const double start = clock_seconds(CLOCK_MONOTONIC);
-        run_threads(workers, threads);
-        cost->wall = clock_seconds(CLOCK_MONOTONIC) - start;
-    }
-    for (int k = 0; k < threads && workers; k++) {
-        if (status == SALTUS_OK && workers[k].status != SALTUS_OK)
-            status = workers[k].status;
-        if (status != SALTUS_OK && workers[k].message.text[0])
-            *message = workers[k].message;
-        cost->seconds += workers[k].cost.seconds;
-        cost->steps += workers[k].cost.steps;
-        cost->evaluations += workers[k].cost.evaluations;
-    }
-    free(workers);
+    for (int l = 0; l < request->lanes && l < lanes_max; l++)
+        first[l] = systems[0];
+    const double cpu = processor_seconds(), wall = clock_seconds(CLOCK_MONOTONIC);
+    saltus_status status = saltus_flow_new(first, request->lanes, &options, &w.flow, message);
+    if (status == SALTUS_OK)
+        status = run_lanes(&w);
+    saltus_flow_free(w.flow);
+    cost->seconds = processor_seconds() - cpu;
+    cost->wall = clock_seconds(CLOCK_MONOTONIC) - wall;
     return status;
 }
 
@@ -226,5 +172,77 @@ saltus_status own_period(const saltus_system *system, const own_request *request
         *impacts = (int)saltus_flow_information(flow, 0).impacts;
     }
     saltus_flow_free(flow);
+    return status;
+}
+
+/* The library's own sweeps */
+
+typedef struct feed_state {
+    const saltus_sweep *sweep;
+    long long next;
+    motion *motions;
+} feed_state;
+
+saltus_axis engine_axis(void) {
+    return (saltus_axis){.key = "omega", .spacing = SALTUS_LINEAR, .count = 1000, .low = 0.5, .high = 55};
+}
+
+static long long next_task(void *context) {
+    feed_state *f = context;
+    return f->next < saltus_sweep_tasks(f->sweep) ? f->next++ : -1;
+}
+
+static saltus_status take(void *context, const saltus_sweep_result *result, saltus_message *message) {
+    feed_state *f = context;
+    const saltus_sweep_row *row = result->rows;
+    motion *m = &f->motions[result->place];
+    (void)message;
+    motion_clear(m);
+    m->failed = row->verdict == SALTUS_FAILED;
+    memcpy(m->settled, result->states, sizeof m->settled);
+    for (long long k = 0; k < result->impact_counts[0]; k++)
+        motion_add_impact(m, result->impacts[k].phase, result->impacts[k].speed);
+    if (row->verdict == SALTUS_PERIODIC) {
+        m->sticks = row->sticking * recorded_periods / row->periods;
+        m->orbit_impacts = row->impacts < 0 ? orbit_chatters : row->impacts;
+        m->orbit_periods = row->periods;
+    }
+    return SALTUS_OK;
+}
+
+static saltus_sweep_options sweep_options_of(const engine_request *request) {
+    saltus_sweep_options options = saltus_sweep_defaults();
+    options.flow.rtol = request->rtol;
+    options.flow.atol = 1e-3 * request->rtol;
+    options.keep = request->keep;
+    options.adaptive = request->adaptive;
+    options.transient = request->adaptive ? settling_periods + recorded_periods : settling_periods;
+    options.record = recorded_periods;
+    options.lanes = request->lanes;
+    options.threads = request->threads;
+    return options;
+}
+
+saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
+                           saltus_message *message) {
+    saltus_scene scene;
+    saltus_sweep *sweep = NULL;
+    const saltus_axis axis = engine_axis();
+    const saltus_sweep_options options = sweep_options_of(request);
+    *cost = (sweep_cost){0};
+    saltus_status status = saltus_scene_load("fig6", &scene, message);
+    if (!request->stopped)
+        scene.spec.stop_count = 0;
+    if (status == SALTUS_OK)
+        status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, message);
+    if (status == SALTUS_OK) {
+        feed_state state = {.sweep = sweep, .motions = motions};
+        const saltus_sweep_feed feed = {.context = &state, .next = next_task, .take = take};
+        const double cpu = processor_seconds(), wall = clock_seconds(CLOCK_MONOTONIC);
+        status = saltus_sweep_run(sweep, &feed, message);
+        cost->seconds = processor_seconds() - cpu;
+        cost->wall = clock_seconds(CLOCK_MONOTONIC) - wall;
+    }
+    saltus_sweep_free(sweep);
     return status;
 }

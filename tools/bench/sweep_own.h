@@ -8,10 +8,9 @@
 #include "saltus/saltus.h"
 
 typedef struct own_request {
-    int lanes, threads;
+    int lanes;
     double rtol;     /* atol is a thousandth of it */
     int order;       /* 0: automatic */
-    bool impacts;    /* record their times and speeds, not only how many there are */
     bool strobe;     /* record stroboscopic states */
     double step_max; /* longest step in units of time; 0: as the integrator likes */
 } own_request;
@@ -23,7 +22,7 @@ typedef struct sweep_cost {
 } sweep_cost;
 
 /* Goes one forcing period on from `state` (both states motion_dimension long) and counts the impacts, with
- * lanes, threads and records left aside. */
+ * lanes and records left aside. */
 saltus_status own_period(const saltus_system *system, const own_request *request, const double *state,
                          double *end, int *impacts, saltus_message *message);
 
@@ -31,5 +30,21 @@ saltus_status own_period(const saltus_system *system, const own_request *request
  * flow. */
 saltus_status own_sweep(saltus_system *const *systems, int count, const own_request *request, motion *motions,
                         sweep_cost *cost, saltus_message *message);
+
+typedef struct engine_request {
+    int lanes, threads;
+    double rtol;   /* atol is a thousandth of it */
+    unsigned keep; /* SALTUS_KEEP_ bits */
+    bool adaptive; /* record once the period is certain, after at most as many periods as are run otherwise */
+    bool stopped;  /* with the stop */
+} engine_request;
+
+/* The axis that all programs go along. */
+saltus_axis engine_axis(void);
+
+/* Sweeps the whole axis and fills `motions` (length of the axis), whose impacts have phases for times.
+ * Errors are those of the sweep. */
+saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
+                           saltus_message *message);
 
 #endif

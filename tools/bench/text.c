@@ -8,13 +8,14 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/saltus.h"
 
+#include "clock.h"
+
 #include "flow/flow.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { repeats = 7, lanes_max = 16, dimension_max = 16, periods_checked = 3, periods_timed = 30 };
 
@@ -56,12 +57,6 @@ static const problem problems[] = {
      "  forcing: omega\n"
      "stop: {coordinate: x1, d: 0.8, r: 0.9}\n"},
 };
-
-static double cpu_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static void must(saltus_status status, const saltus_message *message) {
     if (status == SALTUS_OK)
@@ -138,10 +133,10 @@ static double run(const saltus_system *system, way how, int lanes, int columns, 
     }
     bool ready = how != compiled || compile(flow, system);
     for (int repeat = 0; repeat < repeats && ready && starts > 0; repeat++) {
-        double begin = cpu_seconds();
+        double begin = processor_seconds();
         for (int s = 0; s < starts; s++)
             follow(flow, system, lanes, periods_timed);
-        best = fmin(best, cpu_seconds() - begin);
+        best = fmin(best, processor_seconds() - begin);
     }
     follow(flow, system, lanes, periods_checked);
     saltus_flow_state(flow, 0, state);
