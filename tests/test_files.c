@@ -680,22 +680,22 @@ static void exponents_are_the_same_in_csv_and_json(void **state) {
     free(csv);
 }
 
-/* Lists of the command line: 63 and 64 of an option that may be repeated, 65 are refused; settings likewise.
- */
+/* Lists of the command line: 255 and 256 of an option that may be repeated; of 257 one is refused. */
 static void lists_of_the_command_line_have_their_limits(void **state) {
     static const struct {
         const char *begin, *each, *end;
         int most;
         const char *first, *named; /* one of them alone; a part of the refusal */
     } lists[] = {
-        {"plot x.h5 -o x.svg ", "--range o%d=0.9:1.1 ", "--show nothing", 64, "--show nothing", "--range"},
-        {"plot x.h5 -o x.svg ", "--label omega=1,d=1,%d ", "--show nothing", 64, "--show nothing", "--label"},
+        {"plot x.h5 -o x.svg ", "--range o%d=0.9:1.1 ", "--show nothing", 256, "--show nothing", "--range"},
+        {"plot x.h5 -o x.svg ", "--label omega=1,d=1,%d ", "--show nothing", 256, "--show nothing",
+         "--label"},
         {"plot ", "x.h5 ", "-o x.svg --show nothing", 256, "--show nothing", "256 files"},
         {"check impact-oscillator ", "--set w%d=0.6 ", "--set F=x", 255, "--set w1=0.6: \"w1\": unknown key",
          "--set F=x: only 256"},
         {"check --set ", "w%d=0.6 ", "F=x impact-oscillator", 255, "--set w1=0.6: \"w1\": unknown key",
          "--set F=x: only 256"},
-        {"plot x.h5 -o x.svg ", "--over y%d.h5 ", "--view nothing", 64, "--view nothing", "--over"},
+        {"plot x.h5 -o x.svg ", "--over y%d.h5 ", "--view nothing", 256, "--view nothing", "--over"},
         {"sweep impact-oscillator -o y.h5 ", "--over d%d=1,2 ", "--over d=x", 1, "--over d=x: the values",
          "--over d=x: only two axes"},
         {"spectrum impact-oscillator ", "--of v%d ", "--of nothing", 1, "--of nothing",

@@ -1011,8 +1011,9 @@ static void lists_are_taken_up_to_their_room(void **state) {
     } lists[] = {
         {"check impact-oscillator --set", " ", "w%d=0.25", "F=0.75", "--set F=0.75: only 256 ", 256},
         {"plot ../in/branch.h5 -o x.png", " --label ", "r=1,omega=1,%d", "r=1,omega=1",
-         "--label r=1,omega=1: only 64 ", 64},
-        {"plot ../in/branch.h5 -o x.png", " --range ", "o%d=1:2", "omega=3", "--range omega=3: only 64 ", 64},
+         "--label r=1,omega=1: only 256 ", 256},
+        {"plot ../in/branch.h5 -o x.png", " --range ", "o%d=1:2", "omega=3", "--range omega=3: only 256 ",
+         256},
         {"plot -o x.png", " ", "../in/branch.h5", "nothere.h5", "nothere.h5: only 256 files ", 256},
         {"continue impact-oscillator --in omega=0.99:1.01 -o x.h5 --at 1", ",", "1", "2", "--at 2: only 256 ",
          256},

@@ -14,8 +14,8 @@
 #include <string.h>
 #include <unistd.h>
 
-const cli_option cli_set = {
-    "--set", CLI_SETTINGS, 0, 0, 0, 0, "key=value ...", "change parameters of the scene"};
+const cli_option cli_set =
+    CLI_SETTINGS_OPTION("--set", settings, "key=value ...", "change parameters of the scene");
 const cli_option cli_section = CLI_TEXT_OPTION(
     "--section", section, "section",
     "what an orbit without forcing returns to, for scenes of equations: maxima, \"impact: 1, side: lower\" "
@@ -91,27 +91,20 @@ bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
     return own != NULL;
 }
 
-/* Whether a text has the key, what stands before '=', of one of the others. */
-static bool has_key_of(const char *text, const char *const *others, int count) {
-    size_t length = strcspn(text, "=");
-    for (int k = 0; k < count; k++)
-        if (strcspn(others[k], "=") == length && strncmp(text, others[k], length) == 0)
-            return true;
-    return false;
-}
-
+/* Nothing twice: no key, what stands before '=', no text. */
 static bool parse_list_item(const cli_option *option, const char *text, cli_list *list) {
+    const bool keyed = option->kind == CLI_KEYS || option->kind == CLI_SETTINGS;
+    const size_t length = keyed ? strcspn(text, "=") : strlen(text);
     if (list->count == CLI_LIST_MAX) {
         fprintf(stderr, "saltus: %s %s: only %d can be given\n", option->name, text, CLI_LIST_MAX);
         return false;
     }
-    bool twice = option->kind == CLI_KEYS && has_key_of(text, list->items, list->count);
-    for (int k = 0; k < list->count && option->kind != CLI_KEYS; k++)
-        twice = twice || strcmp(text, list->items[k]) == 0;
-    if (twice) {
-        fprintf(stderr, "saltus: %s %s: %.*s is given twice\n", option->name, text,
-                (int)(option->kind == CLI_KEYS ? strcspn(text, "=") : strlen(text)), text);
-        return false;
+    for (int k = 0; k < list->count; k++) {
+        const char *other = list->items[k];
+        if (strncmp(text, other, length) == 0 && (other[length] == '\0' || (keyed && other[length] == '='))) {
+            fprintf(stderr, "saltus: %s %s: %.*s is given twice\n", option->name, text, (int)length, text);
+            return false;
+        }
     }
     list->items[list->count++] = text;
     return true;
@@ -133,7 +126,7 @@ static bool parse_value(const cli_option *option, const char *text, cli_request 
         *(const char **)(void *)place = text;
         return true;
     }
-    if (option->kind == CLI_LIST || option->kind == CLI_KEYS || option->kind == CLI_FILES)
+    if (option->kind >= CLI_KEYS)
         return parse_list_item(option, text, (cli_list *)(void *)place);
     double value = strtod(text, &end);
     bool number = end != text && *end == '\0' && isfinite(value);
@@ -206,26 +199,6 @@ static void set_defaults(const cli_command *command, cli_request *request) {
                 (long)command->options[k]->fallback;
 }
 
-static int take_settings(int count, char **arguments, cli_request *request) {
-    int taken = 0;
-    for (; taken < count && arguments[taken][0] != '-' && strchr(arguments[taken], '='); taken++) {
-        if (request->setting_count == CLI_SETTINGS_MAX) {
-            fprintf(stderr, "saltus: --set %s: only %d can be given\n", arguments[taken], CLI_SETTINGS_MAX);
-            return 0;
-        }
-        if (has_key_of(arguments[taken], request->settings, request->setting_count)) {
-            fprintf(stderr, "saltus: --set %s: %.*s is given twice\n", arguments[taken],
-                    (int)strcspn(arguments[taken], "="), arguments[taken]);
-            return 0;
-        }
-        request->settings[request->setting_count++] = arguments[taken];
-    }
-    if (taken == 0)
-        fprintf(stderr, "saltus: --set%s%s: must be followed by key=value\n", count > 0 ? " " : "",
-                count > 0 ? arguments[0] : "");
-    return taken;
-}
-
 /* The number of an option of the command; false when it has none of that name. */
 static bool find_entry(const cli_command *command, const char *flag, int *number, cli_entry *entry) {
     for (*number = 0; cli_entry_at(command, *number, entry); ++*number)
@@ -255,7 +228,7 @@ static int take_option(const cli_command *command, int count, char **arguments, 
         return 0;
     }
     const cli_option *own = entry.own;
-    if (request->given >> number & 1 && !(own && own->kind >= CLI_SETTINGS)) {
+    if (request->given >> number & 1 && !(own && own->kind >= CLI_KEYS)) {
         fprintf(stderr, "saltus: %s: is given twice\n", name);
         return 0;
     }
@@ -264,9 +237,11 @@ static int take_option(const cli_command *command, int count, char **arguments, 
         *(bool *)((char *)request + own->offset) = true;
         return 1;
     }
-    if (own && own->kind == CLI_SETTINGS) {
-        taken = take_settings(count - 1, arguments + 1, request);
-        return taken ? taken + 1 : 0;
+    const bool sets = own && own->kind == CLI_SETTINGS;
+    if (sets && (count < 2 || arguments[1][0] == '-' || !strchr(arguments[1], '='))) {
+        fprintf(stderr, "saltus: --set%s%s: must be followed by key=value\n", count > 1 ? " " : "",
+                count > 1 ? arguments[1] : "");
+        return 0;
     }
     if (count < 2) {
         fprintf(stderr, "saltus: %s: needs a value (%s)\n", name, entry.argument);
@@ -277,7 +252,8 @@ static int take_option(const cli_command *command, int count, char **arguments, 
     do
         if (!parse_value(own, arguments[1 + taken++], request))
             return 0;
-    while (own->kind == CLI_FILES && 1 + taken < count && arguments[1 + taken][0] != '-');
+    while (own->kind >= CLI_SETTINGS && 1 + taken < count && arguments[1 + taken][0] != '-' &&
+           (!sets || strchr(arguments[1 + taken], '=')));
     return 1 + taken;
 }
 
@@ -442,11 +418,12 @@ int cli_report(saltus_status status, const saltus_message *message) {
 }
 
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
-    for (int k = 0; k < request->setting_count; k++) {
+    for (int k = 0; k < request->settings.count; k++) {
         saltus_message reason = {.text = ""};
-        saltus_status status = saltus_scene_set(scene, request->settings[k], &reason);
+        saltus_status status = saltus_scene_set(scene, request->settings.items[k], &reason);
         if (status != SALTUS_OK)
-            return saltus_fail(message, status, "--set %.100s: %.380s", request->settings[k], reason.text);
+            return saltus_fail(message, status, "--set %.100s: %.380s", request->settings.items[k],
+                               reason.text);
     }
     if (request->section) {
         saltus_message reason = {.text = ""};
@@ -457,9 +434,9 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
     /* A title describes the scene as it was written; changed, it would contradict the parameters beside it.
      */
     size_t used = 0;
-    for (int k = 0; k < request->setting_count && used + 1 < sizeof scene->title; k++)
+    for (int k = 0; k < request->settings.count && used + 1 < sizeof scene->title; k++)
         used += (size_t)snprintf(scene->title + used, sizeof scene->title - used, "%s%s",
-                                 k ? " " : "changed: ", request->settings[k]);
+                                 k ? " " : "changed: ", request->settings.items[k]);
     if (used >= sizeof scene->title)
         strcpy(scene->title + sizeof scene->title - sizeof "...", "...");
     return SALTUS_OK;
@@ -617,9 +594,10 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
     return false;
 }
 
-void cli_tell_written(const cli_request *request, const char *what) {
-    if (!request->quiet && !request->to_stdout)
+saltus_status cli_tell_written(const cli_request *request, const char *what, saltus_status status) {
+    if (status == SALTUS_OK && !request->quiet && !request->to_stdout)
         printf("%s: %s\n", what, request->output);
+    return status;
 }
 
 bool cli_ends_in(const char *path, const char *ending) {

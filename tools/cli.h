@@ -10,9 +10,7 @@ enum {
     CLI_DONE = 0,
     CLI_FAILED = 1,
     CLI_BAD_INPUT = 2,
-    CLI_SETTINGS_MAX = 256,
-    CLI_INPUTS_MAX = 256,
-    CLI_LIST_MAX = 64,
+    CLI_LIST_MAX = 256, /* files, settings, ... of one option */
     CLI_WORDS_MAX = 1024
 };
 
@@ -28,10 +26,8 @@ typedef struct cli_setup cli_setup;
 /* Everything any subcommand can be told; each accepts a part of it. */
 typedef struct cli_request {
     const char *scene; /* the first of the inputs */
-    const char *inputs[CLI_INPUTS_MAX];
+    const char *inputs[CLI_LIST_MAX];
     int input_count;
-    const char *settings[CLI_SETTINGS_MAX];
-    int setting_count;
     /* What the library is told, with the defaults of its tables; flows end at the program's flag for signals.
      */
     saltus_flow_options flow;
@@ -48,7 +44,7 @@ typedef struct cli_request {
     bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
     const char *output, *data, *from, *range, *second_range, *values, *show;
     const char *start, *what, *table, *figure, *format, *view, *size, *section;
-    cli_list parts, labels, over, of, logarithmic;
+    cli_list settings, parts, labels, over, of, logarithmic;
     long seeds, seed, transient, periods, samples;
     const cli_command *command;
     unsigned long long given;         /* a bit for each option of the command that was there */
@@ -56,10 +52,10 @@ typedef struct cli_request {
     int word_count;
 } cli_request;
 
-/* Of all kinds but the last four an option is given once. The keys of --set and of a CLI_KEYS option, what
- * stands before '=', are given once each; so are the texts of a CLI_LIST option and of a CLI_FILES option,
- * which takes all up to the next option. */
-typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_SETTINGS, CLI_KEYS, CLI_LIST, CLI_FILES } cli_kind;
+/* Of the first three kinds an option is given once. The keys of a CLI_KEYS option and of --set, what stands
+ * before '=', are given once each; so are the texts of a CLI_LIST option and of a CLI_FILES option. The last
+ * two kinds take all up to the next option, --set what is key=value. */
+typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_KEYS, CLI_LIST, CLI_SETTINGS, CLI_FILES } cli_kind;
 
 /* An option of the command line alone: it gives the parser, the range check, the default and a line of the
  * help. */
@@ -82,6 +78,8 @@ typedef struct cli_option {
     { name, CLI_LIST, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_KEYS_OPTION(name, member, argument, help)                                                        \
     { name, CLI_KEYS, offsetof(cli_request, member), 0, 0, 0, argument, help }
+#define CLI_SETTINGS_OPTION(name, member, argument, help)                                                    \
+    { name, CLI_SETTINGS, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_FILES_OPTION(name, member, argument, help)                                                       \
     { name, CLI_FILES, offsetof(cli_request, member), 0, 0, 0, argument, help }
 #define CLI_WHOLE_OPTION(name, member, argument, fallback, min, max, help)                                   \
@@ -198,8 +196,9 @@ bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS
 /* Which of the words (NULL-terminated) the option's text is; *which stays as it is where the text is NULL.
  * False after a message that lists the words. */
 bool cli_choose(const cli_option *option, const char *text, const char *const *words, int *which);
-/* "figure: file" on stdout, unless --quiet says otherwise or the result itself goes there. */
-void cli_tell_written(const cli_request *request, const char *what);
+/* "figure: file" on stdout where writing it went well, unless --quiet says otherwise or the result itself
+ * goes there. Returns `status`, how that went. */
+saltus_status cli_tell_written(const cli_request *request, const char *what, saltus_status status);
 bool cli_ends_in(const char *path, const char *ending);
 /* With the progress line of a settling motion, where one is shown. */
 saltus_classify_options cli_classify_options(const cli_request *request);

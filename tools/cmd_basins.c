@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_sweep.h"
 #include "sweep/options.h"
-#include "sweep_options.h"
 #include "sweep_print.h"
 
 #include <string.h>
@@ -43,7 +42,7 @@ static int run(const cli_request *request) {
     saltus_message message = {.text = ""};
     if (!count_axes(request))
         return CLI_BAD_INPUT;
-    saltus_sweep_options how = sweep_read_options(request);
+    saltus_sweep_options how = request->sweep;
     how.record = 1;
     saltus_status status = cli_load_scene(request, &scene, &message);
     int code = status == SALTUS_OK && !check_axes(request, &scene)

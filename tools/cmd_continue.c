@@ -106,9 +106,9 @@ static saltus_status go_to_first(run_state *run, saltus_message *message) {
     char setting[SALTUS_KEY_MAX + 32];
     if (saltus_system_forced(setup->system))
         return SALTUS_OK;
-    for (int k = 0; k < run->request->setting_count; k++)
-        if (strncmp(run->request->settings[k], o->key[0], length) == 0 &&
-            run->request->settings[k][length] == '=')
+    for (int k = 0; k < run->request->settings.count; k++)
+        if (strncmp(run->request->settings.items[k], o->key[0], length) == 0 &&
+            run->request->settings.items[k][length] == '=')
             return SALTUS_OK;
     const double first = o->direction < 0 ? o->high[0] : o->low[0];
     snprintf(setting, sizeof setting, "%s=%.17g", o->key[0], first);

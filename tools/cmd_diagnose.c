@@ -85,8 +85,7 @@ static saltus_status diagnose(const cli_request *request, cli_setup *setup, cons
     }
     if (status == SALTUS_OK || (classified && interrupt_asked()))
         saltus_write_motion_text(stdout, scene, system, &p.motion);
-    if (status == SALTUS_OK)
-        cli_tell_written(request, "figure");
+    cli_tell_written(request, "figure", status);
     saltus_spectra_clear(&p.spectra);
     saltus_trajectory_clear(&p.section);
     saltus_trajectory_clear(&p.record);

@@ -28,11 +28,9 @@ static int run(const cli_request *request) {
         return CLI_BAD_INPUT;
     const saltus_file_facts facts = saltus_file_identify(request->inputs[0]);
     if (strcmp(facts.kind, "branch") == 0 || strcmp(facts.kind, "trajectory") == 0) {
-        saltus_status written =
+        const saltus_status written =
             saltus_write_csv(request->output, request->inputs[0], request->table, &message);
-        if (written == SALTUS_OK)
-            cli_tell_written(request, "table");
-        return cli_report(written, &message);
+        return cli_report(cli_tell_written(request, "table", written), &message);
     }
     wanted = SALTUS_TABLE_ROWS;
     if (!cli_choose(&table, request->table, tables, &wanted))
@@ -43,9 +41,7 @@ static int run(const cli_request *request) {
         return cli_report(status, &message);
     status = saltus_write_sweep_csv(request->output, &file, (saltus_table)wanted, &message);
     saltus_sweep_file_clear(&file);
-    if (status == SALTUS_OK)
-        cli_tell_written(request, "table");
-    return cli_report(status, &message);
+    return cli_report(cli_tell_written(request, "table", status), &message);
 }
 
 static const cli_example examples[] = {

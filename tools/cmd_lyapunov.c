@@ -45,9 +45,7 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
         return SALTUS_OK;
     saltus_status status = saltus_write_convergence(request->output, &setup->scene, setup->system, how,
                                                     result, &request->look, message);
-    if (status == SALTUS_OK && !request->json)
-        cli_tell_written(request, "convergence");
-    return status;
+    return request->json ? status : cli_tell_written(request, "convergence", status);
 }
 
 /* With --from an orbit: its exponents are known from its multipliers. */

@@ -100,10 +100,8 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
                         "saltus continue\n");
         return CLI_BAD_INPUT;
     }
-    saltus_status status = saltus_plot_sweep(request->output, request->inputs[0], &how, &message);
-    if (status == SALTUS_OK)
-        cli_tell_written(request, "figure");
-    return cli_report(status, &message);
+    const saltus_status status = saltus_plot_sweep(request->output, request->inputs[0], &how, &message);
+    return cli_report(cli_tell_written(request, "figure", status), &message);
 }
 
 /* A trajectory is drawn whole, in one way. */
@@ -116,10 +114,8 @@ static int draw_trajectory(const cli_request *request) {
                 request->inputs[0]);
         return CLI_BAD_INPUT;
     }
-    saltus_status status = saltus_plot_trajectory(request->output, request->inputs[0], look, &message);
-    if (status == SALTUS_OK)
-        cli_tell_written(request, "figure");
-    return cli_report(status, &message);
+    const saltus_status status = saltus_plot_trajectory(request->output, request->inputs[0], look, &message);
+    return cli_report(cli_tell_written(request, "figure", status), &message);
 }
 
 static int run(const cli_request *request) {
@@ -143,11 +139,9 @@ static int run(const cli_request *request) {
     how.part_count = request->parts.count;
     how.labels = wishes.labels;
     how.label_count = request->labels.count;
-    saltus_status status =
+    const saltus_status status =
         saltus_plot(request->output, request->inputs, request->input_count, &how, &message);
-    if (status == SALTUS_OK)
-        cli_tell_written(request, "figure");
-    return cli_report(status, &message);
+    return cli_report(cli_tell_written(request, "figure", status), &message);
 }
 
 static const cli_example examples[] = {
@@ -169,7 +163,7 @@ const cli_command cmd_plot = {
             "cycles and equilibria. Curves of special points, over their two parameters: solid where they "
             "bound stable orbits, dotted where not. Several files of one sort are laid over each other. A "
             "file of saltus simulate: phase portrait and time history.",
-    .inputs = CLI_INPUTS_MAX,
+    .inputs = CLI_LIST_MAX,
     .endings = cli_figures,
     .options = options,
     .notes = "A motion has one colour and texture in all figures, by its n/p alone. Dense clouds are "

@@ -55,8 +55,8 @@ static saltus_status analyse(const cli_request *request, cli_setup *setup, const
     if (status == SALTUS_OK)
         (request->json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system,
                                                                                 &motion, &spectra);
-    if (status == SALTUS_OK && request->output && !request->json)
-        cli_tell_written(request, "written");
+    if (request->output && !request->json)
+        cli_tell_written(request, "written", status);
     saltus_spectra_clear(&spectra);
     saltus_motion_clear(&motion);
     return status;

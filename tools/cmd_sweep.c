@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_sweep.h"
 #include "sweep/options.h"
-#include "sweep_options.h"
 #include "sweep_print.h"
 
 #include <string.h>
@@ -76,7 +75,7 @@ static bool read_options(const cli_request *request, saltus_sweep_options *o) {
                         "runs for a fixed time\n");
         return false;
     }
-    *o = sweep_read_options(request);
+    *o = request->sweep;
     o->adaptive = request->transient < 0;
     if (!o->adaptive)
         o->transient = request->transient;

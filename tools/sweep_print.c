@@ -3,12 +3,17 @@
 
 #include "base/field.h"
 #include "origin.h"
+#include "ranks.h"
 #include "run_sweep.h"
-#include "sweep_options.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+const cli_option sweep_over = CLI_KEYS_OPTION(
+    "--over", over, "key=values",
+    "an axis: key=lo:hi:n, key=lo:hi:n:log or key=v1,v2,...; once or twice, the first runs fastest");
+const cli_option sweep_json = CLI_FLAG_OPTION("--json", json, "a summary as one JSON object on stdout");
 
 /* Lines of a table; what is left is counted together. */
 enum { lines_max = 12 };
@@ -206,6 +211,31 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     return status;
 }
 
+static saltus_status make_sweep(const cli_request *request, const saltus_scene *scene,
+                                const saltus_sweep_options *options, saltus_sweep **sweep,
+                                saltus_message *message) {
+    saltus_axis axes[SALTUS_AXES_MAX];
+    double *lists[SALTUS_AXES_MAX] = {NULL};
+    int count = request->over.count;
+    saltus_status status = SALTUS_OK;
+    if (count > SALTUS_AXES_MAX)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "--over %.100s: only two axes can be given",
+                             request->over.items[SALTUS_AXES_MAX]);
+    for (int k = 0; k < count && status == SALTUS_OK; k++) {
+        saltus_message reason = {.text = ""};
+        status = saltus_axis_read(request->over.items[k], &axes[k], &lists[k], &reason);
+        if (status != SALTUS_OK)
+            saltus_fail(message, status, "--over %.490s", reason.text);
+    }
+    if (status == SALTUS_OK && options->adaptive && options->transient == 0)
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "--at-most 0: must be at least 1");
+    if (status == SALTUS_OK)
+        status = saltus_sweep_new(scene, axes, count, options, sweep, message);
+    for (int k = 0; k < SALTUS_AXES_MAX; k++)
+        free(lists[k]);
+    return status;
+}
+
 int sweep_command(const cli_request *request, bool basins, saltus_status status, const saltus_scene *scene,
                   const saltus_sweep_options *options, saltus_message *message) {
     volatile sig_atomic_t stop = 0;
@@ -213,9 +243,11 @@ int sweep_command(const cli_request *request, bool basins, saltus_status status,
     saltus_sweep *sweep = NULL;
     sweep_report report;
     how.flow.stop = &stop;
+    if (how.threads == 0)
+        how.threads = ranks_threads();
     cli_origin origin = {.command = NULL};
     if (status == SALTUS_OK)
-        status = sweep_make(request, scene, &how, &sweep, message);
+        status = make_sweep(request, scene, &how, &sweep, message);
     if (status == SALTUS_OK)
         status = cli_origin_new(request, &origin, message);
     const sweep_order order = {.sweep = sweep,
