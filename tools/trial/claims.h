@@ -63,14 +63,15 @@ typedef struct trial_finding {
 } trial_finding;
 
 typedef struct trial_claim trial_claim;
+typedef saltus_status trial_judgement(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+                                      saltus_message *message);
+
 struct trial_claim {
     const char *id, *where, *says;
-    const char
-        *figure; /* of the paper: `saltus paper --figure` draws it, and its survey where it has one range */
+    const char *figure;  /* of the paper, as `saltus paper --figure` draws it; one of a range is surveyed */
     const char *picture; /* of the trial, beside the page; NULL: the paper's figure says it */
     trial_clause clauses[trial_clauses_max];
-    saltus_status (*judge)(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                           saltus_message *message);
+    trial_judgement *judge; /* NULL: by its clauses */
 };
 
 const trial_claim *trial_claim_at(int k); /* NULL beyond the last */
@@ -81,18 +82,8 @@ saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_fi
 void trial_finding_clear(trial_finding *finding);
 
 /* The judges. */
-saltus_status trial_judge_clauses(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                  saltus_message *message);
-saltus_status trial_judge_displacement(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                       saltus_message *message);
-saltus_status trial_judge_growth(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                 saltus_message *message);
-saltus_status trial_judge_restitution(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                      saltus_message *message);
-saltus_status trial_judge_chaos(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                saltus_message *message);
-saltus_status trial_judge_orbit(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                saltus_message *message);
+trial_judgement trial_judge_clauses, trial_judge_displacement, trial_judge_growth, trial_judge_restitution,
+    trial_judge_chaos, trial_judge_orbit;
 
 /* Parts of findings. */
 double trial_share(const trial_survey *survey, const trial_clause *clause, int every);
