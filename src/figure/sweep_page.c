@@ -7,52 +7,43 @@
 #include <math.h>
 #include <string.h>
 
+/* What a view is called, and what is shown: `before` and `after` go around the name of the displacement where
+ * that is it. Without forcing `returns` stands in the place of `called`, and `unforced` in that of what tells
+ * of it. */
+static const struct {
+    const char *called, *returns, *before, *after, *unforced;
+    bool displacement;
+} words[] = {
+    [SALTUS_VIEW_TURNING] = {"displacement diagram", .after = "  where it turns", .displacement = true},
+    [SALTUS_VIEW_STROBOSCOPIC] = {"stroboscopic diagram", "diagram of returns", .after = "  at phase 0",
+                                  .unforced = "  at returns to the section", .displacement = true},
+    [SALTUS_VIEW_IMPACTS] = {"velocity diagram", .before = "speed of every impact  |{/:Bold n·q′}|"},
+    [SALTUS_VIEW_LARGEST] = {"largest displacement", .before = "largest ", .displacement = true},
+    [SALTUS_VIEW_RMS] = {"root mean square", .before = "root mean square of the ", .displacement = true},
+    [SALTUS_VIEW_SPEED] = {"largest impact speed", .before = "largest impact speed  |{/:Bold n·q′}|"},
+    [SALTUS_VIEW_RATE] = {"impacts per period", "impacts per return", "impacts per forcing period",
+                          .unforced = "impacts per return to the section"},
+    [SALTUS_VIEW_CONTACT] = {"time in contact", .before = "part of the time in contact"},
+    [SALTUS_VIEW_LYAPUNOV] = {"largest Lyapunov exponent",
+                              .before = "largest Lyapunov exponent  per unit of time"},
+    [SALTUS_VIEW_CLASS] = {"{/:Italic n}/{/:Italic p} motions", .before = "period in {/:Italic T}",
+                           .unforced = "period in returns to the section"},
+    [SALTUS_VIEW_ATTRACTORS] = {"number of attractors", .before = "number of attractors"},
+    [SALTUS_VIEW_SETTLED] = {"periods until settled", "time until settled", "periods until settled",
+                             .unforced = "time until settled"}};
+
 /* What the figure is, in a few words. */
 static const char *subject(const saltus_sweep_page *page) {
-    static const char *const subjects[] = {[SALTUS_VIEW_TURNING] = "displacement diagram",
-                                           [SALTUS_VIEW_IMPACTS] = "velocity diagram",
-                                           [SALTUS_VIEW_STROBOSCOPIC] = "stroboscopic diagram",
-                                           [SALTUS_VIEW_CLASS] = "{/:Italic n}/{/:Italic p} motions",
-                                           [SALTUS_VIEW_ATTRACTORS] = "number of attractors",
-                                           [SALTUS_VIEW_LARGEST] = "largest displacement",
-                                           [SALTUS_VIEW_RMS] = "root mean square",
-                                           [SALTUS_VIEW_SPEED] = "largest impact speed",
-                                           [SALTUS_VIEW_RATE] = "impacts per period",
-                                           [SALTUS_VIEW_CONTACT] = "time in contact",
-                                           [SALTUS_VIEW_LYAPUNOV] = "largest Lyapunov exponent",
-                                           [SALTUS_VIEW_SETTLED] = "periods until settled"};
-    static const char *const unforced[] = {[SALTUS_VIEW_STROBOSCOPIC] = "diagram of returns",
-                                           [SALTUS_VIEW_RATE] = "impacts per return",
-                                           [SALTUS_VIEW_SETTLED] = "time until settled"};
     if (page->view == SALTUS_VIEW_CLASS && page->sweep->axis_count == 1)
         return "period";
-    if (!saltus_system_forced(page->system) && page->view < sizeof unforced / sizeof unforced[0] &&
-        unforced[page->view])
-        return unforced[page->view];
+    if (words[page->view].returns && !saltus_system_forced(page->system))
+        return words[page->view].returns;
     if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
         return "basins of attraction";
-    return subjects[page->view];
+    return words[page->view].called;
 }
 
 void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line) {
-    /* `before` and `after` go around the name of the displacement where that is what is shown. */
-    static const struct {
-        const char *before, *after;
-        bool displacement;
-        const char *unforced; /* without forcing in the place of what tells of it */
-    } words[] = {
-        [SALTUS_VIEW_TURNING] = {"", "  where it turns", true, NULL},
-        [SALTUS_VIEW_STROBOSCOPIC] = {"", "  at phase 0", true, "  at returns to the section"},
-        [SALTUS_VIEW_IMPACTS] = {"speed of every impact  |{/:Bold n·q′}|", "", false, NULL},
-        [SALTUS_VIEW_LARGEST] = {"largest ", "", true, NULL},
-        [SALTUS_VIEW_RMS] = {"root mean square of the ", "", true, NULL},
-        [SALTUS_VIEW_SPEED] = {"largest impact speed  |{/:Bold n·q′}|", "", false, NULL},
-        [SALTUS_VIEW_RATE] = {"impacts per forcing period", "", false, "impacts per return to the section"},
-        [SALTUS_VIEW_CONTACT] = {"part of the time in contact", "", false, NULL},
-        [SALTUS_VIEW_LYAPUNOV] = {"largest Lyapunov exponent  per unit of time", "", false, NULL},
-        [SALTUS_VIEW_CLASS] = {"period in {/:Italic T}", "", false, "period in returns to the section"},
-        [SALTUS_VIEW_ATTRACTORS] = {"number of attractors", "", false, NULL},
-        [SALTUS_VIEW_SETTLED] = {"periods until settled", "", false, "time until settled"}};
     char name[160] = "";
     if (page->view == SALTUS_VIEW_IMPACTS && page->sides) {
         saltus_line_add(line, "velocity at impact  {/:Bold n·q′}");
@@ -65,7 +56,7 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
     const char *before = words[page->view].before, *after = words[page->view].after;
     if (words[page->view].unforced && !saltus_system_forced(page->system))
         *(words[page->view].displacement ? &after : &before) = words[page->view].unforced;
-    saltus_line_add(line, "%s%s%s", before, name, after);
+    saltus_line_add(line, "%s%s%s", before ? before : "", name, after ? after : "");
 }
 
 /* The symbol of a key: q1 and v1 of built-in models are letters with numbers, names of a text stay words. */

@@ -53,6 +53,8 @@ bool saltus_multiplier_pair(const saltus_motion *motion, int k);
 /* The leading eigenvalues of a rest as a line for people; a complex pair is named once. `held`: of the motion
  * that keeps in contact. */
 void saltus_put_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count, bool held);
+/* The word that begins a line for people, as wide as all others. */
+void saltus_put_word(FILE *file, const char *word);
 /* The title, parameters and stops as lines for people. */
 void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system);
 

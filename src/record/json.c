@@ -83,8 +83,7 @@ void saltus_json_named(FILE *file, const char *names, const saltus_field_table *
 
 /* Rows of numbers, one after the other. */
 static void put_rows(FILE *file, const char *key, const double *rows, int count, int length) {
-    saltus_json_key(file, key);
-    fputc('[', file);
+    fprintf(file, ", \"%s\": [", key);
     for (int k = 0; k < count; k++) {
         fputs(k ? ", " : "", file);
         saltus_json_vector(file, rows + (size_t)k * (size_t)length, length);
@@ -127,12 +126,10 @@ static void put_impact_counts(FILE *file, const saltus_system *system, const sal
         sides[face.side < 0] += motion->impacts_by_face[f];
         by_stop[face.stop][face.side < 0] += motion->impacts_by_face[f];
     }
-    saltus_json_key(file, "impacts_by_side");
-    fprintf(file, "{\"upper\": %lld, \"lower\": %lld}", sides[0], sides[1]);
-    saltus_json_key(file, "impacts_counted_over");
-    fprintf(file, "%lld", motion->counted);
-    saltus_json_key(file, "impacts_by_stop");
-    fputc('[', file);
+    fprintf(file,
+            ", \"impacts_by_side\": {\"upper\": %lld, \"lower\": %lld}, \"impacts_counted_over\": %lld, "
+            "\"impacts_by_stop\": [",
+            sides[0], sides[1], motion->counted);
     for (int s = 0; s < stops; s++)
         fprintf(file, "%s{\"stop\": %d, \"upper\": %lld, \"lower\": %lld}", s ? ", " : "", s + 1,
                 by_stop[s][0], by_stop[s][1]);
@@ -140,8 +137,7 @@ static void put_impact_counts(FILE *file, const saltus_system *system, const sal
 }
 
 void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count) {
-    saltus_json_key(file, "events");
-    fputc('[', file);
+    fputs(", \"events\": [", file);
     for (int k = 0; k < count; k++) {
         const saltus_event *event = &events[k];
         const char *word = saltus_event_word(event->kind);
@@ -178,12 +174,11 @@ void saltus_json_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, i
 }
 
 static void put_sum_rule(FILE *file, const saltus_motion *motion) {
-    saltus_json_key(file, "sum_rule");
     if (motion->sticks || motion->multiplier_count == 0) {
-        fputs("null", file);
+        fputs(", \"sum_rule\": null", file);
         return;
     }
-    fputs("{\"multipliers\": ", file);
+    fputs(", \"sum_rule\": {\"multipliers\": ", file);
     saltus_json_value(file, motion->log_volume);
     saltus_json_member(file, "trace_and_restitution", motion->sum_rule);
     saltus_json_member(file, "difference", motion->log_volume - motion->sum_rule);
@@ -192,12 +187,11 @@ static void put_sum_rule(FILE *file, const saltus_motion *motion) {
 
 void saltus_json_contact_force(FILE *file, const saltus_system *system, const double *force,
                                const double *gap) {
-    saltus_json_key(file, "contact_force");
     if (!force) {
-        fputs("null", file);
+        fputs(", \"contact_force\": null", file);
         return;
     }
-    fputc('[', file);
+    fputs(", \"contact_force\": [", file);
     for (int f = 0; f < saltus_system_face_count(system); f++) {
         saltus_face face = saltus_system_face(system, f);
         fprintf(file, "%s{\"stop\": %d, \"side\": \"%s\"", f ? ", " : "", face.stop + 1,
@@ -231,8 +225,7 @@ static void put_stop(FILE *file, const saltus_spec *spec, int s) {
 void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    saltus_json_key(file, "parameters");
-    fputs("{\"model\": ", file);
+    fputs(", \"parameters\": {\"model\": ", file);
     if (saltus_model_text(spec->model))
         fputs(saltus_model_text(spec->model), file);
     else
@@ -245,8 +238,7 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
         fputs(", ", file);
         put_stop(file, spec, 0);
     }
-    saltus_json_key(file, "stops");
-    fputc('[', file);
+    fputs(", \"stops\": [", file);
     for (int s = 0; s < spec->stop_count; s++) {
         fputs(s ? ", {" : "{", file);
         put_stop(file, spec, s);
@@ -257,12 +249,11 @@ void saltus_json_parameters(FILE *file, const saltus_spec *spec) {
 
 static void put_evidence(FILE *file, const saltus_motion *motion) {
     const saltus_evidence *e = &motion->evidence;
-    saltus_json_key(file, "evidence");
     if (e->periods == 0) {
-        fputs("null", file);
+        fputs(", \"evidence\": null", file);
         return;
     }
-    saltus_json_fields(file, "{", &saltus_evidence_fields, NULL, e);
+    saltus_json_fields(file, ", \"evidence\": {", &saltus_evidence_fields, NULL, e);
     fputc('}', file);
 }
 

@@ -6,10 +6,6 @@
 
 #include <math.h>
 
-static void put_head(FILE *file, const char *word) {
-    fprintf(file, "  %-14s", word);
-}
-
 static void put_number(FILE *file, double value, double error) {
     saltus_uncertain number = saltus_uncertain_text(value, error);
     fprintf(file, "%s +- %s", number.value, number.error);
@@ -17,7 +13,7 @@ static void put_number(FILE *file, double value, double error) {
 
 static void put_meaning(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
     double fold = 1 / fabs(l->exponents[0] * l->period);
-    put_head(file, "meaning");
+    saltus_put_word(file, "meaning");
     switch (saltus_lyapunov_sense(l)) {
     case SALTUS_SENSE_SEPARATE:
         fprintf(file, "positive: nearby trajectories separate, e-fold in %.4g periods\n", fold);
@@ -64,7 +60,7 @@ static void put_spectrum(FILE *file, const saltus_system *system, const saltus_l
 static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
     if (l->count < 2)
         return;
-    put_head(file, "sum rule");
+    saltus_put_word(file, "sum rule");
     if (l->count < l->dimension)
         fprintf(file, "needs all %d exponents\n", l->dimension);
     else if (l->lost)
@@ -77,7 +73,7 @@ static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapu
                 l->sum, l->sum_rule, l->sum - l->sum_rule);
     if (l->members == 0)
         return;
-    put_head(file, "dimension");
+    saltus_put_word(file, "dimension");
     if (isnan(l->kaplan_yorke))
         fputs("Kaplan-Yorke: needs more exponents, until they add up to less than zero\n", file);
     else if (saltus_system_forced(system))
@@ -89,7 +85,7 @@ static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapu
 
 static void put_halves(FILE *file, const saltus_lyapunov *l) {
     double error = hypot(l->half_errors[0], l->half_errors[1]);
-    put_head(file, "halves");
+    saltus_put_word(file, "halves");
     put_number(file, l->half[0], l->half_errors[0]);
     fputs(" in the first half, ", file);
     put_number(file, l->half[1], l->half_errors[1]);
@@ -106,7 +102,7 @@ static void put_members(FILE *file, const saltus_lyapunov *l) {
         low = fmin(low, l->member_exponents[m]);
         high = fmax(high, l->member_exponents[m]);
     }
-    put_head(file, "trajectories");
+    saltus_put_word(file, "trajectories");
     if (l->members == 1) {
         fputs("1\n", file);
         return;
@@ -114,7 +110,7 @@ static void put_members(FILE *file, const saltus_lyapunov *l) {
     fprintf(file, "%d, each alone from %.6g to %.6g: ", l->members, low, high);
     fputs(l->agree ? "they agree\n" : "they DO NOT AGREE\n", file);
     if (!l->agree) {
-        put_head(file, "");
+        saltus_put_word(file, "");
         fputs("they do not measure the same motion: there are coexisting attractors, or the transient is "
               "longer\n",
               file);
@@ -140,7 +136,7 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
 
 static void put_precision(FILE *file, const saltus_lyapunov_options *o, const saltus_lyapunov *l) {
     double error = l->standard_errors[0], part = error / fabs(l->exponents[0]);
-    put_head(file, "precision");
+    saltus_put_word(file, "precision");
     if (!isfinite(error))
         fputs("NOT reached: too few values for a standard error\n", file);
     else if (!l->precise && part <= o->precision)
@@ -166,7 +162,7 @@ void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const sal
     fputc('\n', file);
     saltus_put_scene(file, scene, system);
     if (finite) {
-        put_head(file, "exponent");
+        saltus_put_word(file, "exponent");
         put_number(file, l->exponents[0], l->standard_errors[0]);
         fputs(" per unit of time, ", file);
         put_number(file, l->exponents[0] * l->period, l->standard_errors[0] * l->period);

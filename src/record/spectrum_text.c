@@ -145,8 +145,7 @@ static void put_spectrum_json(FILE *file, const saltus_spectrum *s, const char *
         saltus_json_fields(file, ", ", &saltus_spectrum_fields[s->kind == SALTUS_SPECTRUM_LINES ? 2 : 3],
                            NULL, s);
     }
-    saltus_json_key(file, "lines");
-    fputc('[', file);
+    fputs(", \"lines\": [", file);
     for (long long k = 0; k < s->line_count && !(s->lines[k].frequency > s->trustworthy); k++) {
         put_line_json(file, &s->lines[k], first);
         first = false;

@@ -9,8 +9,7 @@
 
 enum { event_lines = 12, leading = 4 };
 
-/* The word that begins a line, as wide as all others. */
-static void put_head(FILE *file, const char *word) {
+void saltus_put_word(FILE *file, const char *word) {
     fprintf(file, "  %-14s", word);
 }
 
@@ -20,7 +19,7 @@ void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     if (scene->title[0])
         fprintf(file, "  %s\n", scene->title);
-    put_head(file, saltus_model_name(spec->model));
+    saltus_put_word(file, saltus_model_name(spec->model));
     const char *separator = "";
     for (int k = 0; k < count; k++)
         if (saltus_parameter_shown(spec, k)) {
@@ -61,7 +60,7 @@ static void put_cycle(FILE *file, const saltus_system *system, const saltus_moti
 }
 
 static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
-    put_head(file, "motion");
+    saltus_put_word(file, "motion");
     if (!saltus_verdict_settled(motion->verdict))
         fprintf(file, "%s\n", motion->reason);
     else if (motion->verdict == SALTUS_EQUILIBRIUM)
@@ -87,7 +86,7 @@ static void put_faces(FILE *file, const saltus_system *system, const saltus_moti
     if (faces == 0 || motion->verdict == SALTUS_EQUILIBRIUM || (!settled && !motion->counted))
         return;
     bool held = motion->verdict == SALTUS_HELD;
-    put_head(file, held ? "contact force" : "impacts");
+    saltus_put_word(file, held ? "contact force" : "impacts");
     for (int f = 0; f < faces; f++) {
         saltus_face face = saltus_system_face(system, f);
         fprintf(file, "%sstop %d %s: ", f ? ", " : "", face.stop + 1, saltus_side_word(face.side));
@@ -150,7 +149,7 @@ static void put_events(FILE *file, const saltus_system *system, const saltus_mot
 static void put_multipliers(FILE *file, const saltus_motion *motion) {
     if (motion->multiplier_count == 0)
         return;
-    put_head(file, "multipliers");
+    saltus_put_word(file, "multipliers");
     for (int k = 0; k < motion->multiplier_count && k < leading; k++) {
         const saltus_multiplier *m = &motion->multipliers[k];
         bool pair = saltus_multiplier_pair(motion, k);
@@ -171,7 +170,7 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
         fprintf(file, "; along the flow 1 %c %.1e", motion->trivial_multiplier < 1 ? '-' : '+',
                 fabs(motion->trivial_multiplier - 1));
     fputc('\n', file);
-    put_head(file, "sum rule");
+    saltus_put_word(file, "sum rule");
     if (motion->sticks)
         fputs("does not apply: the motion sticks, some multipliers are exactly zero\n", file);
     else if (isnan(motion->sum_rule))
@@ -190,7 +189,7 @@ static void put_evidence(FILE *file, const saltus_system *system, const saltus_m
     const saltus_evidence *e = &motion->evidence;
     if (saltus_verdict_settled(motion->verdict) || e->periods == 0)
         return;
-    put_head(file, "exponent");
+    saltus_put_word(file, "exponent");
     if (isinf(motion->lyapunov))
         fputs("-infinity: every direction is lost in lasting contacts\n", file);
     else
@@ -245,7 +244,7 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
         fprintf(file, "  %-14s%lld period%s simulated", "settled", motion->transient,
                 plural(motion->transient));
     } else
-        put_head(file, "orbit");
+        saltus_put_word(file, "orbit");
     if (motion->verdict == SALTUS_PERIODIC || !motion->transient)
         fprintf(file, "%sresidual %.1e after %d Newton step%s", motion->transient ? "; " : "",
                 motion->residual, motion->iterations, plural(motion->iterations));

@@ -193,6 +193,18 @@ static saltus_status check_commas(const saltus_source *source, const saltus_node
     return status;
 }
 
+static void put_json(FILE *out, const saltus_node *node);
+
+/* A child with its key, if it has one. */
+static void put_child(FILE *out, const char *comma, const saltus_node *child) {
+    fputs(comma, out);
+    if (child->key) {
+        saltus_put_string(out, child->key);
+        fputs(": ", out);
+    }
+    put_json(out, child);
+}
+
 /* A value as JSON: numbers as they are, everything else in quotation marks. */
 static void put_json(FILE *out, const saltus_node *node) {
     const char *ends = node->kind == SALTUS_NODE_LIST ? "[]" : "{}", *comma = "";
@@ -208,14 +220,8 @@ static void put_json(FILE *out, const saltus_node *node) {
         return;
     }
     fputc(ends[0], out);
-    for (const saltus_node *child = node->first; child; child = child->next, comma = ", ") {
-        fputs(comma, out);
-        if (child->key) {
-            saltus_put_string(out, child->key);
-            fputs(": ", out);
-        }
-        put_json(out, child);
-    }
+    for (const saltus_node *child = node->first; child; child = child->next, comma = ", ")
+        put_child(out, comma, child);
     fputc(ends[1], out);
 }
 
@@ -223,15 +229,11 @@ static void put_json(FILE *out, const saltus_node *node) {
 static void put_model(FILE *out, const reading *r, const saltus_node *model, const saltus_node *initial) {
     const char *comma = "";
     fputc('{', out);
-    for (const saltus_node *child = model->first; child; child = child->next) {
-        if (strcmp(child->key, "contacts") == 0 || strcmp(child->key, "start") == 0)
-            continue;
-        fputs(comma, out);
-        saltus_put_string(out, child->key);
-        fputs(": ", out);
-        put_json(out, child);
-        comma = ", ";
-    }
+    for (const saltus_node *child = model->first; child; child = child->next)
+        if (strcmp(child->key, "contacts") != 0 && strcmp(child->key, "start") != 0) {
+            put_child(out, comma, child);
+            comma = ", ";
+        }
     for (int s = 0; s < r->text.stop_count; s++) {
         const saltus_text_stop *stop = &r->stops[s];
         const saltus_equation *const parts[] = {&stop->coordinate, &stop->d, &stop->r};
@@ -498,12 +500,8 @@ static char *text_with_section(const saltus_node *model, const saltus_node *sect
     fputs("{\"section\": ", out);
     put_json(out, section);
     for (const saltus_node *child = model->first; child; child = child->next)
-        if (strcmp(child->key, "section") != 0) {
-            fputs(", ", out);
-            saltus_put_string(out, child->key);
-            fputs(": ", out);
-            put_json(out, child);
-        }
+        if (strcmp(child->key, "section") != 0)
+            put_child(out, ", ", child);
     fputc('}', out);
     if (fclose(out) != 0) {
         free(text);

@@ -28,30 +28,21 @@ typedef struct spent {
     double us, steps, impacts, evaluations;
 } spent;
 
-static cost_row *add_row(cost_table *costs, const char *table, const char *what) {
+static void add_row(cost_table *costs, const char *table, const char *what, const spent *s, double base) {
     cost_row *row = &costs->rows[costs->count < cost_rows_max - 1 ? costs->count++ : cost_rows_max - 1];
-    *row = (cost_row){table, "", NAN, NAN, NAN, NAN, NAN};
+    *row = (cost_row){table, "", s->us, s->steps, s->evaluations, s->impacts, s->us / base};
     snprintf(row->what, sizeof row->what, "%s", what);
-    return row;
-}
-
-static void fill_row(cost_row *row, const spent *s, double base) {
-    row->us = s->us;
-    row->steps = s->steps;
-    row->evaluations = s->evaluations;
-    row->impacts = s->impacts;
-    row->ratio = s->us / base;
-}
-
-static saltus_spec pipe_of(double omega, int modes) {
-    saltus_spec spec = saltus_spec_defaults(saltus_model_find("pipe"));
-    spec.parameters[saltus_model_parameter_index(spec.model, "omega")] = omega;
-    spec.parameters[saltus_model_parameter_index(spec.model, "N")] = modes;
-    return spec;
 }
 
 static void set_parameter(saltus_spec *spec, const char *name, double value) {
     spec->parameters[saltus_model_parameter_index(spec->model, name)] = value;
+}
+
+static saltus_spec pipe_of(double omega, int modes) {
+    saltus_spec spec = saltus_spec_defaults(saltus_model_find("pipe"));
+    set_parameter(&spec, "omega", omega);
+    set_parameter(&spec, "N", modes);
+    return spec;
 }
 
 static void set_stop(saltus_spec *spec, const asked *a) {
@@ -173,7 +164,7 @@ static bool cost_of_features(cost_table *costs, int settle, int length) {
         if (!measure_run(&spec, &features[k], NULL, settle, length, &s))
             return false;
         base = k == 0 ? s.us : base;
-        fill_row(add_row(costs, "features", features[k].what), &s, base);
+        add_row(costs, "features", features[k].what, &s, base);
     }
     return true;
 }
@@ -198,7 +189,7 @@ static bool cost_of_terms(cost_table *costs, int length) {
             return false;
         s.us /= s.steps;
         base = k == 0 ? s.us : base;
-        fill_row(add_row(costs, "terms", terms[k].what), &s, base);
+        add_row(costs, "terms", terms[k].what, &s, base);
     }
     return true;
 }
@@ -217,7 +208,7 @@ static bool cost_of_modes(cost_table *costs, int settle, int length) {
                 return false;
             base = modes[k] <= 5 ? s.us : base;
             snprintf(what, sizeof what, "N = %d, %s", modes[k], a.what);
-            fill_row(add_row(costs, "modes", what), &s, modes[k] < 5 ? NAN : base);
+            add_row(costs, "modes", what, &s, modes[k] < 5 ? NAN : base);
         }
     }
     return true;
@@ -250,7 +241,7 @@ static bool cost_of_choice(cost_table *costs, int settle, int length) {
             done = done && measure_run(&spec, &a, NULL, settle, tangents ? length / 4 : length, &other);
             if (!done)
                 return false;
-            fill_row(add_row(costs, "choice", what), &s, other.us);
+            add_row(costs, "choice", what, &s, other.us);
         }
     return true;
 }
@@ -298,7 +289,7 @@ static bool cost_of_lanes(cost_table *costs, int settle, int length) {
         done = measure_lanes(systems, lanes, settle, length, &s.us);
         base = lanes == 1 ? s.us : base;
         snprintf(what, sizeof what, "%d lane%s", lanes, lanes > 1 ? "s" : "");
-        fill_row(add_row(costs, "lanes", what), &s, base);
+        add_row(costs, "lanes", what, &s, base);
     }
     for (int l = 0; l < lanes_max; l++)
         saltus_system_free(systems[l]);
@@ -355,7 +346,7 @@ static bool cost_of_threads(cost_table *costs, bool quick) {
             return false;
         base = threads == 1 ? s.us : base;
         snprintf(what, sizeof what, "%d thread%s, wall time", threads, threads > 1 ? "s" : "");
-        fill_row(add_row(costs, "threads", what), &s, base);
+        add_row(costs, "threads", what, &s, base);
     }
     return true;
 }
@@ -396,9 +387,9 @@ static bool cost_of_classification(cost_table *costs) {
                       saltus_system_default_state(system, state, NULL) == SALTUS_OK &&
                       measure_classification(system, state, &plain.us, &classified.us);
     if (done) {
-        fill_row(add_row(costs, "classification", "flow alone until it has settled"), &plain, plain.us);
-        fill_row(add_row(costs, "classification", "classified: period found, orbit polished, multipliers"),
-                 &classified, plain.us);
+        add_row(costs, "classification", "flow alone until it has settled", &plain, plain.us);
+        add_row(costs, "classification", "classified: period found, orbit polished, multipliers", &classified,
+                plain.us);
     }
     saltus_system_free(system);
     return done;
@@ -412,31 +403,28 @@ bool cost_measure(cost_table *costs, bool quick) {
            cost_of_choice(costs, settle, length / 2);
 }
 
-static void print_number(FILE *file, const char *format, double value) {
+/* A number as text, empty where it does not apply. */
+static const char *number(const char *format, double value, char text[32]) {
+    text[0] = '\0';
     if (!isnan(value))
-        fprintf(file, format, value);
+        snprintf(text, 32, format, value);
+    return text;
 }
 
 void cost_csv(FILE *file, const cost_table *costs) {
+    char us[32], steps[32], evaluations[32], impacts[32], ratio[32];
     fprintf(file, "table,what,us,steps,evaluations_per_step,impacts,ratio\n");
     for (int k = 0; k < costs->count; k++) {
         const cost_row *row = &costs->rows[k];
-        fprintf(file, "%s,\"%s\",", row->table, row->what);
-        print_number(file, "%.4g", row->us);
-        fprintf(file, ",");
-        print_number(file, "%.4g", row->steps);
-        fprintf(file, ",");
-        print_number(file, "%.4g", row->evaluations);
-        fprintf(file, ",");
-        print_number(file, "%.4g", row->impacts);
-        fprintf(file, ",");
-        print_number(file, "%.3f", row->ratio);
-        fprintf(file, "\n");
+        fprintf(file, "%s,\"%s\",%s,%s,%s,%s,%s\n", row->table, row->what, number("%.4g", row->us, us),
+                number("%.4g", row->steps, steps), number("%.4g", row->evaluations, evaluations),
+                number("%.4g", row->impacts, impacts), number("%.3f", row->ratio, ratio));
     }
 }
 
 static void print_table(FILE *file, const cost_table *costs, const char *table, const char *head,
                         const char *unit) {
+    char steps[32], evaluations[32], impacts[32], ratio[32];
     fprintf(file,
             "| %s | %s | ratio | steps | evaluations in a step | impacts |\n"
             "| --- | --- | --- | --- | --- | --- |\n",
@@ -445,15 +433,9 @@ static void print_table(FILE *file, const cost_table *costs, const char *table, 
         const cost_row *row = &costs->rows[k];
         if (strcmp(row->table, table) != 0)
             continue;
-        fprintf(file, "| %s | %.4g | ", row->what, row->us);
-        print_number(file, "%.2f", row->ratio);
-        fprintf(file, " | ");
-        print_number(file, "%.1f", row->steps);
-        fprintf(file, " | ");
-        print_number(file, "%.4g", row->evaluations);
-        fprintf(file, " | ");
-        print_number(file, "%.1f", row->impacts);
-        fprintf(file, " |\n");
+        fprintf(file, "| %s | %.4g | %s | %s | %s | %s |\n", row->what, row->us,
+                number("%.2f", row->ratio, ratio), number("%.1f", row->steps, steps),
+                number("%.4g", row->evaluations, evaluations), number("%.1f", row->impacts, impacts));
     }
     fprintf(file, "\n");
 }
