@@ -119,9 +119,7 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     put_axes(page);
     saltus_plot_labels(page);
     fputs("plot \\\n", page->file);
-    saltus_plot_curves(page);
-    saltus_plot_marks(page);
-    saltus_plot_legend(page);
+    saltus_plot_elements(page);
     return sound;
 }
 

@@ -83,9 +83,7 @@ saltus_point_kind saltus_plot_mark(saltus_point_kind kind);
 
 /* branch_curves.c: elements of a plot command that goes on: curves, marks, and what they are in the legend.
  */
-void saltus_plot_curves(const saltus_plot_page *page);
-void saltus_plot_marks(const saltus_plot_page *page);
-void saltus_plot_legend(const saltus_plot_page *page);
+void saltus_plot_elements(const saltus_plot_page *page);
 /* The height of a legend's rows on a page of that width, and how many there are. */
 double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows);
 /* Ask for a legend that begins so high on the page; the height of its rows. */

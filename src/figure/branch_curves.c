@@ -92,7 +92,7 @@ double saltus_plot_legend_place(const saltus_plot_page *page, double top) {
 }
 
 /* Curves, those of stable motion uppermost; on a map each has a white rim. */
-void saltus_plot_curves(const saltus_plot_page *page) {
+static void put_curves(const saltus_plot_page *page) {
     static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
     static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
     for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
@@ -118,7 +118,7 @@ void saltus_plot_curves(const saltus_plot_page *page) {
 }
 
 /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
-void saltus_plot_marks(const saltus_plot_page *page) {
+static void put_marks(const saltus_plot_page *page) {
     for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
         bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
                      kind != SALTUS_POINT_BE;
@@ -156,7 +156,9 @@ static void put_line_legend(const saltus_plot_page *page) {
     }
 }
 
-void saltus_plot_legend(const saltus_plot_page *page) {
+void saltus_plot_elements(const saltus_plot_page *page) {
+    put_curves(page);
+    put_marks(page);
     put_line_legend(page);
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         if (has_kind(page, (saltus_point_kind)kind))

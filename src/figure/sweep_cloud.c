@@ -371,11 +371,9 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
     else if (page->view == SALTUS_VIEW_LYAPUNOV)
         fputs("     0 with lines lc rgb '#909090' lw 1.2 notitle, \\\n", file);
     put_cloud_elements(page, rasters, dense);
-    if (page->branches) {
-        saltus_plot_curves(page->branches);
-        saltus_plot_marks(page->branches);
-        saltus_plot_legend(page->branches);
-    } else
+    if (page->branches)
+        saltus_plot_elements(page->branches);
+    else
         fputs("     NaN notitle\n", file);
     for (int k = 0; k < page->sweep->pass_count && dense; k++)
         saltus_raster_bytes(file, &rasters[pass_drawn(page, k)]);

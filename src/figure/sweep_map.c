@@ -277,9 +277,7 @@ static bool put_panel(saltus_map *map) {
         saltus_map_put_orbit_elements(map);
     if (page->branches) {
         fputs(", \\\n", file);
-        saltus_plot_curves(page->branches);
-        saltus_plot_marks(page->branches);
-        saltus_plot_legend(page->branches);
+        saltus_plot_elements(page->branches);
     } else
         fputs(", NaN notitle\n", file);
     saltus_raster_bytes(file, &map->raster);

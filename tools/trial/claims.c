@@ -14,7 +14,7 @@ static const trial_claim claims[] = {
      .clauses = {{"2", 4.1, 13.9, trial_irregular, "non-periodic"},
                  {"2", 14, 55, trial_regular, "periodic"}}},
     {"F3", "N = 1, two-sided, omega = 14, r = 0.8, d = 0.035", "a \"2/1\" motion", "3", NULL,
-     .judge = trial_judge_orbit},
+     .judge = trial_judge_point},
     {"F4a", "omega = 10, against d",
      "stuck to the stop without vibration for d <= 0.025; complex for 0.026 to 0.046; contact weak or "
      "absent from 0.038",
@@ -52,12 +52,12 @@ static const trial_claim claims[] = {
     {"F6d", "general", "the number of impacts per period grows with omega within a window", "6",
      "figures/trial.png", .judge = trial_judge_growth},
     {"F7a", "d = 0.03, omega = 38", "chaotic, fractal stroboscopic set", "7", NULL,
-     .judge = trial_judge_chaos},
+     .judge = trial_judge_point},
     {"F7b", "d = 0.03, omega = 43", "4/5: four impacts, five stroboscopic points", "7", "figures/naive.png",
-     .judge = trial_judge_orbit},
-    {"F7c", "d = 0.035, omega = 10", "chaotic", "7", NULL, .judge = trial_judge_chaos},
+     .judge = trial_judge_point},
+    {"F7c", "d = 0.035, omega = 10", "chaotic", "7", NULL, .judge = trial_judge_point},
     {"F7d", "d = 0.035, omega = 42", "4/4: four impacts, four stroboscopic points", "7", "figures/fig7d.png",
-     .judge = trial_judge_orbit},
+     .judge = trial_judge_point},
     {"F8", "d = 0.035, r = 0.8, 0.7, 0.6",
      "smaller r widens the windows of non-periodic impact motion and shrinks the periodic ones", "8",
      "figures/trial.png", .judge = trial_judge_restitution},
@@ -118,7 +118,7 @@ static saltus_status keep_finding(const trial_claim *claim, const trial_bench *b
 
 saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                           saltus_message *message) {
-    bool on_points = claim->judge == trial_judge_orbit || claim->judge == trial_judge_chaos;
+    bool on_points = claim->judge == trial_judge_point;
     *finding = (trial_finding){.verdict = TRIAL_DOES_NOT_HOLD};
     finding->numbers = open_memstream(&finding->numbers_text, &finding->numbers_size);
     finding->prose = open_memstream(&finding->prose_text, &finding->prose_size);

@@ -83,7 +83,7 @@ void trial_finding_clear(trial_finding *finding);
 
 /* The judges. */
 trial_judgement trial_judge_clauses, trial_judge_displacement, trial_judge_growth, trial_judge_restitution,
-    trial_judge_chaos, trial_judge_orbit;
+    trial_judge_point;
 
 /* Parts of findings. */
 double trial_share(const trial_survey *survey, const trial_clause *clause, int every);

@@ -157,16 +157,22 @@ static void write_ranges(FILE *rows, const trial_survey *survey) {
     }
 }
 
+/* The exact survey of every figure, one after the other. */
+static saltus_status write_each(FILE *rows, void write(FILE *rows, const trial_survey *survey),
+                                trial_bench *bench, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; trial_figure_at(k) && status == SALTUS_OK; k++) {
+        const trial_survey *survey;
+        status = trial_bench_survey(bench, trial_figure_at(k)->name, -1, &survey, message);
+        if (status == SALTUS_OK)
+            write(rows, survey);
+    }
+    return status;
+}
+
 saltus_status trial_write_windows(FILE *rows, trial_bench *bench, saltus_message *message) {
     fprintf(rows, "figure,key,from,to,values,class,share,chaotic\n");
-    for (int k = 0; trial_figure_at(k); k++) {
-        const trial_survey *survey;
-        saltus_status status = trial_bench_survey(bench, trial_figure_at(k)->name, -1, &survey, message);
-        if (status != SALTUS_OK)
-            return status;
-        write_ranges(rows, survey);
-    }
-    return SALTUS_OK;
+    return write_each(rows, write_ranges, bench, message);
 }
 
 static void write_counts(FILE *rows, const trial_survey *survey) {
@@ -190,12 +196,5 @@ saltus_status trial_write_classes(FILE *rows, trial_bench *bench, saltus_message
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
         fprintf(rows, ",%s", trial_kind_word((trial_kind)kind));
     fprintf(rows, ",reach\n");
-    for (int k = 0; trial_figure_at(k); k++) {
-        const trial_survey *survey;
-        saltus_status status = trial_bench_survey(bench, trial_figure_at(k)->name, -1, &survey, message);
-        if (status != SALTUS_OK)
-            return status;
-        write_counts(rows, survey);
-    }
-    return SALTUS_OK;
+    return write_each(rows, write_counts, bench, message);
 }

@@ -10,18 +10,11 @@ typedef struct point {
     int seeds, quick;
 } point;
 
-static const point orbits[] = {{"F3", "fig3", "2/2", "sdof14", 100, 20},
+static const point points[] = {{"F3", "fig3", "2/2", "sdof14", 100, 20},
                                {"F7b", "fig7b", "4/5", "fig7b", 100, 20},
-                               {"F7d", "fig7d", "4/4", "fig7d", 100, 20}};
-static const point clouds[] = {{"F7a", "fig7a", "chaotic", NULL, 6, 2},
+                               {"F7d", "fig7d", "4/4", "fig7d", 100, 20},
+                               {"F7a", "fig7a", "chaotic", NULL, 6, 2},
                                {"F7c", "fig7c", "chaotic", NULL, 6, 2}};
-
-static const point *point_of(const point *points, int count, const trial_claim *claim) {
-    int k = 0;
-    while (k < count - 1 && strcmp(points[k].claim, claim->id) != 0)
-        k++;
-    return &points[k];
-}
 
 /* All attractors met from random initial states. */
 static saltus_status find_attractors(const point *p, const trial_bench *bench, saltus_scene *scene,
@@ -89,37 +82,22 @@ static double share_of(const saltus_attractors *attractors, const char *label) {
     return (double)fit / attractors->seeds;
 }
 
-saltus_status trial_judge_orbit(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                saltus_message *message) {
-    const point *p = point_of(orbits, (int)(sizeof orbits / sizeof orbits[0]), claim);
-    saltus_scene scene;
-    saltus_system *system = NULL;
-    saltus_attractors attractors = {0};
-    saltus_status status = find_attractors(p, bench, &scene, &system, &attractors, message);
-    if (status == SALTUS_OK) {
-        const saltus_motion *first = &attractors.motions[0];
-        double share = share_of(&attractors, p->label);
-        finding->verdict = trial_verdict_of(&share, 1);
-        fprintf(finding->numbers, "%s from %.0f %% of %d initial states", first->label,
-                100 * share_of(&attractors, first->label), attractors.seeds);
-        if (first->multiplier_count)
-            fprintf(finding->numbers, ", stable, largest multiplier modulus %.4f",
-                    exp(first->multipliers[0].log_modulus));
-        describe(&attractors, finding->prose);
-        compare(p, first, finding->prose);
-        if (strcmp(claim->id, "F7b") == 0)
-            fputs("What the paper's own method makes of this scene depends on its step: see the table of "
-                  "steps.\n",
-                  finding->prose);
-        if (strcmp(claim->id, "F3") == 0)
-            fprintf(finding->prose,
-                    "The paper counts in response cycles of 2 T: its 2/1 is 2/2 in forcing periods, %lld "
-                    "impact on one stop and %lld on the other.\n",
-                    first->impacts_by_face[0], first->impacts_by_face[1]);
-    }
-    saltus_attractors_clear(&attractors);
-    saltus_system_free(system);
-    return status;
+static void tell_orbit(const point *p, const saltus_attractors *attractors, trial_finding *finding) {
+    const saltus_motion *first = &attractors->motions[0];
+    if (first->multiplier_count)
+        fprintf(finding->numbers, ", stable, largest multiplier modulus %.4f",
+                exp(first->multipliers[0].log_modulus));
+    describe(attractors, finding->prose);
+    compare(p, first, finding->prose);
+    if (strcmp(p->claim, "F7b") == 0)
+        fputs("What the paper's own method makes of this scene depends on its step: see the table of "
+              "steps.\n",
+              finding->prose);
+    if (strcmp(p->claim, "F3") == 0)
+        fprintf(finding->prose,
+                "The paper counts in response cycles of 2 T: its 2/1 is 2/2 in forcing periods, %lld "
+                "impact on one stop and %lld on the other.\n",
+                first->impacts_by_face[0], first->impacts_by_face[1]);
 }
 
 /* All exponents, for the dimension of the attractor in the section. */
@@ -140,29 +118,41 @@ static saltus_status measure_dimension(const saltus_system *system, const saltus
     return status;
 }
 
-saltus_status trial_judge_chaos(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
+static saltus_status tell_chaos(const saltus_system *system, const saltus_attractors *attractors, bool quick,
+                                trial_finding *finding, saltus_message *message) {
+    const saltus_motion *first = &attractors->motions[0];
+    fprintf(finding->numbers, "; largest exponent %.4f +- %.4f", first->lyapunov, first->lyapunov_error);
+    describe(attractors, finding->prose);
+    fprintf(finding->prose,
+            "The largest exponent is %.4f +- %.4f over %lld periods (halves %.4f and %.4f); "
+            "correlation dimension of the section points %.2f +- %.2f; 0-1 test %.3f.",
+            first->lyapunov, first->lyapunov_error, first->evidence.periods, first->evidence.half[0],
+            first->evidence.half[1], first->evidence.dimension, first->evidence.dimension_error,
+            first->evidence.zero_one);
+    saltus_status status = measure_dimension(system, first, quick, finding->prose, message);
+    fprintf(finding->prose, "\n");
+    return status;
+}
+
+saltus_status trial_judge_point(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                                 saltus_message *message) {
-    const point *p = point_of(clouds, (int)(sizeof clouds / sizeof clouds[0]), claim);
+    const point *p = points;
     saltus_scene scene;
     saltus_system *system = NULL;
     saltus_attractors attractors = {0};
+    while (strcmp(p->claim, claim->id) != 0)
+        p++;
     saltus_status status = find_attractors(p, bench, &scene, &system, &attractors, message);
     if (status == SALTUS_OK) {
-        const saltus_motion *first = &attractors.motions[0];
+        const char *label = attractors.motions[0].label;
         double share = share_of(&attractors, p->label);
         finding->verdict = trial_verdict_of(&share, 1);
-        fprintf(finding->numbers, "%s from %.0f %% of %d initial states; largest exponent %.4f +- %.4f",
-                first->label, 100 * share_of(&attractors, first->label), attractors.seeds, first->lyapunov,
-                first->lyapunov_error);
-        describe(&attractors, finding->prose);
-        fprintf(finding->prose,
-                "The largest exponent is %.4f +- %.4f over %lld periods (halves %.4f and %.4f); "
-                "correlation dimension of the section points %.2f +- %.2f; 0-1 test %.3f.",
-                first->lyapunov, first->lyapunov_error, first->evidence.periods, first->evidence.half[0],
-                first->evidence.half[1], first->evidence.dimension, first->evidence.dimension_error,
-                first->evidence.zero_one);
-        status = measure_dimension(system, first, bench->request.quick, finding->prose, message);
-        fprintf(finding->prose, "\n");
+        fprintf(finding->numbers, "%s from %.0f %% of %d initial states", label,
+                100 * share_of(&attractors, label), attractors.seeds);
+        if (p->reference)
+            tell_orbit(p, &attractors, finding);
+        else
+            status = tell_chaos(system, &attractors, bench->request.quick, finding, message);
     }
     saltus_attractors_clear(&attractors);
     saltus_system_free(system);
