@@ -194,33 +194,21 @@ void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const
     put_parameters(w, spec);
 }
 
-static const uint64_t digest_begin = 0xcbf29ce484222325u;
-
-/* The checksum FNV-1a, continued over more bytes from `hash`, that of the bytes before them. */
-static uint64_t digest(uint64_t hash, const unsigned char *bytes, size_t length) {
-    for (size_t k = 0; k < length; k++)
-        hash = (hash ^ bytes[k]) * 0x100000001b3u;
-    return hash;
-}
-
-/* The seal stands after the end of the file that HDF5 knows: another program that changes the file cuts it
- * off. */
-static void write_seal(uint64_t hash, char seal[SALTUS_H5_SEAL + 1]) {
-    snprintf(seal, SALTUS_H5_SEAL + 1, "saltus:%016llx\n", (unsigned long long)hash);
-}
-
+/* The checksum FNV-1a. The seal stands after the end of the file that HDF5 knows: another program that
+ * changes the file cuts it off. */
 bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL + 1]) {
     enum { block = 1 << 16 };
     unsigned char bytes[block];
-    uint64_t hash = digest_begin;
+    uint64_t hash = 0xcbf29ce484222325u;
     for (long long done = 0; done < length;) {
         size_t wanted = length - done < block ? (size_t)(length - done) : block;
         if (saltus_read_at(descriptor, bytes, wanted, done) < wanted)
             return false;
-        hash = digest(hash, bytes, wanted);
+        for (size_t k = 0; k < wanted; k++)
+            hash = (hash ^ bytes[k]) * 0x100000001b3u;
         done += (long long)wanted;
     }
-    write_seal(hash, seal);
+    snprintf(seal, SALTUS_H5_SEAL + 1, "saltus:%016llx\n", (unsigned long long)hash);
     return true;
 }
 

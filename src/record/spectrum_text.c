@@ -124,10 +124,6 @@ void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const salt
 
 /* JSON */
 
-static const char *spectrum_word(saltus_spectrum_kind kind) {
-    return kind == SALTUS_SPECTRUM_LINES ? "lines" : kind == SALTUS_SPECTRUM_WELCH ? "density" : "constant";
-}
-
 static void put_line_json(FILE *file, const saltus_spectral_line *line, bool first) {
     fputs(first ? "{" : ", {", file);
     if (line->harmonic)
@@ -137,19 +133,19 @@ static void put_line_json(FILE *file, const saltus_spectral_line *line, bool fir
 }
 
 static void put_spectrum_json(FILE *file, const saltus_spectrum *s, const char *name) {
-    bool first = true;
-    fprintf(file, "{\"quantity\": \"%s\", \"kind\": \"%s\"", name, spectrum_word(s->kind));
+    const bool lines = s->kind == SALTUS_SPECTRUM_LINES;
+    fprintf(file, "{\"quantity\": \"%s\", \"kind\": \"%s\"", name,
+            lines                              ? "lines"
+            : s->kind == SALTUS_SPECTRUM_WELCH ? "density"
+                                               : "constant");
     saltus_json_fields(file, ", ", &saltus_spectrum_fields[0], NULL, s);
     if (s->kind != SALTUS_SPECTRUM_CONSTANT) {
         saltus_json_fields(file, ", ", &saltus_spectrum_fields[1], NULL, s);
-        saltus_json_fields(file, ", ", &saltus_spectrum_fields[s->kind == SALTUS_SPECTRUM_LINES ? 2 : 3],
-                           NULL, s);
+        saltus_json_fields(file, ", ", &saltus_spectrum_fields[lines ? 2 : 3], NULL, s);
     }
     fputs(", \"lines\": [", file);
-    for (long long k = 0; k < s->line_count && !(s->lines[k].frequency > s->trustworthy); k++) {
-        put_line_json(file, &s->lines[k], first);
-        first = false;
-    }
+    for (long long k = 0; k < s->line_count && !(s->lines[k].frequency > s->trustworthy); k++)
+        put_line_json(file, &s->lines[k], k == 0);
     fputs("]}", file);
 }
 

@@ -51,11 +51,6 @@ void saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream) {
     saltus_h5_close(group);
 }
 
-/* The points of an attractor at phase 0: those of its orbit, or the one where it rests. */
-static long long points_of(const saltus_motion *motion) {
-    return motion->periods > 0 ? motion->periods : 1;
-}
-
 void saltus_sweep_put_attractors(saltus_h5 *w, const saltus_sweep_stream *stream) {
     const int n = saltus_sweep_dimension(stream->sweep);
     saltus_rows attractors = {.kind = &saltus_attractor_fields},
@@ -68,7 +63,7 @@ void saltus_sweep_put_attractors(saltus_h5 *w, const saltus_sweep_stream *stream
                                     .periods = motion->periods,
                                     .stable = motion->stable,
                                     .first = points.count,
-                                    .count = points_of(motion),
+                                    .count = motion->periods > 0 ? motion->periods : 1,
                                     .largest_multiplier = largest ? hypot(largest->re, largest->im) : NAN};
         snprintf(row.label, sizeof row.label, "%s", motion->label);
         saltus_h5_note_memory(w, saltus_rows_add(&attractors, &row));

@@ -36,11 +36,6 @@ static void list_methods(results *r) {
             (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};
 }
 
-static void list_tolerances(results *r, bool quick) {
-    for (int digits = 3; digits <= 15; digits += quick ? 3 : 1)
-        r->tolerances[r->tolerance_count++] = pow(10, -digits);
-}
-
 static void open_problems(const request *q, problem *places, results *r) {
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
         if (q->only && strcmp(q->only, known[k][0]) != 0)
@@ -187,7 +182,8 @@ int main(int count, char **arguments) {
     bool done = places && r && costs;
     if (done) {
         list_methods(r);
-        list_tolerances(r, q.quick);
+        for (int digits = 3; digits <= 15; digits += q.quick ? 3 : 1)
+            r->tolerances[r->tolerance_count++] = pow(10, -digits);
         if (!q.cost_only)
             open_problems(&q, places, r);
         measure_all(&q, r);

@@ -100,11 +100,6 @@ void report_machine(FILE *file, const char *mark) {
             mark, mark, day, mark, versions);
 }
 
-static const char *word_of(derivative how) {
-    static const char *const words[] = {"", "tangents", "differences"};
-    return words[how];
-}
-
 static void print_number(FILE *file, const char *format, double value) {
     fprintf(file, ",");
     if (!isnan(value))
@@ -117,7 +112,7 @@ static void print_measure(FILE *file, const char *problem_name, const char *key,
     print_number(file, "%.3e", m->state_error);
     print_number(file, "%.4g", 1e6 * m->seconds);
     print_number(file, "%.0f", m->evaluations);
-    fprintf(file, ",%s", word_of(m->how));
+    fprintf(file, ",%s", (const char *[]){"", "tangents", "differences"}[m->how]);
     const double none = m->how == derivative_none ? NAN : 0;
     print_number(file, "%.3e", m->multiplier_error + none);
     print_number(file, "%.4g", 1e6 * m->derivative_seconds + none);
@@ -247,11 +242,6 @@ void report_details(FILE *file, const results *r) {
     fprintf(file, "\n");
 }
 
-/* Whether the library would choose this integrator for the problem. */
-static bool is_automatic(const results *r, int p, int m) {
-    return r->methods[m].own == (r->problems[p]->stiff ? SALTUS_RADAU : SALTUS_TAYLOR);
-}
-
 /* What an error is compared with: the tolerance, or what a perturbation of the start of that size does where
  * this is more. */
 typedef enum yardstick { tolerance_itself, tolerance_amplified } yardstick;
@@ -267,8 +257,9 @@ static double factor_of(const results *r, int p, int m, int t, bool events, yard
 }
 
 static void print_asked_row(FILE *file, const results *r, int p, int m, bool events, yardstick by) {
+    const saltus_integrator chosen = r->problems[p]->stiff ? SALTUS_RADAU : SALTUS_TAYLOR;
     fprintf(file, "| %s, %s%s |", r->problems[p]->name, r->methods[m].name,
-            is_automatic(r, p, m) ? " (chosen)" : "");
+            r->methods[m].own == chosen ? " (chosen)" : "");
     for (int t = 0; t < r->tolerance_count; t++)
         if (r->measures[p][m][t].done)
             fprintf(file, " %.2g |", factor_of(r, p, m, t, events, by));

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_motion.h"
 
+#include <gsl/gsl_sort.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -63,11 +64,6 @@ int motion_period(const motion *m, const double *scale, double tolerance) {
     return part;
 }
 
-static int compare_numbers(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* A phase at which the motion is farthest from any impact, so that windows of whole periods that begin there
  * do not depend on rounding. */
 static double quiet_phase(const motion *m, double from) {
@@ -78,7 +74,7 @@ static double quiet_phase(const motion *m, double from) {
     for (int k = 0; k < m->count; k++)
         if (m->impacts[k].time >= from)
             phase[count++] = m->impacts[k].time - floor(m->impacts[k].time);
-    qsort(phase, (size_t)count, sizeof *phase, compare_numbers);
+    gsl_sort(phase, 1, (size_t)count);
     double widest = 0;
     for (int k = 0; k < count; k++) {
         double next = k + 1 < count ? phase[k + 1] : phase[0] + 1;
