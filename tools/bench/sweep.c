@@ -63,12 +63,6 @@ static void print_row(const row *r, measures unit) {
     fflush(stdout);
 }
 
-static void print_engine_head(void) {
-    printf("\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | "
-           "max | right counts | elsewhere | wrong | right n/p |\n"
-           "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-}
-
 static void print_engine_row(const row *r, const row *first, const sweep *s) {
     printf("| %s | %.1e | %.3f | %.3f | %.2f | %.0f |", r->program->name, r->program->tolerance,
            r->cost.seconds, r->cost.wall, r->cost.seconds / first->cost.seconds, s->count / r->cost.wall);
@@ -261,7 +255,9 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
 }
 
 static void table_of_sweeps(const sweep *s, int lanes, const row *rows, int count) {
-    print_engine_head();
+    printf("\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | "
+           "max | right counts | elsewhere | wrong | right n/p |\n"
+           "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
     for (int k = 0; k < count; k++)
         print_engine_row(&rows[k], &rows[0], s);
     printf("\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
@@ -287,15 +283,15 @@ int main(int count, char **arguments) {
     int part = 4;
     bool rivals = false, checking = false, calibrating = false;
     for (int k = 1; k < count; k++)
-        if (strcmp(arguments[k], "--part") == 0 && k + 1 < count && atoi(arguments[k + 1]) > 0) {
+        if (strcmp(arguments[k], "--part") == 0 && k + 1 < count && atoi(arguments[k + 1]) > 0)
             part = atoi(arguments[++k]);
-        } else if (strcmp(arguments[k], "--rivals") == 0) {
+        else if (strcmp(arguments[k], "--rivals") == 0)
             rivals = true;
-        } else if (strcmp(arguments[k], "--check") == 0) {
+        else if (strcmp(arguments[k], "--check") == 0)
             checking = true;
-        } else if (strcmp(arguments[k], "--calibrate") == 0) {
+        else if (strcmp(arguments[k], "--calibrate") == 0)
             calibrating = true;
-        } else {
+        else {
             fprintf(stderr, "usage: saltus_sweep_bench [--part k] [--rivals] [--check] [--calibrate]\n");
             return 2;
         }

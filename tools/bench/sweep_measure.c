@@ -216,21 +216,16 @@ static void run_rival(sweep *s, const program *p, row *r) {
     r->cost.wall = r->cost.seconds;
 }
 
-/* Whether a program tells of all impacts of the recorded periods, so that they can be judged. */
-static bool tells_impacts(const program *p) {
-    if (p->kind == program_engine)
-        return !p->engine.adaptive && p->engine.keep & SALTUS_KEEP_IMPACTS;
-    return true;
-}
-
 static bool measure(sweep *s, const program *p, bool judged, row *r) {
     if (p->kind == program_rival)
         run_rival(s, p, r);
     else if (!run_saltus(s, p, r))
         return false;
-    if (judged && p->stopped && p->kind == program_engine)
+    const bool engine = p->kind == program_engine;
+    if (judged && p->stopped && engine)
         r->labels = count_labels(s);
-    if (judged && p->stopped && tells_impacts(p))
+    /* What tells of all impacts of the recorded periods can be judged. */
+    if (judged && p->stopped && (!engine || (!p->engine.adaptive && p->engine.keep & SALTUS_KEEP_IMPACTS)))
         judge(s, p, r);
     return true;
 }
