@@ -10,6 +10,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -40,6 +41,16 @@ static const cli_option quiet =
     CLI_FLAG_OPTION("--quiet", quiet, "no progress line, and no word on what was written");
 static const cli_option format = CLI_TEXT_OPTION("--format", format, "ending",
                                                  "with -o -: png, pdf, svg or csv, as far as -o can have it");
+
+int cli_refuse(int code, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("saltus: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+    va_end(arguments);
+    return code;
+}
 
 /* Whether a list of flags with blanks between them has the flag. */
 static bool lists(const char *flags, const char *flag) {
@@ -95,16 +106,12 @@ bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
 static bool parse_list_item(const cli_option *option, const char *text, cli_list *list) {
     const bool keyed = option->kind == CLI_KEYS || option->kind == CLI_SETTINGS;
     const size_t length = keyed ? strcspn(text, "=") : strlen(text);
-    if (list->count == CLI_LIST_MAX) {
-        fprintf(stderr, "saltus: %s %s: only %d can be given\n", option->name, text, CLI_LIST_MAX);
-        return false;
-    }
+    if (list->count == CLI_LIST_MAX)
+        return cli_refuse(false, "%s %s: only %d can be given", option->name, text, CLI_LIST_MAX);
     for (int k = 0; k < list->count; k++) {
         const char *other = list->items[k];
-        if (strncmp(text, other, length) == 0 && (other[length] == '\0' || (keyed && other[length] == '='))) {
-            fprintf(stderr, "saltus: %s %s: %.*s is given twice\n", option->name, text, (int)length, text);
-            return false;
-        }
+        if (strncmp(text, other, length) == 0 && (other[length] == '\0' || (keyed && other[length] == '=')))
+            return cli_refuse(false, "%s %s: %.*s is given twice", option->name, text, (int)length, text);
     }
     list->items[list->count++] = text;
     return true;
@@ -130,11 +137,9 @@ static bool parse_value(const cli_option *option, const char *text, cli_request 
         return parse_list_item(option, text, (cli_list *)(void *)place);
     double value = strtod(text, &end);
     bool number = end != text && *end == '\0' && isfinite(value);
-    if (!number || value != floor(value) || value < option->min || value > option->max) {
-        fprintf(stderr, "saltus: %s %s: must be a whole number from %.10g to %.10g\n", option->name, text,
-                option->min, option->max);
-        return false;
-    }
+    if (!number || value != floor(value) || value < option->min || value > option->max)
+        return cli_refuse(false, "%s %s: must be a whole number from %.10g to %.10g", option->name, text,
+                          option->min, option->max);
     *(long *)(void *)place = (long)value;
     return true;
 }
@@ -149,7 +154,7 @@ static bool read_member(const saltus_option *option, const char *text, void *rec
            saltus_field_set_number(&option->field, value, record) && saltus_option_admits(option, record);
 }
 
-static void refuse_member(const saltus_option *option, const char *text) {
+static bool refuse_member(const saltus_option *option, const char *text) {
     char demand[SALTUS_FIELD_TEXT_MAX];
     const char *kind = option->field.words                 ? ""
                        : option->field.type == SALTUS_REAL ? "a number "
@@ -157,8 +162,8 @@ static void refuse_member(const saltus_option *option, const char *text) {
     const char *what = saltus_option_demand(option, demand) + strlen("must be ");
     const char *zero = strncmp(what, "0 or ", 5) == 0 ? "0 or " : "";
     const char *of = *kind && strncmp(what, "at least ", 9) == 0 ? "of " : "";
-    fprintf(stderr, "saltus: %s %s: must be %s%s%s%s\n", option->flag, text, zero, kind, of,
-            what + strlen(zero));
+    return cli_refuse(false, "%s %s: must be %s%s%s%s", option->flag, text, zero, kind, of,
+                      what + strlen(zero));
 }
 
 /* Into all tables of the command that have the option. */
@@ -169,10 +174,8 @@ static bool set_members(const cli_command *command, const char *flag, const char
             const saltus_option *o = &table->options->options[k];
             if (!takes(table, o) || strcmp(o->flag, flag) != 0)
                 continue;
-            if (!read_member(o, text, (char *)request + table->offset)) {
-                refuse_member(o, text);
-                return false;
-            }
+            if (!read_member(o, text, (char *)request + table->offset))
+                return refuse_member(o, text);
         }
     return true;
 }
@@ -222,31 +225,23 @@ static int take_option(const cli_command *command, int count, char **arguments, 
         request->help = true;
         return 1;
     }
-    if (!find_entry(command, name, &number, &entry)) {
-        fprintf(stderr, "saltus: %s: unknown option of saltus %s; see saltus %s --help\n", name,
-                command->name, command->name);
-        return 0;
-    }
+    if (!find_entry(command, name, &number, &entry))
+        return cli_refuse(0, "%s: unknown option of saltus %s; see saltus %s --help", name, command->name,
+                          command->name);
     const cli_option *own = entry.own;
-    if (request->given >> number & 1 && !(own && own->kind >= CLI_KEYS)) {
-        fprintf(stderr, "saltus: %s: is given twice\n", name);
-        return 0;
-    }
+    if (request->given >> number & 1 && !(own && own->kind >= CLI_KEYS))
+        return cli_refuse(0, "%s: is given twice", name);
     request->given |= 1ull << number;
     if (own && own->kind == CLI_FLAG) {
         *(bool *)((char *)request + own->offset) = true;
         return 1;
     }
     const bool sets = own && own->kind == CLI_SETTINGS;
-    if (sets && (count < 2 || arguments[1][0] == '-' || !strchr(arguments[1], '='))) {
-        fprintf(stderr, "saltus: --set%s%s: must be followed by key=value\n", count > 1 ? " " : "",
-                count > 1 ? arguments[1] : "");
-        return 0;
-    }
-    if (count < 2) {
-        fprintf(stderr, "saltus: %s: needs a value (%s)\n", name, entry.argument);
-        return 0;
-    }
+    if (sets && (count < 2 || arguments[1][0] == '-' || !strchr(arguments[1], '=')))
+        return cli_refuse(0, "--set%s%s: must be followed by key=value", count > 1 ? " " : "",
+                          count > 1 ? arguments[1] : "");
+    if (count < 2)
+        return cli_refuse(0, "%s: needs a value (%s)", name, entry.argument);
     if (!own)
         return set_members(command, name, arguments[1], request) ? 2 : 0;
     do
@@ -265,10 +260,8 @@ static bool take_input(const cli_command *command, const char *text, cli_request
         return true;
     }
     if (command->inputs)
-        fprintf(stderr, "saltus: %s: only %d files can be given\n", text, room);
-    else
-        fprintf(stderr, "saltus: %s: unexpected; the scene is already %s\n", text, request->inputs[0]);
-    return false;
+        return cli_refuse(false, "%s: only %d files can be given", text, room);
+    return cli_refuse(false, "%s: unexpected; the scene is already %s", text, request->inputs[0]);
 }
 
 /* Options that change how a run goes and where its results go, not the results. */
@@ -304,10 +297,8 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
             return false;
     }
     request->scene = request->inputs[0];
-    if (command->needs_scene && !request->scene && !request->help) {
-        fprintf(stderr, "saltus: %s: needs a scene, a YAML file or one of `saltus scenes`\n", command->name);
-        return false;
-    }
+    if (command->needs_scene && !request->scene && !request->help)
+        return cli_refuse(false, "%s: needs a scene, a YAML file or one of `saltus scenes`", command->name);
     return true;
 }
 
@@ -339,22 +330,15 @@ static bool choose_look(cli_request *request) {
     saltus_figure_options *look = &request->look;
     look->logarithmic = request->logarithmic.items;
     look->logarithmic_count = request->logarithmic.count;
-    if (request->size && !read_size(request->size, &look->width, &look->height)) {
-        fprintf(stderr, "saltus: --size %s: must be column, two-columns, W or WxH in mm, such as 85x60\n",
-                request->size);
-        return false;
-    }
+    if (request->size && !read_size(request->size, &look->width, &look->height))
+        return cli_refuse(false, "--size %s: must be column, two-columns, W or WxH in mm, such as 85x60",
+                          request->size);
     for (int k = 0; k < look->logarithmic_count; k++)
-        if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. ")) {
-            fprintf(stderr,
-                    "saltus: --log %s: must be a parameter or what is shown, such as omega or speed\n",
-                    look->logarithmic[k]);
-            return false;
-        }
-    if (look->script && !cli_ends_in(look->script, ".gp")) {
-        fprintf(stderr, "saltus: --keep-script %s: the ending must be .gp\n", look->script);
-        return false;
-    }
+        if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. "))
+            return cli_refuse(false, "--log %s: must be a parameter or what is shown, such as omega or speed",
+                              look->logarithmic[k]);
+    if (look->script && !cli_ends_in(look->script, ".gp"))
+        return cli_refuse(false, "--keep-script %s: the ending must be .gp", look->script);
     saltus_message message = {.text = ""};
     const char *output = request->output;
     bool drawn =
@@ -364,16 +348,13 @@ static bool choose_look(cli_request *request) {
                         : look->title      ? "--title"
                         : look->no_heading ? "--no-heading"
                                            : NULL;
-    if (!drawn && given && (!output || cli_ends_in(output, ".csv"))) {
-        fprintf(stderr, "saltus: %s: there is no figure: -o file.png, file.pdf or file.svg is needed\n",
-                given);
-        return false;
-    }
+    if (!drawn && given && (!output || cli_ends_in(output, ".csv")))
+        return cli_refuse(false, "%s: there is no figure: -o file.png, file.pdf or file.svg is needed",
+                          given);
     if (!drawn || saltus_figure_check(output, look, &message) == SALTUS_OK)
         return true;
-    fprintf(stderr, "saltus: %s%s: %s\n", request->size ? "--size " : "-o ",
-            request->size ? request->size : output, message.text);
-    return false;
+    return cli_refuse(false, "%s%s: %s", request->size ? "--size " : "-o ",
+                      request->size ? request->size : output, message.text);
 }
 
 static int work_on_scene(const cli_command *command, const cli_request *request) {
@@ -632,6 +613,5 @@ saltus_classify_options cli_classify_options(const cli_request *request) {
 int cli_finish(void) {
     if (fflush(stdout) == 0 && !ferror(stdout))
         return CLI_DONE;
-    fprintf(stderr, "saltus: standard output could not be written: %s\n", strerror(errno));
-    return CLI_FAILED;
+    return cli_refuse(CLI_FAILED, "standard output could not be written: %s", strerror(errno));
 }

@@ -190,6 +190,8 @@ saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_messa
 saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* Apply all --set to a scene. */
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message);
+/* A line on stderr that begins with "saltus: "; returns `code`. */
+__attribute__((format(printf, 2, 3))) int cli_refuse(int code, const char *format, ...);
 /* "key=low:high"; false after a message that names the option. */
 bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
                      double *high);

@@ -21,19 +21,16 @@ static bool moves_start(const saltus_scene *scene, const char *axis) {
 
 static bool check_axes(const cli_request *request, const saltus_scene *scene) {
     for (int k = 0; k < request->over.count; k++)
-        if (!moves_start(scene, request->over.items[k])) {
-            fprintf(stderr, "saltus: --over %s: must be an entry of the initial state, such as %s\n",
-                    request->over.items[k], saltus_model_text(scene->spec.model) ? "x or x'" : "q1 or v1");
-            return false;
-        }
+        if (!moves_start(scene, request->over.items[k]))
+            return cli_refuse(false, "--over %s: must be an entry of the initial state, such as %s",
+                              request->over.items[k],
+                              saltus_model_text(scene->spec.model) ? "x or x'" : "q1 or v1");
     return true;
 }
 
 static bool count_axes(const cli_request *request) {
-    if (request->over.count != 2 || !request->output) {
-        fprintf(stderr, "saltus: basins: needs --over q1=lo:hi:n --over v1=lo:hi:n and -o basins.h5\n");
-        return false;
-    }
+    if (request->over.count != 2 || !request->output)
+        return cli_refuse(false, "basins: needs --over q1=lo:hi:n --over v1=lo:hi:n and -o basins.h5");
     return true;
 }
 

@@ -53,19 +53,13 @@ static bool read_values(const char *text, run_state *run) {
     while (text) {
         double value;
         const char *end = saltus_read_number_until(text, ",", &value);
-        if (run->options.value_count == values_max) {
-            fprintf(stderr, "saltus: --at %s: only %d values can be given\n", text, values_max);
-            return false;
-        }
-        if (!end) {
-            fprintf(stderr, "saltus: --at %s: must be numbers with commas between them\n", text);
-            return false;
-        }
-        if (value < o->low[0] || value > o->high[0]) {
-            fprintf(stderr, "saltus: --at %g: is outside the range of --in, %g to %g\n", value, o->low[0],
-                    o->high[0]);
-            return false;
-        }
+        if (run->options.value_count == values_max)
+            return cli_refuse(false, "--at %s: only %d values can be given", text, values_max);
+        if (!end)
+            return cli_refuse(false, "--at %s: must be numbers with commas between them", text);
+        if (value < o->low[0] || value > o->high[0])
+            return cli_refuse(false, "--at %g: is outside the range of --in, %g to %g", value, o->low[0],
+                              o->high[0]);
         run->values[run->options.value_count++] = value;
         text = *end ? end + 1 : NULL;
     }
@@ -78,14 +72,10 @@ static bool read_options(run_state *run) {
     const cli_request *r = run->request;
     saltus_branch_options *o = &run->options;
     *o = r->branch;
-    if (!r->output || !r->range) {
-        fprintf(stderr, "saltus: continue: needs --in key=low:high and -o branch.h5\n");
-        return false;
-    }
-    if (!o->locus != !r->second_range) {
-        fprintf(stderr, "saltus: continue: --locus and --and belong together\n");
-        return false;
-    }
+    if (!r->output || !r->range)
+        return cli_refuse(false, "continue: needs --in key=low:high and -o branch.h5");
+    if (!o->locus != !r->second_range)
+        return cli_refuse(false, "continue: --locus and --and belong together");
     o->orbit.tolerance = fmax(o->orbit.tolerance, 100 * o->orbit.flow.rtol);
     /* A largest step below the usual first one bounds that too. */
     if (!cli_given(r, "--step"))
@@ -343,18 +333,16 @@ static int compute(run_state *run) {
     if (run->interrupted && !run->rows)
         return interrupt_report("no point was found yet");
     if (run->interrupted)
-        fprintf(stderr, "saltus: interrupted; %s holds the %d points so far, --resume goes on\n",
-                run->request->output, run->rows);
-    return run->interrupted ? CLI_FAILED : CLI_DONE;
+        return cli_refuse(CLI_FAILED, "interrupted; %s holds the %d points so far, --resume goes on",
+                          run->request->output, run->rows);
+    return CLI_DONE;
 }
 
 static int run(const cli_request *request) {
     run_state *state = calloc(1, sizeof *state);
     int code = CLI_FAILED;
-    if (!state) {
-        fprintf(stderr, "saltus: no memory\n");
-        return code;
-    }
+    if (!state)
+        return cli_refuse(code, "no memory");
     state->request = request;
     code = read_options(state) ? compute(state) : CLI_BAD_INPUT;
     saltus_branch_output_close(state->output, false, NULL);

@@ -20,10 +20,8 @@ static int run(const cli_request *request) {
                                       "samples", "strobe",  NULL};
     saltus_message message = {.text = ""};
     int wanted = SALTUS_TABLE_ROWS;
-    if (!request->input_count || !request->output) {
-        fprintf(stderr, "saltus: export: needs a file and -o table.csv\n");
-        return CLI_BAD_INPUT;
-    }
+    if (!request->input_count || !request->output)
+        return cli_refuse(CLI_BAD_INPUT, "export: needs a file and -o table.csv");
     if (!cli_choose(&table, request->table, all, &wanted))
         return CLI_BAD_INPUT;
     const saltus_file_facts facts = saltus_file_identify(request->inputs[0]);

@@ -93,10 +93,8 @@ static const cli_command *find_command(const char *name) {
 static int run_line(const cli_request *request, command_line *c) {
     const cli_command *command = c->count ? find_command(c->words[0]) : NULL;
     cli_request inner;
-    if (!command) {
-        fprintf(stderr, "saltus: paper: %.100s: no command of the list of figures\n", c->text);
-        return CLI_FAILED;
-    }
+    if (!command)
+        return cli_refuse(CLI_FAILED, "paper: %.100s: no command of the list of figures", c->text);
     if (!command->together && (ranks_here() > 0 || interrupt_asked()))
         return CLI_DONE;
     if (!cli_parse(command, c->count - 1, c->words + 1, &inner))
@@ -157,23 +155,18 @@ static bool enter(const char *path) {
         }
     if (length > 0 && length < sizeof part && chdir(path) == 0)
         return true;
-    fprintf(stderr, "saltus: paper: -o %s: no folder can be made there: %s\n", path,
-            length < sizeof part ? strerror(errno) : "the name is too long");
-    return false;
+    return cli_refuse(false, "paper: -o %s: no folder can be made there: %s", path,
+                      length < sizeof part ? strerror(errno) : "the name is too long");
 }
 
 static int run(const cli_request *request) {
     static const char *const formats[] = {"png", "pdf", "svg", NULL};
     const char *number = request->figure;
     int chosen = 0;
-    if (request->input_count) {
-        fprintf(stderr, "saltus: %s: unexpected; paper takes options only\n", request->inputs[0]);
-        return CLI_BAD_INPUT;
-    }
-    if (number && (number[0] < '2' || number[0] > '8' || number[1])) {
-        fprintf(stderr, "saltus: --figure %s: must be from 2 to 8\n", number);
-        return CLI_BAD_INPUT;
-    }
+    if (request->input_count)
+        return cli_refuse(CLI_BAD_INPUT, "%s: unexpected; paper takes options only", request->inputs[0]);
+    if (number && (number[0] < '2' || number[0] > '8' || number[1]))
+        return cli_refuse(CLI_BAD_INPUT, "--figure %s: must be from 2 to 8", number);
     if (!cli_choose(&format, request->format, formats, &chosen))
         return CLI_BAD_INPUT;
     if (!enter(request->output ? request->output : "paper"))

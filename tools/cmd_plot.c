@@ -73,11 +73,9 @@ static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
         const char *rest = request->labels.items[k];
         for (int axis = 0; axis < 2 && rest; axis++)
             rest = read_place(rest, wanted->key[axis], &wanted->value[axis]);
-        if (!rest || !*rest) {
-            fprintf(stderr, "saltus: --label %s: must have the form key=value,key=value,text\n",
-                    request->labels.items[k]);
-            return false;
-        }
+        if (!rest || !*rest)
+            return cli_refuse(false, "--label %s: must have the form key=value,key=value,text",
+                              request->labels.items[k]);
         wanted->text = rest;
     }
     return true;
@@ -95,11 +93,10 @@ static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
     if (!cli_choose(&view, request->view, views, &chosen))
         return CLI_BAD_INPUT;
     how.view = (saltus_view)(chosen + 1);
-    if (request->input_count > 1 || request->show || request->labels.count) {
-        fprintf(stderr, "saltus: plot: --view and --over are of one sweep, --show and --label of files of "
-                        "saltus continue\n");
-        return CLI_BAD_INPUT;
-    }
+    if (request->input_count > 1 || request->show || request->labels.count)
+        return cli_refuse(
+            CLI_BAD_INPUT,
+            "plot: --view and --over are of one sweep, --show and --label of files of saltus continue");
     const saltus_status status = saltus_plot_sweep(request->output, request->inputs[0], &how, &message);
     return cli_report(cli_tell_written(request, "figure", status), &message);
 }
@@ -109,11 +106,10 @@ static int draw_trajectory(const cli_request *request) {
     const saltus_figure_options *look = &request->look;
     saltus_message message = {.text = ""};
     if (request->input_count > 1 || request->show || request->view || request->parts.count ||
-        request->labels.count || request->over.count || look->swap || look->logarithmic_count) {
-        fprintf(stderr, "saltus: plot: %s: is a trajectory, which is drawn alone, whole and in one way\n",
-                request->inputs[0]);
-        return CLI_BAD_INPUT;
-    }
+        request->labels.count || request->over.count || look->swap || look->logarithmic_count)
+        return cli_refuse(CLI_BAD_INPUT,
+                          "plot: %s: is a trajectory, which is drawn alone, whole and in one way",
+                          request->inputs[0]);
     const saltus_status status = saltus_plot_trajectory(request->output, request->inputs[0], look, &message);
     return cli_report(cli_tell_written(request, "figure", status), &message);
 }
@@ -123,10 +119,8 @@ static int run(const cli_request *request) {
     saltus_plot_options how = saltus_plot_defaults();
     plot_wishes wishes;
     int chosen = -1;
-    if (!request->input_count || !request->output) {
-        fprintf(stderr, "saltus: plot: needs a file and -o figure.png, figure.pdf or figure.svg\n");
-        return CLI_BAD_INPUT;
-    }
+    if (!request->input_count || !request->output)
+        return cli_refuse(CLI_BAD_INPUT, "plot: needs a file and -o figure.png, figure.pdf or figure.svg");
     if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes))
         return CLI_BAD_INPUT;
     how.look = request->look;

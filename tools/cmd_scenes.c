@@ -24,8 +24,8 @@ static int list_scenes(const cli_request *request) {
     }
     if (!request->scene)
         return CLI_DONE;
-    fprintf(stderr, "saltus: %s: no built-in scene of that name; saltus scenes lists them\n", request->scene);
-    return CLI_BAD_INPUT;
+    return cli_refuse(CLI_BAD_INPUT, "%s: no built-in scene of that name; saltus scenes lists them",
+                      request->scene);
 }
 
 static const cli_example scenes_examples[] = {

@@ -39,13 +39,11 @@ static bool read_what(const char *text, unsigned *keep) {
         int k = 0;
         while (k < words && !(strlen(known[k].text) == length && strncmp(known[k].text, c, length) == 0))
             k++;
-        if (k == words) {
-            fprintf(stderr,
-                    "saltus: --what %s: must be a list of turning, impacts, stroboscopic, class, lyapunov "
-                    "and max with commas between them\n",
-                    text);
-            return false;
-        }
+        if (k == words)
+            return cli_refuse(false,
+                              "--what %s: must be a list of turning, impacts, stroboscopic, class, lyapunov "
+                              "and max with commas between them",
+                              text);
         *keep |= known[k].bits;
         c = c[length] ? c + length + 1 : NULL;
     }
@@ -66,15 +64,11 @@ static bool read_options(const cli_request *request, saltus_sweep_options *o) {
     static const unsigned passes[] = {1u << SALTUS_PASS_RESET, 1u << SALTUS_PASS_UP | 1u << SALTUS_PASS_DOWN,
                                       (1u << SALTUS_PASSES) - 1};
     int chosen = 0;
-    if (!request->over.count || !request->output) {
-        fprintf(stderr, "saltus: sweep: needs --over key=lo:hi:n and -o file.h5 or file.csv\n");
-        return false;
-    }
-    if (request->transient >= 0 && cli_given(request, "--at-most")) {
-        fprintf(stderr, "saltus: --at-most and --transient: one of them; with --transient every trajectory "
-                        "runs for a fixed time\n");
-        return false;
-    }
+    if (!request->over.count || !request->output)
+        return cli_refuse(false, "sweep: needs --over key=lo:hi:n and -o file.h5 or file.csv");
+    if (request->transient >= 0 && cli_given(request, "--at-most"))
+        return cli_refuse(false, "--at-most and --transient: one of them; with --transient every trajectory "
+                                 "runs for a fixed time");
     *o = request->sweep;
     o->adaptive = request->transient < 0;
     if (!o->adaptive)

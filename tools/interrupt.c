@@ -46,6 +46,5 @@ bool interrupt_asked(void) {
 }
 
 int interrupt_report(const char *what) {
-    fprintf(stderr, "saltus: interrupted; %s\n", what);
-    return CLI_FAILED;
+    return cli_refuse(CLI_FAILED, "interrupted; %s", what);
 }

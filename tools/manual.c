@@ -337,10 +337,8 @@ static bool write_file(const char *folder, const char *name, page what) {
     else if (file)
         manual_page(what.command, file);
     bool good = file && !ferror(file);
-    if ((file && fclose(file) != 0) || !good) {
-        fprintf(stderr, "saltus: %s: cannot be written: %s\n", path, strerror(errno));
-        return false;
-    }
+    if ((file && fclose(file) != 0) || !good)
+        return cli_refuse(false, "%s: cannot be written: %s", path, strerror(errno));
     return true;
 }
 

@@ -267,10 +267,9 @@ static int conclude(sweep_exchange *exchange, saltus_status status, const saltus
         return cli_report_cause(written, closing);
     if (exchange->done == exchange->places)
         return CLI_DONE;
-    fprintf(stderr, "saltus: interrupted; %s holds %lld of %lld points so far%s\n",
-            exchange->order->to_stdout ? "standard output" : exchange->order->path, exchange->done,
-            exchange->places, exchange->order->to_stdout ? "" : ", --resume goes on");
-    return CLI_FAILED;
+    return cli_refuse(CLI_FAILED, "interrupted; %s holds %lld of %lld points so far%s",
+                      exchange->order->to_stdout ? "standard output" : exchange->order->path, exchange->done,
+                      exchange->places, exchange->order->to_stdout ? "" : ", --resume goes on");
 }
 
 static int run_exchange(sweep_exchange *exchange, saltus_status status, saltus_message *message,

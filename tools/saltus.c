@@ -24,10 +24,9 @@ static int help(int count, char **arguments) {
     bool as_page = strcmp(last, "--man") == 0;
     if (strcmp(first, "--pages") == 0 && count == 2)
         return manual_write(last);
-    if (count > 1 + as_page) {
-        fprintf(stderr, "saltus: help: %s: unexpected; saltus help COMMAND tells about one\n", arguments[1]);
-        return CLI_BAD_INPUT;
-    }
+    if (count > 1 + as_page)
+        return cli_refuse(CLI_BAD_INPUT, "help: %s: unexpected; saltus help COMMAND tells about one",
+                          arguments[1]);
     const cli_command *command = NULL;
     const manual_topic *topic = count > as_page ? manual_find_topic(first) : NULL;
     if (strcmp(first, "--completion") == 0)

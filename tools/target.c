@@ -181,9 +181,8 @@ static int choose_ending(const cli_command *command, const cli_request *request,
     if (!*ending && format) {
         char endings[64];
         list_endings(command->endings, endings);
-        fprintf(stderr, "saltus: --format %s: the formats of saltus %s are %s\n", format, command->name,
-                endings);
-        return CLI_BAD_INPUT;
+        return cli_refuse(CLI_BAD_INPUT, "--format %s: the formats of saltus %s are %s", format,
+                          command->name, endings);
     }
     if (!*ending || strcmp(*ending, ".h5") == 0)
         return refuse(CLI_BAD_INPUT, &p,
@@ -206,9 +205,9 @@ static int divert(const cli_command *command, cli_request *request, target *out)
     snprintf(out->folder, sizeof out->folder, "%s/saltus-XXXXXX", base);
     fflush(stdout);
     if (!mkdtemp(out->folder)) {
-        fprintf(stderr, "saltus: -o -: no temporary folder can be made in %s: %s\n", base, strerror(errno));
         out->folder[0] = '\0';
-        return CLI_FAILED;
+        return cli_refuse(CLI_FAILED, "-o -: no temporary folder can be made in %s: %s", base,
+                          strerror(errno));
     }
     snprintf(out->path, sizeof out->path, "%s/result%s", out->folder, ending);
     out->descriptor = dup(STDOUT_FILENO);
@@ -220,18 +219,14 @@ static int divert(const cli_command *command, cli_request *request, target *out)
 
 int target_open(const cli_command *command, cli_request *request, target *out) {
     *out = (target){.descriptor = -1};
-    if (request->resume && request->force) {
-        fprintf(stderr, "saltus: --resume and --force: one of them\n");
-        return CLI_BAD_INPUT;
-    }
+    if (request->resume && request->force)
+        return cli_refuse(CLI_BAD_INPUT, "--resume and --force: one of them");
     if (!command->endings)
         return CLI_DONE;
     bool to_stdout = request->output && strcmp(request->output, "-") == 0;
-    if (request->format && !to_stdout) {
-        fprintf(stderr, "saltus: --format %s: is of -o - only; the ending of a file says its format\n",
-                request->format);
-        return CLI_BAD_INPUT;
-    }
+    if (request->format && !to_stdout)
+        return cli_refuse(CLI_BAD_INPUT, "--format %s: is of -o - only; the ending of a file says its format",
+                          request->format);
     if (!request->output)
         return CLI_DONE;
     const place result = {"-o", request->output, command->endings};
