@@ -67,6 +67,41 @@ static void agrees_when_stiff(void **unused) {
     check_near(compare(32, 42, 0.035, 0.9, 3, 1, 0, &tangents), 0, 1e-9);
 }
 
+/* A chatter that completes: its last flights are so short that the stiff flow takes explicit steps. */
+static void agrees_through_chatter(void **unused) {
+    (void)unused;
+    double tangents;
+    check_near(compare(10, 42, 0.03, 0.5, 3, 2, 4, &tangents), 0, 1e-9);
+    check_near(tangents, 0, 1e-8);
+    check_near(compare(16, 42, 0.03, 0.5, 3, 1, 4, &tangents), 0, 1e-9);
+    check_near(tangents, 0, 1e-8);
+}
+
+/* The leading multipliers are the same however many are resolved: of orbits of one and of four periods the
+ * shorter one has all, the longer one's are their fourth powers. */
+static void leading_multipliers_need_few_segments(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(16, 42);
+    saltus_system *system = build(&spec);
+    saltus_message message = {.text = ""};
+    saltus_orbit_options options = saltus_orbit_defaults();
+    saltus_orbit orbit[2] = {{0}};
+    double start[dimension_max];
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    for (int k = 0; k < 2; k++) {
+        options.periods = k ? 8 : 2;
+        check_ok(saltus_orbit_find(system, k ? orbit[0].state : start, &options, &orbit[k], &message),
+                 &message);
+    }
+    assert_true(isfinite(orbit[0].log_volume) && isnan(orbit[1].log_volume));
+    check_near(orbit[0].log_volume, orbit[0].sum_rule, 1e-11 * fabs(orbit[0].sum_rule));
+    for (int k = 0; k < 8; k++)
+        check_near(orbit[1].multipliers[k].log_modulus, 4 * orbit[0].multipliers[k].log_modulus, 1e-9);
+    for (int k = 0; k < 2; k++)
+        saltus_orbit_clear(&orbit[k]);
+    saltus_system_free(system);
+}
+
 /* N = 32: where the explicit integrator would need steps of 1e-5, against itself at another tolerance. */
 static void tolerance_at_many_modes(void **unused) {
     (void)unused;
@@ -298,6 +333,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(agrees_at_five_modes),
         cmocka_unit_test(agrees_when_stiff),
+        cmocka_unit_test(agrees_through_chatter),
+        cmocka_unit_test(leading_multipliers_need_few_segments),
         cmocka_unit_test(steps_follow_the_tolerance),
         cmocka_unit_test(the_last_step_guesses_the_next),
         cmocka_unit_test(the_linear_part_takes_one_sweep),

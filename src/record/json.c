@@ -154,7 +154,7 @@ void saltus_json_events(FILE *file, const saltus_system *system, const saltus_ev
 }
 
 void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count) {
-    double pairs[SALTUS_STATE_MAX][2], moduli[SALTUS_STATE_MAX];
+    double pairs[SALTUS_STATE_MAX][2] = {{0}}, moduli[SALTUS_STATE_MAX] = {0};
     for (int k = 0; k < count; k++) {
         pairs[k][0] = multipliers[k].re;
         pairs[k][1] = multipliers[k].im;
@@ -165,7 +165,7 @@ void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, i
 }
 
 void saltus_json_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count) {
-    double pairs[SALTUS_STATE_MAX][2];
+    double pairs[SALTUS_STATE_MAX][2] = {{0}};
     for (int k = 0; k < count; k++) {
         pairs[k][0] = eigenvalues[k].re;
         pairs[k][1] = eigenvalues[k].im;
