@@ -13,7 +13,8 @@ static double stop_value(const saltus_stop *stop, int number) {
 saltus_status saltus_spec_differentiable(const saltus_spec *spec, const saltus_direction *direction,
                                          saltus_message *message) {
     for (int k = 0; k < spec->model->parameter_count; k++) {
-        const char *obstacle = direction->parameter[k] != 0 ? spec->model->obstacle(spec, k) : NULL;
+        const bool varies = direction->parameter[k] != 0 && spec->model->obstacle;
+        const char *obstacle = varies ? spec->model->obstacle(spec, k) : NULL;
         if (obstacle)
             return saltus_fail(message, SALTUS_BAD_INPUT, "%s = %g: %s", spec->model->parameters[k].name,
                                spec->parameters[k], obstacle);

@@ -11,9 +11,10 @@
 
 static const struct {
     const char *name;
+    saltus_operation operation;
     int least, most;
 } functions[] = {
-#define ENTRY(name, least, most) {#name, least, most},
+#define ENTRY(name, operation, least, most) {#name, SALTUS_OP_##operation, least, most},
     SALTUS_FUNCTIONS(ENTRY)
 #undef ENTRY
 };
@@ -313,4 +314,8 @@ void saltus_expression_clear(saltus_expression *expression) {
 
 const char *saltus_function_name(saltus_function function) {
     return functions[function].name;
+}
+
+saltus_operation saltus_function_operation(saltus_function function) {
+    return functions[function].operation;
 }

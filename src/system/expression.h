@@ -4,36 +4,37 @@
 #ifndef SALTUS_SYSTEM_EXPRESSION_H
 #define SALTUS_SYSTEM_EXPRESSION_H
 
-#include "saltus/status.h"
+#include "system/graph.h"
 
 #include <stdbool.h>
 
-/* Functions, each with its least and its largest number of arguments. `sum` takes a name, the first and the
- * last value of that index, and what is added; the first argument of `if` is a comparison. */
+/* Functions, each with its operation and its least and largest number of arguments. `sum` takes a name, the
+ * first and the last value of that index, and what is added; the first argument of `if` is a comparison:
+ * these two are no operations. */
 #define SALTUS_FUNCTIONS(X)                                                                                  \
-    X(sqrt, 1, 1)                                                                                            \
-    X(exp, 1, 1)                                                                                             \
-    X(log, 1, 1)                                                                                             \
-    X(sin, 1, 1)                                                                                             \
-    X(cos, 1, 1)                                                                                             \
-    X(tan, 1, 1)                                                                                             \
-    X(asin, 1, 1)                                                                                            \
-    X(acos, 1, 1)                                                                                            \
-    X(atan, 1, 1)                                                                                            \
-    X(atan2, 2, 2)                                                                                           \
-    X(sinh, 1, 1)                                                                                            \
-    X(cosh, 1, 1)                                                                                            \
-    X(tanh, 1, 1)                                                                                            \
-    X(abs, 1, 1)                                                                                             \
-    X(sign, 1, 2)                                                                                            \
-    X(min, 2, 16)                                                                                            \
-    X(max, 2, 16)                                                                                            \
-    X(step, 1, 1)                                                                                            \
-    X(mod, 2, 2)                                                                                             \
-    X(if, 3, 3)                                                                                              \
-    X(sum, 4, 4)
+    X(sqrt, SQRT, 1, 1)                                                                                      \
+    X(exp, EXP, 1, 1)                                                                                        \
+    X(log, LOG, 1, 1)                                                                                        \
+    X(sin, SIN, 1, 1)                                                                                        \
+    X(cos, COS, 1, 1)                                                                                        \
+    X(tan, TAN, 1, 1)                                                                                        \
+    X(asin, ASIN, 1, 1)                                                                                      \
+    X(acos, ACOS, 1, 1)                                                                                      \
+    X(atan, ATAN, 1, 1)                                                                                      \
+    X(atan2, ATAN2, 2, 2)                                                                                    \
+    X(sinh, SINH, 1, 1)                                                                                      \
+    X(cosh, COSH, 1, 1)                                                                                      \
+    X(tanh, TANH, 1, 1)                                                                                      \
+    X(abs, ABS, 1, 1)                                                                                        \
+    X(sign, SIGN, 1, 2)                                                                                      \
+    X(min, MIN, 2, 16)                                                                                       \
+    X(max, MAX, 2, 16)                                                                                       \
+    X(step, STEP, 1, 1)                                                                                      \
+    X(mod, MOD, 2, 2)                                                                                        \
+    X(if, CONSTANT, 3, 3)                                                                                    \
+    X(sum, CONSTANT, 4, 4)
 
-#define SALTUS_FUNCTION_NAMED(name, least, most) SALTUS_FUNCTION_##name,
+#define SALTUS_FUNCTION_NAMED(name, operation, least, most) SALTUS_FUNCTION_##name,
 typedef enum saltus_function {
     SALTUS_FUNCTIONS(SALTUS_FUNCTION_NAMED) SALTUS_FUNCTION_COUNT
 } saltus_function;
@@ -81,5 +82,6 @@ saltus_status saltus_expression_parse(const char *text, saltus_expression *expre
 void saltus_expression_clear(saltus_expression *expression);
 
 const char *saltus_function_name(saltus_function function);
+saltus_operation saltus_function_operation(saltus_function function);
 
 #endif

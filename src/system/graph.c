@@ -17,14 +17,26 @@ void saltus_graph_close(saltus_graph *graph) {
     *graph = (saltus_graph){.full = false};
 }
 
+static double sign_of(double x) {
+    return (x > 0) - (x < 0);
+}
+
+static double step_of(double x) {
+    return x >= 0;
+}
+
+/* Operations with one operand. */
+static double (*const functions[SALTUS_OP_CHOOSE_LESS])(double) = {
+    [SALTUS_OP_SQRT] = sqrt, [SALTUS_OP_EXP] = exp,      [SALTUS_OP_LOG] = log,      [SALTUS_OP_SIN] = sin,
+    [SALTUS_OP_COS] = cos,   [SALTUS_OP_TAN] = tan,      [SALTUS_OP_ASIN] = asin,    [SALTUS_OP_ACOS] = acos,
+    [SALTUS_OP_ATAN] = atan, [SALTUS_OP_SINH] = sinh,    [SALTUS_OP_COSH] = cosh,    [SALTUS_OP_TANH] = tanh,
+    [SALTUS_OP_ABS] = fabs,  [SALTUS_OP_SIGN] = sign_of, [SALTUS_OP_STEP] = step_of,
+};
+
 int saltus_operation_operands(saltus_operation operation) {
-    if (operation < SALTUS_OP_ADD)
-        return 0;
-    if (operation >= SALTUS_OP_CHOOSE_LESS)
-        return 4;
-    bool one = (operation >= SALTUS_OP_SQRT && operation <= SALTUS_OP_TANH) ||
-               (operation >= SALTUS_OP_ABS && operation <= SALTUS_OP_STEP);
-    return one ? 1 : 2;
+    if (operation < SALTUS_OP_ADD || operation >= SALTUS_OP_CHOOSE_LESS)
+        return operation < SALTUS_OP_ADD ? 0 : 4;
+    return functions[operation] ? 1 : 2;
 }
 
 double saltus_operation_value(saltus_operation operation, const double x[4]) {
@@ -39,40 +51,10 @@ double saltus_operation_value(saltus_operation operation, const double x[4]) {
         return x[0] / x[1];
     case SALTUS_OP_POWER:
         return pow(x[0], x[1]);
-    case SALTUS_OP_SQRT:
-        return sqrt(x[0]);
-    case SALTUS_OP_EXP:
-        return exp(x[0]);
-    case SALTUS_OP_LOG:
-        return log(x[0]);
-    case SALTUS_OP_SIN:
-        return sin(x[0]);
-    case SALTUS_OP_COS:
-        return cos(x[0]);
-    case SALTUS_OP_TAN:
-        return tan(x[0]);
-    case SALTUS_OP_ASIN:
-        return asin(x[0]);
-    case SALTUS_OP_ACOS:
-        return acos(x[0]);
-    case SALTUS_OP_ATAN:
-        return atan(x[0]);
-    case SALTUS_OP_SINH:
-        return sinh(x[0]);
-    case SALTUS_OP_COSH:
-        return cosh(x[0]);
-    case SALTUS_OP_TANH:
-        return tanh(x[0]);
     case SALTUS_OP_ATAN2:
         return atan2(x[0], x[1]);
     case SALTUS_OP_MOD:
         return x[0] - x[1] * floor(x[0] / x[1]);
-    case SALTUS_OP_ABS:
-        return fabs(x[0]);
-    case SALTUS_OP_SIGN:
-        return (x[0] > 0) - (x[0] < 0);
-    case SALTUS_OP_STEP:
-        return x[0] >= 0;
     case SALTUS_OP_MIN:
         return x[1] < x[0] ? x[1] : x[0];
     case SALTUS_OP_MAX:
@@ -83,8 +65,8 @@ double saltus_operation_value(saltus_operation operation, const double x[4]) {
         return x[0] <= x[1] ? x[2] : x[3];
     case SALTUS_OP_CHOOSE_EQUAL:
         return x[0] == x[1] ? x[2] : x[3];
-    default:
-        return NAN; /* leaves have no operands */
+    default: /* leaves have no operands */
+        return saltus_operation_operands(operation) ? functions[operation](x[0]) : NAN;
     }
 }
 

@@ -52,14 +52,6 @@ static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, do
         n[i] = stop->weight[i];
 }
 
-static void reserve(saltus_system *system) {
-    saltus_coefficients *c = &system->coefficients;
-    c->rows = oscillator_rows;
-    c->couplings = 0;
-    for (int r = 0; r < c->rows; r++)
-        c->row[r] = saltus_arena_doubles(&system->arena, (size_t)system->dof);
-}
-
 /* The rows of K, C, F and F0, times a number for each mass. They are linear in the parameters: the same lines
  * give their derivative along a direction. */
 static void fill_rows(const double *p, int dof, double scale[2], double *const *row) {
@@ -193,13 +185,6 @@ static double trace(const saltus_system *system, const double *state, double pha
     return sum;
 }
 
-static double deflection(const saltus_system *system, const double *state, double xi) {
-    double place = xi * system->dof;
-    int left = (int)fmin(floor(place), system->dof - 1);
-    double a = left == 0 ? 0 : state[left - 1], b = state[left];
-    return a + (b - a) * (place - left);
-}
-
 const saltus_model saltus_oscillator = {
     .name = "oscillator",
     .kernel = "oscillator",
@@ -218,10 +203,9 @@ const saltus_model saltus_oscillator = {
     .forcing = p_omega,
     .shape = shape,
     .normal = normal,
-    .reserve = reserve,
+    .rows = oscillator_rows,
     .build = build,
     .vary = vary,
     .obstacle = obstacle,
     .trace = trace,
-    .deflection = deflection,
 };

@@ -46,17 +46,6 @@ static void tilt(int dof, const saltus_stop *stop, double *normal) {
         normal[i] = (i + 1) * M_PI * cos(M_PI * fmod((i + 1) * stop->xi, 2.0));
 }
 
-static void reserve(saltus_system *system) {
-    saltus_coefficients *c = &system->coefficients;
-    size_t n = (size_t)system->dof;
-    c->rows = pipe_rows;
-    c->couplings = pipe_couplings;
-    for (int r = 0; r < c->rows; r++)
-        c->row[r] = saltus_arena_doubles(&system->arena, n);
-    for (int m = 0; m < c->couplings; m++)
-        c->coupling[m] = saltus_arena_doubles(&system->arena, n * n);
-}
-
 static void build_couplings(saltus_system *system) {
     int n = system->dof;
     double *gyroscopic = system->coefficients.coupling[pipe_gyroscopic];
@@ -186,7 +175,8 @@ const saltus_model saltus_pipe = {
     .forcing = p_omega,
     .shape = shape,
     .normal = normal,
-    .reserve = reserve,
+    .rows = pipe_rows,
+    .couplings = pipe_couplings,
     .build = build,
     .vary = vary,
     .tilt = tilt,

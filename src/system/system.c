@@ -116,6 +116,7 @@ static saltus_status check_spec(const saltus_spec *spec, saltus_message *message
 }
 
 static void reserve(saltus_system *system) {
+    const saltus_model *model = system->spec.model;
     saltus_arena *arena = &system->arena;
     size_t n = (size_t)system->dof;
     for (int s = 0; s < system->spec.stop_count; s++) {
@@ -128,7 +129,15 @@ static void reserve(saltus_system *system) {
     system->damping = saltus_arena_doubles(arena, n);
     system->stiffness = saltus_arena_doubles(arena, n);
     saltus_spectrum_reserve(system);
-    system->spec.model->reserve(system);
+    saltus_coefficients *c = &system->coefficients;
+    c->rows = model->rows;
+    c->couplings = model->couplings;
+    for (int r = 0; r < c->rows; r++)
+        c->row[r] = saltus_arena_doubles(arena, n);
+    for (int m = 0; m < c->couplings; m++)
+        c->coupling[m] = saltus_arena_doubles(arena, n * n);
+    if (model->reserve)
+        model->reserve(system);
 }
 
 /* Each stop's b = M^-1 n / (n M^-1 n), the direction of a unit normal impulse, and its faces. */
@@ -224,7 +233,7 @@ static void observe_place(saltus_system *system, double xi) {
     double state[SALTUS_STATE_MAX] = {0};
     for (int i = 0; i < system->dof; i++) {
         state[i] = 1;
-        system->observer[i] = system->spec.model->deflection(system, state, xi);
+        system->observer[i] = saltus_system_shape(system, state, xi);
         state[i] = 0;
     }
     system->observed_place = xi;
@@ -650,8 +659,14 @@ bool saltus_system_fault(const saltus_system *system, const double *state, doubl
     return system->spec.model->fault && system->spec.model->fault(system, state, phase, what);
 }
 
+/* Of separate bodies: side by side, joined by straight lines. */
 double saltus_system_shape(const saltus_system *system, const double *state, double xi) {
-    return system->spec.model->deflection(system, state, xi);
+    if (system->spec.model->deflection)
+        return system->spec.model->deflection(system, state, xi);
+    double place = xi * system->dof;
+    int left = (int)fmin(floor(place), system->dof - 1);
+    double a = left == 0 ? 0 : state[left - 1], b = state[left];
+    return a + (b - a) * (place - left);
 }
 
 /* How far a face's coordinate moves beside the modes, for margins: a stop near a support sees little. */

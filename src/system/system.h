@@ -157,7 +157,8 @@ struct saltus_model {
     void (*complete)(saltus_spec *spec);
     /* Row vector n of a stop; NAN without memory. */
     void (*normal)(const saltus_spec *spec, int dof, const saltus_stop *stop, double *normal);
-    /* Reserve rows and couplings (called for measuring and again for handing out). */
+    int rows, couplings; /* of its coefficients */
+    /* Reserve what else there is (called for measuring and again for handing out); NULL: nothing. */
     void (*reserve)(saltus_system *system);
     /* Fill coefficients, inverse mass, scale, modal part, rate, symmetry. */
     void (*build)(saltus_system *system);
@@ -165,12 +166,13 @@ struct saltus_model {
     void (*vary)(const saltus_system *system, const saltus_direction *direction, saltus_variation *variation);
     /* Derivative of a stop's normal with respect to xi; NULL where stops are not placed by xi. */
     void (*tilt)(int dof, const saltus_stop *stop, double *normal);
-    /* Why the derivative with respect to a parameter is not defined at its present value; NULL if it is. */
+    /* Why the derivative with respect to a parameter is not defined at its present value; NULL if it is, and
+     * for a model in which it always is. */
     const char *(*obstacle)(const saltus_spec *spec, int parameter);
     /* What the model's text says of the initial state, over a default one; NULL: nothing. */
     void (*start)(const saltus_system *system, double *state);
     double (*trace)(const saltus_system *system, const double *state, double phase);
-    double (*deflection)(const saltus_system *system, const double *state, double xi);
+    double (*deflection)(const saltus_system *system, const double *state, double xi); /* NULL: of bodies */
     /* Names and right sides that a text gives (saltus_system_state_name, saltus_system_right_side); NULL:
      * names are those of all built-in models. After `shape`. */
     saltus_state_name (*state_name)(const saltus_spec *spec, int dof, int entry);

@@ -32,6 +32,12 @@ static void *grow(maker *m, saltus_list *l, size_t size) {
     return entry;
 }
 
+static void add_summand(maker *m, saltus_list *sum, summand s) {
+    summand *entry = grow(m, sum, sizeof *entry);
+    if (entry)
+        *entry = s;
+}
+
 /* Nodes may have been added to the graph since. */
 static bool follow_graph(maker *m) {
     int count = m->graph->count;
@@ -168,9 +174,7 @@ static void collect(maker *m, int factor, int node, saltus_list *sum, bool outer
     if (m->failed)
         return;
     if (is_number(m, node)) {
-        summand *s = grow(m, sum, sizeof *s);
-        if (s)
-            *s = (summand){saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, node), -1};
+        add_summand(m, sum, (summand){saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, node), -1});
         return;
     }
     summand part = split(m, node);
@@ -187,9 +191,7 @@ static void collect(maker *m, int factor, int node, saltus_list *sum, bool outer
         collect(m, other, n.operand[1], sum, false);
         return;
     }
-    summand *s = grow(m, sum, sizeof *s);
-    if (s)
-        *s = (summand){factor, part.node};
+    add_summand(m, sum, (summand){factor, part.node});
 }
 
 /* Terms of one node together, and the numbers. */
@@ -316,11 +318,8 @@ static void factor_out(maker *m, saltus_list *sum, int x) {
         const int other = cofactor(m, s.node, x);
         if (other >= 0)
             collect(m, s.factor, other, &inner, false);
-        else {
-            summand *entry = grow(m, &rest, sizeof *entry);
-            if (entry)
-                *entry = s;
-        }
+        else
+            add_summand(m, &rest, s);
     }
     merge(m, &inner);
     int kept = 0;
@@ -328,18 +327,14 @@ static void factor_out(maker *m, saltus_list *sum, int x) {
         const summand s = ((summand *)inner.items)[k];
         if (s.node >= 0)
             ((summand *)inner.items)[kept++] = s;
-        else {
-            summand *entry = grow(m, &rest, sizeof *entry);
-            if (entry)
-                *entry = (summand){s.factor, x};
-        }
+        else
+            add_summand(m, &rest, (summand){s.factor, x});
     }
     inner.count = kept;
-    summand *entry = m->failed ? NULL : grow(m, &rest, sizeof *entry);
-    if (entry) {
+    if (!m->failed) {
         summand shared = share_sum(m, &inner);
         shared.node = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, x, shared.node);
-        *entry = shared;
+        add_summand(m, &rest, shared);
     }
     free(inner.items);
     free(sum->items);

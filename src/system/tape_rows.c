@@ -41,6 +41,18 @@ static void *grow(arranger *m, saltus_list *l, size_t size) {
     return entry;
 }
 
+static void add_slot(arranger *m, int width, int slot) {
+    int *entry = grow(m, &m->weights[width], sizeof *entry);
+    if (entry)
+        *entry = slot;
+}
+
+static void add_term(arranger *m, saltus_tape_row_term term) {
+    saltus_tape_row_term *entry = grow(m, &m->terms, sizeof *entry);
+    if (entry)
+        *entry = term;
+}
+
 static int padded(int count) {
     return (count + pack_max - 1) / pack_max * pack_max;
 }
@@ -162,11 +174,8 @@ static saltus_tape_operand collect_operand(arranger *m, bool second, int level) 
                               .level = level,
                               .out = operand_at(m, row, 0, false, depends),
                               .first = m->terms.count};
-    for (int e = 0; e < count; e++) {
-        saltus_tape_row_term *term = grow(m, &m->terms, sizeof *term);
-        if (term)
-            *term = operand_of(m, second ? member(m, e)->b : member(m, e)->a, true);
-    }
+    for (int e = 0; e < count; e++)
+        add_term(m, operand_of(m, second ? member(m, e)->b : member(m, e)->a, true));
     add_step(m, gather);
     return gather.out;
 }
@@ -217,9 +226,6 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
         if (block[k].taken)
             continue;
         const int shift = block[k].from - block[k].element;
-        saltus_tape_row_term *term = grow(m, &m->terms, sizeof *term);
-        if (!term)
-            return;
         saltus_tape_row_term made = {.place = {-1, -1}, .spread = !diagonal};
         if (block->row >= 0)
             made = operand_at(m, block->row, diagonal ? shift : block[k].from, !diagonal, 0);
@@ -232,13 +238,10 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
                 slots[block[j].element] = block[j].slot;
                 made.depends |= block[j].depends;
             }
-        *term = made;
+        add_term(m, made);
         for (int width = 0; width < 2; width++)
-            for (int e = 0; e < (width ? members : padded(members)); e++) {
-                int *slot = grow(m, &m->weights[width], sizeof *slot);
-                if (slot)
-                    *slot = e < members ? slots[e] : -1;
-            }
+            for (int e = 0; e < (width ? members : padded(members)); e++)
+                add_slot(m, width, e < members ? slots[e] : -1);
         ++*terms;
     }
 }
@@ -316,11 +319,8 @@ static void add_members(arranger *m, int level) {
     else if (s->code == SALTUS_TAPE_CHOOSE) {
         for (int width = 0; width < 2; width++) {
             row.weight[width] = m->weights[width].count;
-            for (int e = 0; e < (width ? 1 : pack_max); e++) {
-                int *slot = grow(m, &m->weights[width], sizeof *slot);
-                if (slot)
-                    *slot = e == 0 ? s->first : -1;
-            }
+            for (int e = 0; e < (width ? 1 : pack_max); e++)
+                add_slot(m, width, e == 0 ? s->first : -1);
         }
     }
     if (m->failed)

@@ -106,7 +106,6 @@ static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, do
 static void reserve(saltus_system *system) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     saltus_coefficients *c = &system->coefficients;
-    c->rows = c->couplings = 0;
     c->slots = g->tape->slot_count;
     c->slot = saltus_arena_doubles(&system->arena, (size_t)c->slots);
     system->numbers = saltus_arena_doubles(&system->arena, (size_t)g->graph.count);
@@ -330,25 +329,27 @@ static double rebound_change(const saltus_system *system, int stop, double speed
     return sum;
 }
 
-static const char *obstacle(const saltus_spec *spec, int parameter) {
-    (void)spec;
-    (void)parameter;
-    return NULL;
+/* Nodes of equations of a common size: what is asked many times takes no memory for these. */
+enum { common = 400 };
+
+/* Values of some nodes in `room` for so many or, to be freed, elsewhere; NULL without memory. */
+static double *evaluate_some(const saltus_system *system, const int *nodes, int count, const double *state,
+                             double phase, double room[common]) {
+    const saltus_equations_graph *g = graph_of(&system->spec);
+    double *values = g->graph.count <= common ? room : values_of(g);
+    if (values)
+        saltus_graph_evaluate_some(&g->graph, nodes, count, system->spec.parameters, state,
+                                   phase * system->period, phase, values);
+    return values;
 }
 
-/* Asked many times in a step: what is a number is known, and otherwise no memory is taken for equations of a
- * common size. */
+/* What is a number is known. */
 static double trace(const saltus_system *system, const double *state, double phase) {
-    enum { common = 400 };
     const saltus_equations_graph *g = graph_of(&system->spec);
     if (!(g->graph.nodes[g->trace].depends & ~(unsigned)SALTUS_OF_PARAMETERS))
         return system->numbers[g->trace];
-    double room[common], *values = g->graph.count <= common ? room : values_of(g), result = NAN;
-    if (values) {
-        saltus_graph_evaluate_some(&g->graph, g->traced, g->traced_count, system->spec.parameters, state,
-                                   phase * system->period, phase, values);
-        result = values[g->trace];
-    }
+    double room[common], *values = evaluate_some(system, g->traced, g->traced_count, state, phase, room),
+                         result = values ? values[g->trace] : NAN;
     if (values != room)
         free(values);
     return result;
@@ -400,30 +401,19 @@ static void observe(const saltus_system *system, const double *state, double pha
     free(all);
 }
 
-/* Asked many times in a step: no memory is taken for equations of a common size. */
 static double crossing(const saltus_system *system, const double *state) {
-    enum { common = 400 };
     const saltus_equations_graph *g = graph_of(&system->spec);
-    double room[common], *values = g->graph.count <= common ? room : values_of(g), value = NAN;
-    if (values) {
-        saltus_graph_evaluate_some(&g->graph, g->zeros, g->zero_count, system->spec.parameters, state, 0, 0,
-                                   values);
-        value = values[g->zero];
-    }
+    double room[common], *values = evaluate_some(system, g->zeros, g->zero_count, state, 0, room),
+                         value = values ? values[g->zero] : NAN;
     if (values != room)
         free(values);
     return value;
 }
 
-/* Asked at every step: no memory is taken for equations of a common size. */
 static bool defined(const saltus_system *system, const double *state, double phase) {
-    enum { common = 400 };
     const saltus_equations_graph *g = graph_of(&system->spec);
-    double room[common], *values = g->graph.count <= common ? room : values_of(g);
+    double room[common], *values = evaluate_some(system, g->guarded, g->guarded_count, state, phase, room);
     bool good = values != NULL;
-    if (values)
-        saltus_graph_evaluate_some(&g->graph, g->guarded, g->guarded_count, system->spec.parameters, state,
-                                   phase * system->period, phase, values);
     for (int k = 0; k < g->guards && good; k++)
         good = isfinite(values[g->guard[k]]);
     /* One without a value may stand where parameters choose another. */
@@ -457,14 +447,6 @@ static bool fault(const saltus_system *system, const double *state, double phase
     free(part);
     free(values);
     return found;
-}
-
-/* Displacements side by side, joined by straight lines. */
-static double deflection(const saltus_system *system, const double *state, double xi) {
-    double place = xi * system->dof;
-    int left = (int)fmin(floor(place), system->dof - 1);
-    double a = left == 0 ? 0 : state[left - 1], b = state[left];
-    return a + (b - a) * (place - left);
 }
 
 /* A copy of a text in memory of its own; NULL stays NULL. */
@@ -593,11 +575,8 @@ static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus
 
 static void free_model(text_model *m) {
     saltus_parsed_text *t = &m->text;
-    saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,       &t->mass,
-                                         &t->states,      &t->observe,    &t->scale,        &t->initial,
-                                         &t->coordinates, &t->clearances, &t->restitutions, &t->zero};
-    for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
-        clear_list(lists[k]);
+    for (size_t l = 0; l < sizeof t->lists / sizeof t->lists[0]; l++)
+        clear_list(&t->lists[l]);
     for (int k = 0; k < t->parameter_count; k++) {
         free((void *)(uintptr_t)t->parameters[k].name);
         free((void *)(uintptr_t)t->parameters[k].meaning);
@@ -704,13 +683,10 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
 
 /* Whether an expression of any list has a name. */
 static bool is_used(const saltus_parsed_text *t, const char *name) {
-    const saltus_parsed_list *const lists[] = {&t->families,    &t->let,        &t->motion,       &t->mass,
-                                               &t->states,      &t->observe,    &t->scale,        &t->initial,
-                                               &t->coordinates, &t->clearances, &t->restitutions, &t->zero};
     const size_t length = strlen(name);
-    for (size_t l = 0; l < sizeof lists / sizeof lists[0]; l++)
-        for (int k = 0; k < lists[l]->count; k++) {
-            const saltus_expression *e = &lists[l]->items[k].right;
+    for (size_t l = 0; l < sizeof t->lists / sizeof t->lists[0]; l++)
+        for (int k = 0; k < t->lists[l].count; k++) {
+            const saltus_expression *e = &t->lists[l].items[k].right;
             for (int j = 0; j < e->count; j++)
                 if (e->terms[j].kind == SALTUS_SYNTAX_NAME && (size_t)e->terms[j].length == length &&
                     memcmp(e->text + e->terms[j].begin, name, length) == 0)
@@ -866,10 +842,8 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
                               .reserve = reserve,
                               .build = build,
                               .vary = vary,
-                              .obstacle = obstacle,
                               .start = start,
                               .trace = trace,
-                              .deflection = deflection,
                               .state_name = state_name,
                               .right_side = right_side,
                               .observable = observable,

@@ -44,6 +44,7 @@ typedef struct builder {
     bool restituting;              /* what is read may use the closing speed */
     bool at_rest;                  /* displacements, velocities and states are read as zero */
     const saltus_parsed *equation; /* the one being read, for messages */
+    saltus_list scratch;           /* void *: arrays that are freed soon */
     saltus_status status;
     saltus_message *message;
 } builder;
@@ -71,6 +72,31 @@ static bool no_memory(builder *b, const void *array) {
     if (!array && b->status == SALTUS_OK)
         b->status = saltus_fail(b->message, SALTUS_NO_MEMORY, "no memory for the equations");
     return !array;
+}
+
+/* Zeroed memory that is freed with its list; NULL after a complaint. */
+static void *take(builder *b, saltus_list *list, size_t count, size_t size) {
+    void **entry = saltus_list_add(list, sizeof *entry), *array = calloc(count + 1, size);
+    if (entry)
+        *entry = array;
+    else
+        free(array);
+    return no_memory(b, entry ? array : NULL) ? NULL : array;
+}
+
+static void *keep(builder *b, size_t count, size_t size) {
+    return take(b, &b->made->owned, count, size);
+}
+
+static void *scratch(builder *b, size_t count, size_t size) {
+    return take(b, &b->scratch, count, size);
+}
+
+static void free_all(saltus_list *list) {
+    for (int k = 0; k < list->count; k++)
+        free(((void **)list->items)[k]);
+    free(list->items);
+    *list = (saltus_list){.items = NULL};
 }
 
 static bool is_named(const char *name, const char *text, int length) {
@@ -277,10 +303,10 @@ static int refuse_name(builder *b, const saltus_expression_term *term, const cha
     const saltus_parsed_text *t = b->text;
     const int room =
         t->parameter_count + t->constant_count + t->let.count + b->displacement_count + b->state_count;
-    const char **words = calloc((size_t)room + 1, sizeof *words);
+    const char **words = scratch(b, (size_t)room, sizeof *words);
     char word[SALTUS_NAME_MAX];
     int count = 0;
-    if (no_memory(b, words))
+    if (!words)
         return 0;
     for (int k = 0; k < t->parameter_count; k++)
         words[count++] = t->parameters[k].name;
@@ -294,10 +320,8 @@ static int refuse_name(builder *b, const saltus_expression_term *term, const cha
         words[count++] = b->states[k].name;
     snprintf(word, sizeof word, "%.*s", term->length, name);
     const char *meant = saltus_nearest_word(word, words, count);
-    refuse(b, term, "%.*s: nothing has this name%s%s%s", term->length, name, meant ? "; did you mean " : "",
-           meant ? meant : "", meant ? "?" : "");
-    free(words);
-    return 0;
+    return refuse(b, term, "%.*s: nothing has this name%s%s%s", term->length, name,
+                  meant ? "; did you mean " : "", meant ? meant : "", meant ? "?" : "");
 }
 
 static int name_of(builder *b, const saltus_expression_term *term) {
@@ -397,38 +421,26 @@ static int sum_of(builder *b, const saltus_expression_term *term) {
 }
 
 static int call_of(builder *b, const saltus_expression_term *term) {
-    static const saltus_operation operations[] = {
-        [SALTUS_FUNCTION_sqrt] = SALTUS_OP_SQRT, [SALTUS_FUNCTION_exp] = SALTUS_OP_EXP,
-        [SALTUS_FUNCTION_log] = SALTUS_OP_LOG,   [SALTUS_FUNCTION_sin] = SALTUS_OP_SIN,
-        [SALTUS_FUNCTION_cos] = SALTUS_OP_COS,   [SALTUS_FUNCTION_tan] = SALTUS_OP_TAN,
-        [SALTUS_FUNCTION_asin] = SALTUS_OP_ASIN, [SALTUS_FUNCTION_acos] = SALTUS_OP_ACOS,
-        [SALTUS_FUNCTION_atan] = SALTUS_OP_ATAN, [SALTUS_FUNCTION_atan2] = SALTUS_OP_ATAN2,
-        [SALTUS_FUNCTION_sinh] = SALTUS_OP_SINH, [SALTUS_FUNCTION_cosh] = SALTUS_OP_COSH,
-        [SALTUS_FUNCTION_tanh] = SALTUS_OP_TANH, [SALTUS_FUNCTION_abs] = SALTUS_OP_ABS,
-        [SALTUS_FUNCTION_sign] = SALTUS_OP_SIGN, [SALTUS_FUNCTION_min] = SALTUS_OP_MIN,
-        [SALTUS_FUNCTION_max] = SALTUS_OP_MAX,   [SALTUS_FUNCTION_step] = SALTUS_OP_STEP,
-        [SALTUS_FUNCTION_mod] = SALTUS_OP_MOD,
-    };
     const saltus_expression_term *terms = b->equation->right.terms;
     if (term->function == SALTUS_FUNCTION_if)
         return choice_of(b, term);
     if (term->function == SALTUS_FUNCTION_sum)
         return sum_of(b, term);
     int node = node_of(b, term->first), next = terms[term->first].next;
-    bool smooth = term->function <= SALTUS_FUNCTION_tanh;
+    const bool smooth = term->function <= SALTUS_FUNCTION_tanh;
+    const saltus_operation operation = saltus_function_operation(term->function);
     if (!smooth && !switches(b, term, node))
         return 0;
     if (term->function == SALTUS_FUNCTION_sign && next >= 0)
         return refuse(b, term, "dry friction, sign(s, k), is not possible yet");
     if (next < 0)
-        return b->status == SALTUS_OK ? saltus_graph_apply(b->graph, operations[term->function], node, -1)
-                                      : 0;
+        return b->status == SALTUS_OK ? saltus_graph_apply(b->graph, operation, node, -1) : 0;
     for (; next >= 0 && b->status == SALTUS_OK; next = terms[next].next) {
         int other = node_of(b, next);
         if (!smooth && !switches(b, term, other))
             return 0;
         if (b->status == SALTUS_OK)
-            node = saltus_graph_apply(b->graph, operations[term->function], node, other);
+            node = saltus_graph_apply(b->graph, operation, node, other);
     }
     return node;
 }
@@ -451,12 +463,10 @@ static bool note_division(builder *b, int divisor, int begin) {
 /* No divisor is zero wherever one looks. Parameters, too, have other values than their defaults. */
 static void check_divisions(builder *b) {
     enum { points = 3 };
-    double *values = malloc((size_t)b->graph->count * sizeof *values), state[SALTUS_STATE_MAX];
-    double *parameters = calloc((size_t)b->text->parameter_count + 1, sizeof *parameters);
-    bool *zero = calloc((size_t)b->divisions + 1, sizeof *zero);
-    if (no_memory(b, values) || no_memory(b, parameters) || no_memory(b, zero))
-        goto out;
-    for (int point = 0; point < points; point++) {
+    double *values = scratch(b, (size_t)b->graph->count, sizeof *values), state[SALTUS_STATE_MAX];
+    double *parameters = scratch(b, (size_t)b->text->parameter_count, sizeof *parameters);
+    bool *zero = scratch(b, (size_t)b->divisions, sizeof *zero);
+    for (int point = 0; point < points && b->status == SALTUS_OK; point++) {
         for (int i = 0; i < SALTUS_STATE_MAX; i++)
             state[i] = 0.7 + 0.3 * sin(1.9 * i + 2.3 * point);
         for (int k = 0; k < b->text->parameter_count; k++)
@@ -471,10 +481,6 @@ static void check_divisions(builder *b) {
             refuse(b, &(saltus_expression_term){.begin = b->division[k].begin},
                    "a division by what is zero everywhere");
         }
-out:
-    free(values);
-    free(parameters);
-    free(zero);
 }
 
 /* The node of a term of the equation being read. After a complaint b->equation is the one complained of,
@@ -511,10 +517,8 @@ static int node_of(builder *b, int term) {
 
 /* The sizes of the families, and what is a displacement or a state, in the order of the text. */
 static void lay_out(builder *b, const saltus_parsed_list *list, quantity **made, int *count, int *total) {
-    *made = calloc((size_t)list->count + 1, sizeof **made);
+    *made = keep(b, (size_t)list->count, sizeof **made);
     *count = *total = 0;
-    if (no_memory(b, *made))
-        return;
     for (int k = 0; k < list->count && b->status == SALTUS_OK; k++) {
         const saltus_parsed *e = &list->items[k];
         int j = 0;
@@ -620,14 +624,13 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
 static void divide_by_mass(builder *b, int *force) {
     const int n = b->made->dof;
     saltus_graph *g = b->graph;
-    int *mass = calloc((size_t)n * (size_t)n + 1, sizeof *mass), *inverse = b->made->inverse_mass, one;
-    bool *given = calloc((size_t)n * (size_t)n + 1, sizeof *given);
-    int *sum = calloc((size_t)n + 1, sizeof *sum);
-    one = saltus_graph_constant(g, 1);
-    if (no_memory(b, mass) || no_memory(b, given) || no_memory(b, sum))
-        goto out;
+    int *mass = scratch(b, (size_t)n * (size_t)n, sizeof *mass), *inverse = b->made->inverse_mass;
+    bool *given = scratch(b, (size_t)n * (size_t)n, sizeof *given);
+    int *sum = scratch(b, (size_t)n, sizeof *sum);
+    if (b->status != SALTUS_OK)
+        return;
     for (int i = 0; i < n; i++)
-        inverse[i * n + i] = mass[i * n + i] = one;
+        inverse[i * n + i] = mass[i * n + i] = saltus_graph_constant(g, 1);
     for (int k = 0; k < b->text->mass.count && b->status == SALTUS_OK; k++)
         read_mass(b, &b->text->mass.items[k], mass, given);
     for (int k = 0; k < n * n && b->status == SALTUS_OK; k++)
@@ -655,10 +658,6 @@ static void divide_by_mass(builder *b, int *force) {
                 saltus_graph_apply(g, SALTUS_OP_ADD, sum[i],
                                    saltus_graph_apply(g, SALTUS_OP_MULTIPLY, inverse[i * n + j], force[j]));
     memcpy(force, sum, (size_t)n * sizeof *sum);
-out:
-    free(mass);
-    free(given);
-    free(sum);
 }
 
 /* How fast a rebound gains speed with the closing speed, where a restitution depends on it. */
@@ -668,14 +667,13 @@ static void read_rebound(builder *b, int s) {
     if (r < 0 || !(b->graph->nodes[r].depends & SALTUS_OF_SPEED))
         return;
     const int speed = saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1), count = b->graph->count;
-    int *derivatives = calloc((size_t)count, sizeof *derivatives);
-    if (no_memory(b, derivatives))
+    int *derivatives = scratch(b, (size_t)count, sizeof *derivatives);
+    if (!derivatives)
         return;
     saltus_graph_differentiate(b->graph, speed, count, SALTUS_OF_PARAMETERS | SALTUS_OF_SPEED, NULL,
                                derivatives);
     const int change = saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, speed, derivatives[r]);
     b->made->rebound[s] = saltus_graph_apply(b->graph, SALTUS_OP_ADD, r, change);
-    free(derivatives);
     b->equation = &b->text->restitutions.items[s];
     if (!(saltus_graph_ways(b->graph, b->made->rebound[s]) <= SALTUS_AT_SPEED_MAX))
         refuse(b, NULL, "is too long for a restitution");
@@ -684,19 +682,17 @@ static void read_rebound(builder *b, int s) {
 /* The derivatives of an expression by the displacements. False: some depend on more than parameters. */
 static bool make_row(builder *b, int node, int *row) {
     const int n = b->made->dof, count = node + 1;
-    bool *needed = calloc((size_t)b->graph->count, sizeof *needed), constant = true;
-    int *derivatives = calloc((size_t)count, sizeof *derivatives);
-    if (!no_memory(b, needed) && !no_memory(b, derivatives)) {
-        saltus_graph_mark(b->graph, &node, 1, NULL, needed);
-        for (int i = 0; i < n; i++) {
-            int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i);
-            saltus_graph_differentiate(b->graph, leaf, count, ~0u, needed, derivatives);
-            row[i] = derivatives[node];
-            constant = constant && !(b->graph->nodes[row[i]].depends & ~(unsigned)SALTUS_OF_PARAMETERS);
-        }
+    bool *needed = scratch(b, (size_t)b->graph->count, sizeof *needed), constant = true;
+    int *derivatives = scratch(b, (size_t)count, sizeof *derivatives);
+    if (b->status != SALTUS_OK)
+        return constant;
+    saltus_graph_mark(b->graph, &node, 1, NULL, needed);
+    for (int i = 0; i < n; i++) {
+        int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i);
+        saltus_graph_differentiate(b->graph, leaf, count, ~0u, needed, derivatives);
+        row[i] = derivatives[node];
+        constant = constant && !(b->graph->nodes[row[i]].depends & ~(unsigned)SALTUS_OF_PARAMETERS);
     }
-    free(derivatives);
-    free(needed);
     return constant;
 }
 
@@ -736,8 +732,8 @@ static void read_stop(builder *b, int s) {
     b->at_rest = false;
     b->equation = &text->coordinates.items[s];
     /* With the displacements' parts gone the constant one is left. */
-    double *values = malloc((size_t)b->graph->count * sizeof *values), state[SALTUS_STATE_MAX];
-    if (no_memory(b, values))
+    double *values = scratch(b, (size_t)b->graph->count, sizeof *values), state[SALTUS_STATE_MAX];
+    if (!values)
         return;
     for (int i = 0; i < SALTUS_STATE_MAX; i++)
         state[i] = 0.3 + 0.1 * sin(1.0 + i);
@@ -745,7 +741,6 @@ static void read_stop(builder *b, int s) {
     double size = fabs(values[made->offset[s]]), left = values[rest] - values[made->offset[s]];
     for (int i = 0; i < n; i++)
         size += fabs(values[made->normal[s * n + i]]);
-    free(values);
     if (b->status == SALTUS_OK && !(fabs(left) <= 1e-12 * size))
         refuse(
             b, NULL,
@@ -790,32 +785,25 @@ static void read_by_state(builder *b, const saltus_parsed_list *list, int *nodes
     b->equation = NULL;
 }
 
-static void *reserve(builder *b, size_t count, size_t size) {
-    void *array = calloc(count + 1, size);
-    no_memory(b, array);
-    return array;
-}
-
-/* All that a node is made of, in the order in which it is evaluated. */
-static int *list_parts(builder *b, int node, int *count) {
-    bool *needed = reserve(b, (size_t)b->graph->count, sizeof *needed);
-    int *parts = reserve(b, (size_t)b->graph->count, sizeof *parts);
+/* All that nodes are made of, in the order of evaluation. */
+static int *list_parts(builder *b, const int *nodes, int node_count, int *count) {
+    bool *needed = scratch(b, (size_t)b->graph->count, sizeof *needed);
+    int *parts = keep(b, (size_t)b->graph->count, sizeof *parts);
     *count = 0;
-    if (b->status == SALTUS_OK) {
-        saltus_graph_mark(b->graph, &node, 1, NULL, needed);
-        for (int k = 0; k < b->graph->count; k++)
-            if (needed[k])
-                parts[(*count)++] = k;
-    }
-    free(needed);
+    if (b->status != SALTUS_OK)
+        return parts;
+    saltus_graph_mark(b->graph, nodes, node_count, NULL, needed);
+    for (int k = 0; k < b->graph->count; k++)
+        if (needed[k])
+            parts[(*count)++] = k;
     return parts;
 }
 
 /* Sum of the field's derivatives by the velocities and states that they are the rates of. */
 static void add_trace(builder *b, const int *field) {
     const int n = b->made->dof, all = n + b->made->extra;
-    int count = b->graph->count, *derivatives = calloc((size_t)count, sizeof *derivatives);
-    if (no_memory(b, derivatives))
+    int count = b->graph->count, *derivatives = scratch(b, (size_t)count, sizeof *derivatives);
+    if (!derivatives)
         return;
     for (int i = 0; i < all && !b->graph->full; i++) {
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, n + i);
@@ -824,8 +812,7 @@ static void add_trace(builder *b, const int *field) {
         saltus_graph_differentiate(b->graph, leaf, count, ~0u, NULL, derivatives);
         b->made->trace = saltus_graph_apply(b->graph, SALTUS_OP_ADD, b->made->trace, derivatives[field[i]]);
     }
-    free(derivatives);
-    b->made->traced = list_parts(b, b->made->trace, &b->made->traced_count);
+    b->made->traced = list_parts(b, &b->made->trace, 1, &b->made->traced_count);
 }
 
 /* Whether an operation has no value at some operands. Poles are not meant: steps shrink before them. */
@@ -841,23 +828,15 @@ static bool is_partial(const saltus_graph *g, const saltus_graph_node *n) {
 static void find_guards(builder *b) {
     saltus_equations_graph *made = b->made;
     const saltus_graph *g = b->graph;
-    bool *field = reserve(b, (size_t)g->count, sizeof *field),
-         *needed = reserve(b, (size_t)g->count, sizeof *needed);
-    made->guard = reserve(b, (size_t)g->count, sizeof *made->guard);
-    made->guarded = reserve(b, (size_t)g->count, sizeof *made->guarded);
-    if (b->status == SALTUS_OK) {
-        saltus_graph_mark(g, made->field, made->dof + made->extra, NULL, field);
-        for (int k = 0; k < g->count; k++)
-            if (field[k] && is_partial(g, &g->nodes[k]) &&
-                g->nodes[k].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
-                made->guard[made->guards++] = k;
-        saltus_graph_mark(g, made->guard, made->guards, NULL, needed);
-        for (int k = 0; k < g->count; k++)
-            if (needed[k])
-                made->guarded[made->guarded_count++] = k;
-    }
-    free(field);
-    free(needed);
+    bool *field = scratch(b, (size_t)g->count, sizeof *field);
+    made->guard = keep(b, (size_t)g->count, sizeof *made->guard);
+    if (b->status != SALTUS_OK)
+        return;
+    saltus_graph_mark(g, made->field, made->dof + made->extra, NULL, field);
+    for (int k = 0; k < g->count; k++)
+        if (field[k] && is_partial(g, &g->nodes[k]) && g->nodes[k].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+            made->guard[made->guards++] = k;
+    made->guarded = list_parts(b, made->guard, made->guards, &made->guarded_count);
 }
 
 /* Derivatives of all numbers with respect to each parameter; what depends on states has its own on the tape.
@@ -868,9 +847,9 @@ static void add_derivatives(builder *b) {
     for (int p = 0; p < b->text->parameter_count && b->status == SALTUS_OK; p++) {
         if (b->text->parameters[p].integer)
             continue;
-        made->derivatives[p] = calloc((size_t)count, sizeof **made->derivatives);
+        made->derivatives[p] = keep(b, (size_t)count, sizeof **made->derivatives);
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_PARAMETER, p);
-        if (!no_memory(b, made->derivatives[p]))
+        if (made->derivatives[p])
             saltus_graph_differentiate(b->graph, leaf, count, SALTUS_OF_PARAMETERS | SALTUS_OF_SPEED, NULL,
                                        made->derivatives[p]);
     }
@@ -886,16 +865,16 @@ static void read_zero(builder *b) {
         refuse(b, NULL, "must depend on the state");
     b->equation = NULL;
     if (b->status == SALTUS_OK)
-        made->zeros = list_parts(b, made->zero, &made->zero_count);
+        made->zeros = list_parts(b, &made->zero, 1, &made->zero_count);
 }
 
 static void build(builder *b) {
     const saltus_parsed_text *text = b->text;
     saltus_equations_graph *made = b->made;
-    b->known = reserve(b, (size_t)text->let.count, sizeof *b->known);
+    b->known = keep(b, (size_t)text->let.count, sizeof *b->known);
     made->parameter_count = text->parameter_count;
-    made->derivatives = reserve(b, (size_t)text->parameter_count, sizeof *made->derivatives);
-    made->parameters = reserve(b, (size_t)text->parameter_count, sizeof *made->parameters);
+    made->derivatives = keep(b, (size_t)text->parameter_count, sizeof *made->derivatives);
+    made->parameters = keep(b, (size_t)text->parameter_count, sizeof *made->parameters);
     if (b->status != SALTUS_OK || no_memory(b, saltus_graph_open(b->graph) ? b : NULL))
         return;
     memcpy(made->parameters, b->parameters, (size_t)text->parameter_count * sizeof *made->parameters);
@@ -911,19 +890,19 @@ static void build(builder *b) {
     if (b->status != SALTUS_OK)
         return;
     const size_t stops = (size_t)text->coordinates.count;
-    int *field = made->field = reserve(b, (size_t)all, sizeof *field);
-    made->names = reserve(b, (size_t)all, sizeof *made->names);
-    made->inverse_mass = reserve(b, (size_t)n * (size_t)n, sizeof(int));
-    made->normal = reserve(b, stops * (size_t)n, sizeof(int));
-    made->offset = reserve(b, stops, sizeof(int));
-    made->clearance = reserve(b, stops, sizeof(int));
-    made->restitution = reserve(b, stops, sizeof(int));
-    made->rebound = reserve(b, stops, sizeof(int));
-    made->observe = reserve(b, (size_t)text->observe.count, sizeof(int));
-    made->observer = reserve(b, (size_t)(text->observe.count * n), sizeof(int));
-    made->sums = reserve(b, (size_t)text->observe.count, sizeof(bool));
-    made->scale = reserve(b, 2 * (size_t)all, sizeof(int));
-    made->initial = reserve(b, 2 * (size_t)all, sizeof(int));
+    int *field = made->field = keep(b, (size_t)all, sizeof *field);
+    made->names = keep(b, (size_t)all, sizeof *made->names);
+    made->inverse_mass = keep(b, (size_t)n * (size_t)n, sizeof(int));
+    made->normal = keep(b, stops * (size_t)n, sizeof(int));
+    made->offset = keep(b, stops, sizeof(int));
+    made->clearance = keep(b, stops, sizeof(int));
+    made->restitution = keep(b, stops, sizeof(int));
+    made->rebound = keep(b, stops, sizeof(int));
+    made->observe = keep(b, (size_t)text->observe.count, sizeof(int));
+    made->observer = keep(b, (size_t)(text->observe.count * n), sizeof(int));
+    made->sums = keep(b, (size_t)text->observe.count, sizeof(bool));
+    made->scale = keep(b, 2 * (size_t)all, sizeof(int));
+    made->initial = keep(b, 2 * (size_t)all, sizeof(int));
     if (b->status == SALTUS_OK) {
         memset(made->scale, -1, 2 * (size_t)all * sizeof(int));
         memset(made->initial, -1, 2 * (size_t)all * sizeof(int));
@@ -934,11 +913,15 @@ static void build(builder *b) {
     }
     if (b->status == SALTUS_OK)
         divide_by_mass(b, field);
-    for (size_t s = 0; s < stops && b->status == SALTUS_OK; s++)
+    for (size_t s = 0; s < stops && b->status == SALTUS_OK; s++) {
         read_stop(b, (int)s);
+        free_all(&b->scratch);
+    }
     made->observe_count = text->observe.count;
-    for (int k = 0; k < text->observe.count && b->status == SALTUS_OK; k++)
+    for (int k = 0; k < text->observe.count && b->status == SALTUS_OK; k++) {
         read_observed(b, k);
+        free_all(&b->scratch);
+    }
     made->zero = -1;
     if (b->status == SALTUS_OK && text->zero.count)
         read_zero(b);
@@ -974,10 +957,8 @@ saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const d
     build(&b);
     for (int k = 0; b.known && k < text->let.count; k++)
         free(b.known[k].node);
-    free(b.known);
     free(b.division);
-    free(b.displacements);
-    free(b.states);
+    free_all(&b.scratch);
     if (b.status != SALTUS_OK) {
         saltus_equations_graph_free(b.made);
         *made = NULL;
@@ -988,27 +969,7 @@ saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const d
 void saltus_equations_graph_free(saltus_equations_graph *g) {
     if (!g)
         return;
-    for (int k = 0; g->derivatives && k < g->parameter_count; k++)
-        free(g->derivatives[k]);
-    free(g->derivatives);
-    free(g->parameters);
-    free(g->names);
-    free(g->field);
-    free(g->inverse_mass);
-    free(g->normal);
-    free(g->offset);
-    free(g->guard);
-    free(g->guarded);
-    free(g->clearance);
-    free(g->restitution);
-    free(g->rebound);
-    free(g->observe);
-    free(g->observer);
-    free(g->sums);
-    free(g->zeros);
-    free(g->traced);
-    free(g->scale);
-    free(g->initial);
+    free_all(&g->owned);
     saltus_tape_free(g->tape);
     saltus_graph_close(&g->graph);
     free(g);
@@ -1032,6 +993,7 @@ saltus_status saltus_constant_value(const char *text, double *value, saltus_mess
             *value = graph.nodes[node].value;
     }
     free(b.division);
+    free_all(&b.scratch);
     saltus_graph_close(&graph);
     saltus_expression_clear(&equation.right);
     free(b.made);

@@ -3,6 +3,7 @@
 #ifndef SALTUS_SYSTEM_TEXT_BUILD_H
 #define SALTUS_SYSTEM_TEXT_BUILD_H
 
+#include "base/list.h"
 #include "saltus/system.h"
 #include "system/expression.h"
 #include "system/tape.h"
@@ -31,14 +32,21 @@ typedef struct saltus_parsed_text {
     int parameter_count;
     saltus_text_constant *constants;
     int constant_count;
-    saltus_parsed_list families, let, motion, mass, states, observe, scale, initial, coordinates, clearances,
-        restitutions;        /* the last three: one for each stop; no text where numbers do */
-    saltus_parsed_list zero; /* the section's expression, if there is one */
+    union {
+        struct {
+            saltus_parsed_list families, let, motion, mass, states, observe, scale, initial;
+            saltus_parsed_list zero; /* the section's expression, if there is one */
+            /* One for each stop; no text where numbers do. */
+            saltus_parsed_list coordinates, clearances, restitutions;
+        };
+        saltus_parsed_list lists[12];
+    };
 } saltus_parsed_text;
 
 /* The graph of a text for given whole-number parameters, which decide its sizes. Nodes: */
 typedef struct saltus_equations_graph {
     struct saltus_equations_graph *next; /* for other whole numbers */
+    saltus_list owned;                   /* void *: the arrays below */
     double *parameters;                  /* those that it was made for; only whole ones matter */
     saltus_graph graph;
     saltus_tape *tape; /* of accelerations and rates */

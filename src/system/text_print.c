@@ -23,16 +23,6 @@ typedef struct printer {
     int left; /* nodes that may still be written */
 } printer;
 
-static const char *const names[] = {
-    [SALTUS_OP_SQRT] = "sqrt", [SALTUS_OP_EXP] = "exp",   [SALTUS_OP_LOG] = "log",
-    [SALTUS_OP_SIN] = "sin",   [SALTUS_OP_COS] = "cos",   [SALTUS_OP_TAN] = "tan",
-    [SALTUS_OP_ASIN] = "asin", [SALTUS_OP_ACOS] = "acos", [SALTUS_OP_ATAN] = "atan",
-    [SALTUS_OP_SINH] = "sinh", [SALTUS_OP_COSH] = "cosh", [SALTUS_OP_TANH] = "tanh",
-    [SALTUS_OP_ABS] = "abs",   [SALTUS_OP_SIGN] = "sign", [SALTUS_OP_ATAN2] = "atan2",
-    [SALTUS_OP_MOD] = "mod",   [SALTUS_OP_MIN] = "min",   [SALTUS_OP_MAX] = "max",
-    [SALTUS_OP_STEP] = "step",
-};
-
 /* A product or a sum taken apart: numbers together, everything else in the order of the text. */
 typedef struct parts {
     int node[parts_max], count;
@@ -116,11 +106,14 @@ static void put_sum(printer *p, int node) {
     }
 }
 
-static void put_arguments(printer *p, const char *name, const int *operands, int count) {
-    fprintf(p->file, "%s(", name);
-    for (int k = 0; k < count; k++) {
+static void put_call(printer *p, const saltus_graph_node *n) {
+    int function = 0;
+    while (saltus_function_operation((saltus_function)function) != n->operation)
+        function++;
+    fprintf(p->file, "%s(", saltus_function_name((saltus_function)function));
+    for (int k = 0; k < saltus_operation_operands(n->operation); k++) {
         fputs(k ? ", " : "", p->file);
-        put_node(p, operands[k], of_sum);
+        put_node(p, n->operand[k], of_sum);
     }
     fputc(')', p->file);
 }
@@ -194,10 +187,7 @@ static void put_inside(printer *p, int node) {
         put_node(p, n.operand[1], of_power + 1);
         return;
     default:
-        if (n.operation >= SALTUS_OP_CHOOSE_LESS)
-            put_choice(p, &n);
-        else
-            put_arguments(p, names[n.operation], n.operand, saltus_operation_operands(n.operation));
+        (n.operation >= SALTUS_OP_CHOOSE_LESS ? put_choice : put_call)(p, &n);
     }
 }
 
