@@ -318,6 +318,53 @@ static void the_folder_stays_small(void **unused) {
     folder_files(kept, true);
 }
 
+static double milliseconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
+}
+
+/* The compiler begins after the time that is told, not before: what stands for it here leaves a mark. */
+static void short_runs_do_without(void **unused) {
+    (void)unused;
+    char compiler[80], mark[80], how[512];
+    snprintf(compiler, sizeof compiler, "%s/compiler", cache);
+    snprintf(mark, sizeof mark, "%s/mark", cache);
+    FILE *script = fopen(compiler, "w");
+    assert_non_null(script);
+    fprintf(script, "#!/bin/sh\n: >%s\n", mark);
+    assert_int_equal(fclose(script), 0);
+    assert_int_equal(chmod(compiler, 0700), 0);
+    setenv("SALTUS_COMPILE", compiler, 1);
+    saltus_system *system = system_of(&ways[0]);
+    saltus_flow *flow = open_way(&ways[0], system);
+    assert_true(saltus_fixed_tell(system, how, sizeof how));
+    const char *told = strstr(how, "more than ");
+    assert_non_null(told);
+    const double delay = atof(told + strlen("more than ")), begin = milliseconds();
+    assert_true(delay >= 50);
+    double asked_last = begin;
+    while (milliseconds() < begin + 0.5 * delay) {
+        saltus_fixed_ask(&flow->fixed, system);
+        asked_last = milliseconds();
+    }
+    for (int k = 0; k < 40; k++)
+        pause_briefly();
+    const bool early = access(mark, F_OK) == 0 && asked_last < begin + delay;
+    while (milliseconds() < begin + delay)
+        pause_briefly();
+    for (int k = 0; k < 2000 && access(mark, F_OK) != 0; k++, pause_briefly())
+        saltus_fixed_ask(&flow->fixed, system);
+    const bool begun = access(mark, F_OK) == 0;
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    unsetenv("SALTUS_COMPILE");
+    unlink(mark);
+    unlink(compiler);
+    assert_false(early);
+    assert_true(begun);
+}
+
 /* Without a compiler, or with one that fails, runs go on as before and leave no file. */
 static void no_compiler(void **unused) {
     (void)unused;
@@ -372,8 +419,9 @@ static int remove_cache(void **unused) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(no_compiler), cmocka_unit_test(same_bits),
-                                       cmocka_unit_test(foreign_files), cmocka_unit_test(no_folder),
-                                       cmocka_unit_test(the_folder_stays_small)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_compiler),           cmocka_unit_test(same_bits),
+        cmocka_unit_test(foreign_files),         cmocka_unit_test(no_folder),
+        cmocka_unit_test(short_runs_do_without), cmocka_unit_test(the_folder_stays_small)};
     return cmocka_run_group_tests(tests, make_cache, remove_cache);
 }

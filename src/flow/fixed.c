@@ -119,8 +119,9 @@ saltus_fixed saltus_fixed_open(const saltus_kernel *kernel, const saltus_system 
                                         .wide = kernel->lanes > 1,
                                         .order = work->order,
                                         .columns = work->columns,
-                                        .directions = work->directions};
-    saltus_compiled *compiled = system->tape ? saltus_compiled_hold(system->tape->compiled, &shape) : NULL;
+                                        .directions = work->directions,
+                                        .delay = delay_for(system->tape)};
+    saltus_compiled *compiled = saltus_compiled_hold(system->tape->compiled, &shape);
     return (saltus_fixed){.compiled = compiled, .function = compiled ? saltus_compiled_get(compiled) : NULL};
 }
 
