@@ -3,7 +3,7 @@
 #include "sweep_check.h"
 
 #include "motion/evidence.h"
-#include "motion/long_period.h"
+#include "motion/motion.h"
 
 #include <gsl/gsl_randist.h>
 

@@ -1,4 +1,5 @@
-/* One aligned block per object, carved into arrays: an object is allocated once, checked once and freed once.
+/* Arenas, one aligned block per object carved into arrays: an object is allocated once, checked once and
+ * freed once. And lists that grow.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BASE_MEMORY_H
 #define SALTUS_BASE_MEMORY_H
@@ -21,5 +22,14 @@ bool saltus_arena_open(saltus_arena *arena);
 
 /* Free what the arena holds. A zeroed arena is accepted. */
 void saltus_arena_close(saltus_arena *arena);
+
+/* Entries of one size one after the other; a zeroed one is empty. `items` is to be freed. */
+typedef struct saltus_list {
+    void *items;
+    int count, room;
+} saltus_list;
+
+/* Room for one entry more of `size` bytes, at the end; NULL when there is no memory. */
+void *saltus_list_add(saltus_list *list, size_t size);
 
 #endif

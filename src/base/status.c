@@ -2,6 +2,7 @@
 #include "saltus/status.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,29 +12,20 @@ const char *saltus_version(void) {
 }
 
 const char *saltus_status_name(saltus_status status) {
-    switch (status) {
-    case SALTUS_OK:
-        return "ok";
-    case SALTUS_BAD_INPUT:
-        return "bad input";
-    case SALTUS_NO_MEMORY:
-        return "out of memory";
-    case SALTUS_NO_CONVERGENCE:
-        return "no convergence";
-    case SALTUS_STALLED:
-        return "stalled";
-    case SALTUS_SINGULAR:
-        return "singular";
-    case SALTUS_IO:
-        return "input or output failed";
-    case SALTUS_INTERRUPTED:
-        return "interrupted";
-    }
-    return "unknown status";
+    static const char *const names[] = {[-SALTUS_OK] = "ok",
+                                        [-SALTUS_BAD_INPUT] = "bad input",
+                                        [-SALTUS_NO_MEMORY] = "out of memory",
+                                        [-SALTUS_NO_CONVERGENCE] = "no convergence",
+                                        [-SALTUS_STALLED] = "stalled",
+                                        [-SALTUS_SINGULAR] = "singular",
+                                        [-SALTUS_IO] = "input or output failed",
+                                        [-SALTUS_INTERRUPTED] = "interrupted"};
+    const bool known = status <= 0 && status > -(int)(sizeof names / sizeof names[0]);
+    return known ? names[-status] : "unknown status";
 }
 
 /* Whether a byte of UTF-8 goes on with the character before it. */
-static int goes_on(char byte) {
+static bool goes_on(char byte) {
     return ((unsigned char)byte & 0xc0) == 0x80;
 }
 
@@ -48,8 +40,8 @@ static void shorten(saltus_message *message, const char *whole, size_t length) {
     snprintf(message->text, sizeof message->text, "%.*s...%s", (int)begin, whole, whole + end);
 }
 
-__attribute__((format(printf, 2, 0))) static void write_sentence(saltus_message *message, const char *format,
-                                                                 va_list arguments) {
+__attribute__((format(printf, 3, 0))) static void fill(saltus_message *message, saltus_fault fault,
+                                                       const char *format, va_list arguments) {
     va_list again;
     va_copy(again, arguments);
     int length = vsnprintf(message->text, sizeof message->text, format, arguments);
@@ -60,6 +52,10 @@ __attribute__((format(printf, 2, 0))) static void write_sentence(saltus_message 
         free(whole);
     }
     va_end(again);
+    message->cause = fault.cause;
+    snprintf(message->key, sizeof message->key, "%s", fault.key ? fault.key : "");
+    message->stop = fault.stop;
+    message->line = fault.line;
 }
 
 saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...) {
@@ -67,11 +63,8 @@ saltus_status saltus_fail(saltus_message *message, saltus_status status, const c
     if (!message)
         return status;
     va_start(arguments, format);
-    write_sentence(message, format, arguments);
+    fill(message, (saltus_fault){.key = NULL}, format, arguments);
     va_end(arguments);
-    message->cause = SALTUS_CAUSE_OTHER;
-    message->key[0] = '\0';
-    message->stop = message->line = 0;
     return status;
 }
 
@@ -81,11 +74,7 @@ saltus_status saltus_fail_at(saltus_message *message, saltus_status status, salt
     if (!message)
         return status;
     va_start(arguments, format);
-    write_sentence(message, format, arguments);
+    fill(message, fault, format, arguments);
     va_end(arguments);
-    message->cause = fault.cause;
-    snprintf(message->key, sizeof message->key, "%s", fault.key ? fault.key : "");
-    message->stop = fault.stop;
-    message->line = fault.line;
     return status;
 }

@@ -61,11 +61,7 @@ void saltus_flow_forces(saltus_flow *flow, int lane, double *forces) {
     saltus_work *probe = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 1);
     for (int k = 0; k < self->hold.count; k++) {
         int face = self->hold.face[k];
-        const double *normal = self->system->stop_normal[self->system->faces[face].stop];
-        double compliance = 0;
-        for (int i = 0; i < flow->dof; i++)
-            for (int j = 0; j < flow->dof; j++)
-                compliance += normal[i] * self->system->inverse_mass[i * flow->dof + j] * normal[j];
-        forces[face] = probe->hold.force[saltus_work_series_place(probe, k, 0, 0)] / compliance;
+        forces[face] = probe->hold.force[saltus_work_series_place(probe, k, 0, 0)] /
+                       saltus_system_compliance(self->system, face);
     }
 }

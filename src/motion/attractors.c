@@ -1,7 +1,6 @@
 /* Distinct attractors from random initial states.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
-#include "motion/verdict.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,6 @@
 /* Classification of a motion (model.md, section 4): what its trajectory settles on, or else what it is
  * without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/long_period.h"
 #include "motion/options.h"
 #include "motion/search.h"
 

@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
 #include "orbit/poincare.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,11 +37,10 @@ saltus_status saltus_motion_cycle(const saltus_system *system, const double *gue
 saltus_status saltus_motion_count_returns(const saltus_system *system, const saltus_flow_options *options,
                                           saltus_motion *motion, saltus_system **counted,
                                           saltus_message *message) {
-    saltus_spec spec = *saltus_system_spec(system);
     saltus_lap lap = {.keeps_events = true};
     saltus_flow *flow = NULL;
-    saltus_spec_set_omega(&spec, 2 * M_PI * motion->periods / motion->period);
-    saltus_status status = saltus_system_new(&spec, counted, message);
+    saltus_status status =
+        saltus_system_clocked(system, 2 * M_PI * motion->periods / motion->period, counted, message);
     if (status == SALTUS_OK)
         status = saltus_flow_single(*counted, 0, options, &flow, message);
     if (status == SALTUS_OK)
@@ -131,9 +131,8 @@ static saltus_status watch(returns *r, const double *state, const saltus_classif
             break;
         saltus_flow_state(flow, 0, now);
         saltus_crossings_take(&returns, flow, 0, &event, now);
-        while (saltus_crossings_next(&returns, flow, 0, now, &time) > 0)
-            if (!returns.falling)
-                add_return(r, saltus_time_periods(time), now);
+        while (saltus_crossings_count(&returns, flow, 0, now, &time))
+            add_return(r, saltus_time_periods(time), now);
     }
     saltus_flow_free(flow);
     return status;
@@ -150,10 +149,9 @@ saltus_status saltus_motion_returning(const saltus_system *system, const double 
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for returns");
     bool found = false;
     for (int k = 0; k < r.found && status == SALTUS_OK && !found; k++) {
-        saltus_spec spec = *saltus_system_spec(system);
         saltus_system *counted = NULL;
-        saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / r.best[k].taken);
-        status = saltus_system_new(&spec, &counted, message);
+        const double omega = saltus_spec_omega(saltus_system_spec(system)) / r.best[k].taken;
+        status = saltus_system_clocked(system, omega, &counted, message);
         if (status != SALTUS_OK)
             break;
         saltus_status tried = saltus_motion_cycle(counted, r.best[k].state, options, motion, &why);

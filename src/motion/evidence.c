@@ -38,11 +38,11 @@ static void observe(const saltus_system *system, const double *points, long long
 
 /* Fill the evidence with what the section points say. */
 static saltus_status judge_points(const saltus_system *system, const double *values, long long count,
-                                  saltus_opinions opinions, saltus_evidence *evidence,
+                                  saltus_point_tests tests, saltus_evidence *evidence,
                                   saltus_message *message) {
     const double *scale = saltus_system_scale(system);
     double weights[SALTUS_STATE_MAX], *series = malloc((size_t)count * sizeof *series);
-    bool all = opinions == SALTUS_OPINIONS_ALL;
+    bool all = tests == SALTUS_TESTS_ALL;
     saltus_series_options options = saltus_series_defaults();
     saltus_series_chaos chaos = {NAN, NAN, NAN, false};
     saltus_series_curve curve = {0};
@@ -116,10 +116,10 @@ saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
                : chaos;
 }
 
-saltus_status saltus_points_ask(const saltus_system *system, const double *points, long long count,
-                                saltus_opinions opinions, saltus_evidence *evidence, saltus_outcome *outcome,
-                                saltus_message *message) {
-    saltus_status status = judge_points(system, points, count, opinions, evidence, message);
+saltus_status saltus_points_test(const saltus_system *system, const double *points, long long count,
+                                 saltus_point_tests tests, saltus_evidence *evidence, saltus_outcome *outcome,
+                                 saltus_message *message) {
+    saltus_status status = judge_points(system, points, count, tests, evidence, message);
     if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_TORUS)
         return status;
     /* The points of an orbit that is approached slowly have a spectrum of lines and keep their neighbours,

@@ -2,7 +2,7 @@
  *
  * One rule for all who measure. A run is weighed by its exponent: saltus_runs_weigh. That says that the
  * motion is regular, or that it may be a torus or chaos; then its section points are asked, which has the
- * last word: saltus_points_ask. A driver decides how long its runs are and which points it has.
+ * last word: saltus_points_test. A driver decides how long its runs are and which points it has.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_MOTION_EVIDENCE_H
 #define SALTUS_MOTION_EVIDENCE_H
@@ -36,13 +36,13 @@ typedef struct saltus_runs {
 } saltus_runs;
 
 /* How much is asked of section points. */
-typedef enum saltus_opinions {
-    SALTUS_OPINIONS_TORUS, /* what tells a torus: broadband part, and closed curves where that is small */
-    SALTUS_OPINIONS_ALL    /* these in any case, 0-1 test and dimension */
-} saltus_opinions;
+typedef enum saltus_point_tests {
+    SALTUS_TESTS_TORUS, /* what tells a torus: broadband part, and closed curves where that is small */
+    SALTUS_TESTS_ALL    /* these in any case, 0-1 test and dimension */
+} saltus_point_tests;
 
 /* What the exponent says. A torus is only suspected: the section points must be asked; so is chaos: there
- * must be no stable orbit amid it (motion/stable_orbit.h). SALTUS_OUTCOME_SHORT: measure on, if there is
+ * must be no stable orbit amid it (motion/stable_orbit.c). SALTUS_OUTCOME_SHORT: measure on, if there is
  * time. */
 saltus_outcome saltus_runs_weigh(const saltus_runs *runs);
 /* Whether an exponent, per unit of time, is zero as far as it is known, and it is known so well that neither
@@ -54,8 +54,8 @@ bool saltus_exponent_may_be_zero(saltus_estimate exponent, double period);
 double saltus_lifetime_at_least(double watched, int left);
 /* Fill the evidence with what `count` section points (dimension numbers each, SALTUS_SERIES_LEAST at least)
  * say, and revise the outcome by it. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
-saltus_status saltus_points_ask(const saltus_system *system, const double *points, long long count,
-                                saltus_opinions opinions, saltus_evidence *evidence, saltus_outcome *outcome,
-                                saltus_message *message);
+saltus_status saltus_points_test(const saltus_system *system, const double *points, long long count,
+                                 saltus_point_tests tests, saltus_evidence *evidence, saltus_outcome *outcome,
+                                 saltus_message *message);
 
 #endif

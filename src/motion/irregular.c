@@ -14,10 +14,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
 #include "motion/evidence.h"
-#include "motion/long_period.h"
 #include "motion/motion.h"
-#include "motion/section_points.h"
-#include "motion/stable_orbit.h"
 #include "saltus/series.h"
 
 #include <math.h>
@@ -228,8 +225,8 @@ static saltus_status count_zeros(judge *j, saltus_outcome *outcome, saltus_messa
 static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_message *message) {
     saltus_evidence *evidence = &j->motion->evidence;
     if (saltus_system_forced(j->system))
-        return saltus_points_ask(j->system, j->points, points_there(j), SALTUS_OPINIONS_ALL, evidence,
-                                 outcome, message);
+        return saltus_points_test(j->system, j->points, points_there(j), SALTUS_TESTS_ALL, evidence, outcome,
+                                  message);
     saltus_status status =
         saltus_motion_section_points(j->system, &j->how.flow, j->ensemble.member[0].state, points_kept,
                                      j->returns, j->times, &j->return_count, message);
@@ -239,8 +236,8 @@ static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_messag
         return SALTUS_OK;
     }
     if (status == SALTUS_OK)
-        status = saltus_points_ask(j->system, j->returns, j->return_count, SALTUS_OPINIONS_ALL, evidence,
-                                   outcome, message);
+        status = saltus_points_test(j->system, j->returns, j->return_count, SALTUS_TESTS_ALL, evidence,
+                                    outcome, message);
     return status == SALTUS_OK && *outcome == SALTUS_OUTCOME_TORUS ? count_zeros(j, outcome, message)
                                                                    : status;
 }

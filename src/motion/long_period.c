@@ -9,7 +9,6 @@
  * contacts beyond all numbers, the time from one to the next is decided by rounding: a run with another
  * tolerance finds another one.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/long_period.h"
 
 #include "base/simd.h"
 #include "motion/motion.h"

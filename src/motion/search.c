@@ -8,6 +8,7 @@
 #include "motion/search.h"
 
 #include "orbit/returns.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -145,7 +146,6 @@ static void forget_cycle(saltus_search *s) {
 /* Without forcing: try the returns that recur at present, with the time between them. */
 static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
-    saltus_spec spec = *saltus_system_spec(s->system);
     saltus_system *counted = NULL;
     const saltus_settling *returns = &s->visits.settling;
     int p = saltus_settling_candidate(returns);
@@ -153,8 +153,8 @@ static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
         return SALTUS_OK;
     const double *last = saltus_settling_point(returns, 0);
     double near = fmax(nearby, 30 * saltus_settling_recurrence(returns, p));
-    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / saltus_visits_taken(&s->visits, p));
-    saltus_status status = saltus_system_new(&spec, &counted, message);
+    double omega = saltus_spec_omega(saltus_system_spec(s->system)) / saltus_visits_taken(&s->visits, p);
+    saltus_status status = saltus_system_clocked(s->system, omega, &counted, message);
     if (status == SALTUS_OK)
         status = saltus_cycle_polish(counted, last, &shooting, &s->orbit, &s->clocked, &s->lap, message);
     if (status == SALTUS_OK)

@@ -4,7 +4,6 @@
 #define SALTUS_MOTION_SEARCH_H
 
 #include "motion/motion.h"
-#include "motion/slow_rest.h"
 #include "motion/visits.h"
 
 enum { SALTUS_FIRST_BLOCK = 64 }; /* periods before the first look */

@@ -4,12 +4,13 @@
  * method there; of those that lead to unstable orbits there are the more the longer their period, so only a
  * few are tried of each.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/section_points.h"
+#include "motion/motion.h"
 
-#include "orbit/lap.h"
 #include "orbit/poincare.h"
+#include "system/system.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { longest = 16, tries = 4 };
 static const double beside = 3; /* times the distance of a return */
@@ -24,7 +25,6 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
     saltus_flow *flow = NULL;
     saltus_time time;
     double state[SALTUS_STATE_MAX];
-    int change;
     *count = 0;
     saltus_status status = saltus_flow_single(system, 0, options, &flow, message);
     if (status == SALTUS_OK)
@@ -35,12 +35,10 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
             break;
         saltus_flow_state(flow, 0, state);
         saltus_crossings_take(&crossings, flow, 0, &event, state);
-        while ((change = saltus_crossings_next(&crossings, flow, 0, state, &time)) != 0)
-            if (change > 0 && !crossings.falling && *count < room) {
-                for (int i = 0; i < n; i++)
-                    points[*count * n + i] = state[i];
-                times[(*count)++] = saltus_time_periods(time);
-            }
+        while (*count < room && saltus_crossings_count(&crossings, flow, 0, state, &time)) {
+            memcpy(points + *count * n, state, (size_t)n * sizeof *state);
+            times[(*count)++] = saltus_time_periods(time);
+        }
     }
     saltus_flow_free(flow);
     return status;
@@ -77,9 +75,8 @@ saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltu
             if (at < 0)
                 break;
             saltus_system *counted = NULL;
-            saltus_spec spec = *saltus_system_spec(system);
-            saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / (times[at + p] - times[at]));
-            saltus_status status = saltus_system_new(&spec, &counted, message);
+            double omega = saltus_spec_omega(saltus_system_spec(system)) / (times[at + p] - times[at]);
+            saltus_status status = saltus_system_clocked(system, omega, &counted, message);
             if (status == SALTUS_OK)
                 status = saltus_motion_cycle(counted, points + at * n, &options, motion, NULL);
             saltus_system_free(counted);

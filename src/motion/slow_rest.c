@@ -1,7 +1,7 @@
 /* Rests that are approached too slowly to wait for: Newton's method finds them, the eigenvalues say how fast
  * the trajectory must come nearer, and two looks show that it does.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/slow_rest.h"
+#include "motion/motion.h"
 
 #include <math.h>
 #include <string.h>

@@ -9,7 +9,6 @@
  * are passed over without any work. Plain steps on the stroboscopic map, given up as soon as they do not
  * converge, try what is left; what is found is confirmed by saltus_orbit_find.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/stable_orbit.h"
 
 #include "motion/motion.h"
 #include "orbit/fixed_point.h"

@@ -1,6 +1,6 @@
 /* Verdicts on motions: their words and labels, and whether two motions are the same attractor.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "motion/verdict.h"
+#include "motion/motion.h"
 
 #include "orbit/lap.h"
 

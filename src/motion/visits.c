@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/visits.h"
 
+#include "system/system.h"
+
 #include <stdlib.h>
 
 bool saltus_visits_open(saltus_visits *v, int dimension, int longest, double near) {
@@ -30,14 +32,11 @@ void saltus_visits_take(saltus_visits *v, const saltus_flow *flow, int lane, con
 
 bool saltus_visits_next(saltus_visits *v, const saltus_flow *flow, int lane, double *state) {
     saltus_time time;
-    int change;
-    while ((change = saltus_crossings_next(&v->returns, flow, lane, state, &time)) != 0)
-        if (change > 0 && !v->returns.falling) {
-            v->times[v->settling.count % v->settling.size] = saltus_time_periods(time);
-            saltus_settling_add(&v->settling, state, v->done.impacts, v->done.sticks + v->done.releases);
-            return true;
-        }
-    return false;
+    if (!saltus_crossings_count(&v->returns, flow, lane, state, &time))
+        return false;
+    v->times[v->settling.count % v->settling.size] = saltus_time_periods(time);
+    saltus_settling_add(&v->settling, state, v->done.impacts, v->done.sticks + v->done.releases);
+    return true;
 }
 
 double saltus_visits_last(const saltus_visits *v) {
@@ -57,7 +56,6 @@ saltus_status saltus_visits_count(const saltus_visits *v, const saltus_system *s
     if (r->count < few)
         return SALTUS_OK;
     int span = r->count <= r->size ? (int)r->count - 1 : r->size - 1;
-    saltus_spec spec = *saltus_system_spec(system);
-    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) * span / saltus_visits_taken(v, span));
-    return saltus_system_new(&spec, counted, message);
+    double omega = saltus_spec_omega(saltus_system_spec(system)) * span / saltus_visits_taken(v, span);
+    return saltus_system_clocked(system, omega, counted, message);
 }

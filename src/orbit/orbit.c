@@ -8,6 +8,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
 #include "orbit/sequence.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,12 +63,11 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
 
 /* The event-driven flow counts time as the best orbit does. */
 static saltus_status retune(search *s, saltus_message *message) {
-    saltus_spec spec = *saltus_system_spec(saltus_flow_system(s->flow, 0));
     saltus_system *system;
     if (!(s->sequence.omega > 0))
         return SALTUS_OK;
-    saltus_spec_set_omega(&spec, s->sequence.omega);
-    saltus_status status = saltus_system_new(&spec, &system, message);
+    saltus_status status =
+        saltus_system_clocked(saltus_flow_system(s->flow, 0), s->sequence.omega, &system, message);
     if (status == SALTUS_OK)
         status = saltus_flow_retune(s->flow, 0, system, message);
     if (status == SALTUS_OK) {

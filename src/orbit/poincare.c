@@ -156,8 +156,11 @@ void saltus_crossings_take(saltus_crossings *r, const saltus_flow *flow, int lan
         look(r, flow, lane, length * k / pieces, length * (k + 1) / pieces);
 }
 
-int saltus_crossings_next(saltus_crossings *r, const saltus_flow *flow, int lane, double *state,
-                          saltus_time *time) {
+/* The next change of the number of returns by the event taken last: 1 for a return, whose state replaces that
+ * of now; negative where chatter completes, whose impacts but the first are taken back; 0: there is none any
+ * more. */
+static int next_change(saltus_crossings *r, const saltus_flow *flow, int lane, double *state,
+                       saltus_time *time) {
     *time = r->time;
     if (r->told < r->zeros) {
         double since = r->zero[r->told++];
@@ -174,6 +177,15 @@ int saltus_crossings_next(saltus_crossings *r, const saltus_flow *flow, int lane
     if (change > 0 && r->run > 0)
         saltus_state_admit(saltus_flow_system(flow, lane), state);
     return change;
+}
+
+bool saltus_crossings_count(saltus_crossings *r, const saltus_flow *flow, int lane, double *state,
+                            saltus_time *time) {
+    int change;
+    while ((change = next_change(r, flow, lane, state, time)) != 0)
+        if (change > 0 && !r->falling)
+            return true;
+    return false;
 }
 
 /* The returns of a lap: time, rank, state. */
@@ -224,7 +236,7 @@ static bool note(section *s, const saltus_flow *flow, const saltus_event *event,
     bool room = true;
     saltus_crossings_take(&s->returns, flow, 0, event, now);
     memcpy(state, now, (size_t)s->n * sizeof *state);
-    while (room && (change = saltus_crossings_next(&s->returns, flow, 0, state, &time)) != 0) {
+    while (room && (change = next_change(&s->returns, flow, 0, state, &time)) != 0) {
         s->count += change < 0 ? change : 0;
         if (change > 0)
             room = add_row(s, saltus_time_periods(time), rank_of(system, event, state), state);
@@ -285,7 +297,7 @@ static double coming(saltus_crossings *returns, const saltus_flow *flow, const s
     next = next > own ? next : 0;
     saltus_flow_state(flow, 0, state);
     saltus_crossings_take(returns, flow, 0, event, state);
-    while (saltus_crossings_next(returns, flow, 0, state, &time) != 0) {
+    while (next_change(returns, flow, 0, state, &time) != 0) {
         double at = saltus_time_periods(time);
         if (at > own && (next == 0 || at < next))
             next = at;
@@ -345,13 +357,6 @@ saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double 
     return room ? status : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
 }
 
-static saltus_status clock_by(const saltus_system *system, double omega, saltus_system **clocked,
-                              saltus_message *message) {
-    saltus_spec spec = *saltus_system_spec(system);
-    saltus_spec_set_omega(&spec, omega);
-    return saltus_system_new(&spec, clocked, message);
-}
-
 /* A rest closes after any time: how far the flow would go in a period at the orbit's speed at its base, in
  * the state's scales. */
 static saltus_status base_speed(saltus_flow *flow, const double *state, double *speed,
@@ -381,7 +386,7 @@ saltus_status saltus_cycle_polish(const saltus_system *system, const double *gue
     *clocked = NULL;
     saltus_status status = saltus_orbit_find(system, 1, guess, &shooting, orbit, message);
     if (status == SALTUS_OK)
-        status = clock_by(system, orbit->omega, clocked, message);
+        status = saltus_system_clocked(system, orbit->omega, clocked, message);
     if (status == SALTUS_OK)
         status = saltus_flow_single(*clocked, 0, &options->flow, &flow, message);
     if (status == SALTUS_OK)
@@ -401,7 +406,7 @@ saltus_status saltus_cycle_polish(const saltus_system *system, const double *gue
     *clocked = NULL;
     saltus_system *faster = NULL;
     if (status == SALTUS_OK)
-        status = clock_by(slower, longer.omega * part, &faster, message);
+        status = saltus_system_clocked(slower, longer.omega * part, &faster, message);
     if (status == SALTUS_OK)
         status = saltus_cycle_polish(faster, longer.state, options, orbit, clocked, lap, message);
     saltus_system_free(faster);

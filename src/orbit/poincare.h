@@ -33,11 +33,11 @@ unsigned saltus_crossings_watch(const saltus_system *system);
 /* Take an event of a lane, a target reached included, after which it is at `state`. */
 void saltus_crossings_take(saltus_crossings *returns, const saltus_flow *flow, int lane,
                            const saltus_event *event, const double *state);
-/* The next change of the number of returns by the event taken last: 1 for a return, whose state replaces that
- * of now and whose time is given; negative where chatter completes, whose impacts but the first are taken
- * back; 0: there is none any more. `state` is as above. */
-int saltus_crossings_next(saltus_crossings *returns, const saltus_flow *flow, int lane, double *state,
-                          saltus_time *time);
+/* The next return that the event taken last tells of and that is counted at once: its state replaces that of
+ * now, and its time is given. None is where chatter may be under way. `state` is as above. False: there is
+ * none any more. */
+bool saltus_crossings_count(saltus_crossings *returns, const saltus_flow *flow, int lane, double *state,
+                            saltus_time *time);
 
 /* On from an orbit's state, which may be a return, to the middle between it and the next event or return,
  * where a lap meets each once; it is *later by so many periods. The flow has no columns. Errors: those of the

@@ -3,7 +3,7 @@
 #include "record/fields.h"
 
 #include "branch/point.h"
-#include "motion/verdict.h"
+#include "motion/motion.h"
 #include "record/describe.h"
 
 #include <math.h>

@@ -6,8 +6,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
-#include "motion/verdict.h"
-
 #include <stdlib.h>
 
 static const double near_orbit = 1e-7; /* a settled state, relative to the system's scales */
@@ -15,8 +13,7 @@ static const double same_orbit = 1e-8; /* orbits found by Newton's method */
 
 struct saltus_basins {
     const saltus_sweep *sweep;
-    saltus_motion *motions;
-    int count, room;
+    saltus_list motions; /* saltus_motion */
 };
 
 saltus_status saltus_basins_new(const saltus_sweep *sweep, saltus_basins **basins, saltus_message *message) {
@@ -43,34 +40,20 @@ saltus_status saltus_basins_new(const saltus_sweep *sweep, saltus_basins **basin
 void saltus_basins_free(saltus_basins *basins) {
     if (!basins)
         return;
-    for (int k = 0; k < basins->count; k++)
-        saltus_motion_clear(&basins->motions[k]);
-    free(basins->motions);
+    for (int k = 0; k < basins->motions.count; k++)
+        saltus_motion_clear((saltus_motion *)basins->motions.items + k);
+    free(basins->motions.items);
     free(basins);
 }
 
 /* The known motion that a trajectory has ended on; -1 where there is none. */
 static int find(const saltus_basins *basins, saltus_ending ending, double distance) {
-    for (int k = 0; k < basins->count; k++) {
-        saltus_ending known = saltus_motion_ending(&basins->motions[k]);
+    for (int k = 0; k < basins->motions.count; k++) {
+        saltus_ending known = saltus_motion_ending(saltus_basins_motion(basins, k));
         if (saltus_same_attractor(basins->sweep->system, &known, &ending, distance))
             return k;
     }
     return -1;
-}
-
-/* A new attractor; the motion's arrays are then the basins'. -1 without memory. */
-static int take(saltus_basins *basins, const saltus_motion *motion) {
-    if (basins->count == basins->room) {
-        int room = 2 * basins->room + 8;
-        saltus_motion *grown = realloc(basins->motions, (size_t)room * sizeof *grown);
-        if (!grown)
-            return -1;
-        basins->motions = grown;
-        basins->room = room;
-    }
-    basins->motions[basins->count] = *motion;
-    return basins->count++;
 }
 
 saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *row, const double *state,
@@ -89,21 +72,23 @@ saltus_status saltus_basins_sort(saltus_basins *basins, const saltus_sweep_row *
     saltus_status status = saltus_classify(basins->sweep->system, state, &options, &motion, message);
     if (status == SALTUS_OK && saltus_verdict_settled(motion.verdict)) {
         *attractor = find(basins, saltus_motion_ending(&motion), same_orbit);
-        if (*attractor < 0) {
-            *attractor = take(basins, &motion);
-            if (*attractor >= 0)
-                return SALTUS_OK;
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the attractors");
+        saltus_motion *new = *attractor < 0 ? saltus_list_add(&basins->motions, sizeof *new) : NULL;
+        if (new) {
+            *new = motion;
+            *attractor = basins->motions.count - 1;
+            return SALTUS_OK;
         }
+        if (*attractor < 0)
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the attractors");
     }
     saltus_motion_clear(&motion);
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
 int saltus_basins_count(const saltus_basins *basins) {
-    return basins->count;
+    return basins->motions.count;
 }
 
 const saltus_motion *saltus_basins_motion(const saltus_basins *basins, int attractor) {
-    return &basins->motions[attractor];
+    return (const saltus_motion *)basins->motions.items + attractor;
 }

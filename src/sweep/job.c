@@ -3,8 +3,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
-#include "motion/verdict.h"
-
 #include <stdlib.h>
 #include <string.h>
 

@@ -10,6 +10,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "system/system.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -85,12 +87,10 @@ bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *t, bool *cou
 static saltus_status leave_section(const saltus_sweep_trajectory *t, double period, double *state,
                                    double *later) {
     saltus_flow_options options = saltus_flow_defaults();
-    saltus_spec spec = *saltus_system_spec(t->system);
     saltus_system *counted = NULL;
     saltus_flow *flow = NULL;
     options.integrator = t->sweep->options.flow.integrator;
-    saltus_spec_set_omega(&spec, 2 * M_PI / period);
-    saltus_status status = saltus_system_new(&spec, &counted, NULL);
+    saltus_status status = saltus_system_clocked(t->system, 2 * M_PI / period, &counted, NULL);
     if (status == SALTUS_OK)
         status = saltus_flow_single(counted, 0, &options, &flow, NULL);
     if (status == SALTUS_OK)
@@ -126,10 +126,9 @@ static saltus_judgement ask_for_cycle(saltus_sweep_trajectory *t, int recurs) {
     saltus_judgement judgement = goes_on;
     saltus_motion motion = {0};
     saltus_system *counted = NULL;
-    saltus_spec spec = *saltus_system_spec(t->system);
+    const double omega = saltus_spec_omega(saltus_system_spec(t->system)) / saltus_visits_taken(v, recurs);
     options.flow.integrator = t->sweep->options.flow.integrator;
-    saltus_spec_set_omega(&spec, saltus_spec_omega(&spec) / saltus_visits_taken(v, recurs));
-    saltus_status status = saltus_system_new(&spec, &counted, NULL);
+    saltus_status status = saltus_system_clocked(t->system, omega, &counted, NULL);
     if (status == SALTUS_OK)
         status = saltus_motion_cycle(counted, last, &options, &motion, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;

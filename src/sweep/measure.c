@@ -10,9 +10,6 @@
 #include "sweep/sweep.h"
 
 #include "motion/evidence.h"
-#include "motion/long_period.h"
-#include "motion/section_points.h"
-#include "motion/stable_orbit.h"
 
 #include <float.h>
 #include <math.h>
@@ -152,9 +149,9 @@ static saltus_outcome ask_points(saltus_sweep_trajectory *t) {
     m->asked = m->count;
     long long count = m->count < most_points ? m->count : most_points;
     /* Without forcing the exponent of every orbit is zero: the dimension tells one of a long period. */
-    saltus_opinions opinions = saltus_system_forced(t->system) ? SALTUS_OPINIONS_TORUS : SALTUS_OPINIONS_ALL;
-    saltus_status status = saltus_points_ask(t->system, m->points + (m->count - count) * m->growth.n, count,
-                                             opinions, &evidence, &outcome, NULL);
+    saltus_point_tests tests = saltus_system_forced(t->system) ? SALTUS_TESTS_TORUS : SALTUS_TESTS_ALL;
+    saltus_status status = saltus_points_test(t->system, m->points + (m->count - count) * m->growth.n, count,
+                                              tests, &evidence, &outcome, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     return status == SALTUS_OK ? outcome : SALTUS_OUTCOME_OPEN;
 }

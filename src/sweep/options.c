@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-const saltus_word saltus_keep_words[] = {{"turning", SALTUS_KEEP_TURNING},
+static const saltus_word keep_words[] = {{"turning", SALTUS_KEEP_TURNING},
                                          {"impacts", SALTUS_KEEP_IMPACTS},
                                          {"stroboscopic", SALTUS_KEEP_STROBOSCOPIC},
                                          {"lyapunov", SALTUS_KEEP_LYAPUNOV},
@@ -30,8 +30,8 @@ static const saltus_option choices[] = {
      .high = 10000, .flag = "--seeds", .argument = "k"},
     {MEMBER(seed, "seed", "1", "seed of the random initial states", SALTUS_NATURAL), .fallback = 1,
      .high = INFINITY, .flag = "--seed", .argument = "s"},
-    {MEMBER(keep, "keep", "1", "kept beside the rows", SALTUS_SET, .words = saltus_keep_words),
-     .flag = "--what", .argument = "list"},
+    {MEMBER(keep, "keep", "1", "kept beside the rows", SALTUS_SET, .words = keep_words), .flag = "--what",
+     .argument = "list"},
     {MEMBER(adaptive, "adaptive", "1", "recorded as soon as the least period is certain", SALTUS_FLAG),
      .fallback = true},
     {MEMBER(transient, "transient", "T", "periods to wait at most until the least period is certain",

@@ -8,7 +8,7 @@
 
 /* Of saltus_sweep_options. */
 extern const saltus_option_table saltus_sweep_table;
-extern const saltus_word saltus_keep_words[], saltus_pass_words[], saltus_spacing_words[];
+extern const saltus_word saltus_pass_words[], saltus_spacing_words[];
 
 /* Whether the options are in range. Errors: SALTUS_BAD_INPUT. */
 saltus_status saltus_sweep_check(const saltus_sweep_options *options, saltus_message *message);

@@ -7,15 +7,11 @@
 
 #include "motion/growth.h"
 #include "motion/motion.h"
-#include "motion/slow_rest.h"
 #include "motion/visits.h"
 
 #include <gsl/gsl_rng.h>
+#include <pthread.h>
 #include <stdatomic.h>
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 struct saltus_sweep {
     saltus_scene scene;
@@ -250,9 +246,7 @@ typedef struct saltus_schedule {
     const volatile sig_atomic_t *stop;
     atomic_int status;
     saltus_message *message;
-#ifdef _OPENMP
-    omp_lock_t lock;
-#endif
+    pthread_mutex_t lock;
 } saltus_schedule;
 
 void saltus_schedule_begin(saltus_schedule *schedule, const saltus_sweep_feed *feed,

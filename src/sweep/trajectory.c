@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "system/system.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -96,12 +98,10 @@ bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *t, const double *
 bool saltus_sweep_trajectory_count_by(saltus_sweep_trajectory *t, double period, saltus_time time,
                                       const double *state) {
     saltus_system *counted = NULL, *old = t->system;
-    saltus_spec spec = *saltus_system_spec(old);
     double start[SALTUS_STATE_MAX];
     memcpy(start, state, (size_t)t->sweep->dimension * sizeof *start);
-    saltus_spec_set_omega(&spec, 2 * M_PI / period);
     t->before = saltus_sweep_trajectory_information(t);
-    saltus_status status = saltus_system_new(&spec, &counted, NULL);
+    saltus_status status = saltus_system_clocked(old, 2 * M_PI / period, &counted, NULL);
     if (status == SALTUS_OK)
         status = saltus_flow_retune(t->flow, t->lane, counted, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;

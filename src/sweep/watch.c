@@ -94,14 +94,12 @@ void saltus_watch_returns(saltus_watch *watch, const saltus_flow *flow, int lane
                           const double *now) {
     double state[SALTUS_STATE_MAX];
     saltus_time time;
-    int change;
     if (!watch->counts)
         return;
     memcpy(state, now, (size_t)saltus_system_dimension(watch->lap.system) * sizeof *state);
     saltus_crossings_take(&watch->returns, flow, lane, event, now);
-    while ((change = saltus_crossings_next(&watch->returns, flow, lane, state, &time)) != 0)
-        if (change > 0 && !watch->returns.falling)
-            add(watch, SALTUS_CLOUD_STROBES, state);
+    while (saltus_crossings_count(&watch->returns, flow, lane, state, &time))
+        add(watch, SALTUS_CLOUD_STROBES, state);
 }
 
 void saltus_watch_section(saltus_watch *watch, const double *state) {

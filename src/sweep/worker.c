@@ -15,6 +15,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 /* A flow and the trajectories in its lanes. */
 typedef struct lane_set {
     saltus_flow *flow;

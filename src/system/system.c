@@ -408,6 +408,13 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
     return status;
 }
 
+saltus_status saltus_system_clocked(const saltus_system *system, double omega, saltus_system **clocked,
+                                    saltus_message *message) {
+    saltus_spec spec = system->spec;
+    saltus_spec_set_omega(&spec, omega);
+    return saltus_system_new(&spec, clocked, message);
+}
+
 void saltus_system_free(saltus_system *system) {
     if (!system)
         return;

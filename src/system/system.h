@@ -115,6 +115,10 @@ double saltus_variation_restitution(const saltus_variation *variation, const sal
  * Errors: SALTUS_BAD_INPUT. */
 saltus_status saltus_spec_check_poincare(const saltus_spec *spec, saltus_message *message);
 
+/* A system like another that counts time by another omega. Errors: those of saltus_system_new. */
+saltus_status saltus_system_clocked(const saltus_system *system, double omega, saltus_system **clocked,
+                                    saltus_message *message);
+
 /* One more owner of a model, and one less. Built-in models are not counted; NULL is accepted. */
 void saltus_model_retain(const saltus_model *model);
 void saltus_model_release(const saltus_model *model);

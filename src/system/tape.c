@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/tape.h"
 
-#include "base/list.h"
+#include "base/memory.h"
 #include "system/compile.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/tape.h"
 
-#include "base/list.h"
+#include "base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef SALTUS_SYSTEM_TEXT_BUILD_H
 #define SALTUS_SYSTEM_TEXT_BUILD_H
 
-#include "base/list.h"
+#include "base/memory.h"
 #include "saltus/system.h"
 #include "system/expression.h"
 #include "system/tape.h"
