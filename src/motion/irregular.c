@@ -228,8 +228,8 @@ static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_messag
         return saltus_points_test(j->system, j->points, points_there(j), SALTUS_TESTS_ALL, evidence, outcome,
                                   message);
     saltus_status status =
-        saltus_motion_section_points(j->system, &j->how.flow, j->ensemble.member[0].state, points_kept,
-                                     j->returns, j->times, &j->return_count, message);
+        saltus_motion_section_points(j->system, &j->how.flow, j->ensemble.member[0].state, 2 * points_kept,
+                                     points_kept, j->returns, j->times, &j->return_count, message);
     const bool torus = *outcome == SALTUS_OUTCOME_TORUS;
     if (status == SALTUS_OK && j->return_count < SALTUS_SERIES_LEAST) {
         *outcome = torus ? SALTUS_OUTCOME_OPEN : *outcome;

@@ -102,13 +102,12 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
                                         bool *found, saltus_message *message);
 
 /* section_points.c: returns of a motion without forcing to its section, and stable orbits among them. */
-/* The next returns of a trajectory from a state: up to `room` section points (dimension numbers each) and
- * when they came, in the system's periods; fewer where twice as many periods have passed. Errors: those of
- * the flow.
- */
+/* The next returns of a trajectory from a state within so many periods: up to `room` section points
+ * (dimension numbers each) and when they came, in the system's periods. Errors: those of the flow. */
 saltus_status saltus_motion_section_points(const saltus_system *system, const saltus_flow_options *flow,
-                                           const double *state, long long room, double *points, double *times,
-                                           long long *count, saltus_message *message);
+                                           const double *state, long long periods, long long room,
+                                           double *points, double *times, long long *count,
+                                           saltus_message *message);
 /* Look for a stable orbit of up to 16 returns by Newton's method with unknown period from the closest returns
  * among section points, shortest first. It must pass by the points as near as these come back. Where one is
  * *found, it is described by the motion, to be cleared. Errors: SALTUS_NO_MEMORY. */

@@ -1,4 +1,4 @@
-/* Returns of a motion without forcing to its section, and stable orbits among them.
+/* Returns of a motion without forcing to its section, and orbits that the closest of them lead to.
  *
  * A chaotic transient comes near the orbit that it ends on long before it does. Close returns lead Newton's
  * method there; of those that lead to unstable orbits there are the more the longer their period, so only a
@@ -10,16 +10,18 @@
 #include "system/system.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { longest = 16, tries = 4 };
+enum { longest = 16, tries = 4, tries_of_one = 16 };
 static const double beside = 3; /* times the distance of a return */
 
 saltus_status saltus_motion_section_points(const saltus_system *system, const saltus_flow_options *options,
-                                           const double *start, long long room, double *points, double *times,
-                                           long long *count, saltus_message *message) {
+                                           const double *start, long long periods, long long room,
+                                           double *points, double *times, long long *count,
+                                           saltus_message *message) {
     const int n = saltus_system_dimension(system);
-    const saltus_time until = {2 * room, 0};
+    const saltus_time until = {periods, 0};
     saltus_crossings crossings = {0};
     saltus_event event = {.kind = SALTUS_STEP};
     saltus_flow *flow = NULL;
@@ -44,20 +46,35 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
     return status;
 }
 
-/* The next closest return after so many, beyond a distance; -1: there is none. */
+/* The next closest return after so many, beyond a distance, or as far as that but behind a place; -1: there
+ * is none. */
 static long long closest_return(const saltus_system *system, const double *points, long long count, int apart,
-                                double beyond, double *distance) {
+                                double beyond, long long behind, double *distance) {
     const int n = saltus_system_dimension(system);
     long long place = -1;
     *distance = INFINITY;
     for (long long k = 0; k + apart < count; k++) {
         double d = saltus_system_distance(system, points + k * n, points + (k + apart) * n);
-        if (d > beyond && d < *distance) {
+        if ((d > beyond || (d == beyond && k > behind)) && d < *distance) {
             *distance = d;
             place = k;
         }
     }
     return place;
+}
+
+/* The orbit that Newton's method finds from a section point, which comes back after p returns. */
+static saltus_status try_return(const saltus_system *system, const double *points, const double *times,
+                                long long at, int p, const saltus_classify_options *options,
+                                saltus_motion *motion, saltus_message *message) {
+    const double omega = saltus_spec_omega(saltus_system_spec(system)) / (times[at + p] - times[at]);
+    saltus_system *counted = NULL;
+    saltus_status status = saltus_system_clocked(system, omega, &counted, message);
+    if (status == SALTUS_OK)
+        status = saltus_motion_cycle(counted, points + at * saltus_system_dimension(system), options, motion,
+                                     message);
+    saltus_system_free(counted);
+    return status;
 }
 
 saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltus_flow_options *flow,
@@ -71,15 +88,10 @@ saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltu
     for (int p = 1; p <= longest; p++) {
         double distance = 0;
         for (int k = 0; k < tries; k++) {
-            long long at = closest_return(system, points, count, p, distance, &distance);
+            long long at = closest_return(system, points, count, p, distance, count, &distance);
             if (at < 0)
                 break;
-            saltus_system *counted = NULL;
-            double omega = saltus_spec_omega(saltus_system_spec(system)) / (times[at + p] - times[at]);
-            saltus_status status = saltus_system_clocked(system, omega, &counted, message);
-            if (status == SALTUS_OK)
-                status = saltus_motion_cycle(counted, points + at * n, &options, motion, NULL);
-            saltus_system_free(counted);
+            saltus_status status = try_return(system, points, times, at, p, &options, motion, NULL);
             if (status == SALTUS_NO_MEMORY)
                 return saltus_fail(message, status, "no memory for an orbit");
             *found = status == SALTUS_OK && motion->stable &&
@@ -91,4 +103,41 @@ saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltu
         }
     }
     return SALTUS_OK;
+}
+
+saltus_status saltus_motion_returning(const saltus_system *system, const double *state, int periods,
+                                      const saltus_classify_options *options, saltus_motion *motion,
+                                      saltus_message *message) {
+    const int n = saltus_system_dimension(system);
+    const long long room = 2000 + 100LL * periods;
+    double *points = malloc((size_t)room * (size_t)n * sizeof *points),
+           *times = malloc((size_t)room * sizeof *times);
+    double distance = 0;
+    saltus_message why = {.text = "the trajectory does not return"};
+    long long count = 0, at = -1;
+    int tried = 0;
+    bool found = false;
+    *motion = (saltus_motion){0};
+    saltus_status status =
+        points && times ? saltus_motion_section_points(system, &options->flow, state, options->transient,
+                                                       room, points, times, &count, message)
+                        : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for returns");
+    for (; tried < tries_of_one && status == SALTUS_OK && !found; tried++) {
+        at = closest_return(system, points, count, periods, distance, at, &distance);
+        if (at < 0)
+            break;
+        saltus_status own = try_return(system, points, times, at, periods, options, motion, &why);
+        found = own == SALTUS_OK && motion->periods == periods;
+        if (own == SALTUS_NO_MEMORY || own == SALTUS_INTERRUPTED)
+            status = saltus_fail(message, own, "%s", why.text);
+        if (!found)
+            saltus_motion_clear(motion);
+    }
+    if (status == SALTUS_OK && !found)
+        status = saltus_fail(message, SALTUS_NO_CONVERGENCE,
+                             "no orbit of %d returns is found from the %d closest returns of %lld (%.200s)",
+                             periods, tried, count, why.text);
+    free(points);
+    free(times);
+    return status;
 }

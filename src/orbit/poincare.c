@@ -7,6 +7,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/poincare.h"
 
+#include "base/memory.h"
 #include "flow/isolate.h"
 #include "system/state.h"
 #include "system/system.h"
@@ -191,12 +192,12 @@ bool saltus_crossings_count(saltus_crossings *r, const saltus_flow *flow, int la
 /* The returns of a lap: time, rank, state. */
 typedef struct section {
     saltus_crossings returns;
-    int n, count, room;
-    double *rows;
+    int n;
+    saltus_list rows;
 } section;
 
 static double *row_of(const section *s, int k) {
-    return s->rows + (size_t)k * (size_t)(s->n + 2);
+    return (double *)s->rows.items + (size_t)k * (size_t)(s->n + 2);
 }
 
 /* What section points are ordered by. */
@@ -212,15 +213,9 @@ static double rank_of(const saltus_system *system, const saltus_event *event, co
 }
 
 static bool add_row(section *s, double time, double rank, const double *state) {
-    if (s->count == s->room) {
-        int room = s->room ? 2 * s->room : 8;
-        double *grown = realloc(s->rows, (size_t)room * (size_t)(s->n + 2) * sizeof *grown);
-        if (!grown)
-            return false;
-        s->rows = grown;
-        s->room = room;
-    }
-    double *row = row_of(s, s->count++);
+    double *row = saltus_list_add(&s->rows, (size_t)(s->n + 2) * sizeof *row);
+    if (!row)
+        return false;
     row[0] = time;
     row[1] = rank;
     memcpy(row + 2, state, (size_t)s->n * sizeof *state);
@@ -237,7 +232,7 @@ static bool note(section *s, const saltus_flow *flow, const saltus_event *event,
     saltus_crossings_take(&s->returns, flow, 0, event, now);
     memcpy(state, now, (size_t)s->n * sizeof *state);
     while (room && (change = next_change(&s->returns, flow, 0, state, &time)) != 0) {
-        s->count += change < 0 ? change : 0;
+        s->rows.count += change < 0 ? change : 0;
         if (change > 0)
             room = add_row(s, saltus_time_periods(time), rank_of(system, event, state), state);
     }
@@ -275,16 +270,16 @@ static void shift_events(saltus_lap *lap, double origin) {
 static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *system, const double *state) {
     size_t n = (size_t)s->n;
     int highest = 0;
-    lap->periods = s->count > 0 ? s->count : 1;
+    lap->periods = s->rows.count > 0 ? s->rows.count : 1;
     if (!saltus_lap_reserve(lap, lap->periods, s->n))
         return false;
     memcpy(lap->points, state, n * sizeof *state);
-    for (int k = 1; k < s->count; k++)
+    for (int k = 1; k < s->rows.count; k++)
         if (is_higher(s, system, k, highest))
             highest = k;
-    for (int k = 0; k < s->count; k++)
-        memcpy(lap->points + (size_t)k * n, row_of(s, (highest + k) % s->count) + 2, n * sizeof *state);
-    if (s->count > 0)
+    for (int k = 0; k < s->rows.count; k++)
+        memcpy(lap->points + (size_t)k * n, row_of(s, (highest + k) % s->rows.count) + 2, n * sizeof *state);
+    if (s->rows.count > 0)
         shift_events(lap, row_of(s, highest)[0]);
     return true;
 }
@@ -353,7 +348,7 @@ saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double 
         if (room)
             saltus_flow_state(flow, 0, lap->end);
     }
-    free(s.rows);
+    free(s.rows.items);
     return room ? status : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
 }
 

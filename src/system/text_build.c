@@ -19,6 +19,11 @@ typedef struct quantity {
     int count, first; /* index of the first one */
 } quantity;
 
+typedef struct division {
+    int divisor, begin; /* node, and where the operator stands */
+    const saltus_parsed *equation;
+} division;
+
 /* A graph being built. */
 typedef struct builder {
     const saltus_parsed_text *text;
@@ -36,11 +41,7 @@ typedef struct builder {
     struct {
         int *node, room; /* of an abbreviation's member; -1: not known yet */
     } * known;
-    struct division {
-        int divisor, begin; /* node, and where the operator stands */
-        const saltus_parsed *equation;
-    } * division; /* by what is no number */
-    int divisions;
+    saltus_list divisions;         /* division: by what is no number */
     bool restituting;              /* what is read may use the closing speed */
     bool at_rest;                  /* displacements, velocities and states are read as zero */
     const saltus_parsed *equation; /* the one being read, for messages */
@@ -447,16 +448,12 @@ static int call_of(builder *b, const saltus_expression_term *term) {
 
 /* Keep a division for check_divisions; one by a number is checked at once. */
 static bool note_division(builder *b, int divisor, int begin) {
-    struct division *longer;
     if (b->status != SALTUS_OK || b->graph->nodes[divisor].operation == SALTUS_OP_CONSTANT)
         return b->status == SALTUS_OK;
-    if ((b->divisions & (b->divisions - 1)) == 0) { /* twice the room at each power of two */
-        longer = realloc(b->division, 2 * ((size_t)b->divisions + 1) * sizeof *longer);
-        if (no_memory(b, longer))
-            return false;
-        b->division = longer;
-    }
-    b->division[b->divisions++] = (struct division){divisor, begin, b->equation};
+    division *entry = saltus_list_add(&b->divisions, sizeof *entry);
+    if (no_memory(b, entry))
+        return false;
+    *entry = (division){divisor, begin, b->equation};
     return true;
 }
 
@@ -465,20 +462,21 @@ static void check_divisions(builder *b) {
     enum { points = 3 };
     double *values = scratch(b, (size_t)b->graph->count, sizeof *values), state[SALTUS_STATE_MAX];
     double *parameters = scratch(b, (size_t)b->text->parameter_count, sizeof *parameters);
-    bool *zero = scratch(b, (size_t)b->divisions, sizeof *zero);
+    bool *zero = scratch(b, (size_t)b->divisions.count, sizeof *zero);
+    const division *all = b->divisions.items;
     for (int point = 0; point < points && b->status == SALTUS_OK; point++) {
         for (int i = 0; i < SALTUS_STATE_MAX; i++)
             state[i] = 0.7 + 0.3 * sin(1.9 * i + 2.3 * point);
         for (int k = 0; k < b->text->parameter_count; k++)
             parameters[k] = b->parameters[k] * (1 + 0.1 * sin(1.1 * k + point)) + 0.05 * cos(k + 1.7 * point);
         saltus_graph_evaluate(b->graph, parameters, state, 0.31 + 0.2 * point, 0.05 + 0.11 * point, values);
-        for (int k = 0; k < b->divisions; k++)
-            zero[k] = (zero[k] || point == 0) && fabs(values[b->division[k].divisor]) < 1e-14;
+        for (int k = 0; k < b->divisions.count; k++)
+            zero[k] = (zero[k] || point == 0) && fabs(values[all[k].divisor]) < 1e-14;
     }
-    for (int k = 0; k < b->divisions && b->status == SALTUS_OK; k++)
+    for (int k = 0; k < b->divisions.count && b->status == SALTUS_OK; k++)
         if (zero[k]) {
-            b->equation = b->division[k].equation;
-            refuse(b, &(saltus_expression_term){.begin = b->division[k].begin},
+            b->equation = all[k].equation;
+            refuse(b, &(saltus_expression_term){.begin = all[k].begin},
                    "a division by what is zero everywhere");
         }
 }
@@ -879,8 +877,7 @@ static void build(builder *b) {
         return;
     memcpy(made->parameters, b->parameters, (size_t)text->parameter_count * sizeof *made->parameters);
     lay_out(b, &text->motion, &b->displacements, &b->displacement_count, &made->dof);
-    if (b->status == SALTUS_OK)
-        lay_out(b, &text->states, &b->states, &b->state_count, &made->extra);
+    lay_out(b, &text->states, &b->states, &b->state_count, &made->extra);
     const int n = made->dof, all = n + made->extra;
     if (b->status == SALTUS_OK && (n > SALTUS_MODES_MAX || 2 * n + made->extra > SALTUS_STATE_MAX))
         refuse(
@@ -925,25 +922,21 @@ static void build(builder *b) {
     made->zero = -1;
     if (b->status == SALTUS_OK && text->zero.count)
         read_zero(b);
-    if (b->status == SALTUS_OK)
-        read_by_state(b, &text->scale, made->scale);
-    if (b->status == SALTUS_OK)
-        read_by_state(b, &text->initial, made->initial);
+    read_by_state(b, &text->scale, made->scale);
+    read_by_state(b, &text->initial, made->initial);
     if (b->status == SALTUS_OK)
         check_divisions(b);
-    for (int i = 0; i < all && b->status == SALTUS_OK; i++)
+    if (b->status != SALTUS_OK)
+        return;
+    for (int i = 0; i < all; i++)
         made->forced |= (b->graph->nodes[field[i]].depends & SALTUS_OF_TIME) != 0;
-    if (b->status == SALTUS_OK)
-        find_guards(b);
-    if (b->status == SALTUS_OK) {
-        add_trace(b, field);
-        made->tape = saltus_tape_new(b->graph, field, all, n, 2 * n + made->extra);
-        if (!made->tape && b->graph->full)
-            refuse(b, NULL, "the equations have too many terms");
-        no_memory(b, made->tape);
-    }
-    if (b->status == SALTUS_OK)
-        add_derivatives(b);
+    find_guards(b);
+    add_trace(b, field);
+    made->tape = saltus_tape_new(b->graph, field, all, n, 2 * n + made->extra);
+    if (!made->tape && b->graph->full)
+        refuse(b, NULL, "the equations have too many terms");
+    no_memory(b, made->tape);
+    add_derivatives(b);
 }
 
 saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const double *parameters,
@@ -957,7 +950,7 @@ saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const d
     build(&b);
     for (int k = 0; b.known && k < text->let.count; k++)
         free(b.known[k].node);
-    free(b.division);
+    free(b.divisions.items);
     free_all(&b.scratch);
     if (b.status != SALTUS_OK) {
         saltus_equations_graph_free(b.made);
@@ -992,7 +985,7 @@ saltus_status saltus_constant_value(const char *text, double *value, saltus_mess
         if (b.status == SALTUS_OK)
             *value = graph.nodes[node].value;
     }
-    free(b.division);
+    free(b.divisions.items);
     free_all(&b.scratch);
     saltus_graph_close(&graph);
     saltus_expression_clear(&equation.right);

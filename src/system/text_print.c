@@ -119,18 +119,14 @@ static void put_call(printer *p, const saltus_graph_node *n) {
 }
 
 static void put_choice(printer *p, const saltus_graph_node *n) {
+    const char *comparison = n->operation == SALTUS_OP_CHOOSE_LESS         ? " < "
+                             : n->operation == SALTUS_OP_CHOOSE_LESS_EQUAL ? " <= "
+                                                                           : " == ";
     fputs("if(", p->file);
-    put_node(p, n->operand[0], of_sum);
-    fputs(n->operation == SALTUS_OP_CHOOSE_LESS         ? " < "
-          : n->operation == SALTUS_OP_CHOOSE_LESS_EQUAL ? " <= "
-                                                        : " == ",
-          p->file);
-    put_node(p, n->operand[1], of_sum);
-    fputs(", ", p->file);
-    put_node(p, n->operand[2], of_sum);
-    fputs(", ", p->file);
-    put_node(p, n->operand[3], of_sum);
-    fputc(')', p->file);
+    for (int k = 0; k < 4; k++) {
+        put_node(p, n->operand[k], of_sum);
+        fputs(k == 0 ? comparison : k < 3 ? ", " : ")", p->file);
+    }
 }
 
 /* How strongly a node holds together. */
