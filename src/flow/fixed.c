@@ -12,12 +12,8 @@ enum {
 };
 
 /* Names in src/system/tape_kernel.h, by code. */
-static const char *const kinds[] = {[SALTUS_TAPE_COMBINE] = "COMBINE", [SALTUS_TAPE_MULTIPLY] = "MULTIPLY",
-                                    [SALTUS_TAPE_SQUARE] = "SQUARE",   [SALTUS_TAPE_DIVIDE] = "DIVIDE",
-                                    [SALTUS_TAPE_CHOOSE] = "CHOOSE",   [SALTUS_TAPE_FUNCTION] = "FUNCTION",
-                                    [SALTUS_TAPE_RATE] = "RATE",       [SALTUS_TAPE_INTEGRAL] = "INTEGRAL",
-                                    [SALTUS_TAPE_SINE] = "SINE",       [SALTUS_TAPE_TOTAL] = "TOTAL",
-                                    [SALTUS_TAPE_GATHER] = "GATHER"};
+#define NAME(code) [SALTUS_TAPE_##code] = #code,
+static const char *const kinds[] = {SALTUS_TAPE_CODES(NAME)};
 
 static void put_operands(FILE *out, const saltus_tape_operand *x, int count) {
     for (int k = 0; k < count; k++)

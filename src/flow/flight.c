@@ -14,7 +14,7 @@
 enum { first_orders = 4 };
 /* Of the step that the tolerance allows a series, this is left unused. */
 static const double margin = 2;
-/* In periods: what surely moves the clock. */
+/* Periods; a step of this length moves the time on in spite of rounding. */
 static const double clock = 1e-12;
 
 /* Steps of lower orders are stable to shorter lengths, at worst in proportion. */

@@ -129,7 +129,7 @@ static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane
         row[i * work->lanes + lane] = system->observer[i];
 }
 
-/* A lane's system into the stepping work and the lane's own. */
+/* Load a lane's system into the stepping work and into the lane's work for single points. */
 static void load_lane(saltus_flow *flow, int lane) {
     saltus_eigenvalues room;
     const saltus_flow_options *o = &flow->options;

@@ -40,7 +40,7 @@ static void order_by_share(saltus_attractors *found) {
         }
 }
 
-/* What one motion tells becomes part of what is told of all. */
+/* Progress of one classification, as a part of that of all. */
 typedef struct seeds_told {
     saltus_progress to;
     double before, all;

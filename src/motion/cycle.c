@@ -32,6 +32,19 @@ saltus_status saltus_motion_cycle(const saltus_system *system, const double *gue
     return status;
 }
 
+saltus_status saltus_motion_cycle_after(const saltus_system *system, double periods, const double *guess,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message) {
+    saltus_system *counted = NULL;
+    *motion = (saltus_motion){0};
+    saltus_status status = saltus_system_clocked(
+        system, saltus_spec_omega(saltus_system_spec(system)) / periods, &counted, message);
+    if (status == SALTUS_OK)
+        status = saltus_motion_cycle(counted, guess, options, motion, message);
+    saltus_system_free(counted);
+    return status;
+}
+
 saltus_status saltus_motion_count_returns(const saltus_system *system, const saltus_flow_options *options,
                                           saltus_motion *motion, saltus_system **counted,
                                           saltus_message *message) {

@@ -175,11 +175,10 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     for (int m = 0; m < trajectories; m++)
         tracks[m] = (saltus_track){j->points + (size_t)(m * points_kept * j->ensemble.n),
                                    j->growths + (size_t)(m * points_kept), points_there(j)};
-    saltus_status status = saltus_system_forced(j->system)
-                               ? saltus_stable_orbit_among(j->system, &j->how.flow, tracks, trajectories,
-                                                           &orbit, &found, message)
-                               : saltus_stable_cycle_among(j->system, &j->how.flow, j->returns, j->times,
-                                                           j->return_count, &orbit, &found, message);
+    if (!saltus_system_forced(j->system))
+        tracks[0] = (saltus_track){j->returns, j->times, j->return_count};
+    saltus_status status =
+        saltus_stable_orbit_among(j->system, &j->how.flow, tracks, trajectories, &orbit, &found, message);
     if (status == SALTUS_OK && found)
         snprintf(j->motion->evidence.stable_orbit, sizeof j->motion->evidence.stable_orbit, "%s",
                  orbit.label);
@@ -266,7 +265,7 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     return status;
 }
 
-/* No time is left: what is said then. */
+/* The outcome where no time is left. */
 static saltus_outcome at_end(const judge *j) {
     const saltus_evidence *evidence = &j->motion->evidence;
     saltus_runs runs = runs_of(j);

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Newton can ask for no more than the flow's tolerance gives. */
+/* Newton's residual cannot fall below what the flow's tolerance allows. */
 saltus_orbit_options saltus_motion_shooting(const saltus_classify_options *options) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
     shooting.flow = options->flow;

@@ -87,16 +87,17 @@ saltus_status saltus_rest_is_approached(const saltus_system *system, const doubl
                                         saltus_message *message);
 
 /* stable_orbit.c: stable orbits among points that look chaotic. */
-/* Section points of one trajectory, one forcing period apart. */
+/* Section points of one trajectory: one forcing period apart, or its returns. */
 typedef struct saltus_track {
     const double *points;  /* count x dimension */
-    const double *growths; /* logarithm of a tangent vector's growth from the point before until each */
+    const double *numbers; /* the logarithm of a tangent vector's growth from the point before until each;
+                              without forcing when each came, in the system's periods */
     long long count;
 } saltus_track;
 
 /* Look for a stable orbit of up to 64 periods by Newton's method, from the best returns along the tracks,
- * shortest periods first. Where one is *found, it is described by the motion, to be cleared. Errors:
- * SALTUS_NO_MEMORY. */
+ * shortest periods first; without forcing along the first one. Where one is *found, it is described by the
+ * motion, to be cleared. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltus_flow_options *flow,
                                         const saltus_track *tracks, int track_count, saltus_motion *motion,
                                         bool *found, saltus_message *message);
@@ -108,12 +109,16 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
                                            const double *state, long long periods, long long room,
                                            double *points, double *times, long long *count,
                                            saltus_message *message);
-/* Look for a stable orbit of up to 16 returns by Newton's method with unknown period from the closest returns
- * among section points, shortest first. It must pass by the points as near as these come back. Where one is
- * *found, it is described by the motion, to be cleared. Errors: SALTUS_NO_MEMORY. */
+/* saltus_stable_orbit_among without forcing: of up to 16 returns, by Newton's method with unknown period from
+ * the closest returns among section points, shortest first. The orbit must pass by the points as near as
+ * these come back. */
 saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltus_flow_options *flow,
-                                        const double *points, const double *times, long long count,
-                                        saltus_motion *motion, bool *found, saltus_message *message);
+                                        const saltus_track *track, saltus_motion *motion, bool *found,
+                                        saltus_message *message);
+/* saltus_motion_cycle from a state of a system which closes after about so many of its periods. */
+saltus_status saltus_motion_cycle_after(const saltus_system *system, double periods, const double *guess,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message);
 
 /* long_period.c: long periods, of motions that lock and of those that stick. */
 /* A stable orbit of up to 1024 periods to which the motion at a state, at phase 0, is locked; its verdict

@@ -7,7 +7,6 @@
 #include "motion/motion.h"
 
 #include "orbit/poincare.h"
-#include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -63,24 +62,11 @@ static long long closest_return(const saltus_system *system, const double *point
     return place;
 }
 
-/* The orbit that Newton's method finds from a section point, which comes back after p returns. */
-static saltus_status try_return(const saltus_system *system, const double *points, const double *times,
-                                long long at, int p, const saltus_classify_options *options,
-                                saltus_motion *motion, saltus_message *message) {
-    const double omega = saltus_spec_omega(saltus_system_spec(system)) / (times[at + p] - times[at]);
-    saltus_system *counted = NULL;
-    saltus_status status = saltus_system_clocked(system, omega, &counted, message);
-    if (status == SALTUS_OK)
-        status = saltus_motion_cycle(counted, points + at * saltus_system_dimension(system), options, motion,
-                                     message);
-    saltus_system_free(counted);
-    return status;
-}
-
 saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltus_flow_options *flow,
-                                        const double *points, const double *times, long long count,
-                                        saltus_motion *motion, bool *found, saltus_message *message) {
+                                        const saltus_track *track, saltus_motion *motion, bool *found,
+                                        saltus_message *message) {
     const int n = saltus_system_dimension(system);
+    const double *points = track->points, *times = track->numbers;
     saltus_classify_options options = saltus_classify_defaults();
     options.flow = *flow;
     *found = false;
@@ -88,10 +74,11 @@ saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltu
     for (int p = 1; p <= longest; p++) {
         double distance = 0;
         for (int k = 0; k < tries; k++) {
-            long long at = closest_return(system, points, count, p, distance, count, &distance);
+            long long at = closest_return(system, points, track->count, p, distance, track->count, &distance);
             if (at < 0)
                 break;
-            saltus_status status = try_return(system, points, times, at, p, &options, motion, NULL);
+            saltus_status status = saltus_motion_cycle_after(system, times[at + p] - times[at],
+                                                             points + at * n, &options, motion, NULL);
             if (status == SALTUS_NO_MEMORY)
                 return saltus_fail(message, status, "no memory for an orbit");
             *found = status == SALTUS_OK && motion->stable &&
@@ -126,7 +113,8 @@ saltus_status saltus_motion_returning(const saltus_system *system, const double 
         at = closest_return(system, points, count, periods, distance, at, &distance);
         if (at < 0)
             break;
-        saltus_status own = try_return(system, points, times, at, periods, options, motion, &why);
+        saltus_status own = saltus_motion_cycle_after(system, times[at + periods] - times[at],
+                                                      points + at * n, options, motion, &why);
         found = own == SALTUS_OK && motion->periods == periods;
         if (own == SALTUS_NO_MEMORY || own == SALTUS_INTERRUPTED)
             status = saltus_fail(message, own, "%s", why.text);

@@ -276,7 +276,7 @@ static void collect(const search *s, int p, returns *r) {
         const saltus_track *track = &s->tracks[t];
         double growth = 0;
         for (long long k = 1; k < track->count; k++) {
-            growth += track->growths[k] - (k > p ? track->growths[k - p] : 0);
+            growth += track->numbers[k] - (k > p ? track->numbers[k - p] : 0);
             if (k < p || growth > may_shrink)
                 continue;
             const double *from = track->points + (k - p) * s->n;
@@ -338,6 +338,8 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
                 .tracks = tracks,
                 .track_count = track_count,
                 .n = saltus_system_dimension(system)};
+    if (!saltus_system_forced(system))
+        return saltus_stable_cycle_among(system, flow, tracks, motion, found, message);
     *found = false;
     *motion = (saltus_motion){0};
     s.tried = malloc((size_t)remembered * (size_t)s.n * sizeof *s.tried);

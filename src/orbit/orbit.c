@@ -37,7 +37,7 @@ typedef struct search {
     int iterations; /* over all formulations */
 } search;
 
-/* Begin with the best state and a sequence that it is the base of. */
+/* Begin with the best state, which is at the base of a sequence. */
 static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_message *message) {
     saltus_status status = saltus_shooting_shape(s->shooting, sequence, message);
     if (status != SALTUS_OK)
@@ -61,7 +61,7 @@ static void cut_sequence(saltus_sequence *sequence, int segments, double growth)
         sequence->cut[j] = sequence->base + (double)j * sequence->periods / sequence->cuts;
 }
 
-/* The event-driven flow counts time as the best orbit does. */
+/* Give the event-driven flow the omega of the best orbit. */
 static saltus_status retune(search *s, saltus_message *message) {
     saltus_system *system;
     if (!(s->sequence.omega > 0))

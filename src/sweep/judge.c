@@ -125,12 +125,9 @@ static saltus_judgement ask_for_cycle(saltus_sweep_trajectory *t, int recurs) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_judgement judgement = goes_on;
     saltus_motion motion = {0};
-    saltus_system *counted = NULL;
-    const double omega = saltus_spec_omega(saltus_system_spec(t->system)) / saltus_visits_taken(v, recurs);
     options.flow.integrator = t->sweep->options.flow.integrator;
-    saltus_status status = saltus_system_clocked(t->system, omega, &counted, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_motion_cycle(counted, last, &options, &motion, NULL);
+    saltus_status status =
+        saltus_motion_cycle_after(t->system, saltus_visits_taken(v, recurs), last, &options, &motion, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     /* No orbit of a conservative scene attracts: only the one that the trajectory is on is its own. */
     const bool kept = saltus_system_conservative(t->system);
@@ -139,7 +136,6 @@ static saltus_judgement ask_for_cycle(saltus_sweep_trajectory *t, int recurs) {
                             kept ? on_orbit : same_orbit))
         judgement = go_around(t, &motion);
     saltus_motion_clear(&motion);
-    saltus_system_free(counted);
     return judgement;
 }
 

@@ -159,16 +159,13 @@ static saltus_outcome ask_points(saltus_sweep_trajectory *t) {
 /* Whether a stable orbit lies amid the motion, as far as its section points have been kept. */
 static bool has_stable_orbit(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
-    const double *beside = m->points + room_of(t) * m->growth.n;
-    const saltus_track track = {m->points, beside, m->count};
+    const bool forced = saltus_system_forced(t->system);
+    const saltus_track track = {m->points, m->points + room_of(t) * m->growth.n,
+                                forced || m->count < most_points ? m->count : most_points};
     saltus_motion orbit = {0};
     bool found = false;
-    saltus_flow_options flow = t->sweep->options.flow;
-    saltus_status status = saltus_system_forced(t->system)
-                               ? saltus_stable_orbit_among(t->system, &flow, &track, 1, &orbit, &found, NULL)
-                               : saltus_stable_cycle_among(t->system, &flow, m->points, beside,
-                                                           m->count < most_points ? m->count : most_points,
-                                                           &orbit, &found, NULL);
+    saltus_status status =
+        saltus_stable_orbit_among(t->system, &t->sweep->options.flow, &track, 1, &orbit, &found, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     saltus_motion_clear(&orbit);
     return found;

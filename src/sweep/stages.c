@@ -76,7 +76,7 @@ static void begin_settling(saltus_sweep_trajectory *t) {
     t->stage_end = o->adaptive ? o->transient : saltus_sweep_trajectory_cycle(t) + settling_after_record;
 }
 
-/* A row of nothing yet, without clouds. */
+/* An empty row, without clouds. */
 static void open_row(saltus_sweep_trajectory *t) {
     t->row = saltus_sweep_row_of(SALTUS_FAILED);
     t->watch.sound = true;

@@ -97,7 +97,7 @@ static void close_worker(worker *w) {
     leave_job(&w->job);
 }
 
-/* A lane that rests knows no system that may be freed. */
+/* A lane without a trajectory holds the sweep's own system, which is freed last. */
 static void rest_lane(const worker *w, lane_set *side, int lane) {
     side->at[lane] = NULL;
     side->live--;

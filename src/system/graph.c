@@ -159,7 +159,7 @@ static bool is_constant(const saltus_graph *graph, int node, double value) {
     return graph->nodes[node].operation == SALTUS_OP_CONSTANT && graph->nodes[node].value == value;
 }
 
-/* What an operation is without the operation; -1: nothing simpler. */
+/* The node that an operation is equal to without being made, as x in x + 0; -1: there is none. */
 static int simpler(saltus_graph *graph, saltus_operation operation, int a, int b) {
     switch (operation) {
     case SALTUS_OP_ADD:

@@ -30,6 +30,11 @@ typedef enum saltus_tape_code {
     SALTUS_TAPE_GATHER    /* a row of elements that stand apart; of rows only */
 } saltus_tape_code;
 
+/* All of them, by name. */
+#define SALTUS_TAPE_CODES(X)                                                                                 \
+    X(COMBINE)                                                                                               \
+    X(MULTIPLY) X(SQUARE) X(DIVIDE) X(CHOOSE) X(FUNCTION) X(RATE) X(INTEGRAL) X(SINE) X(TOTAL) X(GATHER)
+
 typedef struct saltus_tape_step {
     saltus_tape_code code;
     saltus_operation function;

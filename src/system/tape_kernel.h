@@ -641,26 +641,13 @@ KERNEL_INLINE void play_state_rows(const player *m, int from, int to){
     case SALTUS_TAPE_##kind:                                                                                 \
         ONE_KIND(kind);                                                                                      \
         break;
-#define ALL_KINDS                                                                                            \
-    KIND(COMBINE)                                                                                            \
-    KIND(MULTIPLY)                                                                                           \
-    KIND(SQUARE)                                                                                             \
-    KIND(DIVIDE)                                                                                             \
-    KIND(CHOOSE)                                                                                             \
-    KIND(FUNCTION)                                                                                           \
-    KIND(RATE)                                                                                               \
-    KIND(INTEGRAL)                                                                                           \
-    KIND(SINE)                                                                                               \
-    KIND(TOTAL)                                                                                              \
-    KIND(GATHER)
-
 /* Rows first .. last - 1, order by order from `from` on, or each of them for all orders at once. The player
  * is taken by value: a store through a pack may alias what is behind a pointer. */
 static __attribute__((noinline)) void play_rows(const player by_value, int row, int last, int from, int to) {
     const player m = by_value;
     for (const saltus_tape_row *s = m.tape->rows + row; s < m.tape->rows + last; s++)
 #define ONE_KIND(kind) play_##kind(&m, s, from, to)
-        switch (s->code) { ALL_KINDS }
+        switch (s->code) { SALTUS_TAPE_CODES(KIND) }
 #undef ONE_KIND
 }
 
@@ -680,7 +667,7 @@ static __attribute__((noinline)) void vary_all_rows(const player by_value, int k
          s < m.tape->rows + m.tape->row_count; s++) {
         const int first = s < steady ? m.columns - m.directions + 1 : 1;
 #define ONE_KIND(kind) vary_##kind(&m, s, k, first)
-        switch (s->code) { ALL_KINDS }
+        switch (s->code) { SALTUS_TAPE_CODES(KIND) }
 #undef ONE_KIND
     }
 }

@@ -92,7 +92,7 @@ static int needs(const saltus_tape *tape, const saltus_tape_step *s, int k) {
     return k == 0 ? s->a : k == 1 && !one ? s->b : k == 1 && s->a2 >= 0 ? s->a2 : -2;
 }
 
-/* A combination that nothing but the tape's results takes. */
+/* A combination that is an output of the tape and no operand of another step. */
 static bool is_last(const arranger *m, const saltus_tape_step *s) {
     return s->code == SALTUS_TAPE_COMBINE && !m->used[s->out];
 }

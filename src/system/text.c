@@ -343,7 +343,7 @@ static double *evaluate_some(const saltus_system *system, const int *nodes, int 
     return values;
 }
 
-/* What is a number is known. */
+/* A trace that depends on parameters alone was evaluated when the system was built. */
 static double trace(const saltus_system *system, const double *state, double phase) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     if (!(g->graph.nodes[g->trace].depends & ~(unsigned)SALTUS_OF_PARAMETERS))
@@ -633,7 +633,7 @@ static int by_name(const void *a, const void *b) {
     return order ? order : p->line - q->line;
 }
 
-/* Every name is one, means nothing else and is declared once. */
+/* Every name has the form of one, is not reserved and is declared once. */
 static saltus_status check_names(const text_model *m, saltus_message *message) {
     const saltus_parsed_text *t = &m->text;
     const struct {
@@ -695,7 +695,7 @@ static bool is_used(const saltus_parsed_text *t, const char *name) {
     return t->forcing && strcmp(t->forcing, name) == 0;
 }
 
-/* A parameter that nothing has is a mistake, mostly of spelling. */
+/* A parameter that no equation contains is a mistake, mostly of spelling. */
 static saltus_status check_used(const text_model *m, saltus_message *message) {
     const saltus_parsed_text *t = &m->text;
     for (int k = 0; k < t->parameter_count; k++)
