@@ -72,7 +72,7 @@ saltus_ending saltus_motion_ending(const saltus_motion *motion);
 bool saltus_same_attractor(const saltus_system *system, const saltus_ending *a, const saltus_ending *b,
                            double distance);
 
-/* slow_rest.c: rests that are approached too slowly to wait for. */
+/* search.c: rests that are approached too slowly to wait for. */
 /* Where a trajectory was when last looked at; zeroed at its begin. */
 typedef struct saltus_rest_look {
     double distance; /* from the stable rest beside it, relative to the system's scales; 0: there was none */

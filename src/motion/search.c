@@ -3,7 +3,9 @@
  * The stroboscopic map is iterated in blocks. After each block the least p is sought for which the last
  * points recur after p periods; a candidate is polished by Newton's method on the p-th iterate, and accepted
  * if the orbit found is stable, lies where the trajectory is, has no shorter period, and the trajectory keeps
- * closing in on it. Everything reported is then measured on the polished orbit, not on the transient.
+ * closing in on it. Everything reported is then measured on the polished orbit, not on the transient. Without
+ * forcing a rest may be approached too slowly to wait for: Newton's method finds it, the eigenvalues say how
+ * fast the trajectory must come nearer, and two looks show that it does.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/search.h"
 
@@ -20,6 +22,7 @@ static const double nearby = 3e-3; /* the polished orbit must be this close to t
 static const double all_but_reached = 1e-6;
 static const double on_orbit = 1e-7;      /* of a continuum, none of which attracts */
 static const double drift_at_rest = 1e-6; /* of a displacement over a period */
+static const double near_rest = 3e-3;     /* a trajectory that comes to it slowly */
 
 static void note_returns(saltus_search *s, const saltus_event *event, const double *now) {
     double state[SALTUS_STATE_MAX];
@@ -299,4 +302,25 @@ saltus_status saltus_motion_find_period(const saltus_system *system, const doubl
     if (status != SALTUS_OK)
         saltus_motion_clear(motion);
     return status;
+}
+
+saltus_status saltus_rest_is_approached(const saltus_system *system, const double *state, double time,
+                                        saltus_rest_look *last, double *place, bool *approached,
+                                        saltus_message *message) {
+    const saltus_equilibrium_options options = saltus_equilibrium_defaults();
+    const saltus_rest_look before = *last;
+    saltus_equilibrium rest = {0};
+    *last = (saltus_rest_look){0, time};
+    *approached = false;
+    saltus_status status = saltus_equilibrium_find(system, state, &options, &rest, message);
+    if (status == SALTUS_OK && rest.stable && !rest.contacts) {
+        double distance = saltus_system_distance(system, state, rest.state),
+               predicted = exp(rest.eigenvalues[0].re * (time - before.time));
+        if (distance < near_rest)
+            last->distance = distance;
+        *approached = distance < near_rest && distance <= before.distance * (1 - 0.5 * (1 - predicted));
+        memcpy(place, rest.state, (size_t)rest.dimension * sizeof *place);
+    }
+    saltus_equilibrium_clear(&rest);
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }

@@ -10,8 +10,6 @@
 #include "motion/visits.h"
 
 #include <gsl/gsl_rng.h>
-#include <pthread.h>
-#include <stdatomic.h>
 
 struct saltus_sweep {
     saltus_scene scene;
@@ -239,28 +237,5 @@ saltus_next saltus_sweep_trajectory_follow(saltus_sweep_trajectory *trajectory, 
 void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *trajectory);
 /* The flow gave up. */
 void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *trajectory);
-
-/* schedule.c: the feed of a sweep, one thread at a time. */
-typedef struct saltus_schedule {
-    const saltus_sweep_feed *feed;
-    const volatile sig_atomic_t *stop;
-    atomic_int status;
-    saltus_message *message;
-    pthread_mutex_t lock;
-} saltus_schedule;
-
-void saltus_schedule_begin(saltus_schedule *schedule, const saltus_sweep_feed *feed,
-                           const volatile sig_atomic_t *stop, saltus_message *message);
-/* What the run has come to. */
-saltus_status saltus_schedule_end(saltus_schedule *schedule);
-/* The next task, or -1. */
-long long saltus_schedule_next(saltus_schedule *schedule);
-/* Hand out a complete place. */
-void saltus_schedule_emit(saltus_schedule *schedule, saltus_job *job, int place, const saltus_system *system);
-void saltus_schedule_done(saltus_schedule *schedule, long long task);
-/* End the run; the first failure counts. */
-void saltus_schedule_fail(saltus_schedule *schedule, saltus_status status, const char *why);
-/* Whether the run goes on. */
-bool saltus_schedule_open(saltus_schedule *schedule);
 
 #endif

@@ -9,15 +9,61 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "base/progress.h"
 #include "flow/kernel.h"
 #include "system/system.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #ifdef _OPENMP
 #include <omp.h>
 #endif
+
+/* The feed of a sweep: tasks come from it and results go to it, one thread at a time. */
+typedef struct schedule {
+    const saltus_sweep_feed *feed;
+    const volatile sig_atomic_t *stop;
+    atomic_int status; /* the first failure */
+    saltus_message *message;
+    pthread_mutex_t lock;
+} schedule;
+
+/* The next task, or -1. */
+static long long next_task(schedule *s) {
+    pthread_mutex_lock(&s->lock);
+    long long task = s->status == SALTUS_OK ? s->feed->next(s->feed->context) : -1;
+    pthread_mutex_unlock(&s->lock);
+    return task;
+}
+
+/* Hand out a complete place. */
+static void emit(schedule *s, saltus_job *job, int place, const saltus_system *system) {
+    pthread_mutex_lock(&s->lock);
+    if (s->status == SALTUS_OK)
+        s->status = saltus_job_emit(job, place, system, s->feed, s->message);
+    pthread_mutex_unlock(&s->lock);
+}
+
+static void finish_task(schedule *s, long long task) {
+    pthread_mutex_lock(&s->lock);
+    if (s->status == SALTUS_OK && s->feed->done)
+        s->feed->done(s->feed->context, task);
+    pthread_mutex_unlock(&s->lock);
+}
+
+static void end_run(schedule *s, saltus_status status, const char *why) {
+    pthread_mutex_lock(&s->lock);
+    if (s->status == SALTUS_OK)
+        s->status = saltus_fail(s->message, status, "%s", why);
+    pthread_mutex_unlock(&s->lock);
+}
+
+static bool goes_on(const schedule *s) {
+    return !saltus_stop_asked(s->stop) && atomic_load_explicit(&s->status, memory_order_relaxed) == SALTUS_OK;
+}
 
 /* A flow and the trajectories in its lanes. */
 typedef struct lane_set {
@@ -28,7 +74,7 @@ typedef struct lane_set {
 
 typedef struct worker {
     const saltus_sweep *sweep;
-    saltus_schedule *schedule;
+    schedule *schedule;
     saltus_job *job; /* the task whose seeds are being handed out */
     lane_set plain, tangent;
     saltus_flow *single[2]; /* of one lane, without and with a tangent vector; made when they are needed */
@@ -48,7 +94,7 @@ static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flo
         systems[l] = w->sweep->system;
     saltus_status status = saltus_flow_new(systems, lanes, &options, flow, &message);
     if (status != SALTUS_OK)
-        saltus_schedule_fail(w->schedule, status, message.text);
+        end_run(w->schedule, status, message.text);
     return status == SALTUS_OK;
 }
 
@@ -66,7 +112,7 @@ static bool open_worker(worker *w) {
         return false;
     for (int k = 0; k < w->size; k++)
         if (!saltus_sweep_trajectory_open(&w->trajectory[k], w->sweep)) {
-            saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
+            end_run(w->schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
             return false;
         }
     return true;
@@ -81,7 +127,7 @@ static void leave_job(saltus_job **job) {
 
 static void finish_job(worker *w, saltus_sweep_trajectory *t) {
     if (++t->job->finished == t->job->seeds)
-        saltus_schedule_done(w->schedule, t->job->task);
+        finish_task(w->schedule, t->job->task);
     leave_job(&t->job);
 }
 
@@ -126,12 +172,12 @@ static saltus_sweep_trajectory *next_trajectory(worker *w) {
         return NULL;
     if (!w->job || w->job->assigned == w->job->seeds) {
         leave_job(&w->job);
-        long long task = saltus_schedule_next(w->schedule);
+        long long task = next_task(w->schedule);
         if (task < 0)
             return NULL;
         w->job = saltus_job_open(w->sweep, task);
         if (!w->job) {
-            saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for a task of a sweep");
+            end_run(w->schedule, SALTUS_NO_MEMORY, "no memory for a task of a sweep");
             return NULL;
         }
         w->job->holders = 1;
@@ -211,16 +257,16 @@ static void finish_place(worker *w, saltus_sweep_trajectory *t) {
     bool sound = true;
     if (saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->proof.orbit, &t->watch, &sound) &&
         sound)
-        saltus_schedule_emit(w->schedule, t->job, t->place, t->system ? t->system : w->sweep->system);
+        emit(w->schedule, t->job, t->place, t->system ? t->system : w->sweep->system);
     if (!sound || t->starved)
-        saltus_schedule_fail(w->schedule, SALTUS_NO_MEMORY, "no memory for a trajectory of a sweep");
+        end_run(w->schedule, SALTUS_NO_MEMORY, "no memory for a trajectory of a sweep");
     t->place++;
 }
 
 /* Start a trajectory's places, one after the other, until one is under way in the lane; false when its line
  * is done. */
 static bool go_on(worker *w, saltus_sweep_trajectory *t, int lane) {
-    while (saltus_schedule_open(w->schedule) && t->place < t->job->length) {
+    while (goes_on(w->schedule) && t->place < t->job->length) {
         saltus_flow *flow = w->plain.flow;
         int at = lane;
         saltus_status status = change_system(w, t, lane, &flow, &at);
@@ -243,7 +289,7 @@ static bool go_on(worker *w, saltus_sweep_trajectory *t, int lane) {
 static void fill_lane(worker *w, int lane) {
     saltus_sweep_trajectory *t = NULL;
     bool under_way = false;
-    while (!under_way && saltus_schedule_open(w->schedule) && (t = next_trajectory(w)))
+    while (!under_way && goes_on(w->schedule) && (t = next_trajectory(w)))
         under_way = go_on(w, t, lane);
     if (under_way) {
         w->plain.at[lane] = t;
@@ -310,10 +356,10 @@ static bool is_tangents_turn(const worker *w) {
     return tangent->live > 0 && (waits || plain->live == 0 || tangent->live == tangent->lanes);
 }
 
-static void run_worker(const saltus_sweep *sweep, saltus_schedule *schedule) {
+static void run_worker(const saltus_sweep *sweep, schedule *schedule) {
     worker *w = calloc(1, sizeof *w);
     if (!w) {
-        saltus_schedule_fail(schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
+        end_run(schedule, SALTUS_NO_MEMORY, "no memory for the trajectories of a sweep");
         return;
     }
     w->sweep = sweep;
@@ -321,7 +367,7 @@ static void run_worker(const saltus_sweep *sweep, saltus_schedule *schedule) {
     bool sound = open_worker(w);
     for (int l = 0; l < w->plain.lanes && sound; l++)
         fill_lane(w, l);
-    while (sound && w->plain.live + w->tangent.live > 0 && saltus_schedule_open(schedule)) {
+    while (sound && w->plain.live + w->tangent.live > 0 && goes_on(schedule)) {
         if (is_tangents_turn(w))
             run_tangent(w);
         else
@@ -334,8 +380,8 @@ static void run_worker(const saltus_sweep *sweep, saltus_schedule *schedule) {
 saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_feed *feed,
                                saltus_message *message) {
     saltus_message own;
-    saltus_schedule schedule;
-    saltus_schedule_begin(&schedule, feed, sweep->options.flow.stop, message ? message : &own);
+    schedule s = {.feed = feed, .stop = sweep->options.flow.stop, .message = message ? message : &own};
+    pthread_mutex_init(&s.lock, NULL);
 #ifdef _OPENMP
     const int wanted = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
     /* No more than there are tasks, and not so many that they only take each other's cores. */
@@ -344,6 +390,7 @@ saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_fee
     const int threads = tasks < useful ? (int)(tasks > 0 ? tasks : 1) : useful;
 #pragma omp parallel num_threads(threads)
 #endif
-    run_worker(sweep, &schedule);
-    return saltus_schedule_end(&schedule);
+    run_worker(sweep, &s);
+    pthread_mutex_destroy(&s.lock);
+    return (saltus_status)s.status;
 }
