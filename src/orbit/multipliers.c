@@ -20,6 +20,7 @@
 #include "base/dense.h"
 #include "base/memory.h"
 #include "base/periodic.h"
+#include "flow/flow.h"
 #include "orbit/volume.h"
 
 #include <lapacke.h>
@@ -132,7 +133,7 @@ static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, 
 saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
                                     saltus_lap *lap, saltus_message *message) {
     saltus_time from = saltus_flow_time(flow, 0);
-    double length = (double)(until.cycle - from.cycle) + (until.phase - from.phase);
+    double length = saltus_time_between(from, until);
     int more = (int)fmax(1, ceil(length * cocycle->density - 1e-9));
     size_t square = (size_t)(cocycle->n * cocycle->n);
     if (cocycle->count + more > cocycle->room) {

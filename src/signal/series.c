@@ -126,7 +126,3 @@ saltus_status saltus_series_cloud_open(const saltus_series_points *points,
     cloud->window = options->window >= 0 ? options->window : cloud->unit > 0 ? chosen_window(cloud) : 0;
     return SALTUS_OK;
 }
-
-void saltus_series_cloud_close(saltus_series_cloud *cloud) {
-    saltus_arena_close(&cloud->arena);
-}

@@ -18,11 +18,10 @@ typedef struct saltus_series_cloud {
     long long window;
 } saltus_series_cloud;
 
-/* Errors: those of the calls on points. On success saltus_series_cloud_close is due. */
+/* Errors: those of the calls on points. On success its arena is to be closed. */
 saltus_status saltus_series_cloud_open(const saltus_series_points *points,
                                        const saltus_series_options *options, saltus_series_cloud *cloud,
                                        saltus_message *message);
-void saltus_series_cloud_close(saltus_series_cloud *cloud);
 
 /* SALTUS_BAD_INPUT where an option or the number of values is unsuitable. */
 saltus_status saltus_series_check(long long count, const saltus_series_options *options,

@@ -247,6 +247,6 @@ saltus_status saltus_series_closed_curve(const saltus_series_points *points,
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for neighbourhoods");
         saltus_arena_close(&s.arena);
     }
-    saltus_series_cloud_close(&cloud);
+    saltus_arena_close(&cloud.arena);
     return status;
 }

@@ -307,6 +307,6 @@ saltus_status saltus_series_correlation_dimension(const saltus_series_points *po
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the correlation dimension");
         saltus_arena_close(&t.arena);
     }
-    saltus_series_cloud_close(&cloud);
+    saltus_arena_close(&cloud.arena);
     return status;
 }

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "flow/flow.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,10 +58,6 @@ void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsign
     saltus_watch_section(watch, state);
 }
 
-static double periods_between(saltus_time from, saltus_time to) {
-    return (double)(to.cycle - from.cycle) + (to.phase - from.phase);
-}
-
 /* The observed displacement turns: by itself, or where an impact reverses its velocity. An impact on the
  * observed point's own stop is a turn by definition. */
 static void see_turn(saltus_watch *watch, const saltus_event *event, const double *state) {
@@ -84,7 +82,7 @@ void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const do
     see_turn(watch, event, state);
     if (event->kind != SALTUS_TURNING && touching != watch->touching) {
         if (watch->touching)
-            watch->contact += periods_between(watch->touched, event->time);
+            watch->contact += saltus_time_between(watch->touched, event->time);
         watch->touched = event->time;
         watch->touching = touching;
     }
@@ -109,10 +107,10 @@ void saltus_watch_section(saltus_watch *watch, const double *state) {
 
 void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,
                           saltus_sweep_row *row) {
-    double length = periods_between(watch->begin, end), contact = watch->contact,
+    double length = saltus_time_between(watch->begin, end), contact = watch->contact,
            last = saltus_system_observed(watch->lap.system, state);
     if (watch->touching)
-        contact += periods_between(watch->touched, end);
+        contact += saltus_time_between(watch->touched, end);
     row->recorded = end.cycle - watch->begin.cycle;
     row->largest = fmax(watch->lap.largest, last);
     row->smallest = fmin(watch->lap.smallest, last);

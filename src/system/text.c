@@ -458,9 +458,9 @@ static char *copied(const char *text, bool *whole) {
     return copy;
 }
 
-static saltus_status place_failure(const char *origin, const saltus_equation *e, const char *sentence,
+static saltus_status place_failure(const char *origin, const char *name, int line, const char *sentence,
                                    saltus_message *message) {
-    return saltus_fail(message, SALTUS_BAD_INPUT, "%s:%d: %s: %s", origin, e->line, e->name, sentence);
+    return saltus_fail(message, SALTUS_BAD_INPUT, "%s:%d: %s: %s", origin, line, name, sentence);
 }
 
 /* "x", "x[i]" or "x[2]" of a left side, or the names of an entry of a matrix, "x1,x2", which stay whole. */
@@ -473,22 +473,22 @@ static saltus_status parse_left(const char *origin, const saltus_equation *e, sa
     if (length > 1 && name[length - 1] == '\'' && !open)
         length--;
     if (length == 0 || length >= sizeof p->base)
-        return place_failure(origin, e, "a name must have 1 to 31 characters", message);
+        return place_failure(origin, e->name, e->line, "a name must have 1 to 31 characters", message);
     memcpy(p->base, name, length);
     if (!open)
         return SALTUS_OK;
     char *end;
     size_t inside = strcspn(open + 1, "]");
     if (open[1 + inside] != ']' || inside == 0 || inside >= sizeof p->index)
-        return place_failure(origin, e, "must be a name, or a name with one index such as x[i] or x[1]",
-                             message);
+        return place_failure(origin, e->name, e->line,
+                             "must be a name, or a name with one index such as x[i] or x[1]", message);
     memcpy(p->index, open + 1, inside);
     long number = strtol(p->index, &end, 10);
     if (*end == '\0') {
         p->number = number < 1 || number > 100000 ? -1 : (int)number;
         p->index[0] = '\0';
     }
-    return p->number < 0 ? place_failure(origin, e, "indices begin at 1", message) : SALTUS_OK;
+    return p->number < 0 ? place_failure(origin, e->name, e->line, "indices begin at 1", message) : SALTUS_OK;
 }
 
 static saltus_status parse_equation(const char *origin, const saltus_equation *e, saltus_parsed *p,
@@ -508,7 +508,7 @@ static saltus_status parse_equation(const char *origin, const saltus_equation *e
     if (status != SALTUS_OK)
         return status;
     status = saltus_expression_parse(p->text, &p->right, &reason);
-    return status == SALTUS_BAD_INPUT ? place_failure(origin, e, reason.text, message)
+    return status == SALTUS_BAD_INPUT ? place_failure(origin, e->name, e->line, reason.text, message)
            : status != SALTUS_OK      ? saltus_fail(message, status, "%s", reason.text)
                                       : SALTUS_OK;
 }
@@ -663,19 +663,18 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
     qsort(all, (size_t)count, sizeof *all, by_name);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
-        const saltus_equation place = {all[k].name, NULL, all[k].line};
         char sentence[200];
-        if (strlen(all[k].name) >= SALTUS_NAME_MAX)
-            status = place_failure(t->origin, &place, "a name must have 1 to 31 characters", message);
-        else if (!is_name(all[k].name))
-            status = place_failure(t->origin, &place,
-                                   "a name is made of letters, digits and _, a letter first", message);
-        else if (is_reserved(all[k].name))
-            status = place_failure(t->origin, &place, "this name is reserved", message);
-        else if (k > 0 && strcmp(all[k].name, all[k - 1].name) == 0) {
+        const char *wrong = strlen(all[k].name) >= SALTUS_NAME_MAX ? "a name must have 1 to 31 characters"
+                            : !is_name(all[k].name)
+                                ? "a name is made of letters, digits and _, a letter first"
+                            : is_reserved(all[k].name) ? "this name is reserved"
+                                                       : NULL;
+        if (!wrong && k > 0 && strcmp(all[k].name, all[k - 1].name) == 0) {
             snprintf(sentence, sizeof sentence, "is %s already (line %d)", all[k - 1].what, all[k - 1].line);
-            status = place_failure(t->origin, &place, sentence, message);
+            wrong = sentence;
         }
+        if (wrong)
+            status = place_failure(t->origin, all[k].name, all[k].line, wrong, message);
     }
     free(all);
     return status;
@@ -699,10 +698,9 @@ static bool is_used(const saltus_parsed_text *t, const char *name) {
 static saltus_status check_used(const text_model *m, saltus_message *message) {
     const saltus_parsed_text *t = &m->text;
     for (int k = 0; k < t->parameter_count; k++)
-        if (!is_used(t, t->parameters[k].name)) {
-            const saltus_equation place = {t->parameters[k].name, NULL, m->parameter_line[k]};
-            return place_failure(t->origin, &place, "no equation has this parameter", message);
-        }
+        if (!is_used(t, t->parameters[k].name))
+            return place_failure(t->origin, t->parameters[k].name, m->parameter_line[k],
+                                 "no equation has this parameter", message);
     return SALTUS_OK;
 }
 
@@ -749,9 +747,8 @@ static saltus_status check_periodic(const text_model *m, const saltus_spec *spec
     if (worst < 0)
         return SALTUS_OK;
     const saltus_parsed *own = equation_of(m, g, worst);
-    const saltus_equation place = {own->name, NULL, own->line};
     return place_failure(
-        m->text.origin, &place,
+        m->text.origin, own->name, own->line,
         "time must enter with the period of the forcing, as in cos(omega*t): t begins anew every period",
         message);
 }
@@ -768,7 +765,7 @@ static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus
     snprintf(sentence, sizeof sentence,
              "%.60s is not a parameter; forcing names the one that is the angular frequency",
              m->text.forcing);
-    return place_failure(m->text.origin, &text->forcing, sentence, message);
+    return place_failure(m->text.origin, text->forcing.name, text->forcing.line, sentence, message);
 }
 
 static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_message *message) {
