@@ -115,6 +115,8 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
 saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltus_flow_options *flow,
                                         const saltus_track *track, saltus_motion *motion, bool *found,
                                         saltus_message *message);
+
+/* cycle.c */
 /* saltus_motion_cycle from a state of a system which closes after about so many of its periods. */
 saltus_status saltus_motion_cycle_after(const saltus_system *system, double periods, const double *guess,
                                         const saltus_classify_options *options, saltus_motion *motion,

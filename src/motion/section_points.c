@@ -95,8 +95,11 @@ saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltu
 saltus_status saltus_motion_returning(const saltus_system *system, const double *state, int periods,
                                       const saltus_classify_options *options, saltus_motion *motion,
                                       saltus_message *message) {
+    enum { numbers_most = 1 << 24 }; /* of long orbits of large systems fewer returns, but some to each */
     const int n = saltus_system_dimension(system);
-    const long long room = 2000 + 100LL * periods;
+    const long long wanted = 2000 + 100LL * periods,
+                    fit = numbers_most / n > 4LL * periods ? numbers_most / n : 4LL * periods,
+                    room = wanted < fit ? wanted : fit;
     double *points = malloc((size_t)room * (size_t)n * sizeof *points),
            *times = malloc((size_t)room * sizeof *times);
     double distance = 0;
