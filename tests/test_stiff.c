@@ -89,9 +89,8 @@ static void leading_multipliers_need_few_segments(void **unused) {
     double start[dimension_max];
     check_ok(saltus_system_default_state(system, start, &message), &message);
     for (int k = 0; k < 2; k++) {
-        options.periods = k ? 8 : 2;
-        check_ok(saltus_orbit_find(system, k ? orbit[0].state : start, &options, &orbit[k], &message),
-                 &message);
+        const double *from = k ? orbit[0].state : start;
+        check_ok(saltus_orbit_find(system, k ? 8 : 2, from, &options, &orbit[k], &message), &message);
     }
     assert_true(isfinite(orbit[0].log_volume) && isnan(orbit[1].log_volume));
     check_near(orbit[0].log_volume, orbit[0].sum_rule, 1e-11 * fabs(orbit[0].sum_rule));
