@@ -826,14 +826,8 @@ static const saltus_branch_point *first_of(const branch_record *record, saltus_p
     return NULL;
 }
 
-/* A curve of tori from grazing to a double multiplier 1. The curves of grazing and of folds through its ends,
- * found on their own, have the same corners there, and the curve of tori begins at either of them. */
-static void tori_between_grazing_and_folds(void **unused) {
-    (void)unused;
-    skip_where_slow();
-    static const char *const key[2] = {"omega", "d"}, *const turned[2] = {"d", "omega"};
-    static const double low[2] = {0.3273, 0.266}, high[2] = {1.0474, 1.7733};
-    static const double low_turned[2] = {0.266, 0.3273}, high_turned[2] = {1.7733, 1.0474};
+/* Two masses that hit each other. */
+static saltus_spec hitting_masses(void) {
     saltus_spec spec = oscillator_spec(0.1379, 1, 1.1, 0.6546);
     set_parameter(&spec, "N", 2);
     set_parameter(&spec, "m2", 2.9486);
@@ -842,6 +836,80 @@ static void tori_between_grazing_and_folds(void **unused) {
     add_stop(&spec, 0.8867, 0.7901, SALTUS_UPPER);
     spec.stops[0].weight[0] = 1;
     spec.stops[0].weight[1] = -1;
+    return spec;
+}
+
+/* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
+static bool grazes_there(const branch_record *record, const saltus_branch_point *p, int periods) {
+    bool found = false;
+    for (int k = 0; k < record->count; k++)
+        found |= record->point[k].locus == SALTUS_POINT_GR && record->point[k].periods == periods &&
+                 at_one_place(p, &record->point[k]);
+    return found;
+}
+
+/* Flips of strongly unstable orbits between two grazings that are close together: of twice the period there
+ * are arcs of grazing no longer than that. Where the orbit whose flip meets grazing closes after fewer
+ * periods the flip is not that of the shorter one, and no such curve begins. Every curve that begins goes on
+ * from there, in steps. */
+static void grazing_leaves_the_ends_of_short_curves_of_flips(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {0.3273, 0.266}, high[2] = {1.0474, 1.7733};
+    static const struct {
+        int periods; /* of the flips */
+        double at[2], state[4];
+    } rows[] = {{4,
+                 {0.6981023031109848, 0.36654620995872533},
+                 {-0.6172475410864414, -0.9830134559837096, 0.022892105990964112, 0.0398277331717187}},
+                {2,
+                 {0.766147181252207, 0.32562557932795644},
+                 {-0.40489844698468197, -0.728086411871268, -0.0031522536093089217, 0.028753982182374148}}};
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        saltus_spec spec = hitting_masses();
+        set_parameter(&spec, key[0], rows[row].at[0]);
+        spec.stops[0].d = rows[row].at[1];
+        saltus_branch_options options = locus_options(SALTUS_POINT_PD, key, low, high);
+        options.switches = 1;
+        options.points = 20;
+        branch_record record = branch_run(&spec, rows[row].periods, rows[row].state, &options);
+        int corners = 0;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            if (p->step == 0) {
+                assert_true(k + 2 < record.count && p[2].step == 2);
+                continue;
+            }
+            double stride = hypot((p->value[0] - p[-1].value[0]) / (high[0] - low[0]),
+                                  (p->value[1] - p[-1].value[1]) / (high[1] - low[1]));
+            assert_true(stride <= 1.2 * options.step_max);
+            assert_true(p->admissible);
+            if (p->locus == SALTUS_POINT_GR && p->kind == p->locus) {
+                saltus_system *system = build(&p->spec);
+                check_near(pow(slowest_contact(system, p->periods, p->state), 2), 0, 1e-9);
+                saltus_system_free(system);
+            }
+            if (p->locus == SALTUS_POINT_PD && p->kind == SALTUS_POINT_GR_PD) {
+                assert_true(grazes_there(&record, p, 2 * p->periods) !=
+                            grazes_there(&record, p, p->periods / 2));
+                corners++;
+            }
+        }
+        assert_int_equal(corners, 2);
+        branch_forget(&record);
+    }
+}
+
+/* A curve of tori from grazing to a double multiplier 1. The curves of grazing and of folds through its ends,
+ * found on their own, have the same corners there, and the curve of tori begins at either of them. */
+static void tori_between_grazing_and_folds(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char *const key[2] = {"omega", "d"}, *const turned[2] = {"d", "omega"};
+    static const double low[2] = {0.3273, 0.266}, high[2] = {1.0474, 1.7733};
+    static const double low_turned[2] = {0.266, 0.3273}, high_turned[2] = {1.7733, 1.0474};
+    saltus_spec spec = hitting_masses();
     saltus_motion motion = settled(&spec);
     saltus_branch_options options = locus_options(SALTUS_POINT_NS, key, low, high);
     options.switches = 1;
@@ -1171,6 +1239,7 @@ int main(void) {
         cmocka_unit_test(networks_of_curves),
         cmocka_unit_test(folds_end_in_long_runs),
         cmocka_unit_test(tori_between_grazing_and_folds),
+        cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),
         cmocka_unit_test(an_interrupted_network_goes_on),
         cmocka_unit_test(symmetric_grazing),

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/archive.h"
 
+#include "base/bits.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -54,6 +56,10 @@ bool saltus_archive_flag(saltus_archive *a, bool value) {
     return saltus_archive_whole(a, value, 0, 1);
 }
 
+saltus_point_kind saltus_archive_kind(saltus_archive *a, saltus_point_kind kind) {
+    return (saltus_point_kind)saltus_archive_whole(a, kind, 0, SALTUS_POINT_KINDS - 1);
+}
+
 void saltus_archive_label(saltus_archive *a, char label[SALTUS_LABEL_MAX]) {
     int length = (int)saltus_archive_whole(a, (long long)strlen(label), 0, SALTUS_LABEL_MAX - 1);
     for (int k = 0; k < length; k++)
@@ -66,6 +72,16 @@ static bool found(saltus_archive *a, const void *memory) {
     a->starved = a->starved || !memory;
     a->sound = a->sound && memory;
     return a->sound;
+}
+
+void *saltus_archive_list(saltus_archive *a, void *things, int *count, size_t size, size_t each) {
+    const size_t length = saltus_archive_length(a, (size_t)*count, each);
+    if (!a->reading)
+        return things;
+    free(things);
+    things = a->sound ? calloc(length + 1, size) : NULL;
+    *count = a->sound && found(a, things) ? (int)length : 0;
+    return things;
 }
 
 void saltus_archive_array(saltus_archive *a, double **values, size_t count) {
@@ -158,12 +174,8 @@ static void archive_breach(saltus_archive *a, const saltus_sequence *s, saltus_b
 }
 
 static void archive_breaches(saltus_archive *a, saltus_solution *s) {
-    size_t count = saltus_archive_length(a, (size_t)s->breach_count, 5);
-    if (a->reading && a->sound) {
-        free(s->breaches);
-        s->breaches = calloc(count + 1, sizeof *s->breaches);
-        s->breach_count = s->breach_room = found(a, s->breaches) ? (int)count : 0;
-    }
+    s->breaches = saltus_archive_list(a, s->breaches, &s->breach_count, sizeof *s->breaches, 5);
+    s->breach_room = a->reading ? s->breach_count : s->breach_room;
     for (int k = 0; k < s->breach_count; k++) {
         saltus_breach *breach = &s->breaches[k];
         archive_breach(a, &s->sequence, breach);
@@ -174,12 +186,8 @@ static void archive_breaches(saltus_archive *a, saltus_solution *s) {
 }
 
 static void archive_events(saltus_archive *a, saltus_lap *lap) {
-    size_t count = saltus_archive_length(a, (size_t)lap->event_count, 7);
-    if (a->reading && a->sound) {
-        free(lap->events);
-        lap->events = calloc(count + 1, sizeof *lap->events);
-        lap->event_count = lap->event_room = found(a, lap->events) ? (int)count : 0;
-    }
+    lap->events = saltus_archive_list(a, lap->events, &lap->event_count, sizeof *lap->events, 7);
+    lap->event_room = a->reading ? lap->event_count : lap->event_room;
     for (int k = 0; k < lap->event_count; k++) {
         saltus_event *event = &lap->events[k];
         event->kind = event_kind(a, event->kind);
@@ -241,6 +249,30 @@ void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
     archive_survey(a, &s->survey);
 }
 
+saltus_status saltus_archive_rest(saltus_archive *a, saltus_rests *r, saltus_rest *rest,
+                                  saltus_message *message) {
+    const unsigned contacts = faces_held(a, r->contacts);
+    const int held = saltus_count_bits(contacts);
+    double state[SALTUS_STATE_MAX] = {0};
+    saltus_archive_point(a, &rest->at);
+    a->sound = a->sound && rest->at.unknowns == r->width + held + r->family.parameters;
+    if (!a->sound)
+        return SALTUS_OK;
+    for (int i = 0; i < r->width; i++) {
+        const int entry = i < r->dof ? i : i + r->dof;
+        state[entry] = rest->at.u[i] * r->state_scale[entry];
+    }
+    saltus_status status = SALTUS_OK;
+    if (a->reading)
+        status = saltus_rests_shape(r, contacts, state, rest->at.u + r->width + held, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_archive_finite(a, r->row_scale, (size_t)r->width);
+    for (int i = 0; i < r->width; i++)
+        a->sound = a->sound && r->row_scale[i] > 0;
+    return a->reading && a->sound ? saltus_rest_see(r, rest, message) : SALTUS_OK;
+}
+
 void saltus_archive_orbits(saltus_archive *a, saltus_orbits *o) {
     if (o->options.free_period)
         saltus_archive_finite(a, &o->cocycle.wanted, 1);
@@ -270,19 +302,15 @@ static void archive_start(saltus_archive *a, saltus_branch_start *start) {
     start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
     start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
     start->grazes = saltus_archive_flag(a, start->grazes);
-    start->origin = (saltus_point_kind)saltus_archive_whole(a, start->origin, 0, SALTUS_POINT_KINDS - 1);
+    start->origin = saltus_archive_kind(a, start->origin);
 }
 
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
     enum { numbers_min = 12 }; /* of a start */
-    int begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
-    size_t count = saltus_archive_length(a, (size_t)starts->count, numbers_min);
-    if (a->reading) {
+    if (a->reading)
         saltus_starts_clear(starts);
-        starts->start = a->sound ? calloc(count + 1, sizeof *starts->start) : NULL;
-        starts->count = a->sound && found(a, starts->start) ? (int)count : 0;
-        starts->begun = begun;
-    }
+    starts->begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
+    starts->start = saltus_archive_list(a, starts->start, &starts->count, sizeof *starts->start, numbers_min);
     for (int k = 0; k < starts->count; k++)
         archive_start(a, &starts->start[k]);
 }

@@ -7,6 +7,7 @@
 #ifndef SALTUS_BRANCH_ARCHIVE_H
 #define SALTUS_BRANCH_ARCHIVE_H
 
+#include "branch/rest.h"
 #include "branch/special.h"
 
 typedef struct saltus_archive {
@@ -28,7 +29,11 @@ long long saltus_archive_whole(saltus_archive *archive, long long value, long lo
 /* The same for the length of an array of which each entry takes `each` numbers or more. */
 size_t saltus_archive_length(saltus_archive *archive, size_t length, size_t each);
 bool saltus_archive_flag(saltus_archive *archive, bool value);
+saltus_point_kind saltus_archive_kind(saltus_archive *archive, saltus_point_kind kind);
 void saltus_archive_label(saltus_archive *archive, char label[SALTUS_LABEL_MAX]);
+/* Things of a size, each of `each` numbers or more: how many there are; reading, room for them takes the
+ * place of `things`. Returns where they are. */
+void *saltus_archive_list(saltus_archive *archive, void *things, int *count, size_t size, size_t each);
 /* An array of `count` finite numbers; reading, it is allocated. */
 void saltus_archive_array(saltus_archive *archive, double **values, size_t count);
 
@@ -37,6 +42,10 @@ void saltus_archive_sequence(saltus_archive *archive, saltus_sequence *sequence)
 void saltus_archive_point(saltus_archive *archive, saltus_curve_point *point);
 /* A solution with its survey, as far as later steps may use it. */
 void saltus_archive_solution(saltus_archive *archive, saltus_solution *solution);
+/* An equilibrium of the equations, with the scales of their rows; reading, they become its own. Errors: those
+ * of the evaluation. */
+saltus_status saltus_archive_rest(saltus_archive *archive, saltus_rests *rests, saltus_rest *rest,
+                                  saltus_message *message);
 /* What orbits of periods of their own have shown of those to come: nothing of others. */
 void saltus_archive_orbits(saltus_archive *archive, saltus_orbits *orbits);
 /* The sequence that a shooting has, which reading it takes on: marks belong to the segments that they were in

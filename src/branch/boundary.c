@@ -24,12 +24,12 @@ typedef struct bounce {
     saltus_dense_lu lu;
 } bounce;
 
-static void multiply(int n, const double *a, const double *b, double *out) {
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            out[i * n + j] = 0;
-            for (int k = 0; k < n; k++)
-                out[i * n + j] += a[i * n + k] * b[k * n + j];
+static void multiply(int rows, int inner, int columns, const double *a, const double *b, double *out) {
+    for (int i = 0; i < rows; i++)
+        for (int j = 0; j < columns; j++) {
+            out[i * columns + j] = 0;
+            for (int k = 0; k < inner; k++)
+                out[i * columns + j] += a[i * inner + k] * b[k * columns + j];
         }
 }
 
@@ -45,21 +45,21 @@ static void exponential(const bounce *b, double time, double *out) {
     for (int k = 0; k < n * n; k++)
         out[k] = term[k] = k % (n + 1) == 0;
     for (int j = 1; j <= terms; j++) {
-        multiply(n, b->linear, term, next);
+        multiply(n, n, n, b->linear, term, next);
         for (int k = 0; k < n * n; k++) {
             term[k] = next[k] * part / j;
             out[k] += term[k];
         }
     }
     for (int j = 0; j < squarings; j++) {
-        multiply(n, out, out, next);
+        multiply(n, n, n, out, out, next);
         memcpy(out, next, (size_t)(n * n) * sizeof *out);
     }
 }
 
 /* The sign of the determinant of exp(A T) R - 1, which becomes `matrix`, where `flow` is exp(A T). */
 static int sign_of(bounce *b) {
-    multiply(b->n, b->flow, b->impact, b->matrix);
+    multiply(b->n, b->n, b->n, b->flow, b->impact, b->matrix);
     for (int i = 0; i < b->n; i++)
         b->matrix[i * b->n + i] -= 1;
     saltus_dense_factor(&b->lu, b->matrix);
@@ -76,18 +76,9 @@ static double refine(bounce *b, double low, double high, int sign) {
 }
 
 static double closes(const bounce *b, const double *state) {
-    double sum = 0;
-    for (int i = 0; i < b->n; i++)
-        sum += b->row[i] * state[i];
-    return sum;
-}
-
-static void apply(int n, const double *matrix, const double *state, double *out) {
-    for (int i = 0; i < n; i++) {
-        out[i] = 0;
-        for (int j = 0; j < n; j++)
-            out[i] += matrix[i * n + j] * state[j];
-    }
+    double gap;
+    multiply(1, b->n, 1, b->row, state, &gap);
+    return gap;
 }
 
 /* Whether there is a cycle of a period: `half` (n) becomes its state half of the period after the impact, in
@@ -105,7 +96,7 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
         return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a branch")
                                           : SALTUS_OK;
     /* The gap closes before the impact. */
-    apply(n, b->linear, state, moved);
+    multiply(n, n, 1, b->linear, state, moved);
     const double gap = closes(b, state), speed = closes(b, moved);
     if (fabs(gap) < grazing || fabs(speed) * period < grazing)
         return SALTUS_OK;
@@ -113,11 +104,11 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
     for (int i = 0; i < n; i++)
         state[i] /= unit;
     const double reach = closes(b, state);
-    apply(n, b->impact, state, moved);
+    multiply(n, n, 1, b->impact, state, moved);
     memcpy(state, moved, (size_t)n * sizeof *state);
     exponential(b, period / looks, b->flow);
     for (int k = 1; k < looks; k++) {
-        apply(n, b->flow, state, moved);
+        multiply(n, n, 1, b->flow, state, moved);
         memcpy(state, moved, (size_t)n * sizeof *state);
         if (closes(b, state) >= reach)
             return SALTUS_OK;
@@ -138,7 +129,7 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
     b->n = r->n;
     b->linear = calloc(7 * n * n + 3 * n, sizeof *b->linear);
     if (!b->linear || !saltus_dense_lu_open(&b->lu, b->n))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     b->impact = b->linear + n * n;
     b->step = b->impact + n * n;
     b->flow = b->step + n * n;
@@ -198,7 +189,7 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
         return SALTUS_OK;
     const double slope = gap_slope(r, at, face, along, scratch);
     if (r->starved)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     saltus_status status = open_bounce(&b, r, at, face, message);
     start.parameter = at->parameter[0];
     start.state = at->state;
@@ -227,7 +218,7 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
             exponential(&b, k * b.h, b.flow);
         }
         before = sign;
-        multiply(b.n, b.flow, b.step, b.matrix);
+        multiply(b.n, b.n, b.n, b.flow, b.step, b.matrix);
         memcpy(b.flow, b.matrix, (size_t)(b.n * b.n) * sizeof *b.flow);
     }
     saltus_dense_lu_close(&b.lu);
@@ -235,9 +226,9 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
     return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
 }
 
-/* The cycle at a parameter so far from the start's. */
-static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start, double apart,
-                              saltus_solution *out, saltus_message *message) {
+saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start *start, double distance,
+                                    saltus_solution *out, saltus_message *message) {
+    const double apart = start->heading * distance;
     saltus_sequence sequence = start->sequence;
     const double parameter = start->parameter + apart;
     double state[SALTUS_STATE_MAX];
@@ -261,18 +252,6 @@ static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start
     return status;
 }
 
-saltus_status saltus_boundary_begin(saltus_orbits *o, const saltus_branch_start *start, saltus_solution *out,
-                                    saltus_message *message) {
-    static const double apart[] = {1e-3, 1e-4, 1e-2, 1e-5};
-    saltus_status status = SALTUS_NO_CONVERGENCE;
-    for (size_t k = 0; k < sizeof apart / sizeof apart[0] && status != SALTUS_OK; k++) {
-        status = cycle_at(o, start, start->heading * apart[k], out, message);
-        if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
-            return status;
-    }
-    return status;
-}
-
 /* The speed of a cycle's fastest impact, scaled; INFINITY where it meets stops otherwise, or not at all. */
 static double impact_speed(const saltus_solution *s) {
     const saltus_sequence *sequence = &s->sequence;
@@ -288,8 +267,7 @@ static double impact_speed(const saltus_solution *s) {
 
 bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution *next) {
     const double small = 1e-2, near = impact_speed(here), far = impact_speed(next);
-    const double turn = 2 * M_PI * next->sequence.periods / next->sequence.omega;
-    return far < small && far < near && next->speed * next->sequence.speed * turn < small;
+    return far < small && far < near && saltus_solution_way(next) < small;
 }
 
 /* A cycle's state half of the way from its first impact to the next, the same part of every such cycle, and

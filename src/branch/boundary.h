@@ -12,9 +12,9 @@
 saltus_status saltus_boundary_leave(saltus_rests *rests, const saltus_rest *at, int face,
                                     const saltus_branch_start *like, saltus_rest *scratch,
                                     saltus_starts *starts, saltus_message *message);
-/* A small cycle on the branch that such a start tells of, not surveyed, with a tangent away from the
- * equilibrium. Errors: SALTUS_NO_MEMORY; SALTUS_NO_CONVERGENCE where none is found. */
-saltus_status saltus_boundary_begin(saltus_orbits *orbits, const saltus_branch_start *start,
+/* The cycle on the branch that such a start tells of, at a parameter so far from the start's; not surveyed,
+ * with a tangent away from the equilibrium. Errors: SALTUS_NO_MEMORY; others where none is found. */
+saltus_status saltus_boundary_cycle(saltus_orbits *orbits, const saltus_branch_start *start, double distance,
                                     saltus_solution *out, saltus_message *message);
 /* Whether cycles with impacts, and nothing else in contact, have become small, and smaller from one to the
  * next. */

@@ -113,7 +113,7 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
     *change = (saltus_change){.kind = SALTUS_POINT_GR};
     if (!picked)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     change->reason = saltus_sequence_graze(&at->sequence, picked, pick_change(at, picked), beyond, order);
     free(picked);
     if (!change->reason) {
@@ -122,7 +122,7 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     }
     double *old = calloc((size_t)saltus_sequence_unknowns(beyond, o->n) + 1, sizeof *old);
     if (!old)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
     if (saltus_change_pass(o, beyond, at->parameter, at->state, old, here, next)) {
         memcpy(change->after, next->survey.label, sizeof change->after);
@@ -198,14 +198,6 @@ static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *sta
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
-/* Whether an orbit of a period of its own is none, but an equilibrium, which closes after any time. */
-static bool rests(const saltus_solution *s) {
-    const double nothing = 1e-6;
-    const saltus_sequence *sequence = &s->sequence;
-    return sequence->omega > 0 && sequence->count == 0 &&
-           s->speed * sequence->speed * 2 * M_PI * sequence->periods < nothing * sequence->omega;
-}
-
 /* Shooting with the flow's own events: whether there is an orbit of the period of `old` near a state at its
  * base, which becomes `out`, with the sequence that the flow meets on it. `state` (n) is overwritten. */
 static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const double *parameters,
@@ -225,7 +217,7 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
         return false;
     return sequence_met(o, out, state, &met) &&
            saltus_solution_place(o, &met, parameters, state, true, out, &ignored) == SALTUS_OK &&
-           !rests(out) && saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
+           !saltus_solution_rests(out, NULL) && saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
 }
 
 /* The same along the tangent of an orbit to a parameter. */
@@ -405,7 +397,7 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
     change->accuracy = width * slope(o, at);
     double *state = calloc((size_t)o->n, sizeof *state), border = range[heading > 0];
     if (!state)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     change->at_border =
         fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, state, here);
     /* Where chatter completes changes follow one another closely; where grazings do, the parameter turns back
@@ -487,6 +479,28 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
     /* The branch goes on from `here`. */
     saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, &ignored));
     return width;
+}
+
+void saltus_births_note(saltus_births *run, bool born, double place) {
+    if (run->count == saltus_births_length)
+        memmove(run->place, run->place + 1, (size_t)--run->count * sizeof *run->place);
+    run->count = born ? run->count + 1 : 0;
+    if (born)
+        run->place[run->count - 1] = place;
+}
+
+bool saltus_births_accumulate(const saltus_births *run, double *limit, double *rest) {
+    const double steady = 0.05, slowest = 0.95, least = 1e-10;
+    double ratio[saltus_births_length - 2];
+    if (run->count < saltus_births_length)
+        return false;
+    for (int k = 0; k < saltus_births_length - 2; k++)
+        ratio[k] = (run->place[k + 2] - run->place[k + 1]) / (run->place[k + 1] - run->place[k]);
+    *rest = (run->place[saltus_births_length - 1] - run->place[saltus_births_length - 2]) * ratio[1] /
+            (1 - ratio[1]);
+    *limit = run->place[saltus_births_length - 1] + *rest;
+    return ratio[1] > 0 && ratio[1] < slowest && fabs(ratio[1] - ratio[0]) < steady * ratio[1] &&
+           fabs(*rest) > least;
 }
 
 bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, double limit, double rest,

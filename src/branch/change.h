@@ -53,6 +53,18 @@ saltus_status saltus_change_leap(saltus_orbits *orbits, const saltus_solution *f
                                  saltus_leap leap, const char *why, const double range[2],
                                  saltus_solution *at, saltus_solution *here, saltus_solution *scratch,
                                  saltus_change *change, saltus_message *message);
+/* The last places where impacts were born, one after the other. */
+enum { saltus_births_length = 4 };
+typedef struct saltus_births {
+    int count;
+    double place[saltus_births_length]; /* parameter unknowns, the last one last */
+} saltus_births;
+
+/* Another impact is born at a place; or one dies, and the run ends. */
+void saltus_births_note(saltus_births *births, bool born, double place);
+/* Whether births follow one another in a geometric sequence: where it ends, and how far that is from the last
+ * of them. */
+bool saltus_births_accumulate(const saltus_births *births, double *limit, double *rest);
 /* Impacts are born one after the other, where they accumulate chatter completes: near the parameter `limit`,
  * but for a part of `rest`, which is as far as the last of them. From `from`, an orbit near there, `at`
  * becomes the orbit at which the contact after complete chatter is nothing, `here` one beyond, at a parameter

@@ -6,6 +6,7 @@
 #include "saltus/equilibrium.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -44,13 +45,21 @@ static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const
     return status;
 }
 
-saltus_status saltus_cycle_passes(saltus_orbits *o, const saltus_solution *s, saltus_passed *passed,
+/* The equilibrium that a cycle passes most slowly. */
+typedef struct passed {
+    bool found;
+    double distance;      /* of the cycle, in the system's scales */
+    int unstable, stable; /* eigenvalues with a positive and with a negative real part */
+    unsigned contacts;    /* faces that it is held against */
+} passed_rest;
+
+static saltus_status cycle_passes(saltus_orbits *o, const saltus_solution *s, passed_rest *passed,
                                   saltus_message *message) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
     saltus_equilibrium rest = {0};
     saltus_message why = {.text = ""};
     double slowest[SALTUS_STATE_MAX] = {0}, speed;
-    *passed = (saltus_passed){.found = false};
+    *passed = (passed_rest){.found = false};
     saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, &why);
     if (status == SALTUS_OK)
         status = go_around(o, s, NULL, slowest, &speed, &why);
@@ -67,6 +76,40 @@ saltus_status saltus_cycle_passes(saltus_orbits *o, const saltus_solution *s, sa
     }
     saltus_equilibrium_clear(&rest);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", why.text) : SALTUS_OK;
+}
+
+saltus_status saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *at, bool lost, bool *ends,
+                                       char *reason, saltus_message *message) {
+    const double near = 1e-2, still = 1e-3;
+    const double stretching = fabs(at->at.tangent[at->at.unknowns - 2]);
+    passed_rest passed = {.found = false};
+    *ends = at->sequence.omega > 0 && fabs(saltus_solution_heading(at)) < still * stretching;
+    saltus_status status = *ends ? cycle_passes(o, at, &passed, message) : SALTUS_OK;
+    if (!*ends || status != SALTUS_OK)
+        return status;
+    const bool meets = passed.found && passed.distance < near && passed.unstable && passed.stable;
+    *ends = meets || lost;
+    const double period = 2 * M_PI * at->sequence.periods / at->sequence.omega;
+    if (meets)
+        snprintf(
+            reason, SALTUS_REASON_MAX,
+            "homoclinic: the period grows without bound, here %.6g at a distance of %.2g from a saddle%s",
+            period, passed.distance, passed.contacts ? " on a stop" : "");
+    else
+        snprintf(reason, SALTUS_REASON_MAX,
+                 "the parameter stands still while the period changes, here %.6g; no saddle is near", period);
+    return status;
+}
+
+saltus_status saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solution *at, char *reason,
+                                          saltus_message *message) {
+    passed_rest passed = {.found = false};
+    saltus_status status = cycle_passes(o, at, &passed, message);
+    int length = snprintf(reason, SALTUS_REASON_MAX, "the orbit shrinks to an equilibrium: period %.9g",
+                          2 * M_PI * at->sequence.periods / at->sequence.omega);
+    if (passed.found)
+        snprintf(reason + length, SALTUS_REASON_MAX - (size_t)length, ", distance %.2g", passed.distance);
+    return status;
 }
 
 /* Half the sum of the two eigenvalues whose product is near `*square`, at the equilibrium near u with the
@@ -146,7 +189,8 @@ static saltus_status note_rates(saltus_rests *r, const double *u, saltus_shrunk 
     return saltus_rests_noted(r, status);
 }
 
-saltus_status saltus_cycle_shrinks(saltus_orbits *o, const saltus_solution *s, saltus_shrunk *hopf,
+/* Sought from the equilibrium nearest to the cycle's state and the eigenvalues nearest to its frequency. */
+static saltus_status cycle_shrinks(saltus_orbits *o, const saltus_solution *s, saltus_shrunk *hopf,
                                    saltus_message *message) {
     saltus_rests r = {.family = o->family, .origin = {o->origin}};
     saltus_message why = {.text = ""};
@@ -167,7 +211,45 @@ saltus_status saltus_cycle_shrinks(saltus_orbits *o, const saltus_solution *s, s
     const bool starved = r.starved || status == SALTUS_NO_MEMORY;
     free(u);
     saltus_rests_close(&r);
-    return starved ? saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch") : SALTUS_OK;
+    return starved ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
+saltus_status saltus_cycle_seek_hopf(saltus_orbits *o, const saltus_solution *here,
+                                     const saltus_solution *next, saltus_solution *at,
+                                     saltus_solution *scratch, saltus_hopf_ahead *hopf, bool *misses,
+                                     saltus_message *message) {
+    const double close = 1e-6, alike = 1e-3, slack = 10;
+    saltus_special *special = &hopf->special;
+    saltus_shrunk *shrunk = &hopf->shrunk;
+    hopf->is_one = false;
+    *misses = saltus_solution_rests(next, here);
+    hopf->found = !*misses && saltus_special_hopf(o, here, next, special, scratch);
+    saltus_status status = SALTUS_OK;
+    if (hopf->found)
+        status = saltus_special_visit(o, here, next->at.ahead, special, at, &hopf->is_one, message);
+    if (status != SALTUS_OK || !hopf->is_one)
+        return status;
+    const saltus_solution *near = special->sharp ? at : here;
+    status = cycle_shrinks(o, at, shrunk, message);
+    const double most =
+        special->sharp ? slack * special->accuracy / o->family.unit[0] + close : next->at.ahead;
+    shrunk->found = shrunk->found && fabs(shrunk->parameter - near->parameter[0]) < most &&
+                    fabs(log(shrunk->omega * here->sequence.periods / near->sequence.omega)) < alike;
+    *misses = here->sequence.count == 0 && !(special->sharp && shrunk->found);
+    return status;
+}
+
+saltus_status saltus_cycle_folds(saltus_orbits *o, const saltus_solution *here, const saltus_special *fold,
+                                 const saltus_solution *at, bool *folds, saltus_message *message) {
+    const double small = 0.2; /* of the speed on the orbit before */
+    saltus_shrunk shrunk;
+    *folds = true;
+    if (fold->kind != SALTUS_POINT_LP || !(at->sequence.omega > 0) || at->sequence.count > 0 ||
+        at->speed >= small * here->speed)
+        return SALTUS_OK;
+    saltus_status status = cycle_shrinks(o, at, &shrunk, message);
+    *folds = !shrunk.found || o->family.unit[0] * fabs(shrunk.parameter - at->parameter[0]) > fold->accuracy;
+    return status;
 }
 
 /* Of the two imaginary eigenvalues one makes the multiplier 1 along the flow, the other one 1, too. */
@@ -211,4 +293,59 @@ saltus_status saltus_cycle_shrink(saltus_orbits *o, const saltus_shrunk *hopf, s
     if (status == SALTUS_OK && out->survey.walked)
         tell_multipliers(hopf, 2 * M_PI / hopf->omega, &out->survey);
     return status;
+}
+
+bool saltus_cycle_of_family(const saltus_solution *s) {
+    const double close = 1e-6;
+    bool one = s->sequence.omega == 0 || !s->survey.walked;
+    for (int k = 0; k < s->survey.multiplier_count && !one; k++)
+        one = hypot(s->survey.multipliers[k].re - 1, s->survey.multipliers[k].im) < close;
+    return one;
+}
+
+/* The speed of an orbit's impacts in the system's scale, where they are all alike; NAN where they are not, or
+ * where there are none. */
+static double common_speed(const saltus_solution *s) {
+    const double alike = 1e-6;
+    double least = INFINITY, most = -INFINITY;
+    int count = 0;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED) {
+            least = fmin(least, -s->breaches[k].value);
+            most = fmax(most, -s->breaches[k].value);
+            count++;
+        }
+    return count > 1 && count == s->sequence.count && most - least < alike ? 0.5 * (least + most) : NAN;
+}
+
+bool saltus_cycle_fades(const saltus_orbits *o, const saltus_solution *here, const saltus_solution *next) {
+    const double slow = 0.3, share = 0.5;
+    const double before = common_speed(here), after = common_speed(next);
+    const double way = (next->parameter[0] - here->parameter[0]) * saltus_solution_heading(here);
+    return o->n == 2 && here->sequence.omega > 0 && !here->sequence.contacts && !here->sequence.driven &&
+           before > 0 && before < slow && !(after > share * before && way > 0);
+}
+
+saltus_zero saltus_cycle_touches(saltus_orbits *o, const saltus_solution *here, const double range[2],
+                                 saltus_solution *at, saltus_solution *bare, saltus_solution *scratch) {
+    static const double reach[] = {1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
+    enum { reaches = sizeof reach / sizeof reach[0] };
+    const double heading = saltus_solution_heading(here);
+    saltus_message ignored;
+    saltus_zero zero = {.found = false};
+    saltus_sequence without = here->sequence;
+    without.count = 0;
+    for (int k = 0; k < reaches && !zero.found; k++) {
+        const double parameter = here->parameter[0] + copysign(reach[k], heading);
+        if (parameter < range[0] || parameter > range[1] ||
+            saltus_solution_place(o, &without, &parameter, here->state, true, bare, &ignored) != SALTUS_OK ||
+            bare->worst.value > 0 || saltus_solution_survey(o, bare, &ignored) != SALTUS_OK ||
+            !bare->survey.follows)
+            continue;
+        saltus_solution_head(bare, -heading);
+        const double back = reach[k] / fabs(saltus_solution_heading(bare));
+        if (saltus_solution_visit(o, bare, back, scratch, &ignored) == SALTUS_OK && scratch->worst.value > 0)
+            zero = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, bare, scratch, at);
+    }
+    return zero;
 }

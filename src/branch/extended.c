@@ -33,7 +33,7 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
     reserve(x, count);
     if (!saltus_arena_open(&x->arena) || !saltus_dense_lu_open(&x->lu, x->copies * (count + 1)) ||
         !saltus_dense_lu_open(&x->equations.lu, count + 2 + x->extra))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+        return saltus_branch_no_memory(message);
     reserve(x, count);
     x->differs = false;
     return SALTUS_OK;
@@ -67,7 +67,7 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
     int size = x->copies * x->orbits.equations->count;
     double value, *a = calloc((size_t)(size * size), sizeof *a);
     if (!a)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+        return saltus_branch_no_memory(message);
     fill_singular(x, theta, a, size);
     saltus_status status = saltus_dense_null_vectors(a, size, size, 1, x->c, &value);
     fill_singular(x, theta, a, size);

@@ -52,23 +52,30 @@ static void apply(const double *matrix, int count, double complex factor, const 
             out[i] += factor * matrix[i * count + j] * vector[j];
 }
 
+/* A - shift, or the transposed, as a real matrix of twice the size, with room for one column more; NULL
+ * without memory. */
+static double *real_form(const expansion *x, bool transposed, double complex shift) {
+    const int c = x->count, m = 2 * c;
+    double *a = calloc((size_t)(m * m + m), sizeof *a);
+    for (int i = 0; i < c && a; i++)
+        for (int j = 0; j < c; j++) {
+            const double entry = x->linear[transposed ? j * c + i : i * c + j];
+            a[i * m + j] = a[(c + i) * m + c + j] = entry - (i == j ? creal(shift) : 0);
+            a[i * m + c + j] = i == j ? cimag(shift) : 0;
+            a[(c + i) * m + j] = i == j ? -cimag(shift) : 0;
+        }
+    return a;
+}
+
 /* Solve (shift - A) x = right. False where it is singular. */
 static bool resolve(saltus_rests *r, const expansion *x, double complex shift, double complex *right) {
     const int c = x->count, m = 2 * c;
-    double *a = calloc((size_t)(m * m + m), sizeof *a);
+    double *a = real_form(x, false, shift), *b = a ? a + m * m : NULL;
     int *pivots = calloc((size_t)m, sizeof *pivots);
     bool sound = saltus_rests_noted(r, a && pivots ? SALTUS_OK : SALTUS_NO_MEMORY) == SALTUS_OK;
-    double *b = sound ? a + m * m : NULL;
     for (int i = 0; i < c && sound; i++) {
-        for (int j = 0; j < c; j++) {
-            const double re = (i == j ? creal(shift) : 0) - x->linear[i * c + j];
-            const double im = i == j ? cimag(shift) : 0;
-            a[i * m + j] = a[(c + i) * m + c + j] = re;
-            a[i * m + c + j] = -im;
-            a[(c + i) * m + j] = im;
-        }
-        b[i] = creal(right[i]);
-        b[c + i] = cimag(right[i]);
+        b[i] = -creal(right[i]);
+        b[c + i] = -cimag(right[i]);
     }
     sound = sound && saltus_dense_solve(a, m, b, pivots);
     for (int i = 0; i < c && sound; i++)
@@ -82,17 +89,8 @@ static bool resolve(saltus_rests *r, const expansion *x, double complex shift, d
 static saltus_status null_vector(const expansion *x, double omega, bool left, double complex *out,
                                  saltus_message *message) {
     const int c = x->count, m = 2 * c;
-    double value, *a = calloc((size_t)(m * m + m), sizeof *a);
-    saltus_status status = a ? SALTUS_OK : SALTUS_NO_MEMORY;
-    for (int i = 0; i < c && a; i++)
-        for (int j = 0; j < c; j++) {
-            const double turn = i != j ? 0 : left ? -omega : omega;
-            a[i * m + j] = a[(c + i) * m + c + j] = x->linear[left ? j * c + i : i * c + j];
-            a[i * m + c + j] = turn;
-            a[(c + i) * m + j] = -turn;
-        }
-    if (a)
-        status = saltus_dense_null_vectors(a, m, m, 1, a + m * m, &value);
+    double value, *a = real_form(x, left, left ? -omega * I : omega * I);
+    saltus_status status = a ? saltus_dense_null_vectors(a, m, m, 1, a + m * m, &value) : SALTUS_NO_MEMORY;
     for (int i = 0; i < c && status == SALTUS_OK; i++)
         out[i] = a[m * m + i] + I * a[m * m + c + i];
     free(a);
@@ -216,7 +214,7 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
         }
     saltus_status status = SALTUS_OK;
     if (!vectors || !hopf->vector || !open_expansion(&x, r->n))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a Hopf point");
+        status = saltus_branch_no_memory(message);
     else if (hopf->omega == 0)
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "no eigenvalues are a complex pair");
     if (status == SALTUS_OK)
@@ -249,7 +247,7 @@ saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, co
     const double cosine = length > 0 ? along[0] / length : 1, sine = length > 0 ? along[1] / length : 0;
     start.tangent = calloc((size_t)r->n + 2, sizeof *start.tangent);
     if (!start.tangent)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     for (int i = 0; i < r->n; i++) {
         start.tangent[i] = (cosine * a[i] + sine * b[i]) / r->state_scale[i];
         size = hypot(size, start.tangent[i]);
@@ -267,9 +265,8 @@ saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, co
     return status;
 }
 
-/* The cycle whose distance from the equilibrium along the start's tangent is `apart`. */
-static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start, double apart,
-                              saltus_solution *out, saltus_message *message) {
+saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *start, double apart,
+                                saltus_solution *out, saltus_message *message) {
     saltus_sequence sequence = start->sequence;
     saltus_equations *e = o->equations;
     double state[SALTUS_STATE_MAX];
@@ -288,13 +285,13 @@ static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start
         saltus_sequence_anchor(&sequence, o->flow, false);
     status = saltus_shooting_shape(o->shooting, &sequence, message);
     if (status == SALTUS_OK && !saltus_curve_reserve(&out->at, e->unknowns))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_shooting_fill(o->shooting, &start->parameter, state, out->at.u, message);
     double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal),
            *place = normal ? normal + e->unknowns : NULL;
     if (!normal)
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK) {
         memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
         memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
@@ -308,17 +305,5 @@ static saltus_status cycle_at(saltus_orbits *o, const saltus_branch_start *start
         status = saltus_curve_orient(e, normal, &out->at, message);
     out->at.ahead = 0;
     free(normal);
-    return status;
-}
-
-saltus_status saltus_hopf_begin(saltus_orbits *o, const saltus_branch_start *start, saltus_solution *out,
-                                saltus_message *message) {
-    static const double apart[] = {1e-2, 3e-3, 3e-2, 1e-3};
-    saltus_status status = SALTUS_NO_CONVERGENCE;
-    for (size_t k = 0; k < sizeof apart / sizeof apart[0] && status != SALTUS_OK; k++) {
-        status = cycle_at(o, start, apart[k], out, message);
-        if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
-            return status;
-    }
     return status;
 }

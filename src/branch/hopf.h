@@ -24,9 +24,10 @@ saltus_status saltus_hopf_find(saltus_rests *rests, const saltus_rest *at, saltu
 saltus_status saltus_hopf_leave(const saltus_rests *rests, const saltus_rest *at, const saltus_hopf *hopf,
                                 const saltus_branch_start *like, saltus_starts *starts,
                                 saltus_message *message);
-/* A small cycle on the branch that such a start tells of, not surveyed, with a tangent away from the
- * equilibrium. Errors: SALTUS_NO_MEMORY; SALTUS_NO_CONVERGENCE where none is found. */
-saltus_status saltus_hopf_begin(saltus_orbits *orbits, const saltus_branch_start *start, saltus_solution *out,
-                                saltus_message *message);
+/* The cycle on the branch that such a start tells of, `apart` from the equilibrium along its tangent; not
+ * surveyed, with a tangent away from the equilibrium. Errors: SALTUS_NO_MEMORY; others where none is found.
+ */
+saltus_status saltus_hopf_cycle(saltus_orbits *orbits, const saltus_branch_start *start, double apart,
+                                saltus_solution *out, saltus_message *message);
 
 #endif

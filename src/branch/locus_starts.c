@@ -39,7 +39,7 @@ static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_
     double *state = calloc((size_t)n, sizeof *state);
     if (!grown || !state) {
         free(state);
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
+        return saltus_branch_no_memory(message);
     }
     memcpy(state, at->state, (size_t)n * sizeof *state);
     saltus_locus_start *own = &starts->start[starts->count++];
@@ -259,7 +259,9 @@ static int special_curves(saltus_extended *x, const saltus_corner *corner, saltu
     starts[0].one_way = grazes;
     starts[0].mark = grazes ? 0 : mark;
     starts[0].sequence = grazes && without ? saltus_corner_without(x, at) : whole;
-    bool breaks = special == SALTUS_POINT_PD || (special == SALTUS_POINT_BP && x->mirrored);
+    /* Of orbits that close after fewer periods there it is not the flip. */
+    bool breaks = whole.periods == at->sequence.periods &&
+                  (special == SALTUS_POINT_PD || (special == SALTUS_POINT_BP && x->mirrored));
     return 1 + (breaks && grazing_of_broken(&whole, mark, x->mirrored, without, &starts[1]));
 }
 
@@ -309,7 +311,7 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_corner *
 }
 
 saltus_point_kind saltus_locus_start_kind(saltus_archive *a, saltus_point_kind kind) {
-    kind = (saltus_point_kind)saltus_archive_whole(a, kind, 0, SALTUS_POINT_KINDS - 1);
+    kind = saltus_archive_kind(a, kind);
     a->sound = a->sound && (kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_NS ||
                             kind == SALTUS_POINT_BP || kind == SALTUS_POINT_GR);
     return kind;
@@ -325,7 +327,7 @@ static void archive_start(saltus_archive *a, saltus_locus_start *start) {
     saltus_archive_finite(a, &start->theta, 1);
     start->one_way = saltus_archive_flag(a, start->one_way);
     start->leaves = saltus_archive_flag(a, start->leaves);
-    start->origin = (saltus_point_kind)saltus_archive_whole(a, start->origin, 0, SALTUS_POINT_KINDS - 1);
+    start->origin = saltus_archive_kind(a, start->origin);
     start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
     start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
     start->done = saltus_archive_flag(a, start->done);
@@ -333,13 +335,9 @@ static void archive_start(saltus_archive *a, saltus_locus_start *start) {
 
 void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts) {
     enum { numbers_min = 16 }; /* of a start */
-    size_t count = saltus_archive_length(a, (size_t)starts->count, numbers_min);
-    if (a->reading) {
+    if (a->reading)
         saltus_locus_starts_clear(starts);
-        starts->start = a->sound ? calloc(count + 1, sizeof *starts->start) : NULL;
-        a->starved = a->starved || (a->sound && !starts->start);
-        starts->count = starts->start ? (int)count : 0;
-    }
+    starts->start = saltus_archive_list(a, starts->start, &starts->count, sizeof *starts->start, numbers_min);
     starts->next = (int)saltus_archive_whole(a, starts->next, 0, starts->count);
     for (int k = 0; k < starts->count; k++)
         archive_start(a, &starts->start[k]);

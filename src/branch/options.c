@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/options.h"
 
+#include "branch/solution.h"
 #include "orbit/options.h"
 
 #include <math.h>
@@ -96,4 +97,20 @@ saltus_status saltus_branch_check(const saltus_branch_options *o, const saltus_s
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d values asked for: at most %d are possible",
                            o->value_count, SALTUS_BRANCH_VALUES_MAX);
     return o->locus ? check_locus(o, spec, message) : SALTUS_OK;
+}
+
+saltus_status saltus_branch_family(const saltus_spec *spec, const saltus_branch_options *o, int parameters,
+                                   saltus_family *family, double *origin, double border[][2],
+                                   saltus_message *message) {
+    *family = (saltus_family){.spec = *spec, .parameters = parameters};
+    for (int d = 0; d < parameters; d++) {
+        family->unit[d] = o->high[d] - o->low[d];
+        saltus_status status =
+            saltus_spec_direction(spec, o->key[d], &family->direction[d], &origin[d], message);
+        if (status != SALTUS_OK)
+            return status;
+        border[d][0] = saltus_orbits_border(origin[d], family->unit[d], o->low[d], 0);
+        border[d][1] = saltus_orbits_border(origin[d], family->unit[d], o->high[d], 1);
+    }
+    return SALTUS_OK;
 }

@@ -41,7 +41,7 @@ saltus_status saltus_branch_point_copy(const saltus_branch_point *point, saltus_
     copy->multipliers = malloc(n * sizeof *copy->multipliers);
     if (!copy->state || !copy->events || !copy->multipliers) {
         saltus_branch_point_clear(copy);
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a point of a branch");
+        return saltus_branch_no_memory(message);
     }
     memcpy(copy->state, point->state, n * sizeof *copy->state);
     if (events)
@@ -144,9 +144,8 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     point->multiplier_count = survey->multiplier_count;
     point->trivial_multiplier = s->sequence.omega > 0 ? survey->trivial : 0;
     point->period = s->sequence.periods * 2 * M_PI / saltus_spec_omega(&spec);
-    saltus_status status = point->state && point->events && point->multipliers
-                               ? SALTUS_OK
-                               : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    saltus_status status =
+        point->state && point->events && point->multipliers ? SALTUS_OK : saltus_branch_no_memory(message);
     /* Where chatter is left to the flow the prescribed way may not lead there: then as the flow saw it
      * nearby. */
     saltus_message ignored;
@@ -155,7 +154,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
         memcpy(point->state, survey->lap.points, n * sizeof *point->state);
     if (status == SALTUS_OK &&
         saltus_solution_contact_force(o, s, &point->contact_force, &ignored) == SALTUS_NO_MEMORY)
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        status = saltus_branch_no_memory(message);
     if (status != SALTUS_OK) {
         saltus_branch_point_clear(point);
         return status;

@@ -3,16 +3,13 @@
 #include "branch/rest.h"
 
 #include "base/bits.h"
+#include "branch/solution.h"
 #include "orbit/held.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static saltus_status no_memory(saltus_message *message) {
-    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch of equilibria");
-}
 
 saltus_status saltus_rests_noted(saltus_rests *r, saltus_status status) {
     r->starved |= status == SALTUS_NO_MEMORY;
@@ -54,7 +51,7 @@ saltus_status saltus_rests_open(saltus_rests *r, saltus_message *message) {
     saltus_flow_set_directions(r->flow, r->family.direction);
     reserve(r);
     if (!saltus_arena_open(&r->arena))
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     reserve(r);
     /* The metric stays that of the first system, however the parameters change. */
     memcpy(r->state_scale, saltus_system_scale(r->system), (size_t)r->n * sizeof(double));
@@ -215,7 +212,7 @@ saltus_status saltus_rests_border(saltus_rests *r, const double *u, saltus_messa
                 r->aside[i * size + j] = r->equations.jacobian[side ? i * m + j : j * m + i];
         status = saltus_dense_null_vectors(r->aside, size, size, 1, r->border[side], &value);
         if (status != SALTUS_OK)
-            saltus_fail(message, status, "no null vectors at a fold of equilibria");
+            saltus_fail(message, status, "no null vectors at a fold or branch point of equilibria");
     }
     return status;
 }
@@ -274,7 +271,7 @@ static saltus_status fill_special(saltus_rests *r, const double *u, saltus_messa
         sound = isfinite(row[j]);
     }
     if (!sound && r->starved)
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     if (!sound)
         return saltus_fail(message, SALTUS_NO_CONVERGENCE,
                            "what makes the equilibrium special is not defined");
@@ -319,7 +316,7 @@ saltus_status saltus_rests_shape(saltus_rests *r, unsigned contacts, const doubl
     reserve_shape(r, unknowns);
     if (!saltus_dense_lu_open(&r->equations.lu, unknowns) || !saltus_arena_open(&r->shape_arena) ||
         !saltus_dense_lu_open(&r->lu, r->width + r->held + 1))
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     reserve_shape(r, unknowns);
     double *u = r->equations.trial;
     for (int i = 0; i < r->width; i++) {
@@ -359,7 +356,7 @@ saltus_status saltus_rests_fill(saltus_rests *r, const double *parameters, const
 saltus_status saltus_rests_linear(saltus_rests *r, const double *u, const double *aside, double by,
                                   double *matrix, int *count, saltus_message *message) {
     if (!saltus_held_basis(r->system, r->contacts, r->basis, r->product, count))
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     saltus_status status =
         aside ? tune(r, u + r->width + r->held, message) : place(r, u, r->contacts, message);
     if (aside) {
@@ -456,7 +453,7 @@ saltus_status saltus_rest_see(saltus_rests *r, saltus_rest *s, saltus_message *m
     if (!s->rates)
         s->rates = calloc((size_t)r->n, sizeof *s->rates);
     if (!s->state || !s->rates)
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     s->contacts = r->contacts;
     saltus_status status = find_rates(r, s, message);
     memcpy(s->state, r->state, (size_t)r->n * sizeof *s->state);
@@ -481,4 +478,31 @@ saltus_status saltus_rest_visit(saltus_rests *r, const saltus_rest *from, double
                                 saltus_message *message) {
     saltus_status status = saltus_curve_visit(&r->equations, &from->at, ahead, &out->at, message);
     return saltus_rests_noted(r, status == SALTUS_OK ? saltus_rest_see(r, out, message) : status);
+}
+
+saltus_status saltus_rest_place(saltus_rests *r, unsigned contacts, const double *state,
+                                const double *parameter, bool polish, const double *tangent, saltus_rest *out,
+                                saltus_message *message) {
+    saltus_equations *e = &r->equations;
+    saltus_curve_point *at = &out->at;
+    saltus_status status = saltus_rests_shape(r, contacts, state, parameter, message);
+    if (status == SALTUS_OK && !saltus_curve_reserve(at, e->unknowns))
+        status = saltus_branch_no_memory(message);
+    if (status == SALTUS_OK)
+        status = saltus_rests_fill(r, parameter, state, at->u, message);
+    at->ahead = 0;
+    at->bent = false;
+    at->iterations = 0;
+    if (status == SALTUS_OK && polish)
+        status = saltus_newton(e, at->u, NULL, NULL, true, &at->iterations, message);
+    else if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(e, at->u, message);
+    if (status == SALTUS_OK && tangent) {
+        memcpy(at->tangent, tangent, (size_t)at->unknowns * sizeof *tangent);
+        at->crossing.mantissa = NAN; /* zero but for rounding */
+        at->residual = e->size;
+    } else if (status == SALTUS_OK) {
+        status = saltus_curve_orient(e, NULL, at, message);
+    }
+    return status == SALTUS_OK ? saltus_rest_see(r, out, message) : status;
 }

@@ -64,7 +64,8 @@ saltus_status saltus_rests_shape(saltus_rests *rests, unsigned contacts, const d
 /* The unknowns of a state, parameters, and forces that follow from them. Errors: those of the evaluation. */
 saltus_status saltus_rests_fill(saltus_rests *rests, const double *parameters, const double *state, double *u,
                                 saltus_message *message);
-/* Borders of the Jacobian from its null vectors at u (LP). Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE.
+/* Borders of the Jacobian: its null vectors at u, to the left and right. Errors: SALTUS_NO_MEMORY,
+ * SALTUS_NO_CONVERGENCE.
  */
 saltus_status saltus_rests_border(saltus_rests *rests, const double *u, saltus_message *message);
 /* Which two eigenvalues of the equilibrium at u a Hopf point is made of, from the product that they are near:
@@ -80,6 +81,12 @@ saltus_status saltus_rests_noted(saltus_rests *rests, saltus_status status);
 /* Unit vector of the motion's coordinates as one of states (n). After saltus_rests_linear. */
 void saltus_rests_lift(const saltus_rests *rests, int count, const double *vector, double *state);
 
+/* An equilibrium with contacts at one parameter, polished or only evaluated, becomes `out`; `tangent`: where
+ * branches cross, that of the one; NULL: its own, of either sign. The equations become those of the contacts.
+ * Errors: those of them, SALTUS_NO_MEMORY. */
+saltus_status saltus_rest_place(saltus_rests *rests, unsigned contacts, const double *state,
+                                const double *parameter, bool polish, const double *tangent, saltus_rest *out,
+                                saltus_message *message);
 void saltus_rest_clear(saltus_rest *rest);
 /* All but the tangent from the unknowns rest->at.u. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_rest_see(saltus_rests *rests, saltus_rest *rest, saltus_message *message);

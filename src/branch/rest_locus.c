@@ -2,8 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/rest_locus.h"
 
-#include "base/bits.h"
 #include "branch/hopf.h"
+#include "branch/options.h"
 #include "branch/rest_point.h"
 
 #include <float.h>
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { tests_max = 2, queue_max = tests_max + 2 };
+enum { tests_max = 2 };
 
 /* A function along the curve whose zero is a point of codimension two. */
 typedef struct test {
@@ -23,7 +23,7 @@ typedef struct test {
 } test;
 
 struct saltus_rest_locus {
-    saltus_branch_options options;
+    saltus_trail *trail; /* the caller's */
     saltus_rests rests;
     gsl_root_fsolver *solver;
     saltus_rest here, next, trial;
@@ -33,16 +33,7 @@ struct saltus_rest_locus {
     double first_square;
     double border[2][2]; /* of both parameter unknowns: low, high */
     int ways[2], way_count, way;
-    int number, made;
-    double arclength, step;
-    bool ended;
-    saltus_branch_point queue[queue_max]; /* made but not yet given out */
-    int queue_count, queue_next;
 };
-
-static saltus_status no_memory(saltus_message *message) {
-    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a locus");
-}
 
 /* The sum over the eigenvalues of the product of all others: zero where two of them are. */
 static double product_of_others(const saltus_rest *s) {
@@ -75,7 +66,7 @@ static saltus_status measure(saltus_rest_locus *l, const saltus_rest *s, test *t
         tests[1] = (test){SALTUS_POINT_GH, false, status == SALTUS_OK ? hopf.coefficient : NAN};
         if (status == SALTUS_OK)
             free(hopf.vector);
-        return status == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+        return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     }
     if (r->kind == SALTUS_POINT_LP) {
         const double *row = e->jacobian + (ptrdiff_t)(e->count - 1) * e->unknowns;
@@ -100,19 +91,19 @@ static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message
 }
 
 /* `here` becomes the first point, from a guess. */
-static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const double *state,
-                                double parameter, saltus_message *message) {
+static saltus_status open_first(saltus_rest_locus *l, const saltus_rest_start *place,
+                                saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.at;
-    const double parameters[2] = {parameter, 0};
-    saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
+    const double parameters[2] = {place->parameter, 0};
+    saltus_status status = saltus_rests_shape(r, place->contacts, place->state, parameters, message);
     const int m = r->equations.unknowns;
     double *normal = calloc(2 * (size_t)m, sizeof *normal), *anchor = normal ? normal + m : NULL;
     l->beginning = calloc(2 * (size_t)m, sizeof *l->beginning);
     if (status == SALTUS_OK && (!normal || !l->beginning || !saltus_curve_reserve(at, m)))
-        status = no_memory(message);
+        status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
-        status = saltus_rests_fill(r, parameters, state, at->u, message);
+        status = saltus_rests_fill(r, parameters, place->state, at->u, message);
     if (status == SALTUS_OK)
         status = renew(l, at->u, message);
     if (status == SALTUS_OK) {
@@ -138,37 +129,30 @@ static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const d
     return status;
 }
 
-saltus_status saltus_rest_locus_new(const saltus_spec *spec, const saltus_branch_options *options,
-                                    unsigned contacts, const double *state, double parameter, int face,
-                                    double square, saltus_rest_locus **locus, saltus_message *message) {
+saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail,
+                                    const saltus_rest_start *place, saltus_rest_locus **locus,
+                                    saltus_message *message) {
+    const saltus_branch_options *options = trail->options;
     saltus_rest_locus *l = calloc(1, sizeof *l);
     *locus = l;
     if (!l)
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     saltus_rests *r = &l->rests;
-    l->options = *options;
+    l->trail = trail;
     r->kind = options->locus;
-    r->face = face;
-    l->square = r->square = square;
-    r->family = (saltus_family){.spec = *spec, .parameters = 2};
+    r->face = place ? place->face : 0;
+    l->square = r->square = place ? place->square : 0;
     l->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-    saltus_status status = l->solver ? SALTUS_OK : no_memory(message);
-    for (int d = 0; d < 2 && status == SALTUS_OK; d++) {
-        r->family.unit[d] = options->high[d] - options->low[d];
-        status =
-            saltus_spec_direction(spec, options->key[d], &r->family.direction[d], &r->origin[d], message);
-        for (int side = 0; side < 2; side++)
-            l->border[d][side] = saltus_orbits_border(r->origin[d], r->family.unit[d],
-                                                      side ? options->high[d] : options->low[d], side);
-    }
+    saltus_status status = l->solver ? SALTUS_OK : saltus_branch_no_memory(message);
+    if (status == SALTUS_OK)
+        status = saltus_branch_family(spec, options, 2, &r->family, r->origin, l->border, message);
     l->way_count = options->direction ? 1 : 2;
     l->ways[0] = options->direction < 0 ? -1 : 1;
     l->ways[1] = -1;
-    l->ended = true;
     if (status == SALTUS_OK)
         status = saltus_rests_open(r, message);
-    if (status == SALTUS_OK && state)
-        status = open_first(l, contacts, state, parameter, message);
+    if (status == SALTUS_OK && place)
+        status = open_first(l, place, message);
     if (status != SALTUS_OK) {
         saltus_rest_locus_free(l);
         *locus = NULL;
@@ -179,8 +163,6 @@ saltus_status saltus_rest_locus_new(const saltus_spec *spec, const saltus_branch
 void saltus_rest_locus_free(saltus_rest_locus *l) {
     if (!l)
         return;
-    for (int k = l->queue_next; k < l->queue_count; k++)
-        saltus_branch_point_clear(&l->queue[k]);
     saltus_rest_clear(&l->here);
     saltus_rest_clear(&l->next);
     saltus_rest_clear(&l->trial);
@@ -193,22 +175,17 @@ void saltus_rest_locus_free(saltus_rest_locus *l) {
 
 static saltus_status give(saltus_rest_locus *l, const saltus_rest *s, saltus_point_kind kind, double ahead,
                           const char *reason, saltus_message *message) {
-    saltus_branch_point *point = &l->queue[l->queue_count];
+    const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
+    saltus_branch_point *point = saltus_trail_place(l->trail, message);
+    if (!point)
+        return SALTUS_NO_MEMORY;
     saltus_status status = saltus_rest_point(&l->rests, s, point, message);
     if (status != SALTUS_OK)
         return status;
-    const bool enough = kind != SALTUS_POINT_EP && l->made + 1 >= l->options.points;
     const double rest = s->value[1] - (l->rests.origin[1] + l->rests.family.unit[1] * s->parameter[1]);
     point->spec = saltus_spec_shifted(&point->spec, &l->rests.family.direction[1], rest);
-    point->kind = enough ? SALTUS_POINT_EP : kind;
     point->locus = l->rests.kind;
     point->stable = false;
-    point->branch = l->number;
-    point->parent = -1;
-    point->step = l->made;
-    point->arclength = l->arclength + ahead;
-    point->accuracy = NAN;
-    snprintf(point->reason, sizeof point->reason, "%s", enough ? "as many points as asked for" : reason);
     if (l->rests.kind == SALTUS_POINT_HB) {
         const test *t = s == &l->here ? l->tests : s == &l->next ? l->ahead : l->there;
         point->lyapunov_coefficient = t[1].value;
@@ -216,10 +193,7 @@ static saltus_status give(saltus_rest_locus *l, const saltus_rest *s, saltus_poi
     }
     if (l->rests.kind == SALTUS_POINT_BE)
         saltus_rest_touch(&l->rests, l->rests.face, point);
-    l->ended = l->ended || point->kind == SALTUS_POINT_EP;
-    l->queue_count++;
-    l->made++;
-    return status;
+    return saltus_trail_give(l->trail, l->rests.system, &what, message);
 }
 
 /* The locus goes off from its first point in the next of its ways. */
@@ -227,11 +201,7 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.at;
     const size_t bytes = (size_t)at->unknowns * sizeof *at->u;
-    l->number = l->way;
-    l->made = 0;
-    l->arclength = 0;
-    l->step = l->options.step;
-    l->ended = false;
+    saltus_trail_begin(l->trail, l->way, -1, 0, false);
     memcpy(at->u, l->beginning, bytes);
     memcpy(at->tangent, l->beginning + at->unknowns, bytes);
     at->bent = false;
@@ -290,7 +260,7 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
             order[0] = k;
         }
     }
-    for (int i = 0; i < count && status == SALTUS_OK && !l->ended; i++) {
+    for (int i = 0; i < count && status == SALTUS_OK && l->trail->following; i++) {
         const int k = order[i];
         const test *t = &l->tests[k];
         sought s = {l, k};
@@ -298,7 +268,7 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
         if (!value_ahead(&s, place[k], &value))
             continue;
         status = give(l, &l->trial, t->kind, place[k], "", message);
-        if (status == SALTUS_OK && t->ends && !l->ended)
+        if (status == SALTUS_OK && t->ends && l->trail->following)
             status = give(l, &l->trial, SALTUS_POINT_EP, place[k],
                           "beyond it two real eigenvalues add up to zero: no Hopf points", message);
     }
@@ -315,7 +285,8 @@ static bool is_closed(const saltus_rest_locus *l) {
         after += way * (l->next.at.u[j] - first);
         apart = hypot(apart, l->next.at.u[j] - first);
     }
-    return l->arclength > 5 * l->options.step_max && before * after <= 0 && apart < 2 * l->next.at.ahead;
+    return l->trail->arclength > 5 * l->trail->options->step_max && before * after <= 0 &&
+           apart < 2 * l->next.at.ahead;
 }
 
 /* A face that the equilibrium may not be beyond, or whose contact pulls; -1: none. */
@@ -335,8 +306,8 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
                                           {first + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
     int reached;
-    saltus_status status =
-        saltus_curve_step(&r->equations, &l->here.at, &l->step, bounds, 2, &l->next.at, &reached, &why);
+    saltus_status status = saltus_curve_step(&r->equations, &l->here.at, &l->trail->step, bounds, 2,
+                                             &l->next.at, &reached, &why);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(&r->equations, l->next.at.u, &why);
     if (status == SALTUS_OK)
@@ -344,11 +315,11 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     if (status == SALTUS_OK)
         status = measure(l, &l->next, l->ahead, &why);
     if (status == SALTUS_NO_MEMORY)
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
         return give(l, &l->here, SALTUS_POINT_EP, 0, why.text, message);
     status = give_corners(l, message);
-    if (status != SALTUS_OK || l->ended)
+    if (status != SALTUS_OK || !l->trail->following)
         return status;
     const double ahead = l->next.at.ahead;
     const int face = find_breach(l);
@@ -362,13 +333,14 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
         return give(l, &l->next, SALTUS_POINT_EP, ahead, "the curve is closed: it has come back", message);
     }
     if (reached >= 0) {
-        const double low = l->options.low[reached], high = l->options.high[reached];
+        const double low = l->trail->options->low[reached], high = l->trail->options->high[reached];
         l->next.value[reached] = l->next.parameter[reached] == l->border[reached][1] ? high : low;
         return give(l, &l->next, SALTUS_POINT_EP, ahead, "end of the parameters' range", message);
     }
-    l->step = saltus_curve_next_step(l->step, l->next.at.iterations, l->options.step_max);
+    l->trail->step =
+        saltus_curve_next_step(l->trail->step, l->next.at.iterations, l->trail->options->step_max);
     status = give(l, &l->next, r->kind, ahead, "", message);
-    l->arclength += ahead;
+    l->trail->arclength += ahead;
     const saltus_rest swap = l->here;
     l->here = l->next;
     l->next = swap;
@@ -379,73 +351,32 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     return renew(l, l->here.at.u, message);
 }
 
-saltus_status saltus_rest_locus_step(saltus_rest_locus *l, saltus_branch_point *point, bool *more,
-                                     saltus_message *message) {
+saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_message *message) {
     saltus_status status = SALTUS_OK;
-    *more = true;
-    while (status == SALTUS_OK && l->queue_next == l->queue_count) {
-        l->queue_next = l->queue_count = 0;
-        if (!l->ended) {
-            status = advance(l, message);
-        } else if (l->way < l->way_count) {
-            status = begin(l, message);
-        } else {
-            *more = false;
-            return status;
-        }
-        if (l->rests.starved)
-            return no_memory(message);
-    }
-    if (status == SALTUS_OK)
-        *point = l->queue[l->queue_next++];
-    return status;
-}
-
-bool saltus_rest_locus_rests(const saltus_rest_locus *l) {
-    return l->queue_next == l->queue_count;
-}
-
-/* The equations become those of the point that was read. */
-static saltus_status restore(saltus_rest_locus *l, unsigned contacts, saltus_archive *a,
-                             saltus_message *message) {
-    saltus_rests *r = &l->rests;
-    const saltus_curve_point *at = &l->here.at;
-    const int held = saltus_count_bits(contacts);
-    double state[SALTUS_STATE_MAX] = {0};
-    a->sound = a->sound && at->unknowns == r->width + held + 2;
-    if (!a->sound)
-        return SALTUS_OK;
-    for (int i = 0; i < r->width; i++)
-        state[i < r->dof ? i : i + r->dof] = at->u[i] * r->state_scale[i < r->dof ? i : i + r->dof];
-    return saltus_rests_shape(r, contacts, state, at->u + r->width + held, message);
+    *more = l->trail->following || l->way < l->way_count;
+    if (l->trail->following)
+        status = advance(l, message);
+    else if (*more)
+        status = begin(l, message);
+    return status == SALTUS_OK && l->rests.starved ? saltus_branch_no_memory(message) : status;
 }
 
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
     saltus_rests *r = &l->rests;
-    const unsigned contacts = (unsigned)saltus_archive_whole(a, r->contacts, 0, (1LL << a->faces) - 1);
     r->face = (int)saltus_archive_whole(a, r->face, -1, a->faces - 1);
     l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
-    l->number = (int)saltus_archive_whole(a, l->number, 0, 1);
-    l->made = (int)saltus_archive_whole(a, l->made, 0, INT_MAX);
-    l->ended = saltus_archive_flag(a, l->ended);
-    saltus_archive_finite(a, &l->arclength, 1);
-    saltus_archive_finite(a, &l->step, 1);
     saltus_archive_real(a, &l->square);
     saltus_archive_real(a, &l->first_square);
     for (int k = 0; k < tests_max; k++) {
-        l->tests[k].kind =
-            (saltus_point_kind)saltus_archive_whole(a, l->tests[k].kind, 0, SALTUS_POINT_KINDS - 1);
+        l->tests[k].kind = saltus_archive_kind(a, l->tests[k].kind);
         l->tests[k].ends = saltus_archive_flag(a, l->tests[k].ends);
         saltus_archive_real(a, &l->tests[k].value);
     }
-    saltus_archive_point(a, &l->here.at);
-    saltus_archive_array(a, &l->beginning, 2 * (size_t)l->here.at.unknowns);
-    saltus_status status = a->reading ? restore(l, contacts, a, message) : SALTUS_OK;
-    if (status == SALTUS_OK && a->sound)
-        saltus_archive_finite(a, r->row_scale, (size_t)r->width);
+    saltus_status status = saltus_archive_rest(a, r, &l->here, message);
+    if (status == SALTUS_OK)
+        saltus_archive_array(a, &l->beginning, 2 * (size_t)l->here.at.unknowns);
     if (status != SALTUS_OK || !a->reading || !a->sound)
         return status;
     r->square = l->square;
-    status = saltus_rest_see(r, &l->here, message);
-    return status == SALTUS_OK ? renew(l, l->here.at.u, message) : status;
+    return renew(l, l->here.at.u, message);
 }

@@ -40,7 +40,7 @@ saltus_status saltus_rest_point(const saltus_rests *r, const saltus_rest *s, sal
                                    .multiplier_count = s->rate_count};
     if (!point->state || !point->events || !point->multipliers) {
         saltus_branch_point_clear(point);
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a point of a branch");
+        return saltus_branch_no_memory(message);
     }
     memcpy(point->state, s->state, n * sizeof *s->state);
     for (int k = 0; k < r->n; k++)
@@ -63,13 +63,13 @@ void saltus_rest_touch(const saltus_rests *r, int face, saltus_branch_point *poi
 
 double saltus_rest_value(saltus_rest_asked asked, const saltus_rest *s, const saltus_rest *from) {
     switch (asked.test) {
-    case SALTUS_REST_FOLD:
+    case SALTUS_TEST_FOLD:
         return s->at.tangent[s->at.unknowns - 1];
-    case SALTUS_REST_CROSSING:
+    case SALTUS_TEST_CROSSING:
         return saltus_scaled_in(s->at.crossing, from->at.crossing.exponent);
-    case SALTUS_REST_PAIRS:
+    case SALTUS_TEST_PAIR:
         return saltus_scaled_in(s->pairs, from->pairs.exponent);
-    case SALTUS_REST_BREACH:
+    case SALTUS_TEST_BREACH:
         /* A step begins on the admissible side, where the contact was just made or given up. */
         return s == from ? fmin(s->breach[asked.face], -1e-300) : s->breach[asked.face];
     default:
@@ -127,7 +127,7 @@ saltus_zero saltus_rest_crossing(saltus_rests *r, const saltus_rest *from, doubl
                                  saltus_rest *out) {
     enum { samples = 6, passes = 3 };
     static const double place[samples] = {-1, 1, -2, 2, -3, 3};
-    const saltus_rest_asked asked = {.test = SALTUS_REST_CROSSING};
+    const saltus_rest_asked asked = {.test = SALTUS_TEST_CROSSING};
     const int m = from->at.unknowns;
     double test[samples], apart = fmin(0.1 * reach, 4e-3), middle = ahead;
     double *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *best = u ? u + m * samples : NULL;

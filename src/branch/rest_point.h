@@ -15,19 +15,10 @@ void saltus_rest_touch(const saltus_rests *rests, int face, saltus_branch_point 
 /* "equilibrium" or "held". */
 const char *saltus_rest_label(unsigned contacts);
 
-/* Functions whose zeros along a branch of equilibria are special points. */
-typedef enum saltus_rest_test {
-    SALTUS_REST_FOLD,     /* the parameter's share of the tangent */
-    SALTUS_REST_CROSSING, /* `crossing` */
-    SALTUS_REST_PAIRS,    /* `pairs` */
-    SALTUS_REST_BREACH,   /* of a face */
-    SALTUS_REST_VALUE     /* the parameter minus a target */
-} saltus_rest_test;
-
-/* A test, and what it needs. */
+/* A test, and what it needs: FOLD, CROSSING, PAIR for the product of all pairs' sums, BREACH or VALUE. */
 typedef struct saltus_rest_asked {
-    saltus_rest_test test;
-    int face;
+    saltus_test test;
+    int face; /* BREACH */
     double target;
 } saltus_rest_asked;
 

@@ -18,7 +18,7 @@
  * multipliers below 1e-40, which no change of stability is told by. */
 enum { segments_most = 24 };
 
-static saltus_status no_memory(saltus_message *message) {
+saltus_status saltus_branch_no_memory(saltus_message *message) {
     return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
 }
 
@@ -29,7 +29,7 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
     o->n = saltus_system_dimension(o->system);
     o->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
     if (!o->solver)
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     status = saltus_flow_single(o->system, 0, &o->options.flow, &o->flow, message);
     o->cocycle.most = segments_most;
     if (status == SALTUS_OK)
@@ -139,7 +139,7 @@ static bool reserve(const saltus_orbits *o, saltus_solution *s) {
 
 saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
     if (!reserve(o, s))
-        return saltus_orbits_noted(o, no_memory(message));
+        return saltus_orbits_noted(o, saltus_branch_no_memory(message));
     const double *u = s->at.u, *parameters = u + o->equations->count;
     const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
     saltus_shooting_extract(o->shooting, u, &s->sequence, s->state);
@@ -173,7 +173,7 @@ saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *seq
     int iterations = 0;
     saltus_status status = saltus_shooting_shape(o->shooting, sequence, message);
     if (status == SALTUS_OK && !saltus_curve_reserve(&out->at, e->unknowns))
-        status = no_memory(message);
+        status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_shooting_fill(o->shooting, parameters, state, out->at.u, message);
     if (status == SALTUS_OK && polish)
@@ -187,6 +187,16 @@ saltus_status saltus_solution_place(saltus_orbits *o, const saltus_sequence *seq
     if (status == SALTUS_OK && o->family.parameters == 1)
         status = saltus_curve_orient(e, NULL, &out->at, message);
     return saltus_orbits_noted(o, status);
+}
+
+double saltus_solution_way(const saltus_solution *s) {
+    return s->speed * s->sequence.speed * 2 * M_PI * s->sequence.periods / s->sequence.omega;
+}
+
+bool saltus_solution_rests(const saltus_solution *s, const saltus_solution *near) {
+    const double nothing = 1e-6, shrunk = 1e-3;
+    return s->sequence.omega > 0 && s->sequence.count == 0 &&
+           saltus_solution_way(s) < (near ? fmax(nothing, shrunk * saltus_solution_way(near)) : nothing);
 }
 
 bool saltus_solution_fits(const saltus_orbits *o, const saltus_solution *s) {
@@ -236,7 +246,7 @@ static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocy
     status = saltus_sequence_walk(&s->sequence, cocycle ? o->tangent : o->flow,
                                   saltus_shooting_states(o->shooting, s->at.u), &survey->lap, cocycle, &why);
     if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
-        return no_memory(message);
+        return saltus_branch_no_memory(message);
     if (status == SALTUS_OK) {
         survey->walked = true;
         survey->follows = saltus_sequence_follows(&s->sequence, &survey->lap);
@@ -290,7 +300,7 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     survey->sum_rule = cocycle->sum_rule;
     survey->unstable = saltus_multipliers_unstable(survey->multipliers, survey->multiplier_count);
     survey->pair = pair_product(survey->multipliers, survey->multiplier_count);
-    return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? no_memory(message) : SALTUS_OK;
+    return saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence *sequence,
@@ -303,7 +313,8 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence 
     if (status != SALTUS_OK)
         return status;
     *u = calloc((size_t)saltus_shooting_equations(*shooting)->unknowns, sizeof **u);
-    return *u ? saltus_shooting_fill(*shooting, parameters, state, *u, message) : no_memory(message);
+    return *u ? saltus_shooting_fill(*shooting, parameters, state, *u, message)
+              : saltus_branch_no_memory(message);
 }
 
 double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s, bool mirrored) {

@@ -58,6 +58,8 @@ typedef struct saltus_orbits {
     bool starved; /* memory was lacking, be it for something that was only tried */
 } saltus_orbits;
 
+/* SALTUS_NO_MEMORY, and its sentence. */
+saltus_status saltus_branch_no_memory(saltus_message *message);
 /* Close in any case. */
 saltus_status saltus_orbits_open(saltus_orbits *orbits, saltus_message *message);
 void saltus_orbits_close(saltus_orbits *orbits);
@@ -85,6 +87,12 @@ void saltus_solution_head(saltus_solution *solution, double heading);
 saltus_status saltus_solution_place(saltus_orbits *orbits, const saltus_sequence *sequence,
                                     const double *parameters, const double *state, bool polish,
                                     saltus_solution *out, saltus_message *message);
+/* How far an orbit of a period of its own moves in its period at the speed that it has at its base, scaled.
+ */
+double saltus_solution_way(const saltus_solution *solution);
+/* Whether an orbit of a period of its own is none, but an equilibrium, which closes after any time: how far
+ * it moves is nothing, or nothing beside what another one near it does (NULL: none). */
+bool saltus_solution_rests(const saltus_solution *solution, const saltus_solution *near);
 /* Whether a solution is one of the sequence that the shooting has. */
 bool saltus_solution_fits(const saltus_orbits *orbits, const saltus_solution *solution);
 /* Fill in what the shooting has just seen at out->at.u: all but the tangent and the survey. */

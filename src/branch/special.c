@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/special.h"
 
+#include "branch/sequence.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,11 +11,11 @@
 /* An orbit further than this from its mirror image is not its own. */
 static const double asymmetric = 1e-7;
 
-static bool crosses(double a, double c) {
+bool saltus_test_crosses(double a, double c) {
     return isfinite(a) && isfinite(c) && a != 0 && a * c <= 0;
 }
 
-static int insert(saltus_special found, saltus_special *specials, int count) {
+int saltus_special_insert(saltus_special found, saltus_special *specials, int count) {
     int k = count;
     for (; k > 0 && specials[k - 1].ahead > found.ahead; k--)
         specials[k] = specials[k - 1];
@@ -39,7 +41,7 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
     double far = saltus_test_value(test, target, to, from);
     saltus_special found = {.kind = kind, .test = test, .target = target, .ahead = to->at.ahead};
     const double rounding = 1e-8;
-    if (!crosses(near, far) ||
+    if (!saltus_test_crosses(near, far) ||
         (test != SALTUS_TEST_VALUE && fabs(near) < rounding * fabs(far) && begins_at_grazing(from)))
         return count;
     if (far != 0) {
@@ -51,7 +53,7 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
         if (!zero.found) /* singular there: interpolated later */
             found.ahead = to->at.ahead * near / (near - far);
     }
-    return insert(found, specials, count);
+    return saltus_special_insert(found, specials, count);
 }
 
 /* Pairs on the unit circle. Where a multiplier crosses it too, another pair, of real ones, may pass the
@@ -73,17 +75,17 @@ static int add_pairs(saltus_orbits *o, const saltus_solution *from, const saltus
     place[places] = to->at.ahead;
     value[places++] = to->survey.pair;
     for (int k = 0; k + 1 < places; k++) {
-        if (!crosses(value[k], value[k + 1]))
+        if (!saltus_test_crosses(value[k], value[k + 1]))
             continue;
         saltus_zero zero = {.found = value[k + 1] == 0, .ahead = place[k + 1]};
         if (!zero.found)
             zero = saltus_solution_zero_between(o, SALTUS_TEST_PAIR, 0, from, &place[k], &value[k], scratch);
         if (zero.found)
-            count = insert((saltus_special){.kind = SALTUS_POINT_NS,
-                                            .test = SALTUS_TEST_PAIR,
-                                            .ahead = zero.ahead,
-                                            .accuracy = zero.accuracy},
-                           specials, count);
+            count = saltus_special_insert((saltus_special){.kind = SALTUS_POINT_NS,
+                                                           .test = SALTUS_TEST_PAIR,
+                                                           .ahead = zero.ahead,
+                                                           .accuracy = zero.accuracy},
+                                          specials, count);
     }
     return count;
 }
@@ -115,8 +117,8 @@ bool saltus_special_hopf(saltus_orbits *o, const saltus_solution *from, const sa
 }
 
 int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
-                        const double *targets, const saltus_point_kind *kinds, int target_count,
-                        saltus_special *specials, saltus_solution *scratch) {
+                        const saltus_special *hopf, const double *targets, const saltus_point_kind *kinds,
+                        int target_count, saltus_special *specials, saltus_solution *scratch) {
     static const struct {
         saltus_point_kind kind;
         saltus_test test;
@@ -130,9 +132,8 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
         count = add_pairs(o, from, to, specials, count, scratch);
     for (int k = 0; k < target_count; k++)
         count = add(o, from, to, kinds[k], SALTUS_TEST_VALUE, targets[k], specials, count, scratch);
-    saltus_special hopf;
-    if (saltus_special_hopf(o, from, to, &hopf, scratch))
-        count = insert(hopf, specials, count);
+    if (hopf && hopf->ahead <= to->at.ahead)
+        count = saltus_special_insert(*hopf, specials, count);
     return end_at_equilibrium(specials, count, to->at.ahead);
 }
 
@@ -406,4 +407,17 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     if (*is_one && !joins && !crossing.found && special->test != SALTUS_TEST_VALUE)
         special->accuracy += saltus_special_doubt(o, special->test, at);
     return status;
+}
+
+bool saltus_special_strays(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next) {
+    const double closes = 1e-8, open = 1e-6;
+    bool even = here->sequence.periods % 2 == 0;
+    if (here->sequence.count == 0)
+        return even && saltus_solution_half_distance(o, next, false) < closes &&
+               saltus_solution_half_distance(o, here, false) > open;
+    for (int mirrored = even ? 0 : 1; mirrored < 2; mirrored++)
+        if (saltus_sequence_repeats(&here->sequence, 2, mirrored) > open &&
+            saltus_sequence_repeats(&next->sequence, 2, mirrored) < closes)
+            return true;
+    return false;
 }

@@ -17,13 +17,19 @@ typedef struct saltus_special {
     bool sharp;      /* where they are singular: the place was interpolated between points on both sides */
 } saltus_special;
 
+/* Whether a test has changed its sign. */
+bool saltus_test_crosses(double before, double after);
+/* One more in the order of arclength; returns how many there are. */
+int saltus_special_insert(saltus_special found, saltus_special *specials, int count);
 /* All places between `from` and `to` where tests change their sign, in order; `scratch` is overwritten. Where
  * `fresh`, at the begin of a branch that was switched to, the determinants are zero to rounding and tell
  * nothing: then only targets are looked out for. `targets`: values of the parameter that are looked out for,
- * `kinds` what they are. `specials` has room for target_count + 7. Returns how many there are. */
+ * `kinds` what they are; `hopf` (NULL: none) is one that saltus_special_hopf has found. `specials` has room
+ * for target_count + 7. Returns how many there are. */
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
-                        bool fresh, const double *targets, const saltus_point_kind *kinds, int target_count,
-                        saltus_special *specials, saltus_solution *scratch);
+                        bool fresh, const saltus_special *hopf, const double *targets,
+                        const saltus_point_kind *kinds, int target_count, saltus_special *specials,
+                        saltus_solution *scratch);
 /* The place at which orbits of a period of their own seem to shrink to an equilibrium; false: there is none.
  */
 bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
@@ -39,6 +45,10 @@ saltus_status saltus_special_visit(saltus_orbits *orbits, const saltus_solution 
  * by rounding, and by what a flow of another tolerance makes of curve and test there. `at`: of the shooting's
  * sequence, near the zero of the test. INFINITY where that flow finds no such point. */
 double saltus_special_doubt(saltus_orbits *orbits, saltus_test test, const saltus_solution *at);
+
+/* Whether a step has led to orbits that close, or are their own mirror images, after half of the period, from
+ * orbits that do not: the branch meets theirs, and the step was too long to see it turn back there. */
+bool saltus_special_strays(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next);
 
 /* Where a branch begins. */
 typedef struct saltus_branch_start {

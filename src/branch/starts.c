@@ -18,7 +18,7 @@ saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branc
     if (!grown || !own.state || (start->tangent && !own.tangent)) {
         free(own.state);
         free(own.tangent);
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     }
     memcpy(own.state, start->state, (size_t)n * sizeof *own.state);
     if (start->tangent)
@@ -93,8 +93,8 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
                            SALTUS_MARKS_MAX);
     size_t m = (size_t)saltus_sequence_unknowns(&start.sequence, o->n) + 1;
     double *work = calloc(4 * m, sizeof *work), *old = work ? work + 2 * m : NULL;
-    saltus_status status = work ? find_plane(o, &start.sequence, at, work, message)
-                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    saltus_status status =
+        work ? find_plane(o, &start.sequence, at, work, message) : saltus_branch_no_memory(message);
     if (status == SALTUS_OK) {
         for (int k = 0; k < SALTUS_MARKS_MAX; k++)
             order[k] = k;

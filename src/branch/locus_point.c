@@ -1,0 +1,358 @@
+/* Points of a locus, and the special ones among them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/locus_point.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void saltus_locus_point_clear(saltus_locus_point *p) {
+    saltus_curve_clear(&p->at);
+    saltus_solution_clear(&p->orbit);
+}
+
+saltus_status saltus_locus_see_orbit(saltus_extended *x, saltus_locus_point *p, saltus_message *message) {
+    saltus_orbits *o = &x->orbits;
+    saltus_curve_point *at = &p->orbit.at;
+    size_t m = (size_t)o->equations->unknowns;
+    if (!saltus_curve_reserve(at, (int)m))
+        return saltus_branch_no_memory(message);
+    memcpy(at->u, p->at.u, m * sizeof *at->u);
+    memcpy(at->tangent, p->at.tangent, m * sizeof *at->u);
+    at->iterations = p->at.iterations;
+    saltus_status status = saltus_equations_evaluate(o->equations, at->u, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, &p->orbit, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_survey(o, &p->orbit, message);
+    return status;
+}
+
+saltus_status saltus_locus_see(saltus_extended *x, saltus_locus_point *p, saltus_message *message) {
+    saltus_status status = saltus_locus_see_orbit(x, p, message);
+    if (status != SALTUS_OK)
+        return status;
+    p->corner_count = saltus_corner_measure(x, &p->at, &p->orbit, p->corners);
+    return p->corner_count < 0 ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
+saltus_status saltus_locus_take_up(saltus_extended *x, saltus_locus_point *here, const double *u,
+                                   double extra, saltus_message *message) {
+    saltus_equations *orbit = x->orbits.equations;
+    size_t bytes = (size_t)orbit->unknowns * sizeof *u;
+    saltus_status status = saltus_extended_shape(x, message);
+    if (status == SALTUS_OK && !saltus_curve_reserve(&here->at, x->equations.unknowns))
+        status = saltus_branch_no_memory(message);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(here->at.u, u, bytes);
+    memcpy(x->anchor, u, bytes);
+    if (x->extra)
+        here->at.u[orbit->unknowns] = extra;
+    status = saltus_equations_evaluate(orbit, here->at.u, message);
+    return status == SALTUS_OK && x->kind != SALTUS_POINT_GR ? saltus_extended_choose(x, extra, message)
+                                                             : status;
+}
+
+saltus_status saltus_locus_find_first(saltus_extended *x, saltus_locus_point *here, int k,
+                                      saltus_message *message) {
+    int m = x->equations.unknowns;
+    double *normal = calloc((size_t)m, sizeof *normal), *anchor = calloc((size_t)m, sizeof *anchor);
+    saltus_status status = normal && anchor ? SALTUS_OK : saltus_branch_no_memory(message);
+    if (status == SALTUS_OK) {
+        normal[k] = 1;
+        memcpy(anchor, here->at.u, (size_t)m * sizeof *anchor);
+        status =
+            saltus_newton(&x->equations, here->at.u, normal, anchor, true, &here->at.iterations, message);
+    }
+    if (status == SALTUS_OK)
+        saltus_extended_renew(x, here->at.u);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&x->equations, here->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(&x->equations, NULL, &here->at, message);
+    free(normal);
+    free(anchor);
+    return status;
+}
+
+saltus_status saltus_locus_find_near(saltus_extended *x, saltus_locus_point *here, double theta,
+                                     saltus_message *message) {
+    static const double aside[] = {0.05, 0.1, 0.2, 0.4};
+    int c = x->orbits.equations->count;
+    bool meets = x->kind == SALTUS_POINT_NS && (theta == 0 || theta == M_PI);
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    for (int k = 0; k < (meets ? 4 : 1) && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
+        double angle = meets ? fabs(theta - aside[k]) : theta;
+        status = saltus_locus_take_up(x, here, here->orbit.at.u, angle, message);
+        if (status == SALTUS_OK)
+            status = saltus_locus_find_first(x, here, meets ? c + 2 : c + 1, message);
+    }
+    return status;
+}
+
+/* Halfway around an orbit, cut there: how the state that is unknown i differs from what it is on orbits of
+ * half the period, or on ones that are their own mirror images. */
+static double half_apart(const saltus_extended *x, const double *u, int i, bool mirrored) {
+    return u[x->orbits.n + i] + (mirrored ? u[i] : -u[i]);
+}
+
+saltus_status saltus_locus_find_leaving(saltus_extended *x, saltus_locus_point *here,
+                                        saltus_message *message) {
+    int m = x->equations.unknowns, n = x->orbits.n;
+    double values[2], share[2][2] = {{0}}, length = 0, *plane = calloc(2 * (size_t)m, sizeof *plane);
+    bool mirrored = !(saltus_solution_half_distance(&x->orbits, &here->orbit, false) < 1e-6);
+    saltus_status status = plane ? SALTUS_OK : saltus_branch_no_memory(message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&x->equations, here->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_null_plane(&x->equations, plane, values, message);
+    for (int i = 0; i < n && status == SALTUS_OK; i++)
+        for (int k = 0; k < 4; k++)
+            share[k / 2][k % 2] += half_apart(x, plane + (k / 2) * m, i, mirrored) *
+                                   half_apart(x, plane + (k % 2) * m, i, mirrored);
+    const double *own = share[share[1][1] > share[0][0]];
+    here->at.iterations = 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++) {
+        here->at.tangent[j] = own[0] * plane[j] + own[1] * plane[m + j];
+        length = hypot(length, here->at.tangent[j]);
+    }
+    for (int j = 0; j < m && status == SALTUS_OK; j++)
+        here->at.tangent[j] /= length;
+    free(plane);
+    return status;
+}
+
+bool saltus_locus_joins(saltus_extended *x, const saltus_solution *s, double near, bool *halves) {
+    bool shift, half = saltus_solution_half_distance(&x->orbits, s, false) < near;
+    if (halves)
+        *halves = half;
+    return half || (!x->mirrored && saltus_system_mirror_symmetric(x->orbits.system, &shift) &&
+                    saltus_solution_half_distance(&x->orbits, s, true) < near);
+}
+
+/* Whether two multipliers are e^{i theta} and its conjugate: at folds the equations of tori hold with a
+ * single multiplier 1 and theta = 0. */
+static bool has_pair(const saltus_survey *survey, int n, double theta) {
+    const double near = 1e-2;
+    int first = -1;
+    for (int way = 1; way >= -1; way -= 2) {
+        int best = -1;
+        double least = near;
+        for (int i = 0; i < n; i++) {
+            double apart =
+                hypot(survey->multipliers[i].re - cos(theta), survey->multipliers[i].im - way * sin(theta));
+            if (i != first && apart < least) {
+                least = apart;
+                best = i;
+            }
+        }
+        if (best < 0)
+            return false;
+        first = best;
+    }
+    return true;
+}
+
+bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *p) {
+    const double apart = 1e-6;
+    const saltus_solution *s = &p->orbit;
+    if (x->kind == SALTUS_POINT_BP && !(fabs(p->at.u[s->at.unknowns]) < 1e-8))
+        return false;
+    double breach = saltus_corner_breach(x, s);
+    if (breach > 1e-9)
+        return true;
+    if (x->kind == SALTUS_POINT_NS && s->survey.walked &&
+        !has_pair(&s->survey, x->orbits.n, p->at.u[s->at.unknowns]))
+        return false;
+    if (x->kind == SALTUS_POINT_GR)
+        return breach < -apart || !saltus_locus_joins(x, s, apart, NULL);
+    /* The flow tells a breach as small as that of the last impacts of a long run. */
+    return s->survey.follows || breach > 0;
+}
+
+bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, double ahead,
+                        saltus_locus_point *out) {
+    saltus_message ignored;
+    return saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, &ignored) == SALTUS_OK &&
+           saltus_locus_see(x, out, &ignored) == SALTUS_OK;
+}
+
+/* One corner under way. */
+typedef struct location {
+    saltus_extended *x;
+    const saltus_locus_point *here;
+    saltus_locus_point *out;
+    int corner;
+} location;
+
+static bool corner_at(void *context, double ahead, double *value) {
+    const location *l = context;
+    if (!saltus_locus_visit(l->x, l->here, ahead, l->out))
+        return false;
+    *value = saltus_scaled_in(l->out->corners[l->corner].value, l->here->corners[l->corner].value.exponent);
+    return true;
+}
+
+bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *here,
+                               const saltus_locus_point *next, saltus_locus_point *scratch,
+                               saltus_crossings *found) {
+    const double together = 1e-6, jump = 1e-8;
+    double ends = INFINITY;
+    found->count = 0;
+    for (int k = 0; k < here->corner_count; k++) {
+        const saltus_scaled own = here->corners[k].value, other = next->corners[k].value;
+        double near = saltus_scaled_in(own, own.exponent), far = saltus_scaled_in(other, own.exponent);
+        double place = 0, width, value, quiet = here->corners[k].quiet;
+        bool heard = quiet == 0 || !(own.exponent < quiet && other.exponent < quiet);
+        location self = {x, here, scratch, k};
+        bool located =
+            near * far < 0 && heard &&
+            saltus_curve_zero(x->orbits.solver, corner_at, &self, near, next->at.ahead, far, &place, &width);
+        /* The first function is the breach, which may begin with a jump, where a maximum of the gap appears.
+         */
+        if (k == 0 && (located || far > 1e-9) &&
+            !(located && corner_at(&self, place, &value) && fabs(value) < jump &&
+              !(x->kind == SALTUS_POINT_GR && saltus_locus_joins(x, &scratch->orbit, 1e-4, NULL))))
+            return false;
+        if (!located || place >= ends - together)
+            continue;
+        if (k == 0)
+            ends = place;
+        int at = found->count++;
+        for (; at > 0 && found->place[at - 1] > place; at--) {
+            found->place[at] = found->place[at - 1];
+            found->corner[at] = found->corner[at - 1];
+        }
+        found->place[at] = place;
+        found->corner[at] = k;
+    }
+    return true;
+}
+
+void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, double theta,
+                          saltus_locus_point *at, saltus_locus_point *scratch) {
+    enum { samples = 6 };
+    const double apart = 0.02;
+    int m = here->at.unknowns;
+    double square[samples], *u = calloc((size_t)(m * samples), sizeof *u);
+    saltus_message ignored;
+    bool found = u;
+    if (!u)
+        x->orbits.starved = true;
+    for (int k = 0; k < samples && found; k++) {
+        double aside = apart * (k + 1);
+        square[k] = aside * aside;
+        found = saltus_curve_meet(&x->equations, &here->at, m - 1, theta > 1 ? theta - aside : aside,
+                                  &scratch->at, &ignored) == SALTUS_OK;
+        for (int j = 0; j < m && found; j++)
+            u[j * samples + k] = scratch->at.u[j];
+    }
+    for (int j = 0; j < m && found; j++)
+        at->at.u[j] = j < m - 1 ? saltus_curve_interpolate(square, u + j * samples, samples) : theta;
+    free(u);
+    if (found)
+        saltus_locus_see_orbit(x, at, &ignored);
+}
+
+saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here,
+                                       saltus_locus_point *at, bool *found, saltus_message *message) {
+    enum { halvings = 40 };
+    const double reach = 1e-3, nothing = 1e-4, sharp = 1e-11;
+    double low = 0, high = reach, usual = x->equations.tolerance;
+    saltus_message ignored;
+    saltus_corner contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
+    saltus_status status = SALTUS_OK;
+    *found = false;
+    /* A little speed at grazing moves the place by as much. */
+    x->equations.tolerance = sharp;
+    for (int k = 0; k <= halvings; k++) {
+        double middle = k < halvings ? 0.5 * (low + high) : low;
+        status = saltus_curve_visit(&x->equations, &here->at, middle, &at->at, &ignored);
+        if (status == SALTUS_OK)
+            status = saltus_locus_see_orbit(x, at, &ignored);
+        if (status == SALTUS_NO_MEMORY)
+            return saltus_branch_no_memory(message);
+        *found = status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) <= 0;
+        *(*found ? &low : &high) = middle;
+    }
+    x->equations.tolerance = usual;
+    if (*found && saltus_corner_breach(x, &at->orbit) > -nothing)
+        status = saltus_corner_tell(x, &contact, &at->orbit, &contact.kind, message);
+    *found = contact.kind == SALTUS_POINT_CH_GR;
+    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
+}
+
+/* Whether an orbit that grazes, and grazes again half its period later, does so at another time too. */
+static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s) {
+    const double together = 1e-7, near = 1e-4;
+    const saltus_mark *own = &s->sequence.mark[x->mark];
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind <= SALTUS_BREACH_GAP && fabs(s->breaches[k].value) < together &&
+            fabs(remainder(s->breaches[k].time - own->time, 0.5 * s->sequence.periods)) > near)
+            return true;
+    return false;
+}
+
+/* `at` becomes the place where what is left of a breach is nothing, extrapolated from places on the curve of
+ * `here` so far apart before it, where the equations are regular. Errors: SALTUS_NO_MEMORY,
+ * those of the equations. */
+static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart,
+                                 saltus_locus_point *at, saltus_message *message) {
+    enum { samples = 6 };
+    const double tolerance = 1e-13, usual = x->equations.tolerance;
+    int m = here->at.unknowns;
+    double rest[samples], *u = calloc((size_t)(m * samples), sizeof *u);
+    saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
+    /* A residual moves the place by itself over the rest, and the bend much more. */
+    x->equations.tolerance = tolerance;
+    here->at.bent = false;
+    for (int k = 0; k < samples && status == SALTUS_OK; k++) {
+        status = saltus_curve_visit(&x->equations, &here->at, -(k + 1) * apart, &at->at, message);
+        if (status == SALTUS_OK)
+            status = saltus_locus_see_orbit(x, at, message);
+        rest[k] = status == SALTUS_OK ? saltus_corner_breach(x, &at->orbit) : NAN;
+        for (int j = 0; j < m && status == SALTUS_OK; j++)
+            u[j * samples + k] = at->at.u[j];
+    }
+    x->equations.tolerance = usual;
+    at->at.ahead = 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++) {
+        at->at.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
+        at->at.ahead += (at->at.u[j] - here->at.u[j]) * here->at.tangent[j];
+    }
+    free(u);
+    return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
+}
+
+saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
+                                saltus_point_kind *kind, saltus_message *message) {
+    static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
+    const double little = 1e-4, near = 1e-3, sharp = 1e-10;
+    bool halves;
+    saltus_message ignored;
+    *kind = SALTUS_POINT_REGULAR;
+    if (x->kind != SALTUS_POINT_GR || !(saltus_corner_breach(x, &here->orbit) > -little) ||
+        !saltus_locus_joins(x, &here->orbit, near, &halves))
+        return SALTUS_OK;
+    for (size_t k = 0; k < sizeof apart / sizeof apart[0] && !*kind; k++) {
+        saltus_status status = extrapolate(x, here, apart[k], at, &ignored);
+        if (status == SALTUS_NO_MEMORY)
+            return saltus_branch_no_memory(message);
+        if (status == SALTUS_OK && fabs(at->at.ahead) < apart[k] &&
+            fabs(saltus_corner_breach(x, &at->orbit)) < sharp &&
+            saltus_solution_half_distance(&x->orbits, &at->orbit, !halves) < sharp)
+            *kind = touches_elsewhere(x, &at->orbit) ? SALTUS_POINT_GR_GR
+                    : halves                         ? SALTUS_POINT_GR_PD
+                                                     : SALTUS_POINT_GR_BP;
+    }
+    return SALTUS_OK;
+}
+
+bool saltus_locus_ceases_to_complete(const saltus_solution *s) {
+    const double little = 1e-3;
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].value > -little && saltus_corner_ends_chatter(s, &s->breaches[k]))
+            return true;
+    return false;
+}

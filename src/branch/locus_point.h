@@ -1,0 +1,83 @@
+/* Private: points of a locus, and the special ones among them: corners between two of them (corner.h), and
+ * where a curve ends.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_BRANCH_LOCUS_POINT_H
+#define SALTUS_BRANCH_LOCUS_POINT_H
+
+#include "branch/corner.h"
+
+typedef struct saltus_locus_point {
+    saltus_curve_point at;
+    saltus_solution orbit;
+    saltus_corner corners[SALTUS_CORNERS_MAX];
+    int corner_count;
+} saltus_locus_point;
+
+void saltus_locus_point_clear(saltus_locus_point *point);
+/* The orbit at point->at, surveyed. Errors: SALTUS_NO_MEMORY, those of the equations. */
+saltus_status saltus_locus_see_orbit(saltus_extended *extended, saltus_locus_point *point,
+                                     saltus_message *message);
+/* The same at a point that Newton's method has just found, and the functions whose zeros are corners. */
+saltus_status saltus_locus_see(saltus_extended *extended, saltus_locus_point *point, saltus_message *message);
+/* `here` becomes the point with these unknowns of the sequence that the shooting has, `extra` the one beside
+ * the orbit's, before it is known to lie on the locus. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE, the
+ * flow's. */
+saltus_status saltus_locus_take_up(saltus_extended *extended, saltus_locus_point *here, const double *u,
+                                   double extra, saltus_message *message);
+/* Onto the locus at the value of unknown k as it is; the tangent of either sign goes to `here`. */
+saltus_status saltus_locus_find_first(saltus_extended *extended, saltus_locus_point *here, int k,
+                                      saltus_message *message);
+/* `here` becomes its orbit, or one on the locus near it. Two points of a Neimark-Sacker curve have its angle
+ * 0 or pi, where the equations are singular: then the first point is a little away from there. */
+saltus_status saltus_locus_find_near(saltus_extended *extended, saltus_locus_point *here, double theta,
+                                     saltus_message *message);
+/* At `here`, an orbit of half the period, or its own mirror image, two curves of grazing cross: that of such
+ * orbits and that of those which branch off. The tangent becomes the latter's, from the null plane. */
+saltus_status saltus_locus_find_leaving(saltus_extended *extended, saltus_locus_point *here,
+                                        saltus_message *message);
+/* The point at arclength `ahead` from another, seen; false where it cannot be had. */
+bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
+                        saltus_locus_point *out);
+/* Whether an orbit on a curve of grazing is one of half the period, or its own mirror image, as those of the
+ * curve are not, by so much: another such curve crosses there. `halves` (may be NULL): which of the two. */
+bool saltus_locus_joins(saltus_extended *extended, const saltus_solution *orbit, double near, bool *halves);
+/* Whether the orbit is one, and the special one that is followed. Beyond another impact's birth or death it
+ * is none, but the curve goes on to there. */
+bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *point);
+
+/* Corners on a step, in their order. */
+typedef struct saltus_crossings {
+    int count;
+    int corner[SALTUS_CORNERS_MAX];
+    double place[SALTUS_CORNERS_MAX]; /* ahead of `here` */
+} saltus_crossings;
+
+/* All corners on the way from `here` to `next`. Where the curve ends at another impact's birth or death a
+ * multiplier is infinite, and other functions may vanish with it: they tell nothing. False: the orbit changes
+ * its events, but where cannot be located. */
+bool saltus_locus_find_corners(saltus_extended *extended, const saltus_locus_point *here,
+                               const saltus_locus_point *next, saltus_locus_point *scratch,
+                               saltus_crossings *found);
+/* Where the pair of multipliers meets, at theta = 0 or pi, the equations are singular; but the curve is even
+ * in theta there, so `at` is interpolated in its square from regular points on the way. Where these cannot be
+ * had it stays as it was located. */
+void saltus_locus_sharpen(saltus_extended *extended, const saltus_locus_point *here, double theta,
+                          saltus_locus_point *at, saltus_locus_point *scratch);
+/* Where a contact that chatter leads to shrinks to nothing the equations end, and with them the curve, and
+ * what is left of the contact falls like a power of the arclength: the place is bracketed. `at` becomes the
+ * last orbit at which chatter completes. *found: whether the curve ends so just ahead of `here`. Errors:
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_locus_end_contact(saltus_extended *extended, const saltus_locus_point *here,
+                                       saltus_locus_point *at, bool *found, saltus_message *message);
+/* A curve of grazing whose orbits touch again half their period later, but for something that falls to
+ * nothing (the speed there, or a gap), joins that of orbits of half the period, where these have a flip; or
+ * the same of orbits that are their own mirror images, where these have a branch point. The equations are
+ * singular there; but the curve depends smoothly on that rest. *kind: GR-PD or GR-BP where the curve joins
+ * another so just ahead of `here`, at `at`, GR-GR where another impact of the shorter orbit grazes too,
+ * otherwise REGULAR. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
+                                saltus_point_kind *kind, saltus_message *message);
+/* Whether a contact after complete chatter has all but shrunk to nothing. */
+bool saltus_locus_ceases_to_complete(const saltus_solution *orbit);
+
+#endif

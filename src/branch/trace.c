@@ -1,0 +1,192 @@
+/* Branches of periodic orbits: what is given out of them.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/trace.h"
+
+#include "branch/point.h"
+#include "orbit/poincare.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+saltus_status saltus_trace_open(saltus_trace *t, const saltus_spec *spec, saltus_message *message) {
+    const saltus_branch_options *o = t->trail->options;
+    t->here = &t->solutions[0];
+    t->next = &t->solutions[1];
+    t->trial = &t->solutions[2];
+    t->spare = &t->solutions[3];
+    t->other = &t->solutions[4];
+    t->orbits.options = o->orbit;
+    t->orbits.options.flow.stop = NULL;
+    for (int k = 0; k < o->value_count; k++) {
+        t->targets[k] = o->values[k];
+        t->target_kinds[k] = SALTUS_POINT_UZ;
+    }
+    saltus_status status =
+        saltus_branch_family(spec, o, 1, &t->orbits.family, &t->orbits.origin, &t->range, message);
+    return status == SALTUS_OK ? saltus_orbits_open(&t->orbits, message) : status;
+}
+
+void saltus_trace_close(saltus_trace *t) {
+    for (int k = 0; k < 5; k++)
+        saltus_solution_clear(&t->solutions[k]);
+    saltus_lap_close(&t->first);
+    saltus_orbits_close(&t->orbits);
+}
+
+static void tell_returns(const saltus_trace *t, int returns, int before, double until, char *reason) {
+    snprintf(reason, SALTUS_REASON_MAX, "returns to the section: %d, were %d until %s = %.12g%s", returns,
+             before, t->trail->options->key[0], until,
+             returns ? "" : "; another section would count the orbit");
+}
+
+/* How often an orbit of a period of its own comes back to its section. One that does not meet it has the
+ * solution's own state in the place of a section point. */
+static int count_returns(const saltus_solution *s, int periods, const double *point, int n) {
+    return periods == 1 && memcmp(point, s->state, (size_t)n * sizeof *point) == 0 ? 0 : periods;
+}
+
+/* Orbits of a period of their own go on where they lose or gain a return to their section, a maximum, say:
+ * the first point behind says so, and since which value. */
+static void compare_returns(saltus_trace *t, const saltus_solution *s, const saltus_branch_point *point,
+                            saltus_notice *what, char *reason) {
+    if (!(s->sequence.omega > 0) || !s->survey.walked)
+        return;
+    int returns = count_returns(s, point->periods, point->state, point->dimension);
+    if (t->returns >= 0 && returns != t->returns && !(what->reason && what->reason[0]) && !what->addition) {
+        tell_returns(t, returns, t->returns, t->counted, reason);
+        what->reason = reason;
+    }
+    t->returns = returns;
+    t->counted = what->value != 0 ? what->value : s->value;
+}
+
+saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice what,
+                                saltus_message *message) {
+    char reason[SALTUS_REASON_MAX];
+    saltus_branch_point *point = saltus_trail_place(t->trail, message);
+    if (!point)
+        return SALTUS_NO_MEMORY;
+    saltus_status status = saltus_point_make(&t->orbits, s, what.change, point, message);
+    if (status != SALTUS_OK)
+        return status;
+    const saltus_survey *before = &t->here->survey;
+    if (what.change && before->label[0]) {
+        memcpy(point->label, before->label, sizeof point->label);
+        point->impacts = before->impacts;
+        point->sticking_intervals = before->sticking_intervals;
+    }
+    compare_returns(t, s, point, &what, reason);
+    status = saltus_trail_give(t->trail, t->orbits.system, &what, message);
+    if ((point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_BE) && what.grazing)
+        saltus_point_mark_grazing(&t->orbits, what.grazing, point);
+    return status;
+}
+
+saltus_status saltus_trace_end(saltus_trace *t, const saltus_solution *s, double ahead, const char *reason,
+                               saltus_message *message) {
+    return saltus_trace_give(
+        t, s, (saltus_notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason},
+        message);
+}
+
+/* The returns of `trial`, as far along the step as that; -1 where it cannot be had. */
+static int returns_at(saltus_trace *t, double ahead) {
+    saltus_lap lap = {0};
+    saltus_message ignored;
+    saltus_status status = saltus_solution_visit(&t->orbits, t->here, ahead, t->trial, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_orbits_noted(&t->orbits, saltus_cycle_around(&t->orbits, t->trial, &lap, &ignored));
+    int returns = status == SALTUS_OK ? count_returns(t->trial, lap.periods, lap.points, t->orbits.n) : -1;
+    saltus_lap_close(&lap);
+    return returns;
+}
+
+/* The returns, `before` on `here`, have become others on `next`, the last point given out: a point is put
+ * before it wherever one comes or goes, where the section's function has an extremum of zero. By the side on
+ * which the orbit meets it, as the isolation of zeros is sharp to rounding. */
+static saltus_status locate_returns(saltus_trace *t, int before, saltus_message *message) {
+    enum { halvings = 60 };
+    const double sharp = 1e-13;
+    const int last = t->trail->count - 1, after = t->returns;
+    double low = 0;
+    saltus_status status = SALTUS_OK;
+    int count = returns_at(t, 0);
+    if (count != before)
+        return status;
+    while (status == SALTUS_OK && count != after && t->trail->made + 1 < t->trail->options->points) {
+        double high = t->next->at.ahead;
+        int beyond = after;
+        for (int k = 0; k < halvings && high - low > sharp && beyond >= 0; k++) {
+            const double middle = 0.5 * (low + high);
+            const int found = returns_at(t, middle);
+            *(found == count ? &low : &high) = middle;
+            beyond = found == count ? beyond : found;
+        }
+        /* At its begin the step may have led over another change, which has been told. */
+        if (beyond < 0 || high < 1e-9 || returns_at(t, high) != beyond)
+            break;
+        const double error = t->orbits.options.flow.rtol + fabs(saltus_solution_heading(t->trial)) * sharp;
+        saltus_notice what = {.ahead = high, .accuracy = error * t->orbits.family.unit[0]};
+        char reason[SALTUS_REASON_MAX];
+        tell_returns(t, beyond, count, t->trial->value, reason);
+        what.reason = reason;
+        status = saltus_solution_survey(&t->orbits, t->trial, message);
+        t->returns = beyond;
+        if (status == SALTUS_OK)
+            status = saltus_trace_give(t, t->trial, what, message);
+        low = high;
+        count = beyond;
+    }
+    t->returns = after;
+    if (count == after && status == SALTUS_OK)
+        t->trail->queue[last].reason[0] = 0;
+    for (int k = last; k + 1 < t->trail->count; k++) {
+        saltus_branch_point *pair = &t->trail->queue[k], point = pair[0];
+        pair[0] = pair[1];
+        pair[1] = point;
+    }
+    return status;
+}
+
+saltus_status saltus_trace_accept(saltus_trace *t, bool bends, bool must, const char *reason,
+                                  saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    int order[SALTUS_MARKS_MAX];
+    if (must || saltus_trail_wants(t->trail, t->next->at.ahead)) {
+        const int returns = t->returns;
+        status = saltus_trace_give(
+            t, t->next, (saltus_notice){.ahead = t->next->at.ahead, .accuracy = NAN, .reason = reason},
+            message);
+        if (status == SALTUS_OK && bends && returns >= 0 && t->returns != returns && t->trail->following)
+            status = locate_returns(t, returns, message);
+        saltus_trail_shown(t->trail, t->next->at.ahead);
+    }
+    t->trail->arclength += t->next->at.ahead;
+    t->trail->fresh = false;
+    saltus_trace_swap(&t->here, &t->next);
+    if (bends)
+        saltus_curve_bend(&t->next->at, &t->here->at);
+    if (status == SALTUS_OK && t->trail->following)
+        saltus_solution_reframe(&t->orbits, true, false, t->here, t->trial, order);
+    return status;
+}
+
+void saltus_trace_archive(saltus_trace *t, saltus_archive *a) {
+    saltus_lap *first = &t->first;
+    t->births.count = (int)saltus_archive_whole(a, t->births.count, 0, saltus_births_length);
+    saltus_archive_finite(a, t->births.place, (size_t)t->births.count);
+    saltus_archive_finite(a, &t->first_value, 1);
+    t->returns = (int)saltus_archive_whole(a, t->returns, -1, INT_MAX);
+    saltus_archive_finite(a, &t->counted, 1);
+    size_t periods = first->points ? (size_t)first->periods : 0;
+    periods = saltus_archive_length(a, periods, (size_t)a->n);
+    if (a->reading && a->sound && periods && !saltus_lap_reserve(first, (int)periods, a->n))
+        a->starved = true;
+    first->periods = first->points ? (int)periods : 0;
+    saltus_archive_finite(a, first->points, (size_t)first->periods * (size_t)a->n);
+    saltus_archive_shape(a, t->orbits.shooting);
+    saltus_archive_solution(a, t->here);
+    a->sound = a->sound && (!a->reading || saltus_solution_fits(&t->orbits, t->here));
+}

@@ -1,0 +1,576 @@
+/* Continuation of periodic orbits.
+ *
+ * Pseudo-arclength steps (curve.h) on the equations of a prescribed sequence of events (solution.h). Between
+ * two points the tests are compared; every zero is located and given out in its place (special.h). A breach,
+ * an impact of no speed, a free maximum on a stop, a contact force of zero, ends the sequence: the branch
+ * goes on with another one (change.h). The event-driven flow has the last word on every point.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/boundary.h"
+#include "branch/ending.h"
+#include "branch/sequence.h"
+#include "branch/trace.h"
+#include "orbit/poincare.h"
+#include "orbit/returns.h"
+#include "orbit/sequence.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A solution on a border of the range, which the rounding of its unknown may miss. */
+static saltus_status end_at_border(saltus_trace *t, saltus_solution *s, double ahead,
+                                   saltus_message *message) {
+    s->value = s->parameter[0] == t->range[1] ? t->trail->options->high[0] : t->trail->options->low[0];
+    return saltus_trace_end(t, s, ahead, saltus_range_ends, message);
+}
+
+/* A start that a branch has come to from its other end is not begun at: the branch is done. */
+static void drop_starts(saltus_trace *t) {
+    const saltus_branch_point *point = saltus_trail_last(t->trail);
+    int kept = 0;
+    for (int k = 0; k < t->starts->count; k++) {
+        saltus_branch_start *start = &t->starts->start[k];
+        double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter;
+        if (start->origin == point->kind && start->sequence.periods == point->periods &&
+            fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0]) {
+            saltus_start_clear(start);
+        } else {
+            t->starts->start[kept++] = *start;
+        }
+    }
+    t->starts->count = kept;
+}
+
+/* Branches that leave at `at` are kept for later. */
+static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
+                                const saltus_sequence *beyond, saltus_message *message) {
+    saltus_branch_start like = {.parent = t->trail->number, .depth = t->trail->depth + 1};
+    saltus_message why = {.text = ""};
+    if (t->trail->depth >= t->trail->options->switches || !t->trail->following)
+        return SALTUS_OK;
+    saltus_status status = kind == SALTUS_POINT_GR
+                               ? saltus_starts_graze(&t->orbits, at, beyond, &like, t->starts, &why)
+                               : saltus_starts_leave(&t->orbits, at, kind, &like, t->starts, &why);
+    if (status == SALTUS_NO_MEMORY)
+        return saltus_branch_no_memory(message);
+    saltus_branch_point *point = saltus_trail_last(t->trail);
+    if (status != SALTUS_OK)
+        snprintf(point->reason, sizeof point->reason, "not switched to what leaves here: %.120s", why.text);
+    return SALTUS_OK;
+}
+
+/* A locus begins at `at`: no more is wanted of this branch. */
+static saltus_status find(saltus_trace *t, const saltus_solution *at, const saltus_sequence *beyond) {
+    t->found = at;
+    if (beyond)
+        t->beyond = *beyond;
+    t->trail->following = false;
+    return SALTUS_OK;
+}
+
+/* Whether an orbit is the branch's first one. */
+static bool has_come_back(saltus_trace *t, const saltus_solution *s) {
+    const saltus_lap *first = &t->first;
+    saltus_lap lap = {0};
+    saltus_message ignored;
+    const double *state = s->survey.lap.points;
+    bool known = true;
+    if (s->sequence.omega > 0) {
+        known =
+            saltus_orbits_noted(&t->orbits, saltus_cycle_around(&t->orbits, s, &lap, &ignored)) == SALTUS_OK;
+        state = lap.points;
+    }
+    bool back = known && saltus_orbit_passes(t->orbits.system, first->points, first->periods, state,
+                                             SALTUS_SAME_POINT);
+    saltus_lap_close(&lap);
+    return back;
+}
+
+/* At a pitchfork the parameter turns back in the very place where the other branch crosses: of a fold and a
+ * branch point that cannot be told apart only the branch point is given. */
+static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *special) {
+    return ((last->kind == SALTUS_POINT_LP && special->kind == SALTUS_POINT_BP) ||
+            (last->kind == SALTUS_POINT_BP && special->kind == SALTUS_POINT_LP)) &&
+           isfinite(last->accuracy + special->accuracy) &&
+           fabs(last->value[0] - special->value) <= last->accuracy + special->accuracy;
+}
+
+/* `trial` becomes the Hopf point ahead; where that is not found, no more is said than that the cycles shrink
+ * to an equilibrium. */
+static saltus_status become_hopf(saltus_trace *t, const saltus_shrunk *shrunk, saltus_special *special,
+                                 saltus_message *message) {
+    saltus_trace_swap(&t->trial, &t->other);
+    saltus_status status =
+        shrunk->found ? saltus_cycle_shrink(&t->orbits, shrunk, t->trial, message) : SALTUS_OK;
+    special->kind = shrunk->found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
+    special->value = t->trial->value;
+    special->accuracy = shrunk->found ? t->orbits.family.unit[0] * shrunk->accuracy : NAN;
+    return status;
+}
+
+/* An end that may be another branch's, too: as what it is, and as the end. */
+static saltus_status give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_notice what,
+                                     saltus_message *message) {
+    char reason[SALTUS_REASON_MAX];
+    saltus_status status = saltus_trace_give(t, at, what, message);
+    if (status != SALTUS_OK || !t->trail->following)
+        return status;
+    drop_starts(t);
+    if (what.kind == SALTUS_POINT_HB) {
+        status = saltus_cycle_tell_shrinking(&t->orbits, at, reason, message);
+        what.reason = reason;
+    }
+    what.kind = SALTUS_POINT_EP;
+    return status == SALTUS_OK ? saltus_trace_give(t, at, what, message) : status;
+}
+
+/* One special point of the step from `here` to `next`. */
+static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
+                                  saltus_message *message) {
+    const bool shrinks = special->kind == SALTUS_POINT_HB;
+    bool is_one = shrinks && hopf->is_one;
+    saltus_status status = SALTUS_OK;
+    if (is_one)
+        status = become_hopf(t, &hopf->shrunk, special, message);
+    else if (!shrinks)
+        status =
+            saltus_special_visit(&t->orbits, t->here, t->next->at.ahead, special, t->trial, &is_one, message);
+    if (status == SALTUS_OK && is_one)
+        status = saltus_cycle_folds(&t->orbits, t->here, special, t->trial, &is_one, message);
+    if (status != SALTUS_OK || !is_one)
+        return status;
+    if (t->trail->options->locus && t->trail->options->locus == special->kind &&
+        (!special->end || special->kind == SALTUS_POINT_HB))
+        return find(t, t->trial, NULL);
+    saltus_notice what = {.kind = special->kind,
+                          .ahead = special->ahead,
+                          .accuracy = special->accuracy,
+                          .reason = special->end,
+                          .value = special->value};
+    if (special->kind == SALTUS_POINT_REGULAR) {
+        if (!has_come_back(t, t->trial))
+            return status;
+        /* The other way from the same start leads around the same branch. */
+        if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading) {
+            saltus_branch_start other = saltus_starts_take(t->starts);
+            saltus_start_clear(&other);
+        }
+        what.kind = SALTUS_POINT_EP;
+        what.reason = "the branch is closed: it has come back";
+        return saltus_trace_give(t, t->trial, what, message);
+    }
+    saltus_branch_point *last = saltus_trail_last(t->trail);
+    if (last && is_pitchfork(last, special)) {
+        if (special->kind == SALTUS_POINT_LP)
+            return status;
+        saltus_branch_point_clear(last);
+        t->trail->count--;
+        t->trail->made--;
+    }
+    if (special->end)
+        return give_shared_end(t, t->trial, what, message);
+    status = saltus_trace_give(t, t->trial, what, message);
+    if (status == SALTUS_OK && (special->kind == SALTUS_POINT_PD || special->kind == SALTUS_POINT_BP))
+        status = add_starts(t, t->trial, special->kind, NULL, message);
+    return status;
+}
+
+/* All special points of the step from `here` to `next`, in order. */
+static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_message *message) {
+    int targets = t->trail->options->value_count;
+    if (t->first.points && t->trail->regular > 10) {
+        t->targets[targets] = t->first_value;
+        t->target_kinds[targets++] = SALTUS_POINT_REGULAR;
+    }
+    int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
+                                    hopf->found ? &hopf->special : NULL, t->targets, t->target_kinds, targets,
+                                    t->specials, t->trial);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < count && status == SALTUS_OK && t->trail->following; k++)
+        status = give_special(t, hopf, &t->specials[k], message);
+    return status;
+}
+
+/* At grazing itself the flow meets the impact or not by chance: the survey is that of an orbit just before.
+ */
+static saltus_status survey_before(saltus_trace *t, saltus_message *message) {
+    const double back = 1e-7;
+    saltus_message ignored;
+    if (t->next->at.ahead <= 10 * back ||
+        saltus_solution_visit(&t->orbits, t->here, t->next->at.ahead - back, t->trial, &ignored) != SALTUS_OK)
+        return saltus_solution_survey(&t->orbits, t->next, message);
+    saltus_status status = saltus_solution_survey(&t->orbits, t->trial, message);
+    saltus_survey_swap(t->trial, t->next);
+    return status;
+}
+
+/* `spare`, so far along the branch, becomes `here`. */
+static saltus_status go_on_at(saltus_trace *t, double distance, saltus_message *message) {
+    t->trail->arclength += distance;
+    t->spare->at.ahead = 0;
+    saltus_trace_swap(&t->here, &t->spare);
+    t->trail->step = fmin(t->trail->step, t->trail->options->step);
+    t->trail->shown = t->trail->arclength;
+    saltus_status status = saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN}, message);
+    t->trail->regular++;
+    return status;
+}
+
+/* A change of events at a value, so far ahead. */
+static saltus_notice notice_of(const saltus_change *change, double ahead, double value) {
+    return (saltus_notice){.kind = change->kind,
+                           .ahead = ahead,
+                           .accuracy = change->accuracy,
+                           .reason = change->reason,
+                           .after = change->after,
+                           .value = value,
+                           .change = true};
+}
+
+/* Where births accumulate the branch goes on beyond them, with complete chatter, if that is found:
+ * *completes; `far` as there. */
+static saltus_status complete_run(saltus_trace *t, bool far, bool *completes, saltus_message *message) {
+    saltus_change change;
+    double limit, rest;
+    *completes = saltus_births_accumulate(&t->births, &limit, &rest) &&
+                 saltus_change_complete(&t->orbits, t->here, limit, rest, far, t->range, t->trial, t->spare,
+                                        t->other, &change);
+    if (!*completes)
+        return saltus_shooting_shape(t->orbits.shooting, &t->here->sequence, message);
+    t->births.count = 0;
+    saltus_status status = saltus_trace_give(t, t->trial, notice_of(&change, 0, 0), message);
+    return status == SALTUS_OK && t->trail->following ? go_on_at(t, change.distance, message) : status;
+}
+
+/* Over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
+static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const char *why,
+                          saltus_message *message) {
+    saltus_change change;
+    bool completes = false;
+    saltus_status status = saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial,
+                                              t->spare, t->other, &change, message);
+    /* The last births before chatter completes may lie beyond rounding. */
+    if (status == SALTUS_OK && change.kind == SALTUS_POINT_EP && t->births.count == saltus_births_length) {
+        status = complete_run(t, true, &completes, message);
+        if (status == SALTUS_OK && !completes)
+            status = saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare,
+                                        t->other, &change, message);
+    }
+    if (status != SALTUS_OK || completes)
+        return status;
+    if (isnan(change.accuracy))
+        return saltus_trace_end(t, t->here, 0, why, message);
+    if (change.at_border)
+        return end_at_border(t, t->spare, t->trial->at.ahead, message);
+    saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value);
+    if (change.kind == SALTUS_POINT_EP)
+        what.addition = "; beyond it no orbit of this period was found";
+    if (change.kind != SALTUS_POINT_REGULAR)
+        status = saltus_trace_give(t, t->trial, what, message);
+    if (status != SALTUS_OK || !t->trail->following)
+        return status;
+    return go_on_at(t, t->trial->at.ahead + change.distance, message);
+}
+
+/* Whether an orbit grazes at the end of a run of impacts that have hardly any speed: chatter all but
+ * completes. */
+static bool ends_run(const saltus_solution *s) {
+    const double slow = 1e-8, near = 1e-3;
+    for (int k = 0; k < s->breach_count; k++) {
+        const saltus_breach *b = &s->breaches[k];
+        if (b->kind == SALTUS_BREACH_SPEED && b->face == s->worst.face && b->value > -slow &&
+            b->time < s->worst.time && s->worst.time - b->time < near)
+            return true;
+    }
+    return false;
+}
+
+/* Beyond grazing at `next`, to a point a little further on. */
+static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *message) {
+    saltus_orbits *o = &t->orbits;
+    saltus_solution *at = t->next;
+    saltus_sequence beyond;
+    saltus_change change;
+    saltus_notice what = {.kind = SALTUS_POINT_GR,
+                          .ahead = at->at.ahead,
+                          .accuracy = accuracy,
+                          .change = true,
+                          .grazing = &at->worst};
+    bool completes, joins = saltus_solution_half_distance(o, at, false) < 1e-4;
+    what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
+    saltus_status status = saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change, message);
+    if (status != SALTUS_OK)
+        return status;
+    /* Further impacts are beyond rounding: on to where chatter is complete. */
+    if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at))) {
+        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+        return status == SALTUS_OK ? leap(t, 2 * at->at.ahead, SALTUS_LEAP_RUN,
+                                          "grazings follow one another ever more closely", message)
+                                   : status;
+    }
+    if (t->trail->options->locus == SALTUS_POINT_GR && !joins)
+        return find(t, at, &beyond);
+    bool goes_on = change.kind == SALTUS_POINT_GR && !joins;
+    what.reason = joins ? NULL : change.reason;
+    what.after = goes_on ? change.after : NULL;
+    what.addition = goes_on && change.turns_back ? "; the branch turns back (non-smooth fold)" : NULL;
+    status = saltus_trace_give(t, at, what, message);
+    if (status == SALTUS_OK && !joins)
+        status = add_starts(t, at, SALTUS_POINT_GR, &beyond, message);
+    if (status != SALTUS_OK || !t->trail->following)
+        return status;
+    if (joins)
+        drop_starts(t);
+    if (!goes_on)
+        return saltus_trace_end(t, at, at->at.ahead,
+                                joins ? "joins the orbits of half the period at their grazing"
+                                      : "grazing: no orbit of this period goes on with other events",
+                                message);
+    t->trail->arclength += at->at.ahead;
+    saltus_births_note(&t->births, beyond.count > at->sequence.count, at->parameter[0]);
+    saltus_trace_swap(&t->here, &t->spare);
+    saltus_trace_swap(&t->next, &t->trial);
+    t->trail->step = fmax(t->next->at.ahead, 0.25 * t->trail->step);
+    saltus_hopf_ahead hopf;
+    bool misses;
+    status = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, &hopf, &misses, message);
+    if (status == SALTUS_OK)
+        status = give_specials(t, &hopf, message);
+    if (status == SALTUS_OK && t->trail->following)
+        status = saltus_trace_accept(t, true, false, NULL, message);
+    return status == SALTUS_OK && t->trail->following && t->births.count == saltus_births_length
+               ? complete_run(t, false, &completes, message)
+               : status;
+}
+
+/* Contacts that begin or end where the sequence is left to the flow are located; of the many impacts in the
+ * tail of a long run, which come and go all the time, only the number is told. */
+static saltus_status settle(saltus_trace *t, saltus_message *message) {
+    const saltus_survey *before = &t->here->survey, *after = &t->next->survey;
+    bool known = before->label[0], same = !known || strcmp(before->label, after->label) == 0;
+    bool chatter = known && (before->impacts < 0) != (after->impacts < 0);
+    saltus_change change = {.kind = SALTUS_POINT_REGULAR};
+    saltus_status status = SALTUS_OK;
+    if ((chatter || (known && before->sticking_intervals != after->sticking_intervals)) &&
+        !saltus_change_within(&t->orbits, t->here, t->next, t->trial, &change))
+        change.kind = SALTUS_POINT_REGULAR;
+    saltus_notice what = notice_of(&change, t->trial->at.ahead, t->trial->value);
+    bool retraced =
+        chatter && after->impacts < 0 &&
+        saltus_change_retrace(&t->orbits, t->next, t->spare, t->other, &what.value, &what.accuracy);
+    if (retraced) {
+        t->spare->at.ahead = t->next->at.ahead;
+        saltus_trace_swap(&t->next, &t->spare);
+    }
+    if (change.kind != SALTUS_POINT_REGULAR)
+        status = saltus_trace_give(t, t->trial, what, message);
+    if (status != SALTUS_OK || !t->trail->following)
+        return status;
+    return saltus_trace_accept(t, !retraced, !same,
+                               same ? NULL : "impacts in the tail of a long run come or go", message);
+}
+
+/* Where cycles with impacts shrink to an equilibrium that touches a stop: *ended, and the branch ends there.
+ */
+static saltus_status end_at_boundary(saltus_trace *t, bool *ended, saltus_message *message) {
+    saltus_zero zero;
+    double value;
+    *ended = saltus_boundary_reach(&t->orbits, t->here, t->next, t->trial, &zero, &value);
+    if (!*ended)
+        return saltus_shooting_shape(t->orbits.shooting, &t->here->sequence, message);
+    saltus_notice what = {.kind = SALTUS_POINT_BE,
+                          .ahead = zero.ahead,
+                          .accuracy = zero.accuracy,
+                          .reason = "the orbit shrinks to an equilibrium on a stop",
+                          .value = value,
+                          .grazing = &t->trial->breaches[0]};
+    saltus_status status = saltus_solution_survey(&t->orbits, t->trial, message);
+    return status == SALTUS_OK ? give_shared_end(t, t->trial, what, message) : status;
+}
+
+/* Whether the parameter does not change along the branch, but for rounding. */
+static bool is_vertical(const saltus_solution *s) {
+    return fabs(saltus_solution_heading(s)) < 1e-10;
+}
+
+/* The length of a step at whose end an orbit breaches, though `next` does not, as on a border of the range on
+ * which an impact rebounds no more; 0: none is found, ever closer to `next`. */
+static double hidden_breach(saltus_trace *t) {
+    enum { halvings = 10 };
+    double rest = t->next->at.ahead;
+    saltus_message ignored;
+    for (int k = 0; k < halvings; k++) {
+        rest *= 0.5;
+        if (saltus_solution_visit(&t->orbits, t->here, t->next->at.ahead - rest, t->trial, &ignored) ==
+                SALTUS_OK &&
+            t->trial->worst.value > 0 && t->trial->worst.kind == SALTUS_BREACH_GAP)
+            return t->next->at.ahead - rest;
+    }
+    return 0;
+}
+
+/* Where along a branch of cycles the period changes and the parameter stands still, as at a homoclinic orbit,
+ * or where the branch is lost so: *ended, and the branch ends at `at`. */
+static saltus_status end_at_saddle(saltus_trace *t, const saltus_solution *at, double ahead, bool lost,
+                                   bool *ended, saltus_message *message) {
+    char reason[SALTUS_REASON_MAX];
+    saltus_status status = saltus_cycle_tell_saddle(&t->orbits, at, lost, ended, reason, message);
+    return status == SALTUS_OK && *ended ? saltus_trace_end(t, at, ahead, reason, message) : status;
+}
+
+/* Where all impacts of a cycle lose their speed at once the branch goes on with the cycle without impacts:
+ * *done. */
+static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) {
+    saltus_orbits *o = &t->orbits;
+    saltus_zero zero = saltus_cycle_touches(o, t->here, t->range, t->trial, t->spare, t->other);
+    *done = zero.found && !o->starved;
+    if (!*done)
+        return saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+    const double heading = saltus_solution_heading(t->here);
+    saltus_notice what = {.kind = SALTUS_POINT_GR,
+                          .ahead = fabs((t->trial->parameter[0] - t->here->parameter[0]) / heading),
+                          .accuracy = zero.accuracy + saltus_special_doubt(o, SALTUS_TEST_BREACH, t->trial),
+                          .reason = "impacts die",
+                          .after = t->spare->survey.label,
+                          .change = true,
+                          .grazing = &t->trial->worst};
+    saltus_status status = saltus_solution_survey(o, t->trial, message);
+    if (status == SALTUS_OK)
+        status = saltus_trace_give(t, t->trial, what, message);
+    if (status != SALTUS_OK || !t->trail->following)
+        return status;
+    t->births.count = 0;
+    saltus_solution_head(t->spare, heading);
+    return go_on_at(t, what.ahead + zero.ahead, message);
+}
+
+/* Whether the step to `next` was too long to see what it has led over: *again, and it will be shorter. Where
+ * it cannot be shorter the branch may end. `hopf` becomes what is ahead, with its orbit as `other`. */
+static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *again,
+                               saltus_message *message) {
+    const double least = 1e-5;
+    saltus_orbits *o = &t->orbits;
+    const bool shorter = t->next->at.ahead > least;
+    bool misses = false;
+    int order[SALTUS_MARKS_MAX];
+    saltus_status status = SALTUS_OK;
+    *again = shorter && saltus_special_strays(o, t->here, t->next);
+    if (!*again)
+        status = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, hopf, &misses, message);
+    if (status == SALTUS_OK && misses && !shorter && !hopf->found)
+        return saltus_trace_end(t, t->here, 0, "the curve cannot be told from the equilibria near it",
+                                message);
+    *again = *again || (shorter && misses);
+    /* A touch in the very place where the orbit is cut open would not be seen. */
+    const bool hides = !*again && shorter && saltus_solution_base_beyond(o, t->next);
+    if (status != SALTUS_OK || !(*again || hides))
+        return status;
+    *again = true;
+    t->trail->step = 0.5 * t->next->at.ahead;
+    if (hides)
+        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+    if (hides && status == SALTUS_OK)
+        saltus_solution_reframe(o, false, true, t->here, t->trial, order);
+    return status;
+}
+
+/* `next` becomes the place where an orbit of the step first breaches, if that is found; *reached as
+ * saltus_curve_step has it. */
+static saltus_zero cut_at_breach(saltus_trace *t, int *reached) {
+    saltus_zero breach = saltus_solution_zero(&t->orbits, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
+    if (!breach.found)
+        return breach;
+    saltus_trace_swap(&t->next, &t->trial);
+    *reached = -1;
+    for (int k = 0; k < 2; k++)
+        if (fabs(t->next->parameter[0] - t->range[k]) < saltus_at_border) {
+            t->next->parameter[0] = t->range[k];
+            *reached = 0;
+        }
+    return breach;
+}
+
+/* Whether the branch ends on the step: at an equilibrium on a stop, in a family, or near a saddle. */
+static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    *ended = false;
+    if (saltus_boundary_is_near(t->here, t->next))
+        status = end_at_boundary(t, ended, message);
+    if (*ended || status != SALTUS_OK || !is_vertical(t->here) || !is_vertical(t->next))
+        return status;
+    *ended = saltus_cycle_of_family(t->next);
+    return *ended ? saltus_trace_end(t, t->next, t->next->at.ahead,
+                                     "the orbits of one value of the parameter form a family", message)
+                  : end_at_saddle(t, t->next, t->next->at.ahead, false, ended, message);
+}
+
+/* Whether the last of ever shorter steps has left Newton's method with a residual that rounding may be to
+ * blame for. */
+static bool lacks_digits(const saltus_orbits *o) {
+    return o->equations->size < 1e3 * o->equations->tolerance;
+}
+
+saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
+    static const char changed[] = "events change";
+    saltus_orbits *o = &t->orbits;
+    saltus_trail *trail = t->trail;
+    const saltus_curve_bound bound = {o->equations->count, t->range[0], t->range[1]};
+    saltus_zero breach = {.accuracy = NAN};
+    saltus_message why = {.text = ""};
+    saltus_hopf_ahead hopf;
+    bool ended = false, again;
+    int reached;
+    saltus_status status =
+        saltus_curve_step(o->equations, &t->here->at, &trail->step, &bound, 1, &t->next->at, &reached, &why);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, t->next, message);
+    if (status == SALTUS_NO_MEMORY)
+        return saltus_branch_no_memory(message);
+    if (status == SALTUS_NO_CONVERGENCE && lacks_digits(o) &&
+        saltus_solution_refine(o, t->here, t->trial, (int[SALTUS_MARKS_MAX]){0})) {
+        trail->step = trail->options->step;
+        return SALTUS_OK;
+    }
+    if (status != SALTUS_OK) {
+        status = end_at_saddle(t, t->here, 0, true, &ended, message);
+        return ended || status != SALTUS_OK ? status
+                                            : leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why.text, message);
+    }
+    if (saltus_cycle_fades(o, t->here, t->next) && trail->options->locus == SALTUS_POINT_REGULAR)
+        status = fade(t, &ended, message);
+    if (ended || status != SALTUS_OK)
+        return status;
+    status = look_back(t, &hopf, &again, message);
+    if (again || status != SALTUS_OK || !trail->following)
+        return status;
+    const bool breached = t->next->worst.value > 0;
+    if (breached) {
+        breach = cut_at_breach(t, &reached);
+        if (!breach.found)
+            return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed, message);
+    }
+    status = breached ? survey_before(t, message) : saltus_solution_survey(o, t->next, message);
+    const saltus_breach_kind kind = t->next->worst.kind;
+    if (status == SALTUS_OK)
+        status = find_end(t, &ended, message);
+    if (ended || status != SALTUS_OK)
+        return status;
+    if (!breached && !t->next->survey.follows) {
+        const bool free = t->here->survey.impacts >= 0 && t->here->survey.sticking_intervals == 0;
+        const double hidden = free && reached >= 0 ? hidden_breach(t) : 0;
+        if (hidden == 0)
+            return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed, message);
+        trail->step = hidden;
+        return SALTUS_OK;
+    }
+    status = give_specials(t, &hopf, message);
+    if (status != SALTUS_OK || !trail->following)
+        return status;
+    trail->step = saltus_curve_next_step(trail->step, t->next->at.iterations, trail->options->step_max);
+    if (reached >= 0)
+        return end_at_border(t, t->next, t->next->at.ahead, message);
+    if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
+        return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, "the contact changes", message);
+    return breached ? graze(t, breach.accuracy, message) : settle(t, message);
+}

@@ -1,0 +1,213 @@
+/* What a run gives out.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/trail.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char saltus_range_ends[] = "end of the parameter's range";
+
+/* A special point that has been given out. */
+typedef struct saltus_visited {
+    saltus_point_kind kind;
+    int branch, periods;
+    char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
+    double value;
+    double *state;
+} visited;
+
+void saltus_trail_drop(saltus_trail *t) {
+    for (int k = t->next; k < t->count; k++)
+        saltus_branch_point_clear(&t->queue[k]);
+    t->count = t->next = 0;
+}
+
+void saltus_trail_clear(saltus_trail *t) {
+    saltus_trail_drop(t);
+    for (int k = 0; k < t->visited_count; k++)
+        free(t->visited[k].state);
+    free(t->visited);
+    free(t->queue);
+}
+
+void saltus_trail_begin(saltus_trail *t, int number, int parent, int depth, bool fresh) {
+    t->number = number;
+    t->parent = parent;
+    t->depth = depth;
+    t->regular = t->made = 0;
+    t->arclength = t->shown = 0;
+    t->step = t->options->step;
+    t->fresh = fresh;
+    t->following = true;
+}
+
+saltus_branch_point *saltus_trail_place(saltus_trail *t, saltus_message *message) {
+    if (t->count == t->room) {
+        const int room = t->room ? 2 * t->room : 8;
+        saltus_branch_point *grown = realloc(t->queue, (size_t)room * sizeof *grown);
+        if (!grown) {
+            saltus_branch_no_memory(message);
+            return NULL;
+        }
+        t->queue = grown;
+        t->room = room;
+    }
+    return &t->queue[t->count];
+}
+
+/* Whether a point and one visited change between the same motions, in either direction. */
+static bool same_labels(const visited *v, const saltus_branch_point *point) {
+    const char *at = point->label, *after = point->label_after;
+    return (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
+           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
+}
+
+/* Whether a special point was given out before: the branch of it, -1 for none. Points of branches that cross
+ * or begin at one another are not alike: they differ in kind or in period. Where impacts die one after the
+ * other points lie close together without being the same; they differ in the number of impacts. */
+static int find_visited(const saltus_trail *t, const saltus_system *system,
+                        const saltus_branch_point *point) {
+    const double unit = t->options->high[0] - t->options->low[0];
+    for (int k = 0; k < t->visited_count; k++) {
+        const visited *v = &t->visited[k];
+        const bool same = same_labels(v, point);
+        const double close_value = same ? 1e-7 : 1e-11, close_state = same ? 1e-5 : 1e-7;
+        if (v->kind == point->kind && v->periods == point->periods &&
+            fabs(v->value - point->value[0]) < close_value * unit &&
+            saltus_system_distance(system, v->state, point->state) < close_state)
+            return v->branch;
+    }
+    return -1;
+}
+
+static saltus_status remember(saltus_trail *t, const saltus_branch_point *point, saltus_message *message) {
+    const size_t n = (size_t)point->dimension;
+    visited *grown = realloc(t->visited, ((size_t)t->visited_count + 1) * sizeof *grown);
+    if (grown)
+        t->visited = grown;
+    double *state = calloc(n, sizeof *state);
+    if (!grown || !state) {
+        free(state);
+        return saltus_branch_no_memory(message);
+    }
+    memcpy(state, point->state, n * sizeof *state);
+    visited *v = &grown[t->visited_count++];
+    *v = (visited){.kind = point->kind,
+                   .branch = point->branch,
+                   .periods = point->periods,
+                   .value = point->value[0],
+                   .state = state};
+    memcpy(v->label[0], point->label, SALTUS_LABEL_MAX);
+    memcpy(v->label[1], point->label_after, SALTUS_LABEL_MAX);
+    return SALTUS_OK;
+}
+
+/* Whether a branch ends at a point where one has been. */
+static bool is_kept(const saltus_branch_point *point) {
+    const saltus_point_kind kind = point->kind;
+    if (point->locus)
+        return false;
+    if (point->periods == 0)
+        return kind == SALTUS_POINT_LP || kind == SALTUS_POINT_BE;
+    return kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_NS ||
+           kind == SALTUS_POINT_GR || kind == SALTUS_POINT_CH || kind == SALTUS_POINT_ST;
+}
+
+/* Whether a multiplier is on the unit circle there but for rounding, or an eigenvalue on the imaginary axis.
+ */
+static bool is_marginal(saltus_point_kind kind) {
+    return kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_BP ||
+           kind == SALTUS_POINT_NS || kind == SALTUS_POINT_HB;
+}
+
+saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, const saltus_notice *what,
+                                saltus_message *message) {
+    const saltus_branch_options *o = t->options;
+    saltus_branch_point *point = &t->queue[t->count++];
+    saltus_status status = SALTUS_OK;
+    point->stable = point->stable && (point->locus || !is_marginal(what->kind));
+    point->kind = what->kind;
+    point->branch = t->number;
+    point->parent = t->parent;
+    point->step = point->locus ? t->made : t->regular;
+    point->arclength = t->arclength + what->ahead;
+    point->value[0] = what->value != 0 ? what->value : point->value[0];
+    point->accuracy = what->accuracy + DBL_EPSILON * fabs(point->value[0]);
+    /* Only the event-driven flow tells these, to its tolerance. */
+    if (what->kind == SALTUS_POINT_CH || what->kind == SALTUS_POINT_ST)
+        point->accuracy += o->orbit.flow.rtol * (o->high[0] - o->low[0]);
+    snprintf(point->label_after, sizeof point->label_after, "%s", what->after ? what->after : "");
+    snprintf(point->reason, sizeof point->reason, "%s%s", what->reason ? what->reason : "",
+             what->addition ? what->addition : "");
+    const int earlier = is_kept(point) ? find_visited(t, system, point) : -1;
+    if (is_kept(point) && earlier < 0)
+        status = remember(t, point, message);
+    if (earlier >= 0) {
+        point->kind = SALTUS_POINT_EP;
+        snprintf(point->reason, sizeof point->reason,
+                 earlier == t->number ? "the branch is closed: it has come back to this %s"
+                                      : "this %s is on branch %d",
+                 saltus_point_word(what->kind), earlier);
+    }
+    if (point->kind != SALTUS_POINT_EP && t->made + 1 >= o->points) {
+        point->kind = SALTUS_POINT_EP;
+        snprintf(point->reason, sizeof point->reason, "as many points as asked for");
+    }
+    t->following = t->following && point->kind != SALTUS_POINT_EP;
+    t->made++;
+    return status;
+}
+
+bool saltus_trail_wants(const saltus_trail *t, double ahead) {
+    return t->arclength + ahead - t->shown >= 0.02 * t->options->step_max || t->regular == 0;
+}
+
+void saltus_trail_shown(saltus_trail *t, double ahead) {
+    t->shown = t->arclength + ahead;
+    t->regular++;
+}
+
+saltus_branch_point *saltus_trail_last(saltus_trail *t) {
+    return t->count ? &t->queue[t->count - 1] : NULL;
+}
+
+bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
+    if (t->next == t->count)
+        return false;
+    *point = t->queue[t->next++];
+    if (t->next == t->count)
+        t->next = t->count = 0;
+    return true;
+}
+
+static void archive_visited(saltus_archive *a, visited *v) {
+    v->kind = saltus_archive_kind(a, v->kind);
+    v->branch = (int)saltus_archive_whole(a, v->branch, 0, INT_MAX);
+    v->periods = (int)saltus_archive_whole(a, v->periods, 0, INT_MAX);
+    saltus_archive_label(a, v->label[0]);
+    saltus_archive_label(a, v->label[1]);
+    saltus_archive_finite(a, &v->value, 1);
+    saltus_archive_array(a, &v->state, (size_t)a->n);
+}
+
+void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
+    enum { numbers_min = 6 }; /* of a visited point */
+    t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
+    for (int k = 0; k < t->visited_count; k++)
+        archive_visited(a, &t->visited[k]);
+    t->number = (int)saltus_archive_whole(a, t->number, 0, INT_MAX);
+    t->parent = (int)saltus_archive_whole(a, t->parent, -1, INT_MAX);
+    t->depth = (int)saltus_archive_whole(a, t->depth, 0, INT_MAX);
+    t->regular = (int)saltus_archive_whole(a, t->regular, 0, INT_MAX);
+    t->made = (int)saltus_archive_whole(a, t->made, 0, INT_MAX);
+    saltus_archive_finite(a, &t->arclength, 1);
+    saltus_archive_finite(a, &t->shown, 1);
+    saltus_archive_finite(a, &t->step, 1);
+    t->fresh = saltus_archive_flag(a, t->fresh);
+    t->following = saltus_archive_flag(a, t->following);
+    a->sound = a->sound && (!a->reading || !t->following || t->step > 0);
+}
