@@ -567,7 +567,10 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     status = give_specials(t, &hopf, message);
     if (status != SALTUS_OK || !trail->following)
         return status;
-    trail->step = saltus_curve_next_step(trail->step, t->next->at.iterations, trail->options->step_max);
+    /* The states at all cuts of a cycle count: lengths are those of their mean. */
+    const double stretch = t->next->sequence.omega > 0 ? sqrt(t->next->sequence.cuts) : 1;
+    trail->step =
+        saltus_curve_next_step(trail->step, t->next->at.iterations, stretch * trail->options->step_max);
     if (reached >= 0)
         return end_at_border(t, t->next, t->next->at.ahead, message);
     if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
