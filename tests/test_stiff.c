@@ -67,7 +67,7 @@ static void agrees_when_stiff(void **unused) {
     check_near(compare(32, 42, 0.035, 0.9, 3, 1, 0, &tangents), 0, 1e-9);
 }
 
-/* A chatter that completes: its last flights are so short that the stiff flow takes explicit steps. */
+/* A chatter that completes, whose last flights are far shorter than any step. */
 static void agrees_through_chatter(void **unused) {
     (void)unused;
     double tangents;

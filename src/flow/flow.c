@@ -225,21 +225,6 @@ static bool nothing_near(saltus_lane *self, double near) {
     return self->step.calm && near < 0 && !(self->target.watch & SALTUS_WATCH_TURNING && self->step.turns);
 }
 
-/* Whether a chatter's next impact is so near that a few of Taylor's steps, each cheaper than one of the stiff
- * integrator, reach it. */
-static bool flies_briefly(const saltus_flow *flow) {
-    const double few = 6;
-    const saltus_lane *self = &flow->lane[0];
-    return self->target.aimed && self->hold.count == 0 && self->flight <= few * flow->work.lane->limit[0];
-}
-
-static void set_degree(saltus_work *work, int degree) {
-    if (work->lane->degree[0] == degree)
-        return;
-    work->lane->degree[0] = degree;
-    saltus_work_settle_degrees(work);
-}
-
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
 static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
@@ -250,15 +235,8 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         w->lane->left[l] = self->target.aimed ? remaining(self) * self->system->period : 0;
         turning |= watches_turning(self);
     }
-    if (flow->radau && flies_briefly(flow)) {
-        set_degree(w, SALTUS_RADAU_DEGREE - 1);
-        flow->kernel->expand(w, 0, SALTUS_RADAU_DEGREE - 1);
-        flow->kernel->measure(w);
-        saltus_radau_impact(flow->radau);
-        flow->lane[0].info.field_evaluations += SALTUS_RADAU_DEGREE - 1;
-    } else if (flow->radau) {
+    if (flow->radau) {
         saltus_lane *self = &flow->lane[0];
-        set_degree(w, SALTUS_RADAU_DEGREE);
         saltus_status status = saltus_radau_step(flow->radau, w, &self->info.field_evaluations);
         if (status != SALTUS_OK) {
             saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods",

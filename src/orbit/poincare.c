@@ -63,7 +63,9 @@ static int count(saltus_crossings *r, const saltus_system *system, const saltus_
     if (is_return(system, event, state)) {
         double speed = fabs(event->velocity_before);
         change = 1;
-        r->falling = impact && r->run > 0 && r->face == event->face && speed < r->speed;
+        /* What rebounds without loss does not chatter: its speeds fall by rounding alone. */
+        const bool loses = fabs(event->velocity_after) < speed;
+        r->falling = impact && loses && r->run > 0 && r->face == event->face && speed < r->speed;
         r->run = !impact ? 0 : r->run > 0 && r->face == event->face ? r->run + 1 : 1;
         r->face = event->face;
         r->speed = speed;
