@@ -423,12 +423,12 @@ static void cycles_are_born_at_a_stop(void **unused) {
     (void)unused;
     static const struct {
         const char *setting;
-        double z;
+        double z, r;
         int side; /* of F = 1/2; 0: no cycle */
-    } cases[] = {{"z=0.05", 0.05, -1}, {"z=0.2", 0.2, 1}, {"z=-0.05", -0.05, 0}};
-    const double r = 0.6;
+    } cases[] = {
+        {"z=0.05", 0.05, 0.6, -1}, {"z=0.2", 0.2, 0.6, 1}, {"z=-0.05", -0.05, 0.6, 0}, {"r=0", 0.05, 0, -1}};
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
-        const double z = cases[k].z, w = sqrt(1 - z * z);
+        const double z = cases[k].z, r = cases[k].r, w = sqrt(1 - z * z);
         branch_record record = rests_of(pressed, cases[k].setting, -1);
         int cycles = 0;
         check_near(boundary_of(&record)->value[0], 0.5, 1e-12);

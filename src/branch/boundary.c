@@ -185,7 +185,7 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
     bounce b = {.n = 0};
     saltus_branch_start start = *like;
     double along[SALTUS_STATE_MAX], half[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + 3] = {0};
-    if (at->contacts || !(saltus_system_restitution(r->system, face, 0) > 0))
+    if (at->contacts)
         return SALTUS_OK;
     const double slope = gap_slope(r, at, face, along, scratch);
     if (r->starved)
