@@ -197,6 +197,15 @@ static real least_pressed(const passage *p) {
     return least;
 }
 
+/* The orbits beside a split are had from one another: at the split itself rounding of the state decides
+ * whether the contact holds. Orbits further away come first where they can be had. */
+static bool approach_split(problem *q, real value, real apart, real *state) {
+    for (int power = 2; power >= 0; power--)
+        if (solve(q, value + apart * real_pow(10, power), state))
+            return false;
+    return true;
+}
+
 static const char *locate_split(problem *q, real *unknowns) {
     enum { places = 4 };
     const int n = q->n;
@@ -204,12 +213,14 @@ static const char *locate_split(problem *q, real *unknowns) {
     real at[places], press[places], state[model_dimension];
     for (int side = -1; side <= 1; side += 2) {
         bool found = true;
-        for (int k = 0; k < places && found; k++) {
+        memcpy(state, unknowns, n * sizeof *state);
+        if (!approach_split(q, value, side * places * apart, state))
             memcpy(state, unknowns, n * sizeof *state);
+        for (int k = places - 1; k >= 0 && found; k--) {
             at[k] = side * (k + 1) * apart;
             found = !solve(q, value + at[k], state);
             press[k] = least_pressed(&q->p);
-            found = found && press[k] < HUGE_VAL && (k == 0 || press[k] > press[k - 1]);
+            found = found && press[k] < HUGE_VAL && (k == places - 1 || press[k] < press[k + 1]);
         }
         if (found) {
             unknowns[n] = value + zero_of_polynomial(places, at, press);
