@@ -77,7 +77,8 @@ typedef struct saltus_branch_point {
     int event_count;
     /* Room for dimension of them. Of an equilibrium its eigenvalues, by decreasing real part, which is their
      * log_modulus: of what they make of a perturbation in a unit of time. */
-    saltus_multiplier *multipliers;
+    saltus_multiplier *multipliers; /* where many would be far below 1e-40, as of nine modes and more, these
+                                       are not resolved */
     int multiplier_count; /* dimension; of an orbit of a period of its own one less; of an equilibrium two
                              less for each contact that holds */
     double trivial_multiplier; /* of such an orbit, along the flow: 1 but for errors; otherwise 0 */
