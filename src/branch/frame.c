@@ -66,14 +66,11 @@ saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solut
     return status;
 }
 
-/* As many segments as are asked for; if that is left open, twice as many where perturbations grow too much
- * over one. */
-static int count_cuts(const saltus_orbits *o, const saltus_solution *s) {
-    const double growth_max = 1e4;
-    int asked = o->options.segments, cuts = s->sequence.cuts;
-    if (asked > 0)
-        return asked < SALTUS_CUTS_MAX ? asked : SALTUS_CUTS_MAX;
-    return !(s->growth > growth_max) ? cuts : 2 * cuts < SALTUS_CUTS_MAX ? 2 * cuts : SALTUS_CUTS_MAX;
+/* As many segments as are asked for; if that is left open, as many as the orbit has, or twice as many. */
+static int count_cuts(const saltus_orbits *o, const saltus_solution *s, bool more) {
+    const int asked = o->options.segments, cuts = more ? 2 * s->sequence.cuts : s->sequence.cuts;
+    const int wanted = asked > 0 ? asked : cuts;
+    return wanted < SALTUS_CUTS_MAX ? wanted : SALTUS_CUTS_MAX;
 }
 
 /* The base of an orbit of unknown period is the state that it begins with. */
@@ -124,16 +121,17 @@ static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_se
     return status;
 }
 
-bool saltus_solution_reframe(saltus_orbits *o, bool trims, bool leaves, saltus_solution *s,
-                             saltus_solution *scratch, int *order) {
+/* Cut open again, into so many segments. */
+static bool reframe(saltus_orbits *o, bool trims, bool leaves, int cuts, saltus_solution *s,
+                    saltus_solution *scratch, int *order) {
     saltus_sequence fresh;
     saltus_message ignored;
     double speed[SALTUS_MARKS_MAX], state[SALTUS_STATE_MAX], section;
     bool turning = false;
     saltus_solution_speeds(o, s, speed);
     if (better_section(o, s, leaves, &section, state, &turning))
-        saltus_sequence_turn(&s->sequence, section, count_cuts(o, s), &fresh, order);
-    else if (!saltus_sequence_reframe(&s->sequence, speed, count_cuts(o, s), trims, &fresh, order))
+        saltus_sequence_turn(&s->sequence, section, cuts, &fresh, order);
+    else if (!saltus_sequence_reframe(&s->sequence, speed, cuts, trims, &fresh, order))
         return false;
     size_t room = (size_t)(saltus_sequence_unknowns(&fresh, o->n) + o->n + 1);
     double *work = calloc(room, sizeof *work);
@@ -152,14 +150,16 @@ bool saltus_solution_reframe(saltus_orbits *o, bool trims, bool leaves, saltus_s
     return true;
 }
 
-bool saltus_solution_refine(saltus_orbits *o, saltus_solution *s, saltus_solution *scratch, int *order) {
+bool saltus_solution_reframe(saltus_orbits *o, bool trims, bool leaves, saltus_solution *s,
+                             saltus_solution *scratch, int *order) {
+    const double growth_max = 1e4; /* over a segment */
+    return reframe(o, trims, leaves, count_cuts(o, s, s->growth > growth_max), s, scratch, order);
+}
+
+bool saltus_solution_refine(saltus_orbits *o, saltus_solution *s, saltus_solution *scratch) {
     const int cuts = s->sequence.cuts;
-    const double growth = s->growth;
-    s->growth = INFINITY;
-    const bool placed = saltus_solution_reframe(o, false, false, s, scratch, order);
-    if (!placed)
-        s->growth = growth;
-    return placed && s->sequence.cuts > cuts;
+    int order[SALTUS_MARKS_MAX];
+    return reframe(o, false, false, count_cuts(o, s, true), s, scratch, order) && s->sequence.cuts > cuts;
 }
 
 bool saltus_solution_base_beyond(const saltus_orbits *o, const saltus_solution *s) {

@@ -33,7 +33,7 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
     status = saltus_flow_single(o->system, 0, &o->options.flow, &o->flow, message);
     o->cocycle.most = segments_most;
     if (status == SALTUS_OK)
-        status = saltus_cocycle_flow(o->system, 1, segments_most, &o->options.flow, &o->tangent, message);
+        status = saltus_cocycle_flow(&o->cocycle, o->system, 1, &o->options.flow, &o->tangent, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_new(&o->family, &o->options, &o->shooting, message);
     if (status == SALTUS_OK)

@@ -129,8 +129,7 @@ bool saltus_solution_reframe(saltus_orbits *orbits, bool trims, bool leaves, sal
                              saltus_solution *scratch, int *order);
 /* The same, if more segments can be had: for orbits along which perturbations grow and shrink again, which
  * the growth over a segment does not show. */
-bool saltus_solution_refine(saltus_orbits *orbits, saltus_solution *solution, saltus_solution *scratch,
-                            int *order);
+bool saltus_solution_refine(saltus_orbits *orbits, saltus_solution *solution, saltus_solution *scratch);
 /* Whether the base of the orbit that the shooting has last evaluated, which has a period of its own, is
  * beyond a stop. */
 bool saltus_solution_base_beyond(const saltus_orbits *orbits, const saltus_solution *solution);

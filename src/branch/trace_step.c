@@ -511,6 +511,21 @@ static bool lacks_digits(const saltus_orbits *o) {
     return o->equations->size < 1e3 * o->equations->tolerance;
 }
 
+/* Where no step could be made, for a reason: from an orbit cut into more segments if digits may lack, or the
+ * branch ends here or beyond a change that the step would have led over. */
+static saltus_status go_on_lost(saltus_trace *t, saltus_status reason, const char *why,
+                                saltus_message *message) {
+    saltus_trail *trail = t->trail;
+    bool ended;
+    if (reason == SALTUS_NO_CONVERGENCE && lacks_digits(&t->orbits) &&
+        saltus_solution_refine(&t->orbits, t->here, t->trial)) {
+        trail->step = trail->options->step;
+        return SALTUS_OK;
+    }
+    saltus_status status = end_at_saddle(t, t->here, 0, true, &ended, message);
+    return ended || status != SALTUS_OK ? status : leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why, message);
+}
+
 saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     static const char changed[] = "events change";
     saltus_orbits *o = &t->orbits;
@@ -527,16 +542,8 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
         status = saltus_solution_see(o, t->next, message);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
-    if (status == SALTUS_NO_CONVERGENCE && lacks_digits(o) &&
-        saltus_solution_refine(o, t->here, t->trial, (int[SALTUS_MARKS_MAX]){0})) {
-        trail->step = trail->options->step;
-        return SALTUS_OK;
-    }
-    if (status != SALTUS_OK) {
-        status = end_at_saddle(t, t->here, 0, true, &ended, message);
-        return ended || status != SALTUS_OK ? status
-                                            : leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why.text, message);
-    }
+    if (status != SALTUS_OK)
+        return go_on_lost(t, status, why.text, message);
     if (saltus_cycle_fades(o, t->here, t->next) && trail->options->locus == SALTUS_POINT_REGULAR)
         status = fade(t, &ended, message);
     if (ended || status != SALTUS_OK)

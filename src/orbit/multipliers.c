@@ -68,12 +68,12 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     return SALTUS_OK;
 }
 
-saltus_status saltus_cocycle_flow(const saltus_system *system, int periods, int most,
+saltus_status saltus_cocycle_flow(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
                                   const saltus_flow_options *options, saltus_flow **flow,
                                   saltus_message *message) {
     const int n = saltus_system_dimension(system);
     saltus_flow_options own = *options;
-    if (own.integrator == SALTUS_AUTOMATIC && choose_density(system, n, periods, most) > coarse)
+    if (own.integrator == SALTUS_AUTOMATIC && choose_density(system, n, periods, cocycle->most) > coarse)
         own.integrator = SALTUS_TAYLOR;
     saltus_status status = saltus_flow_single(system, n, &own, flow, message);
     if (status == SALTUS_OK)
@@ -481,7 +481,8 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
     size_t square = (size_t)n * (size_t)n;
     saltus_cocycle cocycle = {.n = n};
     saltus_flow *flow = NULL;
-    saltus_status status = saltus_cocycle_flow(system, orbit->periods, 0, &options->flow, &flow, message);
+    saltus_status status =
+        saltus_cocycle_flow(&cocycle, system, orbit->periods, &options->flow, &flow, message);
     double *product = calloc(square, sizeof *product);
     orbit->monodromy = calloc(square, sizeof *orbit->monodromy);
     orbit->multipliers = calloc((size_t)n, sizeof *orbit->multipliers);

@@ -29,12 +29,12 @@ typedef struct saltus_cocycle {
  * no rests; its memory is used again. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *system, int periods,
                                   bool autonomous, saltus_message *message);
-/* A flow that a cocycle over so many periods, with a bound like its `most`, is followed by. In segments so
- * short that the fastest modes of a stiff system are still under way at their ends, steps as short as
+/* A flow that a cocycle over so many periods, of which only `most` need be set, is followed by. In segments
+ * so short that the fastest modes of a stiff system are still under way at their ends, steps as short as
  * stability wants are no loss: Taylor's method is 2 to 3 times faster there than Radau's, and slower where
  * segments are long (measured on pipes of 14 to 32 modes). The caller frees the flow. Errors: those of
  * saltus_flow_new. */
-saltus_status saltus_cocycle_flow(const saltus_system *system, int periods, int most,
+saltus_status saltus_cocycle_flow(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
                                   const saltus_flow_options *options, saltus_flow **flow,
                                   saltus_message *message);
 /* A zeroed cocycle is accepted. */
