@@ -436,6 +436,35 @@ static void settings_of_several_stops(void **state) {
     set_refused(&scene, "xi=0.5", "xi: a stop of the model oscillator is placed by weight");
 }
 
+/* Whatever key a stop can have, in every built-in scene: it sets that value, or is refused and changes
+ * nothing. */
+static void every_key_of_a_stop(void **state) {
+    (void)state;
+    static const char *const keys[] = {"xi", "d", "r", "sides", "weight", "coordinate"};
+    for (int k = 0; k < saltus_scene_builtin_count(); k++)
+        for (int key = 0; key < 6; key++)
+            for (int numbered = 0; numbered < 2; numbered++) {
+                saltus_scene scene = load(saltus_scene_builtin_name(k)), before;
+                char setting[32];
+                saltus_message message = {.text = ""};
+                if (scene.spec.stop_count == 0) {
+                    saltus_scene_clear(&scene);
+                    continue;
+                }
+                saltus_stop *stop = &scene.spec.stops[0];
+                const double *const places[] = {&stop->xi, &stop->d, &stop->r, NULL, stop->weight, NULL};
+                snprintf(setting, sizeof setting, "%s%s=0.25", keys[key], numbered ? "1" : "");
+                memcpy(&before, &scene, sizeof scene);
+                if (saltus_scene_set(&scene, setting, &message) == SALTUS_OK)
+                    assert_true(places[key] && *places[key] == 0.25);
+                else {
+                    assert_memory_equal(&before, &scene, sizeof scene);
+                    assert_memory_equal(message.text, keys[key], strlen(keys[key]));
+                }
+                saltus_scene_clear(&scene);
+            }
+}
+
 /* Numbers by key: what is set is read back bit for bit, of one stop or of all; nothing changes on error. */
 static void values_by_key(void **state) {
     (void)state;
@@ -517,6 +546,7 @@ int main(void) {
         cmocka_unit_test(unknown_names),
         cmocka_unit_test(settings),
         cmocka_unit_test(settings_of_several_stops),
+        cmocka_unit_test(every_key_of_a_stop),
         cmocka_unit_test(bad_settings),
         cmocka_unit_test(values_by_key),
     };

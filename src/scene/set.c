@@ -101,6 +101,10 @@ static saltus_status set_stop(saltus_scene *scene, int key, int number, const se
         return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
                               "%s: a stop of the model %s is placed by %s", s->key, spec->model->name,
                               spec->model->stop_key);
+    if (key == stop_coordinate)
+        return saltus_fail_at(
+            message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+            "%s: where a stop acts is part of the scene's equations; change it in the scene", s->key);
     if (key == stop_sides && number == 0 && strcmp(s->value, "none") == 0) {
         spec->stop_count = 0;
         return SALTUS_OK;
