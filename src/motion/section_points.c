@@ -7,13 +7,15 @@
 #include "motion/motion.h"
 
 #include "orbit/poincare.h"
+#include "orbit/returns.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { longest = 16, tries = 4, tries_of_one = 16 };
-static const double beside = 3; /* times the distance of a return */
+static const double beside = 3;        /* times the distance of a return */
+static const double same_return = 0.3; /* of their distance: returns as near to each other lead to the same */
 
 saltus_status saltus_motion_section_points(const saltus_system *system, const saltus_flow_options *options,
                                            const double *start, long long periods, long long room,
@@ -45,51 +47,45 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
     return status;
 }
 
-/* The next closest return after so many, beyond a distance, or as far as that but behind a place; -1: there
- * is none. */
-static long long closest_return(const saltus_system *system, const double *points, long long count, int apart,
-                                double beyond, long long behind, double *distance) {
+/* The closest returns among section points after so many, at most `most` of each. */
+static saltus_status close_returns(const saltus_system *system, const double *points, long long count,
+                                   int shortest, int last, int most, saltus_returns **returns,
+                                   saltus_message *message) {
     const int n = saltus_system_dimension(system);
-    long long place = -1;
-    *distance = INFINITY;
-    for (long long k = 0; k + apart < count; k++) {
-        double d = saltus_system_distance(system, points + k * n, points + (k + apart) * n);
-        if ((d > beyond || (d == beyond && k > behind)) && d < *distance) {
-            *distance = d;
-            place = k;
-        }
-    }
-    return place;
+    const saltus_returns_wanted wanted = {shortest, last, most, INFINITY, same_return, INFINITY};
+    saltus_status status = saltus_returns_new(system, &wanted, returns, message);
+    for (long long k = 0; k < count && status == SALTUS_OK; k++)
+        saltus_returns_add(*returns, points + k * n, 0);
+    return status;
 }
 
 saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltus_flow_options *flow,
                                         const saltus_track *track, saltus_motion *motion, bool *found,
                                         saltus_message *message) {
-    const int n = saltus_system_dimension(system);
-    const double *points = track->points, *times = track->numbers;
+    const double *times = track->numbers;
     saltus_classify_options options = saltus_classify_defaults();
+    saltus_returns *returns = NULL;
+    saltus_return closest;
     options.flow = *flow;
     *found = false;
     *motion = (saltus_motion){0};
-    for (int p = 1; p <= longest; p++) {
-        double distance = 0;
-        for (int k = 0; k < tries; k++) {
-            long long at = closest_return(system, points, track->count, p, distance, track->count, &distance);
-            if (at < 0)
-                break;
-            saltus_status status = saltus_motion_cycle_after(system, times[at + p] - times[at],
-                                                             points + at * n, &options, motion, NULL);
-            if (status == SALTUS_NO_MEMORY)
-                return saltus_fail(message, status, "no memory for an orbit");
-            *found = status == SALTUS_OK && motion->stable &&
-                     saltus_orbit_passes(system, motion->section_states, motion->periods, points + at * n,
-                                         beside * distance);
-            if (*found)
-                return SALTUS_OK;
-            saltus_motion_clear(motion);
+    saltus_status status =
+        close_returns(system, track->points, track->count, 1, longest, tries, &returns, message);
+    for (int p = 1; p <= longest && status == SALTUS_OK && !*found; p++)
+        while (status == SALTUS_OK && !*found && saltus_returns_next(returns, p, &closest)) {
+            saltus_status own =
+                saltus_motion_cycle_after(system, times[closest.place + p] - times[closest.place],
+                                          closest.state, &options, motion, NULL);
+            if (own == SALTUS_NO_MEMORY)
+                status = saltus_fail(message, own, "no memory for an orbit");
+            *found = own == SALTUS_OK && motion->stable &&
+                     saltus_orbit_passes(system, motion->section_states, motion->periods, closest.state,
+                                         beside * closest.distance);
+            if (!*found)
+                saltus_motion_clear(motion);
         }
-    }
-    return SALTUS_OK;
+    saltus_returns_free(returns);
+    return status;
 }
 
 saltus_status saltus_motion_returning(const saltus_system *system, const double *state, int periods,
@@ -102,9 +98,10 @@ saltus_status saltus_motion_returning(const saltus_system *system, const double 
                     room = wanted < fit ? wanted : fit;
     double *points = malloc((size_t)room * (size_t)n * sizeof *points),
            *times = malloc((size_t)room * sizeof *times);
-    double distance = 0;
+    saltus_returns *returns = NULL;
+    saltus_return closest;
     saltus_message why = {.text = "the trajectory does not return"};
-    long long count = 0, at = -1;
+    long long count = 0;
     int tried = 0;
     bool found = false;
     *motion = (saltus_motion){0};
@@ -112,18 +109,19 @@ saltus_status saltus_motion_returning(const saltus_system *system, const double 
         points && times ? saltus_motion_section_points(system, &options->flow, state, options->transient,
                                                        room, points, times, &count, message)
                         : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for returns");
-    for (; tried < tries_of_one && status == SALTUS_OK && !found; tried++) {
-        at = closest_return(system, points, count, periods, distance, at, &distance);
-        if (at < 0)
-            break;
-        saltus_status own = saltus_motion_cycle_after(system, times[at + periods] - times[at],
-                                                      points + at * n, options, motion, &why);
+    if (status == SALTUS_OK)
+        status = close_returns(system, points, count, periods, periods, tries_of_one, &returns, message);
+    for (; status == SALTUS_OK && !found && saltus_returns_next(returns, periods, &closest); tried++) {
+        saltus_status own =
+            saltus_motion_cycle_after(system, times[closest.place + periods] - times[closest.place],
+                                      closest.state, options, motion, &why);
         found = own == SALTUS_OK && motion->periods == periods;
         if (own == SALTUS_NO_MEMORY || own == SALTUS_INTERRUPTED)
             status = saltus_fail(message, own, "%s", why.text);
         if (!found)
             saltus_motion_clear(motion);
     }
+    saltus_returns_free(returns);
     if (status == SALTUS_OK && !found)
         status = saltus_fail(message, SALTUS_NO_CONVERGENCE,
                              "no orbit of %d returns is found from the %d closest returns of %lld (%.200s)",

@@ -12,6 +12,8 @@
 
 #include "motion/motion.h"
 #include "orbit/fixed_point.h"
+#include "orbit/returns.h"
+#include "system/state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,12 +21,12 @@
 
 enum {
     longest = 64,
-    most = 200,     /* returns of period 1 that are tried, fewer of longer periods, ... */
-    fewest = 5,     /* ... but so many at least */
-    kept = 400,     /* returns, of which those to orbits that have been tried are passed over */
-    steps = 8,      /* of Newton's method */
-    turns = 12,     /* by which the unstable direction is found */
-    leaving = 40,   /* cycles in which what leaves an unstable orbit comes to a stable one */
+    most = 200,   /* returns of period 1 that are tried, fewer of longer periods, ... */
+    fewest = 5,   /* ... but so many at least */
+    kept = 100,   /* returns of each period, of which those to orbits that have been tried are passed over */
+    steps = 8,    /* of Newton's method */
+    turns = 12,   /* by which the unstable direction is found */
+    leaving = 40, /* cycles in which what leaves an unstable orbit comes to a stable one */
     bisections = 6, /* on the way from an orbit to the points */
     probes = 64,    /* points that stand for all */
     neighbours = 16,
@@ -53,18 +55,6 @@ typedef struct search {
     long long tried_count;
 } search;
 
-/* Distance of two points, INFINITY beyond a limit. */
-static double distance_within(const search *s, const double *a, const double *b, double limit) {
-    const double *scale = saltus_system_scale(s->system);
-    double largest = 0;
-    for (int i = 0; i < s->n; i++) {
-        largest = fmax(largest, fabs(a[i] - b[i]) / scale[i]);
-        if (!(largest < limit))
-            return INFINITY;
-    }
-    return largest;
-}
-
 /* One more period, or several, from a state at phase 0. */
 static bool advance(const search *s, int periods, double *state) {
     saltus_event event;
@@ -79,7 +69,7 @@ static bool advance(const search *s, int periods, double *state) {
 static bool was_tried(const search *s, int p, const double *state, double distance) {
     for (long long k = 0; k < s->tried_count && k < remembered; k++)
         if (p % s->tried_periods[k] == 0 &&
-            distance_within(s, state, s->tried + k * s->n, distance) < distance)
+            saltus_system_distance_within(s->system, state, s->tried + k * s->n, distance) < distance)
             return true;
     return false;
 }
@@ -143,7 +133,8 @@ static int follow_away(const search *s, const saltus_fixed_point *f, int p, cons
     saltus_state_admit(s->system, state);
     for (int cycle = 0; cycle < leaving; cycle++) {
         memcpy(last[cycle % 2], state, size);
-        if (!advance(s, p, state) || distance_within(s, state, f->state, near_return * s->extent) == INFINITY)
+        if (!advance(s, p, state) ||
+            saltus_system_distance_within(s->system, state, f->state, near_return * s->extent) == INFINITY)
             return 0;
     }
     if (saltus_system_distance(s->system, state, f->state) < step_aside)
@@ -169,7 +160,7 @@ static const double *nearest(const search *s, const double *point, double *dista
     for (int t = 0; t < s->track_count; t++)
         for (long long k = 0; k < s->tracks[t].count; k++) {
             const double *other = s->tracks[t].points + k * s->n;
-            double d = distance_within(s, point, other, *distance);
+            double d = saltus_system_distance_within(s->system, point, other, *distance);
             if (d < *distance) {
                 *distance = d;
                 place = other;
@@ -195,7 +186,7 @@ static double spacing_at(const search *s, const double *point) {
     for (int t = 0; t < s->track_count; t++)
         for (long long k = 0; k < s->tracks[t].count; k++) {
             double limit = used <= neighbours ? INFINITY : nearest_ones[neighbours],
-                   d = distance_within(s, point, s->tracks[t].points + k * s->n, limit);
+                   d = saltus_system_distance_within(s->system, point, s->tracks[t].points + k * s->n, limit);
             if (!(d < limit))
                 continue;
             int place = used <= neighbours ? used++ : neighbours;
@@ -240,54 +231,6 @@ static bool lies_amid(const search *s, const saltus_motion *orbit) {
     return (1 - low) * least < spacings * spacing_at(s, to);
 }
 
-/* The closest returns of a period, in order. */
-typedef struct returns {
-    int room, count;
-    double distance[kept];
-    const double *point[kept];
-} returns;
-
-/* Keep a return if it is among the closest; of neighbours, which lead to the same orbit, the closer one. */
-static void keep(const search *s, returns *r, double distance, const double *point) {
-    int place = r->count;
-    for (int k = 0; k < r->count; k++)
-        if (distance_within(s, r->point[k], point, same_return * fmax(distance, r->distance[k])) < INFINITY) {
-            place = k;
-            break;
-        }
-    if (place < r->count && r->distance[place] <= distance)
-        return;
-    if (place == r->room)
-        place--;
-    else if (place == r->count)
-        r->count++;
-    for (; place > 0 && r->distance[place - 1] > distance; place--) {
-        r->distance[place] = r->distance[place - 1];
-        r->point[place] = r->point[place - 1];
-    }
-    r->distance[place] = distance;
-    r->point[place] = point;
-}
-
-/* The closest returns after p periods from which tangent vectors have not grown much. */
-static void collect(const search *s, int p, returns *r) {
-    *r = (returns){.room = kept / p > 4 * fewest ? kept / p : 4 * fewest};
-    for (int t = 0; t < s->track_count; t++) {
-        const saltus_track *track = &s->tracks[t];
-        double growth = 0;
-        for (long long k = 1; k < track->count; k++) {
-            growth += track->numbers[k] - (k > p ? track->numbers[k - p] : 0);
-            if (k < p || growth > may_shrink)
-                continue;
-            const double *from = track->points + (k - p) * s->n;
-            double limit = r->count == r->room ? r->distance[r->count - 1] : near_return * s->extent,
-                   distance = distance_within(s, from, track->points + k * s->n, limit);
-            if (distance < limit)
-                keep(s, r, distance, from);
-        }
-    }
-}
-
 /* Newton's method from a return: the stable orbit that it finds, or that lies beside the one that it finds.
  */
 static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const double *point,
@@ -312,21 +255,35 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for an orbit") : SALTUS_OK;
 }
 
-static saltus_status try_period(search *s, int p, saltus_motion *motion, bool *found,
+static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,
                                 saltus_message *message) {
     int tries = most / p > fewest ? most / p : fewest;
-    returns r;
-    saltus_fixed_point f;
-    collect(s, p, &r);
-    if (!r.count)
-        return SALTUS_OK;
-    saltus_status status = saltus_fixed_point_open(&f, s->system, p, s->flow, message);
-    for (int k = 0; k < r.count && tries > 0 && !*found && status == SALTUS_OK; k++)
-        if (!was_tried(s, p, r.point[k], 2 * r.distance[k])) {
-            status = try_return(s, &f, p, r.point[k], motion, found, message);
-            tries--;
-        }
+    saltus_fixed_point f = {0};
+    saltus_return closest;
+    saltus_status status = SALTUS_OK;
+    while (status == SALTUS_OK && tries > 0 && !*found && saltus_returns_next(returns, p, &closest)) {
+        if (was_tried(s, p, closest.state, 2 * closest.distance))
+            continue;
+        if (!f.map)
+            status = saltus_fixed_point_open(&f, s->system, p, s->flow, message);
+        if (status == SALTUS_OK)
+            status = try_return(s, &f, p, closest.state, motion, found, message);
+        tries--;
+    }
     saltus_fixed_point_close(&f);
+    return status;
+}
+
+/* The close returns along all tracks over which tangent vectors have not grown much. */
+static saltus_status find_returns(const search *s, saltus_returns **returns, saltus_message *message) {
+    const saltus_returns_wanted wanted = {1, longest, kept, near_return * s->extent, same_return, may_shrink};
+    saltus_status status = saltus_returns_new(s->system, &wanted, returns, message);
+    for (int t = 0; t < s->track_count && status == SALTUS_OK; t++) {
+        const saltus_track *track = &s->tracks[t];
+        saltus_returns_break(*returns);
+        for (long long k = 0; k < track->count; k++)
+            saltus_returns_add(*returns, track->points + k * s->n, track->numbers[k]);
+    }
     return status;
 }
 
@@ -340,15 +297,18 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
                 .n = saltus_system_dimension(system)};
     if (!saltus_system_forced(system))
         return saltus_stable_cycle_among(system, flow, tracks, motion, found, message);
+    saltus_returns *returns = NULL;
     *found = false;
     *motion = (saltus_motion){0};
     s.tried = malloc((size_t)remembered * (size_t)s.n * sizeof *s.tried);
     saltus_status status = s.tried ? saltus_flow_single(system, 0, flow, &s.plain, message)
                                    : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for orbits");
+    s.extent = extent_of(&s);
     if (status == SALTUS_OK)
-        s.extent = extent_of(&s);
+        status = find_returns(&s, &returns, message);
     for (int p = 1; p <= longest && status == SALTUS_OK && !*found; p++)
-        status = try_period(&s, p, motion, found, message);
+        status = try_period(&s, returns, p, motion, found, message);
+    saltus_returns_free(returns);
     saltus_flow_free(s.plain);
     free(s.tried);
     return status;

@@ -3,53 +3,62 @@
 #include "orbit/returns.h"
 
 #include "base/memory.h"
+#include "system/state.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The last points in a ring, the best returns of each period. Index p - 1 stands for period p. */
+/* A return that is kept; `taken`: has been asked for. */
+typedef struct kept {
+    long long place;
+    double distance;
+    bool taken;
+} kept;
+
+/* Index i stands for shortest + i periods. */
 struct saltus_returns {
     saltus_arena arena;
     const saltus_system *system;
-    int n, longest, most, ring;
-    double recurrence;
-    long long count;
-    double *points;              /* the ring */
+    saltus_returns_wanted wanted;
+    int n, spans, ring;
+    long long count;             /* points of this trajectory */
+    double *points, *grown;      /* the last points in a ring, and the growth until each */
     double *now, *last, *before; /* distances from the points p earlier, at the last three points */
-    double *distance, *state;    /* of the returns kept: `most` per period */
-    int *used;                   /* of these */
+    kept *kept;                  /* `most` of each number of periods, and their states */
+    double *states;
+    int *used; /* of these */
 };
 
 static void reserve(saltus_returns *r) {
-    size_t n = (size_t)r->n, longest = (size_t)r->longest, most = (size_t)r->most;
-    r->points = saltus_arena_doubles(&r->arena, n * (size_t)r->ring);
-    r->now = saltus_arena_doubles(&r->arena, longest);
-    r->last = saltus_arena_doubles(&r->arena, longest);
-    r->before = saltus_arena_doubles(&r->arena, longest);
-    r->distance = saltus_arena_doubles(&r->arena, longest * most);
-    r->state = saltus_arena_doubles(&r->arena, longest * most * n);
-    r->used = (int *)(void *)saltus_arena_doubles(&r->arena, longest);
+    size_t n = (size_t)r->n, spans = (size_t)r->spans, ring = (size_t)r->ring,
+           slots = spans * (size_t)r->wanted.most;
+    r->points = saltus_arena_doubles(&r->arena, n * ring);
+    r->grown = saltus_arena_doubles(&r->arena, ring);
+    r->now = saltus_arena_doubles(&r->arena, spans);
+    r->last = saltus_arena_doubles(&r->arena, spans);
+    r->before = saltus_arena_doubles(&r->arena, spans);
+    r->kept = (kept *)(void *)saltus_arena_doubles(&r->arena, slots * sizeof(kept) / sizeof(double));
+    r->states = saltus_arena_doubles(&r->arena, n * slots);
+    r->used = (int *)(void *)saltus_arena_doubles(&r->arena, spans);
 }
 
-saltus_status saltus_returns_new(const saltus_system *system, int longest, int most, double recurrence,
+saltus_status saltus_returns_new(const saltus_system *system, const saltus_returns_wanted *wanted,
                                  saltus_returns **returns, saltus_message *message) {
     saltus_returns *r = calloc(1, sizeof *r);
     *returns = r;
     if (r) {
         *r = (saltus_returns){.system = system,
+                              .wanted = *wanted,
                               .n = saltus_system_dimension(system),
-                              .longest = longest,
-                              .most = most,
-                              .ring = longest + 2,
-                              .recurrence = recurrence};
+                              .spans = wanted->longest - wanted->shortest + 1,
+                              .ring = wanted->longest + 2};
         reserve(r);
     }
     if (!r || !saltus_arena_open(&r->arena))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for close returns");
     reserve(r);
-    for (int p = 0; p < longest; p++)
-        r->now[p] = r->last[p] = r->before[p] = INFINITY;
+    saltus_returns_break(r);
     return SALTUS_OK;
 }
 
@@ -59,72 +68,84 @@ void saltus_returns_free(saltus_returns *returns) {
     free(returns);
 }
 
+void saltus_returns_break(saltus_returns *r) {
+    r->count = 0;
+    for (int i = 0; i < r->spans; i++)
+        r->now[i] = r->last[i] = r->before[i] = INFINITY;
+}
+
 static double *point_at(const saltus_returns *r, long long k) {
     return r->points + (size_t)(k % r->ring) * (size_t)r->n;
 }
 
-static double *state_at(const saltus_returns *r, int p, int slot) {
-    return r->state + (size_t)((p - 1) * r->most + slot) * (size_t)r->n;
+static double *state_of(const saltus_returns *r, int slot) {
+    return r->states + (size_t)slot * (size_t)r->n;
 }
 
-static double *distance_at(const saltus_returns *r, int p, int slot) {
-    return r->distance + (p - 1) * r->most + slot;
-}
-
-/* Keep a return if it is among the closest. Of two that are nearer to each other than they recur, and so near
- * the same orbit, the closer one stays. */
-static void keep(saltus_returns *r, int p, double distance, const double *state) {
-    int place = -1, farthest = 0, used = r->used[p - 1];
-    for (int slot = 0; slot < used; slot++) {
-        double between = saltus_system_distance(r->system, state_at(r, p, slot), state);
-        if (between <= fmax(distance, *distance_at(r, p, slot)))
-            place = slot;
-        if (*distance_at(r, p, slot) > *distance_at(r, p, farthest))
-            farthest = slot;
+/* Keep a return if it is among the closest. Of two that are near to each other, and so to the same orbit, the
+ * closer one stays. */
+static void keep(saltus_returns *r, int i, long long place, const double *state) {
+    const int first = i * r->wanted.most, used = first + r->used[i];
+    const double distance = r->last[i];
+    int slot = -1, farthest = first;
+    for (int k = first; k < used; k++) {
+        double within = r->wanted.same * fmax(distance, r->kept[k].distance);
+        if (saltus_system_distance_within(r->system, state_of(r, k), state, within) <= within)
+            slot = k;
+        if (r->kept[k].distance > r->kept[farthest].distance)
+            farthest = k;
     }
-    if (place < 0)
-        place = used < r->most ? r->used[p - 1]++ : farthest;
-    if (place < used && *distance_at(r, p, place) <= distance)
+    if (slot < 0)
+        slot = r->used[i] < r->wanted.most ? first + r->used[i]++ : farthest;
+    if (slot < used && r->kept[slot].distance <= distance)
         return;
-    *distance_at(r, p, place) = distance;
-    memcpy(state_at(r, p, place), state, (size_t)r->n * sizeof *state);
+    r->kept[slot] = (kept){place, distance, false};
+    memcpy(state_of(r, slot), state, (size_t)r->n * sizeof *state);
 }
 
 /* Whether the return to the last point but one after p periods is a candidate. */
 static bool is_candidate(const saltus_returns *r, int p) {
-    double distance = r->last[p - 1];
-    if (!(distance < r->recurrence && distance <= r->before[p - 1] && distance <= r->now[p - 1]))
+    const int shortest = r->wanted.shortest, i = p - shortest;
+    const double distance = r->last[i];
+    if (!(distance < r->wanted.recurrence && distance <= r->before[i] && distance <= r->now[i]))
         return false;
-    for (int q = 1; q <= p / 2; q++)
-        if (p % q == 0 && r->last[q - 1] <= distance)
+    for (int q = shortest; q <= p / 2; q++)
+        if (p % q == 0 && r->last[q - shortest] <= distance)
             return false;
     return true;
 }
 
-void saltus_returns_add(saltus_returns *r, const double *point) {
+void saltus_returns_add(saltus_returns *r, const double *point, double growth) {
+    const int shortest = r->wanted.shortest;
     double *oldest = r->before;
     long long k = r->count++;
     r->before = r->last;
     r->last = r->now;
     r->now = oldest;
     memcpy(point_at(r, k), point, (size_t)r->n * sizeof *point);
-    for (int p = 1; p <= r->longest; p++)
-        r->now[p - 1] =
-            k >= p ? saltus_system_distance(r->system, point_at(r, k), point_at(r, k - p)) : INFINITY;
-    for (int p = 1; p <= r->longest && k > p + 1; p++)
+    r->grown[k % r->ring] = (k > 0 ? r->grown[(k - 1) % r->ring] : 0) + growth;
+    for (int i = 0; i < r->spans; i++) {
+        const long long from = k - shortest - i;
+        const bool near = from >= 0 && r->grown[k % r->ring] - r->grown[from % r->ring] <= r->wanted.growth;
+        r->now[i] = near ? saltus_system_distance_within(r->system, point_at(r, k), point_at(r, from),
+                                                         r->wanted.recurrence)
+                         : INFINITY;
+    }
+    for (int p = shortest; p <= r->wanted.longest && k > p + 1; p++)
         if (is_candidate(r, p))
-            keep(r, p, r->last[p - 1], point_at(r, k - 1 - p));
+            keep(r, p - shortest, k - 1 - p, point_at(r, k - 1 - p));
 }
 
 bool saltus_returns_next(saltus_returns *r, int periods, saltus_return *closest) {
-    int best = -1;
-    for (int slot = 0; slot < r->used[periods - 1]; slot++)
-        if (*distance_at(r, periods, slot) < (best < 0 ? INFINITY : *distance_at(r, periods, best)))
-            best = slot;
-    if (best < 0)
+    const int i = periods - r->wanted.shortest;
+    kept *first = r->kept + i * r->wanted.most, *best = NULL;
+    for (kept *k = first; k < first + r->used[i]; k++)
+        if (!k->taken && (!best || k->distance < best->distance))
+            best = k;
+    if (!best)
         return false;
-    *closest = (saltus_return){state_at(r, periods, best), *distance_at(r, periods, best)};
-    *distance_at(r, periods, best) = INFINITY;
+    *closest = (saltus_return){best->place, state_of(r, (int)(best - r->kept)), best->distance};
+    best->taken = true;
     return true;
 }
 

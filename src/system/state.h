@@ -8,6 +8,9 @@
 
 #include <gsl/gsl_rng.h>
 
+/* saltus_system_distance, or INFINITY where it is more than a limit. */
+double saltus_system_distance_within(const saltus_system *system, const double *a, const double *b,
+                                     double limit);
 /* A state drawn from the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT where there is none. */
 saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, double *state,
                                   saltus_message *message);

@@ -3,6 +3,7 @@
 #include "system/system.h"
 
 #include "system/spectrum.h"
+#include "system/state.h"
 
 #include <float.h>
 #include <gsl/gsl_math.h>
@@ -473,14 +474,18 @@ const double *saltus_system_inverse_mass(const saltus_system *system) {
 const double *saltus_system_scale(const saltus_system *system) {
     return system->scale;
 }
-/* The larger one, or the one that is no number: then states are not near each other. */
-static double larger(double a, double b) {
-    return b > a || isnan(b) ? b : a;
-}
 double saltus_system_distance(const saltus_system *system, const double *a, const double *b) {
+    return saltus_system_distance_within(system, a, b, INFINITY);
+}
+double saltus_system_distance_within(const saltus_system *system, const double *a, const double *b,
+                                     double limit) {
     double largest = 0;
-    for (int i = 0; i < system->dimension; i++)
-        largest = larger(largest, fabs(a[i] - b[i]) / system->scale[i]);
+    for (int i = 0; i < system->dimension; i++) {
+        double difference = fabs(a[i] - b[i]) / system->scale[i];
+        if (!(difference <= limit)) /* what is no number is not near anything */
+            return INFINITY;
+        largest = fmax(largest, difference);
+    }
     return largest;
 }
 double saltus_system_observed_place(const saltus_system *system) {
