@@ -127,10 +127,9 @@ saltus_status saltus_motion_describe(const saltus_system *system, const saltus_o
 }
 
 saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
-                                   int steps, const saltus_classify_options *options, saltus_motion *motion) {
+                                   const saltus_classify_options *options, saltus_motion *motion) {
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     saltus_orbit orbit = {0};
-    shooting.iterations = steps ? steps : shooting.iterations;
     *motion = (saltus_motion){0};
     saltus_status status = saltus_orbit_find(system, periods, state, &shooting, &orbit, NULL);
     if (status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.multiplier_count) &&

@@ -12,6 +12,7 @@
 
 #include "base/simd.h"
 #include "motion/motion.h"
+#include "orbit/fixed_point.h"
 #include "orbit/volume.h"
 
 #include <math.h>
@@ -79,8 +80,13 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
     for (int k = 0; k < tries && periods[k] && status == SALTUS_OK; k++) {
         if (periods[k] * impacts > costly)
             continue;
-        saltus_status polished =
-            saltus_motion_polish(system, periods[k], end, near_return, few_steps, &how, found);
+        saltus_fixed_point orbit;
+        status = saltus_fixed_point_open(&orbit, system, periods[k], &options->flow, message);
+        const bool near = status == SALTUS_OK && saltus_fixed_point_find(&orbit, end, few_steps, near_return);
+        const saltus_status polished =
+            near ? saltus_motion_polish(system, periods[k], orbit.state, near_return, &how, found)
+                 : SALTUS_NO_CONVERGENCE;
+        saltus_fixed_point_close(&orbit);
         if (polished == SALTUS_OK) {
             found->transient = followed;
             return SALTUS_OK;
@@ -178,7 +184,7 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
     if (status != SALTUS_OK || *rounding || *periods > patient)
         return status;
     saltus_status polished =
-        saltus_motion_polish(system, (int)*periods, begin.section, near_return, 0, &how, found);
+        saltus_motion_polish(system, (int)*periods, begin.section, near_return, &how, found);
     return polished == SALTUS_NO_MEMORY ? saltus_fail(message, polished, "no memory for an orbit")
                                         : SALTUS_OK;
 }

@@ -42,11 +42,10 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
                                  saltus_lap *lap, const saltus_classify_options *options,
                                  saltus_motion *motion, saltus_message *message);
 /* The stable orbit that Newton's method finds from a state which closes after about `periods`, described. The
- * method makes so many steps at most, 0: as many as usual. The motion is to be cleared. Errors:
- * SALTUS_NO_CONVERGENCE where there is none within `near`, relative to the system's scales; those of the
- * flow, SALTUS_NO_MEMORY. */
+ * motion is to be cleared. Errors: SALTUS_NO_CONVERGENCE where there is none within `near`, relative to the
+ * system's scales; those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
-                                   int steps, const saltus_classify_options *options, saltus_motion *motion);
+                                   const saltus_classify_options *options, saltus_motion *motion);
 /* Fill an open motion that has no orbit, whose verdict is known, from the flow's present state. */
 saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
                                  const saltus_classify_options *options, saltus_motion *motion,

@@ -34,7 +34,7 @@ enum {
     wait_cycles = 12,
     remembered = 1024 /* points of orbits that have been tried, the last ones */
 };
-static const double converged = 1e-6, hopeless = 10;
+static const double same_orbit = 1e-5; /* of orbits that have been found */
 static const double near_return = 0.2; /* of the points' extent: no return is farther */
 static const double same_return = 0.3; /* of their distance: returns as near to each other lead to the same */
 static const double may_shrink = 8;    /* logarithm of a growth: beside a greater one no orbit is stable */
@@ -85,23 +85,6 @@ static void remember(search *s, int p, const double *on_orbit) {
         if (!advance(s, 1, state))
             return;
     }
-}
-
-/* Newton's method from a point to a fixed point of the map. It is given up where it leaves the points: far
- * out a single period can take as long as a million of the motion's. */
-static bool finds_orbit(const search *s, saltus_fixed_point *f, const double *point) {
-    double before = INFINITY;
-    memcpy(f->state, point, (size_t)s->n * sizeof *point);
-    for (int k = 0; k < steps; k++) {
-        double residual = saltus_fixed_point_residual(f);
-        if (residual < converged)
-            return true;
-        if (!(residual < hopeless * before) || saltus_fixed_point_step(f) == INFINITY ||
-            !(saltus_system_distance(s->system, f->state, point) < s->extent))
-            return false;
-        before = residual;
-    }
-    return false;
 }
 
 /* The direction in which the map's derivative grows most, in the system's scales, of length 1. */
@@ -239,7 +222,7 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     double state[SALTUS_STATE_MAX];
     options.flow = *s->flow;
     *found = false;
-    if (!finds_orbit(s, f, point) || was_tried(s, p, f->state, 10 * converged))
+    if (!saltus_fixed_point_find(f, point, steps, s->extent) || was_tried(s, p, f->state, same_orbit))
         return SALTUS_OK;
     int periods = p;
     memcpy(state, f->state, (size_t)s->n * sizeof *state);
@@ -248,7 +231,7 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     remember(s, p, f->state);
     if (!periods)
         return SALTUS_OK;
-    saltus_status status = saltus_motion_polish(s->system, periods, state, INFINITY, 0, &options, motion);
+    saltus_status status = saltus_motion_polish(s->system, periods, state, INFINITY, &options, motion);
     *found = status == SALTUS_OK && lies_amid(s, motion);
     if (status == SALTUS_OK && !*found)
         saltus_motion_clear(motion);

@@ -68,6 +68,25 @@ double saltus_fixed_point_step(saltus_fixed_point *f) {
     return length;
 }
 
+bool saltus_fixed_point_find(saltus_fixed_point *f, const double *from, int steps, double reach) {
+    const double converged = 1e-6, hopeless = 10;
+    double before = INFINITY;
+    memcpy(f->state, from, (size_t)f->n * sizeof *from);
+    for (int k = 0; k < steps; k++) {
+        double away = 0, residual = saltus_fixed_point_residual(f);
+        if (residual < converged)
+            return true;
+        if (!(residual < hopeless * before) || saltus_fixed_point_step(f) == INFINITY)
+            return false;
+        for (int i = 0; i < f->n; i++)
+            away = fmax(away, fabs(f->state[i] - from[i]) / f->scale[i]);
+        if (!(away < reach))
+            return false;
+        before = residual;
+    }
+    return false;
+}
+
 double saltus_fixed_point_multiplier(saltus_fixed_point *f) {
     const double discernible = 1e-4; /* beside the largest entry of the derivative */
     size_t entries = (size_t)f->n * (size_t)f->n;

@@ -29,6 +29,10 @@ void saltus_fixed_point_close(saltus_fixed_point *point);
 double saltus_fixed_point_residual(saltus_fixed_point *point);
 /* Newton's step from the state, after its residual; the step's length, INFINITY where there is none. */
 double saltus_fixed_point_step(saltus_fixed_point *point);
+/* Newton's method from a point, in so many steps at most: whether it comes to a residual of 1e-6. It is given
+ * up where the residual grows tenfold, and where the state leaves the point by more than `reach` (in scales):
+ * far out a single period can take as long as a million of the motion's. */
+bool saltus_fixed_point_find(saltus_fixed_point *point, const double *from, int steps, double reach);
 /* Logarithm of the largest multiplier's modulus at the last residual; NAN where the derivative does not tell
  * it from rounding. */
 double saltus_fixed_point_multiplier(saltus_fixed_point *point);
