@@ -365,12 +365,13 @@ static bool forgets_all(const saltus_survey *survey) {
     return all && survey->multiplier_count > 0;
 }
 
-/* Whether an orbit of a period of its own lacks the multiplier, 1 or -1, that its fold or flip would have: at
- * grazing the equations of planar cycles are singular for other reasons. */
+/* Whether an orbit lacks the multiplier, 1 or -1, that its fold, flip or crossing would have. Where an impact
+ * has no speed the equations are singular for other reasons; but beside grazing a multiplier changes so fast
+ * that at a true flip, known to 13 digits, it need not be near -1. */
 static bool lacks_multiplier(const saltus_solution *at, saltus_point_kind kind) {
     const double close = 0.05, wanted = kind == SALTUS_POINT_PD ? -1 : 1;
     const saltus_survey *survey = &at->survey;
-    bool lacks = at->sequence.omega > 0 && survey->walked && survey->multiplier_count > 0;
+    bool lacks = survey->walked && survey->multiplier_count > 0;
     for (int k = 0; k < survey->multiplier_count && lacks; k++)
         lacks = hypot(survey->multipliers[k].re - wanted, survey->multipliers[k].im) > close;
     return lacks;
@@ -382,6 +383,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     saltus_message ignored;
     saltus_zero crossing = {.found = false};
     const double still = 0.2; /* of the speed on the orbit before */
+    const double sharp = 1e-7;
     *is_one = false;
     saltus_test by = special->kind == SALTUS_POINT_HB ? SALTUS_TEST_ONWARD : SALTUS_TEST_CROSSING;
     if (special->kind == SALTUS_POINT_BP || special->kind == SALTUS_POINT_HB)
@@ -402,10 +404,12 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
                   : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
     bool joins = is_fold && (joins_half(o, at, special) || joins_image(o, from, at, special));
-    const bool turns = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_PD;
-    *is_one = *is_one && (joins || !turns || !lacks_multiplier(at, special->kind));
+    const bool by_determinant = is_fold || special->kind == SALTUS_POINT_PD;
     if (*is_one && !joins && !crossing.found && special->test != SALTUS_TEST_VALUE)
         special->accuracy += saltus_special_doubt(o, special->test, at);
+    const bool vague = at->sequence.omega > 0 || !(special->accuracy < sharp * o->family.unit[0]);
+    if (by_determinant && !joins && vague)
+        *is_one = *is_one && !lacks_multiplier(at, special->kind);
     return status;
 }
 
