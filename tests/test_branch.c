@@ -1593,6 +1593,43 @@ static void chatter_doubles(void **unused) {
     branch_forget(&single);
 }
 
+/* A scene without symmetry has no branch points, and what is called a fold or flip has its multiplier or is
+ * known to many digits: also where impacts are born by the dozen, in steps over several at once. */
+static void special_points_have_their_multipliers(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    saltus_spec spec = pipe_spec(5, 16.354);
+    saltus_message message = {.text = ""};
+    saltus_motion motion;
+    double start[16];
+    set_parameter(&spec, "u0", 4.5643);
+    add_stop(&spec, 0.022416, 0.78763, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    saltus_branch_options options = branch_along("r", 0.1, 1);
+    options.direction = 1;
+    options.points = 140;
+    branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+    int most = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        const bool flip = p->kind == SALTUS_POINT_PD;
+        double nearest = INFINITY;
+        assert_int_not_equal(p->kind, SALTUS_POINT_BP);
+        most = p->impacts > most ? p->impacts : most;
+        for (int i = 0; i < p->multiplier_count; i++)
+            nearest = fmin(nearest, hypot(p->multipliers[i].re - (flip ? -1 : 1), p->multipliers[i].im));
+        if (flip || p->kind == SALTUS_POINT_LP)
+            assert_true(p->accuracy < 1e-7 || nearest < 0.05);
+    }
+    assert_true(most > 40);
+    branch_forget(&record);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_of_one_stop),
@@ -1634,6 +1671,7 @@ int main(void) {
         cmocka_unit_test(births_before_the_border),
         cmocka_unit_test(births_lead_to_chatter),
         cmocka_unit_test(chatter_doubles),
+        cmocka_unit_test(special_points_have_their_multipliers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
