@@ -483,6 +483,148 @@ static void cycles_shrink_to_an_equilibrium_on_a_stop(void **unused) {
     }
 }
 
+/* A mass whose oscillation is fed, with a state that lags behind it; and the same beside a second mass that
+ * is pressed against a stop of its own all the while, where it does nothing but reach the first. */
+static const char lagging[] = "model:\n"
+                              "  parameters: {F: 1, z: 0.05, c: -1.2, b: 0.18}\n"
+                              "  states: {w: x - b*w}\n"
+                              "  motion: {x: 2*z*x' - x + F + c*w}\n"
+                              "stop: {coordinate: x, d: 0.5, r: 0.6, sides: upper}\n"
+                              "initial: {x: 0.5}\n";
+static const char lagging_beside[] =
+    "model:\n"
+    "  parameters: {F: 1, z: 0.05, c: -1.2, b: 0.18}\n"
+    "  states: {w: x - b*w}\n"
+    "  motion: {x: 2*z*x' - x + F + c*w + 0.3*(y - 1), y: 9 - y - 0.2*y' + 0.3*x}\n"
+    "stops: [{coordinate: x, d: 0.5, r: 0.6, sides: upper}, {coordinate: y, d: 1, r: 0.6, sides: upper}]\n"
+    "initial: {x: 0.5, y: 1}\n";
+
+typedef struct several {
+    const char *text;
+    double z, c, b, r;
+    int impacts; /* of the stable cycle that is born; -1: chatter completes */
+} several;
+
+static const several born_with_several[] = {
+    {lagging, 0.004, -1.231, 0.178, 0.42, 2},  {lagging, 0.197, -1.243, 0.126, 0.364, 2},
+    {lagging, 0.38, -1.883, 0.115, 0.574, -1}, {lagging_beside, 0.004, -1.231, 0.178, 0.42, 2},
+    {lagging, -0.8, -0.2, 1.5, 0.42, 0},
+};
+
+/* The F at which the equilibrium touches the stop. */
+static double place_of(const several *s) {
+    return 0.5 * (1 - s->c / s->b);
+}
+
+static saltus_scene scene_of_several(const several *s, double F) {
+    char settings[5][32];
+    const char *each[5];
+    const double value[] = {s->z, s->c, s->b, s->r, F};
+    static const char *const key[] = {"z", "c", "b", "r", "F"};
+    const bool beside = s->text == lagging_beside;
+    for (int k = 0; k < 5; k++) {
+        snprintf(settings[k], sizeof settings[k], "%s%s=%.17g", key[k], beside && k == 3 ? "1" : "",
+                 value[k]);
+        each[k] = settings[k];
+    }
+    return scene_from(s->text, each, 5);
+}
+
+/* The free flow of the mass and what lags behind it, by its power series. */
+static void coast(const several *s, double F, double time, double *y) {
+    const int parts = 64;
+    for (int part = 0; part < parts; part++) {
+        double term[3] = {y[0], y[1], y[2]};
+        for (int k = 1; k < 20; k++) {
+            const double next[3] = {term[1], 2 * s->z * term[1] - term[0] + s->c * term[2] + (k == 1 ? F : 0),
+                                    term[0] - s->b * term[2]};
+            for (int i = 0; i < 3; i++)
+                y[i] += term[i] = next[i] * time / parts / k;
+        }
+    }
+}
+
+/* From each impact the flow leads to the next, and meets the stop in between nowhere. */
+static void check_flights(const several *s, const saltus_branch_point *p) {
+    enum { looks = 50 };
+    const int n = p->dimension, beside = s->text == lagging_beside;
+    double y[3] = {p->state[0], p->state[beside ? 2 : 1], p->state[n - 1]};
+    for (int k = 0; k < p->event_count; k++) {
+        const saltus_event *event = &p->events[k], *next = &p->events[(k + 1) % p->event_count];
+        const double end = k + 1 < p->event_count ? saltus_time_periods(next->time) : 1;
+        const double flight = p->period * (end - saltus_time_periods(event->time));
+        check_near(y[0], 0.5, 1e-11);
+        check_near(y[1], -s->r * event->velocity_before, 1e-11);
+        for (int look = 1; look <= looks; look++) {
+            coast(s, p->value[0], flight / looks, y);
+            assert_true(look == looks || y[0] < 0.5);
+        }
+        check_near(y[1], next->velocity_before, 1e-10);
+        y[1] *= -s->r;
+    }
+    check_near(y[2], p->state[n - 1], 1e-10);
+}
+
+/* All cycles that are born on a stop grow in proportion to the distance from there, as these equations are
+ * linear: in the same time, with impacts as much faster. */
+static void cycles_of_several_impacts_are_born_at_a_stop(void **unused) {
+    (void)unused;
+    for (size_t k = 0; k < sizeof born_with_several / sizeof born_with_several[0]; k++) {
+        const several *s = &born_with_several[k];
+        const double place = place_of(s);
+        saltus_message message = {.text = ""};
+        saltus_scene scene = scene_of_several(s, place + 1);
+        saltus_system *system = build(&scene.spec);
+        saltus_branch_options options = branch_along("F", place - 1, place + 1);
+        double state[SALTUS_STATE_MAX], period = NAN, speed = NAN;
+        int count = 0;
+        check_ok(saltus_scene_state(&scene, system, state, &message), &message);
+        options.direction = -1;
+        options.switches = 1;
+        branch_record record = branch_run(&scene.spec, 0, state, &options);
+        check_near(boundary_of(&record)->value[0], place, 1e-11);
+        for (int j = 0; j < record.count; j++) {
+            const saltus_branch_point *p = &record.point[j];
+            if (p->periods == 0 || p->impacts != s->impacts)
+                continue;
+            double fastest = 0;
+            for (int e = 0; e < p->event_count; e++)
+                fastest = fmax(fastest, p->events[e].velocity_before);
+            fastest /= place - p->value[0];
+            check_near(p->period, isnan(period) ? p->period : period, 1e-8);
+            check_near(fastest, isnan(speed) ? fastest : speed, 1e-7);
+            period = p->period;
+            speed = fastest;
+            assert_true(p->stable && p->value[0] < place);
+            if (s->impacts > 0)
+                check_flights(s, p);
+            count++;
+        }
+        const char *told = s->impacts < 0 ? "with chatter" : s->impacts ? "with 2 impacts" : "cycle";
+        assert_int_equal(count > 10, s->impacts != 0);
+        assert_int_equal(strstr(boundary_of(&record)->reason, told) != NULL, s->impacts != 0);
+        /* From the other end the cycle shrinks to the same place. */
+        for (int j = record.count - 1; j >= 0 && s->impacts; j--) {
+            const saltus_branch_point *p = &record.point[j];
+            if (p->impacts != s->impacts || p->periods == 0)
+                continue;
+            saltus_spec spec = p->spec;
+            saltus_spec_set_omega(&spec, 2 * M_PI / p->period);
+            options.direction = 1;
+            options.orbit.free_period = true;
+            branch_record back = branch_run(&spec, p->periods, p->state, &options);
+            check_near(boundary_of(&back)->value[0], place, 1e-9);
+            check_near(boundary_of(&back)->period, period, 1e-6);
+            assert_ptr_equal(boundary_of(&back), &back.point[back.count - 2]);
+            branch_forget(&back);
+            break;
+        }
+        branch_forget(&record);
+        saltus_system_free(system);
+        saltus_scene_clear(&scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grazing_is_met_from_everywhere),
@@ -496,6 +638,7 @@ int main(void) {
         cmocka_unit_test(folds_within_a_canard_are_found),
         cmocka_unit_test(cycles_are_born_at_a_stop),
         cmocka_unit_test(cycles_shrink_to_an_equilibrium_on_a_stop),
+        cmocka_unit_test(cycles_of_several_impacts_are_born_at_a_stop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -238,7 +238,8 @@ saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start 
     if (status == SALTUS_OK)
         status = saltus_orbits_tune(o, &parameter, sequence.omega, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, state, message);
+        status =
+            saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), state, sequence.contacts, message);
     if (status != SALTUS_OK)
         return status;
     saltus_sequence_anchor(&sequence, o->flow, false);
@@ -252,17 +253,13 @@ saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start 
     return status;
 }
 
-/* The speed of a cycle's fastest impact, scaled; INFINITY where it meets stops otherwise, or not at all. */
+/* The speed of a cycle's fastest impact, scaled; INFINITY where none is prescribed. */
 static double impact_speed(const saltus_solution *s) {
-    const saltus_sequence *sequence = &s->sequence;
-    double fastest = 0;
-    bool strikes = sequence->omega > 0 && sequence->count > 0 && !sequence->contacts && !sequence->driven;
-    for (int k = 0; k < sequence->count; k++)
-        strikes = strikes && sequence->mark[k].kind == SALTUS_IMPACT && !sequence->mark[k].driven;
-    for (int k = 0; k < s->breach_count; k++)
+    double fastest = -INFINITY;
+    for (int k = 0; k < s->breach_count && s->sequence.omega > 0; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED)
             fastest = fmax(fastest, -s->breaches[k].value);
-    return strikes ? fastest : INFINITY;
+    return fastest > -INFINITY ? fastest : INFINITY;
 }
 
 bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution *next) {
@@ -270,17 +267,15 @@ bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution 
     return far < small && far < near && saltus_solution_way(next) < small;
 }
 
-/* A cycle's state half of the way from its first impact to the next, the same part of every such cycle, and
- * its sequence from there. */
+/* A cycle's state amid its longest flight between impacts, the same part of every such cycle, and its
+ * sequence from there. */
 static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
                                    double *state) {
-    const saltus_sequence *old = &s->sequence;
-    const double next = old->count > 1 ? old->mark[1].time : old->mark[0].time + old->periods;
-    const double end = old->base + old->periods, time = 0.5 * (old->mark[0].time + next);
+    const double time = saltus_sequence_amid_flight(&s->sequence);
     int order[SALTUS_MARKS_MAX];
     saltus_message ignored;
-    saltus_sequence_turn(old, time < end ? time : time - old->periods, 1, fresh, order);
-    return saltus_solution_state_at(o, s, time < end ? time : time - old->periods, state, &ignored);
+    saltus_sequence_turn(&s->sequence, time, 1, fresh, order);
+    return saltus_solution_state_at(o, s, time, state, &ignored);
 }
 
 bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
@@ -305,7 +300,8 @@ bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const 
             guess[i] = state[1][i] + ahead * (state[1][i] - state[0][i]);
         saltus_status status = saltus_orbits_tune(o, &to, sequence.omega, &ignored);
         if (status == SALTUS_OK)
-            status = saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), guess, 0, &ignored);
+            status = saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), guess, sequence.contacts,
+                                       &ignored);
         if (status == SALTUS_OK)
             saltus_sequence_anchor(&sequence, o->flow, false);
         if (status == SALTUS_OK)

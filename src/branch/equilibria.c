@@ -9,6 +9,7 @@
 
 #include "branch/boundary.h"
 #include "branch/hopf.h"
+#include "branch/newborn.h"
 #include "branch/options.h"
 #include "branch/rest_point.h"
 #include "saltus/equilibrium.h"
@@ -398,11 +399,37 @@ static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, salt
         saltus_rests_shape(r, free_one->contacts, free_one->state, free_one->parameter, message);
     if (status == SALTUS_OK)
         status = saltus_boundary_leave(r, free_one, face, &like, e->trial, born, message);
+    if (status == SALTUS_OK)
+        status =
+            saltus_newborn_find(r, free_one, face, &e->trail->options->orbit, &like, e->trial, born, message);
     saltus_message ignored;
-    if (status == SALTUS_OK && !leaves)
+    if (status == SALTUS_OK)
         saltus_rests_noted(
             r, saltus_rests_shape(r, e->spare->contacts, e->spare->state, e->spare->parameter, &ignored));
     return status;
+}
+
+/* What a boundary equilibrium says of a cycle that begins there. */
+static int tell_born(const saltus_branch_start *born, bool first, const char *key, char *text, size_t room) {
+    const saltus_sequence *s = &born->sequence;
+    int impacts = 0;
+    bool chatters = false;
+    char meets[32] = "chatter";
+    for (int k = 0; k < s->count; k++) {
+        impacts += s->mark[k].kind == SALTUS_IMPACT;
+        chatters = chatters || s->mark[k].driven;
+    }
+    if (!chatters)
+        snprintf(meets, sizeof meets,
+                 impacts > 1 ? "%d impacts"
+                 : impacts   ? "one impact"
+                             : "a contact",
+                 impacts);
+    const char *side = born->heading > 0 ? "larger" : "smaller";
+    return first ? snprintf(text, room, "; a cycle with %s of period %.9g begins towards %s %s", meets,
+                            2 * M_PI / s->omega, side, key)
+                 : snprintf(text, room, ", one with %s of period %.9g towards %s %s", meets,
+                            2 * M_PI / s->omega, side, key);
 }
 
 /* The equilibrium `at` on the way meets a stop or leaves it: the branch goes on with other contacts. */
@@ -423,11 +450,9 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
                           !goes_on               ? "; beyond it no equilibrium was found"
                           : heading * onward < 0 ? "; the branch turns back (non-smooth fold)"
                                                  : "");
-    if (born.count)
-        snprintf(reason + length, sizeof reason - (size_t)length,
-                 "; %s with one impact of period %.9g begins towards %s %s",
-                 born.count > 1 ? "cycles, the first" : "a cycle", 2 * M_PI / born.start[0].sequence.omega,
-                 born.start[0].heading > 0 ? "larger" : "smaller", e->trail->options->key[0]);
+    for (int k = 0; k < born.count && length < (int)sizeof reason; k++)
+        length += tell_born(&born.start[k], k == 0, e->trail->options->key[0], reason + length,
+                            sizeof reason - (size_t)length);
     if (status == SALTUS_OK)
         status = give(e, e->next,
                       (saltus_notice){.kind = SALTUS_POINT_BE,

@@ -105,17 +105,33 @@ bool saltus_sequence_has_tail(const saltus_sequence *s) {
     return tail;
 }
 
-/* Whether a face holds, or the flow finds its own events, just after each mark. */
-static void find_bound(const saltus_sequence *s, bool *bound) {
-    unsigned held = s->contacts;
+/* The faces that hold just after each mark. */
+static void find_held(const saltus_sequence *s, unsigned *held) {
+    unsigned now = s->contacts;
     for (int k = 0; k < s->count; k++) {
         const saltus_mark *mark = &s->mark[k];
         if (mark->kind == SALTUS_RELEASE)
-            held &= ~(1u << mark->face);
+            now &= ~(1u << mark->face);
         else if (mark->kind == SALTUS_STICK || (mark->driven && chatter_completes(s, k)))
-            held |= 1u << mark->face;
-        bound[k] = held || mark->driven;
+            now |= 1u << mark->face;
+        held[k] = now;
     }
+}
+
+/* Those of the contacts that do not last all the time. */
+static unsigned passing(const saltus_sequence *s, unsigned contacts) {
+    unsigned met = 0;
+    for (int k = 0; k < s->count; k++)
+        met |= 1u << s->mark[k].face;
+    return contacts & met;
+}
+
+/* Whether a face has begun to hold, or the flow finds its own events, just after each mark. */
+static void find_bound(const saltus_sequence *s, bool *bound) {
+    unsigned held[SALTUS_MARKS_MAX];
+    find_held(s, held);
+    for (int k = 0; k < s->count; k++)
+        bound[k] = passing(s, held[k]) || s->mark[k].driven;
 }
 
 /* Cuts at about equal distances, in free flight and away from marks. */
@@ -124,7 +140,7 @@ static void cut_evenly(saltus_sequence *s, int cuts) {
     find_bound(s, bound);
     s->cuts = 1;
     s->cut[0] = s->base;
-    if (s->driven || s->contacts)
+    if (s->driven || passing(s, s->contacts))
         return;
     for (int j = 1; j < cuts; j++) {
         double at = s->base + (double)j * s->periods / cuts;
@@ -142,9 +158,7 @@ static void cut_evenly(saltus_sequence *s, int cuts) {
     }
 }
 
-/* The middle of the longest free flight between two marks that the flow need not find its events in; the
- * present base if there is none. */
-static double better_base(const saltus_sequence *s) {
+double saltus_sequence_amid_flight(const saltus_sequence *s) {
     double best = 0, base = s->base;
     bool bound[SALTUS_MARKS_MAX];
     find_bound(s, bound);
@@ -172,7 +186,9 @@ static void rotate(const saltus_sequence *old, double base, saltus_sequence *fre
         fresh->mark[k].time += (first + k >= old->count ? old->periods : 0) - back;
     }
     if (base != old->base) {
-        fresh->contacts = 0;
+        unsigned held[SALTUS_MARKS_MAX];
+        find_held(old, held);
+        fresh->contacts = first > 0 ? held[first - 1] : old->contacts;
         fresh->driven = false;
     }
 }
@@ -227,7 +243,7 @@ bool saltus_sequence_reframe(const saltus_sequence *old, const double *speed, in
         double before = old->mark[0].time - old->base;
         double after = old->base + old->periods - old->mark[old->count - 1].time;
         if (fmin(before, after) <= 0.08 * (before + after))
-            base = fmax(base, better_base(old));
+            base = fmax(base, saltus_sequence_amid_flight(old));
     }
     rotate(old, base, fresh, order);
     bool trimmed = trims && trim_runs(fresh, speed, order);
@@ -246,8 +262,13 @@ void saltus_sequence_carry(const saltus_sequence *old, const double *vector, con
         for (int i = 0; i < n; i++)
             out[j * n + i] = same ? vector[j * n + i] : 0;
     }
+    /* From another base of an orbit that forgets when it is, all times may be later alike. */
+    const bool adrift = fresh->omega > 0 && old->base != fresh->base;
+    double later = 0;
+    for (int k = 0; k < fresh->count && adrift; k++)
+        later += order[k] < 0 ? 0 : old_times[order[k]] / fresh->count;
     for (int k = 0; k < fresh->count; k++)
-        times[k] = order[k] < 0 ? 0 : old_times[order[k]];
+        times[k] = order[k] < 0 ? 0 : old_times[order[k]] - later;
     int others = parameters + (fresh->omega > 0);
     for (int d = 0; d < others; d++)
         times[fresh->count + d] = old_times[old->count + d];

@@ -27,6 +27,9 @@ double saltus_sequence_repeats(const saltus_sequence *sequence, int parts, bool 
 /* Whether impacts are left to the flow but for those that complete chatter: the tail of a long run. */
 bool saltus_sequence_has_tail(const saltus_sequence *sequence);
 
+/* The middle of the longest free flight between two marks that the flow need not find its events in; the
+ * present base if there is none. */
+double saltus_sequence_amid_flight(const saltus_sequence *sequence);
 /* The sequence cut open at a time within the orbit, with `cuts` cuts in free flight; order: where the marks
  * stood. */
 void saltus_sequence_turn(const saltus_sequence *old, double base, int cuts, saltus_sequence *fresh,
@@ -40,7 +43,8 @@ bool saltus_sequence_reframe(const saltus_sequence *old, const double *speed, in
                              saltus_sequence *fresh, int *order);
 
 /* A vector of the old sequence's unknowns (states of n numbers, times, `parameters`) becomes one of the new
- * sequence's; what has no counterpart is zero. */
+ * sequence's; what has no counterpart is zero. From another base of an orbit of a period of its own only the
+ * times' differences are kept, which do not depend on the base. */
 void saltus_sequence_carry(const saltus_sequence *old, const double *vector, const saltus_sequence *fresh,
                            const int *order, int n, int parameters, double *out);
 

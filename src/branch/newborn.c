@@ -1,0 +1,313 @@
+/* Cycles that motions settle on where an equilibrium has met a stop.
+ *
+ * A little beyond, all that is born has the size of the distance d between the equilibrium and the stop: the
+ * flow is that of the Jacobian and the impact that of a linear law, up to parts of order d. So the scene
+ * itself is followed from a few states of that size, on both sides. A motion that settles on a cycle is
+ * polished by Newton's method; the same cycle, shrunk, must be there at an eighth of the distance, with the
+ * same events, impacts an eighth as fast, and nearly the same period. That tells what is born from what was
+ * there before, whose size does not change.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/newborn.h"
+
+#include "orbit/poincare.h"
+#include "orbit/sequence.h"
+#include "system/state.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { contacts_max = 768, longest = 24 };
+
+/* The last part of a motion: its contact events, with the states after them. */
+typedef struct diary {
+    int count;
+    saltus_event event[contacts_max];
+    double *state; /* contacts_max x n */
+} diary;
+
+typedef struct newborn {
+    saltus_rests *rests;
+    saltus_orbit_options options;
+    const saltus_rest *at;
+    saltus_system *system; /* beyond, by its own clock; */
+    saltus_flow *flow;
+    double size; /* scaled distance of the equilibrium there from `at` */
+    diary diary;
+} newborn;
+
+/* A cycle, by its own clock. */
+typedef struct found {
+    saltus_orbit orbit;
+    saltus_system *clocked;
+    saltus_lap lap;
+    double speed; /* of its fastest impact */
+} found;
+
+static void clear(found *f) {
+    saltus_orbit_clear(&f->orbit);
+    saltus_system_free(f->clocked);
+    saltus_lap_close(&f->lap);
+    *f = (found){.speed = 0};
+}
+
+static double apart(const newborn *b, const double *p, const double *q) {
+    double most = 0;
+    for (int i = 0; i < b->rests->n; i++)
+        most = fmax(most, fabs(p[i] - q[i]) / b->rests->state_scale[i]);
+    return most;
+}
+
+/* A state of the size of the distance from the equilibrium beyond, which `rest` is. */
+static void begin_aside(const newborn *b, const saltus_rest *rest, int trial, double *state) {
+    static const double reach[] = {1, 0.3, 3};
+    const int n = b->rests->n, count = rest->rate_count;
+    double vector[SALTUS_STATE_MAX];
+    for (int k = 0; k < count; k++) {
+        const double *column = b->rests->basis + (size_t)k * (size_t)n;
+        double weight = 0;
+        for (int i = 0; i < n; i++)
+            weight = fmax(weight, fabs(column[i]) * b->rests->state_scale[i]);
+        vector[k] = reach[trial] * b->size * weight * sin(1 + 2.4 * (k + count * trial));
+    }
+    saltus_rests_lift(b->rests, count, vector, state);
+    for (int i = 0; i < n; i++)
+        state[i] += rest->state[i];
+    saltus_state_admit(b->system, state);
+}
+
+/* Where a contact is noted with which chatter completes: of the impacts before, any number, the first is
+ * kept.
+ */
+static int run_begin(const diary *d) {
+    int first = d->count;
+    while (first > 0 && d->event[first - 1].kind == SALTUS_IMPACT)
+        first--;
+    return first < d->count ? first + 1 : first;
+}
+
+/* Follow a motion until it has met many contacts, and note them. Few are noted where it
+ * rests or leaves the neighbourhood. Errors: those of the flow. */
+static saltus_status follow(newborn *b, const saltus_rest *rest, int face, double *state) {
+    const double far = 1e3, turns = 3000;
+    const size_t n = (size_t)b->rests->n;
+    diary *d = &b->diary;
+    saltus_event event = {.kind = SALTUS_STEP};
+    saltus_message ignored;
+    double fastest = 0;
+    for (int k = 0; k < rest->rate_count; k++)
+        fastest = fmax(fastest, hypot(rest->rates[k].re, rest->rates[k].im));
+    const saltus_time until = saltus_time_of(turns * 2 * M_PI / fastest / saltus_system_period(b->system));
+    saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0}, state, &ignored);
+    d->count = 0;
+    while (d->count < contacts_max && status == SALTUS_OK) {
+        status = saltus_flow_advance(b->flow, until, SALTUS_WATCH_CONTACT, &event, &ignored);
+        double *after = d->state + (size_t)d->count * n;
+        saltus_flow_state(b->flow, 0, after);
+        if (event.kind == SALTUS_REACHED || !(apart(b, after, rest->state) < far * b->size))
+            break;
+        if (event.face != face)
+            continue;
+        const int kept = event.kind == SALTUS_STICK ? run_begin(d) : d->count;
+        memmove(d->state + (size_t)kept * n, after, n * sizeof *after);
+        d->event[kept] = event;
+        d->count = kept + 1;
+    }
+    return status;
+}
+
+/* Whether the last `count` of the chosen events repeat those `period` before. */
+static bool repeats(const newborn *b, const int *chosen, int last, int period, int count) {
+    const double near = 1e-4;
+    const diary *d = &b->diary;
+    for (int k = last; k > last - count; k--) {
+        const int one = chosen[k], other = chosen[k - period];
+        if (d->event[one].kind != d->event[other].kind ||
+            apart(b, d->state + (size_t)one * (size_t)b->rests->n,
+                  d->state + (size_t)other * (size_t)b->rests->n) > near * b->size)
+            return false;
+    }
+    return true;
+}
+
+/* The period that the motion has settled on, and a `state` amid its longest flight, to begin at: 0 where it
+ * has not. Where chatter completes only the contacts after it are counted, as there are any number of impacts
+ * before. */
+static double settled(newborn *b, double *state) {
+    diary *d = &b->diary;
+    int chosen[contacts_max], count = 0, sticks = 0, period = 1;
+    for (int k = d->count / 2; k < d->count; k++)
+        sticks += d->event[k].kind == SALTUS_STICK;
+    for (int k = d->count / 2; k < d->count; k++)
+        if (!sticks || d->event[k].kind != SALTUS_IMPACT)
+            chosen[count++] = k;
+    while (period <= longest &&
+           (count < 3 * period + 1 || !repeats(b, chosen, count - 1, period, 2 * period)))
+        period++;
+    if (period > longest)
+        return 0;
+    const int first = chosen[count - 1 - period], last = chosen[count - 1];
+    const double unit = saltus_system_period(b->system);
+    double flight = 0;
+    int begin = first;
+    for (int k = first; k < last; k++) {
+        const double time = saltus_time_periods(d->event[k + 1].time) - saltus_time_periods(d->event[k].time);
+        if (d->event[k].kind != SALTUS_STICK && time > flight) {
+            flight = time;
+            begin = k;
+        }
+    }
+    saltus_event event;
+    saltus_message ignored;
+    saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0},
+                                             d->state + (size_t)begin * (size_t)b->rests->n, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(b->flow, saltus_time_of(0.5 * flight), 0, &event, &ignored);
+    saltus_flow_state(b->flow, 0, state);
+    const double time = saltus_time_periods(d->event[last].time) - saltus_time_periods(d->event[first].time);
+    return status == SALTUS_OK ? time * unit : 0;
+}
+
+/* The cycle of about a period through about a state. */
+static saltus_status polish(const newborn *b, const saltus_system *system, double period, const double *state,
+                            found *f) {
+    saltus_system *clocked = NULL;
+    saltus_message ignored;
+    *f = (found){.lap = {.keeps_events = true}};
+    saltus_status status = saltus_system_clocked(system, 2 * M_PI / period, &clocked, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_cycle_polish(clocked, state, &b->options, &f->orbit, &f->clocked, &f->lap, &ignored);
+    saltus_system_free(clocked);
+    if (status != SALTUS_OK)
+        return status;
+    for (int k = 0; k < f->lap.event_count; k++)
+        f->speed = fmax(f->speed, fabs(f->lap.events[k].velocity_before));
+    return status;
+}
+
+/* The system a little beyond; `rest` is the equilibrium there. */
+static saltus_status tune(saltus_rests *r, const saltus_rest *at, double parameter, saltus_rest *rest,
+                          saltus_system **system) {
+    saltus_message ignored;
+    saltus_status status =
+        saltus_rest_place(r, at->contacts, at->state, &parameter, true, NULL, rest, &ignored);
+    const saltus_spec spec = saltus_family_spec(&r->family, &parameter, 0);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&spec, system, &ignored);
+    return status;
+}
+
+/* A cycle that was settled on: whether it is there, shrunk, nearer to the stop. `out` becomes its beginning.
+ */
+static saltus_status shrinks(newborn *b, const found *f, double parameter, saltus_rest *rest,
+                             saltus_branch_start *out, bool *does) {
+    const double part = 0.125, slack = 0.1;
+    const saltus_rest *at = b->at;
+    const int n = b->rests->n;
+    saltus_system *system = NULL;
+    saltus_flow *flow = NULL;
+    saltus_lap lap = {.keeps_events = true};
+    saltus_message ignored;
+    double state[SALTUS_STATE_MAX];
+    found less = {.speed = 0};
+    for (int i = 0; i < n; i++)
+        state[i] = at->state[i] + part * (f->orbit.state[i] - at->state[i]);
+    const double near = at->parameter[0] + part * (parameter - at->parameter[0]);
+    const double period = saltus_system_period(f->clocked);
+    saltus_status status = tune(b->rests, at, near, rest, &system);
+    if (status == SALTUS_OK)
+        saltus_state_admit(system, state);
+    if (status == SALTUS_OK)
+        status = polish(b, system, period, state, &less);
+    const double shorter = status == SALTUS_OK ? saltus_system_period(less.clocked) : NAN;
+    *does = status == SALTUS_OK && saltus_lap_impacts(&less.lap) == saltus_lap_impacts(&f->lap) &&
+            saltus_lap_sticking(&less.lap) == saltus_lap_sticking(&f->lap) &&
+            fabs(shorter - period) < slack * period &&
+            fabs(less.speed - part * f->speed) < slack * part * f->speed;
+    if (*does)
+        status = saltus_flow_single(less.clocked, 0, &b->options.flow, &flow, &ignored);
+    if (*does && status == SALTUS_OK)
+        status = saltus_sequence_make(flow, 1, true, less.orbit.state, &lap, &out->sequence, &ignored);
+    /* What is left of order d is taken out of the period, not of the state: it is what is told. */
+    out->sequence.omega = 2 * M_PI / (shorter - part * (period - shorter) / (1 - part));
+    for (int i = 0; i < n && *does; i++)
+        out->tangent[i] =
+            (less.orbit.state[i] - at->state[i]) / b->rests->state_scale[i] / (near - at->parameter[0]);
+    saltus_flow_free(flow);
+    saltus_lap_close(&lap);
+    saltus_system_free(system);
+    clear(&less);
+    return status;
+}
+
+/* Whether a cycle is among those that are known: on the same side, of the same period. */
+static bool is_known(const saltus_starts *starts, const saltus_branch_start *start) {
+    const double alike = 1e-3;
+    for (int k = 0; k < starts->count; k++) {
+        const saltus_branch_start *s = &starts->start[k];
+        if (s->heading == start->heading &&
+            fabs(s->sequence.omega - start->sequence.omega) < alike * start->sequence.omega)
+            return true;
+    }
+    return false;
+}
+
+/* One motion on one side. */
+static saltus_status try(newborn *b, int face, int trial, double parameter, saltus_rest *rest,
+                         const saltus_branch_start *like, saltus_starts *starts, saltus_message *message) {
+    double state[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2] = {0};
+    saltus_branch_start start = *like;
+    found f = {.speed = 0};
+    bool does = false;
+    begin_aside(b, rest, trial, state);
+    saltus_status status = follow(b, rest, face, state);
+    const double period = status == SALTUS_OK ? settled(b, state) : 0;
+    start.tangent = tangent;
+    if (period > 0)
+        status = polish(b, b->system, period, state, &f);
+    if (period > 0 && status == SALTUS_OK &&
+        saltus_multipliers_stable(f.orbit.multipliers, f.orbit.multiplier_count))
+        status = shrinks(b, &f, parameter, rest, &start, &does);
+    clear(&f);
+    start.heading = parameter > b->at->parameter[0] ? 1 : -1;
+    start.unknowns = saltus_sequence_unknowns(&start.sequence, b->rests->n) + 1;
+    if (!does || status != SALTUS_OK || is_known(starts, &start))
+        return saltus_rests_noted(b->rests, status);
+    return saltus_starts_add(starts, b->rests->n, &start, message);
+}
+
+saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int face,
+                                  const saltus_orbit_options *options, const saltus_branch_start *like,
+                                  saltus_rest *scratch, saltus_starts *starts, saltus_message *message) {
+    enum { trials = 3 };
+    const double distance = 1e-3;
+    newborn b = {.rests = r, .options = *options, .at = at};
+    saltus_branch_start start = *like;
+    saltus_message ignored;
+    b.options.flow.stop = NULL;
+    b.diary.state = calloc((size_t)contacts_max * (size_t)r->n, sizeof *b.diary.state);
+    saltus_status status = b.diary.state ? SALTUS_OK : saltus_branch_no_memory(message);
+    start.parameter = at->parameter[0];
+    start.state = at->state;
+    start.origin = SALTUS_POINT_BE;
+    for (int side = 0; side < 2 * trials && status == SALTUS_OK; side++) {
+        const double parameter = at->parameter[0] + (side % 2 ? -distance : distance);
+        saltus_status made = tune(r, at, parameter, scratch, &b.system);
+        if (made == SALTUS_OK)
+            made = saltus_flow_single(b.system, 0, &b.options.flow, &b.flow, &ignored);
+        b.size = made == SALTUS_OK ? apart(&b, scratch->state, at->state) : 0;
+        if (made == SALTUS_OK && b.size > 0)
+            status = try(&b, face, side / 2, parameter, scratch, &start, starts, message);
+        saltus_rests_noted(r, made);
+        saltus_flow_free(b.flow);
+        saltus_system_free(b.system);
+        b.flow = NULL;
+        b.system = NULL;
+        if (r->starved)
+            status = saltus_branch_no_memory(message);
+        else if (status != SALTUS_NO_MEMORY)
+            status = SALTUS_OK;
+    }
+    free(b.diary.state);
+    return status;
+}
