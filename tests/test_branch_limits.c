@@ -96,9 +96,10 @@ static void refusals_name_their_numbers(void **unused) {
     }
     assert_string_equal(saltus_point_word(SALTUS_POINT_KINDS), "");
     assert_string_equal(saltus_point_word((saltus_point_kind)-1), "");
-    static const char *const words[] = {
-        "",      "LP",    "PD",    "NS",    "BP",    "GR",    "CH", "ST", "UZ", "EP", "HB", "BE", "CP",
-        "GR-LP", "GR-PD", "GR-NS", "GR-GR", "GR-BP", "CH-GR", "R1", "R2", "R3", "R4", "BT", "GH"};
+    static const char *const words[] = {"",      "LP",    "PD",    "NS",    "BP",    "GR",    "CH",
+                                        "ST",    "UZ",    "EP",    "HB",    "BE",    "CP",    "GR-LP",
+                                        "GR-PD", "GR-NS", "GR-GR", "GR-BP", "CH-GR", "R1",    "R2",
+                                        "R3",    "R4",    "BT",    "GH",    "GPD",   "LP-PD", "PD-NS"};
     for (int k = 0; k < SALTUS_POINT_KINDS; k++)
         assert_string_equal(saltus_point_word((saltus_point_kind)k), words[k]);
 }

@@ -943,6 +943,108 @@ static void tori_between_grazing_and_folds(void **unused) {
     saltus_motion_clear(&motion);
 }
 
+/* The orbit of a point gone through `parts` times in its sequence, of its own period; its multipliers at a
+ * place of the unit circle, to so much. */
+static int multipliers_at(const saltus_branch_point *p, int parts, double re, double im, double near) {
+    saltus_orbit_options how = saltus_orbit_defaults();
+    saltus_system *system = build(&p->spec);
+    saltus_message message = {.text = ""};
+    saltus_orbit orbit = {0};
+    int found = 0;
+    check_ok(saltus_orbit_find(system, p->periods / parts, p->state, &how, &orbit, &message), &message);
+    assert_true(saltus_system_distance(system, orbit.state, p->state) < 1e-5);
+    for (int k = 0; k < orbit.multiplier_count; k++)
+        found += hypot(orbit.multipliers[k].re - re, orbit.multipliers[k].im - im) < near;
+    saltus_orbit_clear(&orbit);
+    saltus_system_free(system);
+    return found;
+}
+
+/* How far an orbit is from closing after half of its period. */
+static double half_apart(const saltus_branch_point *p) {
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_system *system = build(&p->spec);
+    saltus_flow *flow = open_flow(system, &options, 0, p->state);
+    double state[SALTUS_STATE_MAX];
+    advance(flow, p->periods / 2, 0);
+    saltus_flow_state(flow, 0, state);
+    const double apart = saltus_system_distance(system, state, p->state);
+    saltus_flow_free(flow);
+    saltus_system_free(system);
+    return apart;
+}
+
+/* Folds and tori of orbits of twice a period end where these become the shorter orbits, which are special
+ * there: by their multipliers, as the shorter period's Newton method has them. No point of the curves before
+ * is such an orbit, and wherever a curve begins it comes to the same end. */
+static void curves_end_where_the_period_halves(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {0.266, 0.3273}, high[2] = {1.7733, 1.0474};
+    static const struct {
+        saltus_point_kind locus, end;
+        int periods;
+        double at[2], state[4];
+    } rows[] = {
+        {SALTUS_POINT_NS,
+         SALTUS_POINT_PD_NS,
+         2,
+         {0.6604541547294549, 0.37132127692996086},
+         {-0.8686649937552099, -1.1880021403392536, 0.0890699216672925, 0.04642330739399654}},
+        {SALTUS_POINT_LP,
+         SALTUS_POINT_GPD,
+         2,
+         {0.5093262656902307, 1.1587535044792654},
+         {-4.664247120245111, -5.811667126410108, 0.8384083642879604, 1.0272540994195634}},
+        {SALTUS_POINT_NS,
+         SALTUS_POINT_R2,
+         2,
+         {0.9404362620481127, 0.2711156191839782},
+         {-0.26897500480168285, -0.3847890256776381, -0.010501218903823193, 0.03935937294255122}},
+        {SALTUS_POINT_NS,
+         SALTUS_POINT_LP_PD,
+         2,
+         {0.4968124409243967, 1.5342782179177883},
+         {-6.159534476101665, -7.664458680143566, 1.6432278730874634, 1.8543613959038354}},
+        {SALTUS_POINT_LP,
+         SALTUS_POINT_R4,
+         4,
+         {0.698816299286873, 0.33711862407051885},
+         {-0.6859807450269525, -0.9593413174137825, 0.04666913979593943, 0.03998631936364573}},
+    };
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        saltus_spec spec = hitting_masses();
+        set_parameter(&spec, "omega", rows[row].at[0]);
+        spec.stops[0].d = rows[row].at[1];
+        saltus_branch_options options = locus_options(rows[row].locus, key, low, high);
+        options.step_max = 0.03;
+        options.points = 60;
+        branch_record record = branch_run(&spec, rows[row].periods, rows[row].state, &options);
+        const saltus_branch_point *end = NULL;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            if (p->kind == p->locus)
+                assert_true(half_apart(p) > 1e-5);
+            else if (p->kind == rows[row].end)
+                end = p;
+            assert_null(strstr(p->reason, "corner"));
+        }
+        assert_non_null(end);
+        assert_int_equal(end[1].kind, SALTUS_POINT_EP);
+        assert_true(half_apart(end) < 1e-6 && end->residual < 1e-6);
+        const bool quarter = rows[row].end == SALTUS_POINT_R4;
+        /* A double multiplier answers to the parameters like a square root. */
+        const bool twice = rows[row].end == SALTUS_POINT_R2, folds = rows[row].end == SALTUS_POINT_LP_PD;
+        if (quarter)
+            assert_int_equal(multipliers_at(end, 4, 0, 1, 1e-6), 1);
+        else
+            assert_int_equal(multipliers_at(end, 2, -1, 0, twice || folds ? 1e-3 : 1e-5), 1 + twice);
+        assert_int_equal(!quarter && multipliers_at(end, 2, 1, 0, 1e-2) > 0, folds);
+        branch_forget(&record);
+    }
+}
+
 /* Interrupted on any of the curves that were switched to, or between two of them, it all goes on to the last
  * bit: which curves wait, and which have been gone over. */
 static void an_interrupted_network_goes_on(void **unused) {
@@ -1239,6 +1341,7 @@ int main(void) {
         cmocka_unit_test(networks_of_curves),
         cmocka_unit_test(folds_end_in_long_runs),
         cmocka_unit_test(tori_between_grazing_and_folds),
+        cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),
         cmocka_unit_test(an_interrupted_network_goes_on),

@@ -46,6 +46,10 @@ typedef enum saltus_point_kind {
     SALTUS_POINT_R4, /* or a quarter of the circle */
     SALTUS_POINT_BT, /* of equilibria: two eigenvalues zero (Bogdanov-Takens), */
     SALTUS_POINT_GH, /* a first Lyapunov coefficient zero (generalised Hopf) */
+    /* Where folds or tori of orbits of twice the period become those of half of it; R2 and R4 are others: */
+    SALTUS_POINT_GPD,   /* a flip neither super- nor subcritical */
+    SALTUS_POINT_LP_PD, /* multipliers 1 and -1 */
+    SALTUS_POINT_PD_NS, /* a multiplier -1 and a pair on the unit circle */
     SALTUS_POINT_KINDS
 } saltus_point_kind;
 

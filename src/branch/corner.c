@@ -76,18 +76,14 @@ static bool determinants(saltus_shooting *shooting, int n, saltus_scaled *fold, 
     return room;
 }
 
-/* By how much the square of the modulus of the largest complex pair of finite multipliers exceeds 1, and the
- * angle of the pair; NAN where there is none. With an impact that grazes a multiplier is infinite: what is
- * sought are those of the inverse of the equations with a shift, 1 / (mu - shift). False without memory. */
-static bool pair_excess(saltus_shooting *shooting, int n, double *excess, double *angle) {
+int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, double *im) {
     const double shift = 0.5, infinite = 1e-9;
     const saltus_equations *e = saltus_shooting_equations(shooting);
-    int c = e->count, row = saltus_shooting_closing_row(shooting);
+    int c = e->count, row = saltus_shooting_closing_row(shooting), count = 0;
     saltus_dense_lu lu = {.n = 0};
     double *work = calloc((size_t)(c * c + n * c + n * n + 2 * n), sizeof *work);
     double *columns = work + c * c, *inverse = columns + n * c, *real = inverse + n * n,
            *imaginary = real + n;
-    *excess = *angle = NAN;
     bool room = work && saltus_dense_lu_open(&lu, c);
     for (int i = 0; i < c && room; i++)
         memcpy(work + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *work);
@@ -107,15 +103,30 @@ static bool pair_excess(saltus_shooting *shooting, int n, double *excess, double
         largest = fmax(largest, hypot(real[i], imaginary[i]));
     for (int i = 0; i < n && sound; i++) {
         double square = real[i] * real[i] + imaginary[i] * imaginary[i];
-        double re = shift + real[i] / square, im = -imaginary[i] / square, own = re * re + im * im - 1;
-        if (im > 0 && sqrt(square) > infinite * largest && !(own <= *excess)) {
-            *excess = own;
-            *angle = atan2(im, re);
-        }
+        if (!(sqrt(square) > infinite * largest))
+            continue;
+        re[count] = shift + real[i] / square;
+        im[count++] = -imaginary[i] / square;
     }
     saltus_dense_lu_close(&lu);
     free(work);
-    return room;
+    return room ? count : -1;
+}
+
+/* By how much the square of the modulus of the largest complex pair of finite multipliers exceeds 1, and the
+ * angle of the pair; NAN where there is none. False without memory. */
+static bool pair_excess(saltus_shooting *shooting, int n, double *excess, double *angle) {
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
+    const int count = saltus_corner_multipliers(shooting, n, re, im);
+    *excess = *angle = NAN;
+    for (int i = 0; i < count; i++) {
+        const double own = re[i] * re[i] + im[i] * im[i] - 1;
+        if (im[i] > 0 && !(own <= *excess)) {
+            *excess = own;
+            *angle = atan2(im[i], re[i]);
+        }
+    }
+    return count >= 0;
 }
 
 saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {

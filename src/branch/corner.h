@@ -43,4 +43,9 @@ saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_c
                                  const saltus_solution *orbit, saltus_point_kind *kind,
                                  saltus_message *message);
 
+/* The finite multipliers of the orbit that a shooting has last evaluated: how many, at most n; -1 without
+ * memory. With an impact that grazes one is infinite: what is sought are those of the inverse of the
+ * equations with a shift, 1 / (mu - shift). */
+int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, double *im);
+
 #endif

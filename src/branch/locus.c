@@ -315,7 +315,7 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
             continue;
         /* Another curve may have drawn the point onto it, from nearby or from afar. */
         *found = saltus_corner_breach(&l->x, &l->next.orbit) < 0 && is_near(l) &&
-                 !(leaves && saltus_locus_joins(&l->x, &l->next.orbit, 1e-3 * ahead, NULL));
+                 !(leaves && saltus_locus_apart(&l->x, &l->next.orbit, NULL) < 1e-3 * ahead);
     }
     l->x.equations.tolerance = usual;
     if (*found)
@@ -509,42 +509,78 @@ static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double a
     return status;
 }
 
+/* The curve ends at `trial`, where its orbits join others. */
+static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_message *message) {
+    static const char *const reasons[SALTUS_POINT_KINDS] = {
+        [SALTUS_POINT_GR_PD] = "its orbits join those of half the period, whose flip meets grazing",
+        [SALTUS_POINT_GR_BP] = "its orbits join their mirror images, whose branch point meets grazing",
+        [SALTUS_POINT_GR_GR] = "two impacts graze",
+        [SALTUS_POINT_GPD] = "its orbits join those of half the period, whose flip changes its criticality",
+        [SALTUS_POINT_LP_PD] = "its orbits join those of half the period, which fold and flip",
+        [SALTUS_POINT_PD_NS] = "its orbits join those of half the period, at a flip and a pair on the circle",
+        [SALTUS_POINT_R2] = "its orbits join those of half the period, which have a double multiplier -1",
+        [SALTUS_POINT_R4] = "its orbits join those of a quarter of the period, at a pair at a quarter"};
+    const saltus_corner corner = {.kind = kind, .joins = true};
+    const double ahead = l->trial.at.ahead;
+    bool closes = false;
+    saltus_status status = give_named(l, &corner, ahead, &closes, message);
+    return status == SALTUS_OK && l->trail->following
+               ? give(l, &l->trial, SALTUS_POINT_EP, ahead, reasons[kind], message)
+               : status;
+}
+
 /* The curve ends where it is, as it does not go on. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    bool contact = false, closes = false;
-    saltus_corner corner = {.kind = SALTUS_POINT_CH_GR};
+    bool contact = false;
+    saltus_point_kind kind = SALTUS_POINT_REGULAR;
     saltus_status status =
         l->lost ? SALTUS_OK : saltus_locus_end_contact(&l->x, &l->here, &l->trial, &contact, message);
-    if (status == SALTUS_OK && !l->lost && !contact) {
-        status = saltus_locus_join(&l->x, &l->here, &l->trial, &corner.kind, message);
-        corner.joins = corner.kind;
-    }
+    if (status == SALTUS_OK && !l->lost && !contact)
+        status = saltus_locus_join(&l->x, &l->here, &l->trial, &kind, message);
     if (status != SALTUS_OK)
         return status;
-    if (!contact && !corner.joins)
+    if (kind)
+        return give_join(l, kind, message);
+    if (!contact)
         return give(l, &l->here, SALTUS_POINT_EP, 0,
                     saltus_locus_ceases_to_complete(&l->here.orbit)
                         ? "chatter ceases to complete: the contact after it shrinks to nothing"
                         : "the curve ends: its orbit changes its events or the curve has a corner",
                     message);
-    const char *reason = corner.kind == SALTUS_POINT_GR_PD
-                             ? "its orbits join those of half the period, whose flip meets grazing"
-                         : corner.kind == SALTUS_POINT_GR_BP
-                             ? "its orbits join their mirror images, whose branch point meets grazing"
-                             : corner_reasons[corner.kind];
     const double ahead = l->trial.at.ahead;
-    status = corner.joins ? give_named(l, &corner, ahead, &closes, message)
-                          : give(l, &l->trial, corner.kind, ahead, NULL, message);
+    status = give(l, &l->trial, SALTUS_POINT_CH_GR, ahead, NULL, message);
     return status != SALTUS_OK || !l->trail->following
                ? status
-               : give(l, &l->trial, SALTUS_POINT_EP, ahead, reason, message);
+               : give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[SALTUS_POINT_CH_GR], message);
+}
+
+/* Whether the step from `here` leads over a place where the orbits join those of half the period, or as near
+ * to it that the equations tell little: the curve ends there, or goes on with a step that is *shorter. */
+static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message *message) {
+    const double stride_min = 1e-5;
+    double step;
+    saltus_point_kind kind;
+    *shorter = false;
+    if (!saltus_locus_halves_ahead(&l->x, &l->here, &l->next, &step))
+        return SALTUS_OK;
+    saltus_status status = saltus_locus_join_halves(&l->x, &l->here, &l->trial, &kind, message);
+    if (status == SALTUS_OK && kind)
+        return give_join(l, kind, message);
+    if (status != SALTUS_OK)
+        return status;
+    /* What lies beyond are no orbits of twice a period. */
+    *shorter = step > stride_min && saltus_locus_apart(&l->x, &l->here.orbit, NULL) > saltus_alike;
+    if (!*shorter)
+        return give_end(l, message);
+    l->trail->step = step;
+    return SALTUS_OK;
 }
 
 /* One step along the curve under way, with the corners on it. */
 static saltus_status advance(saltus_locus *l, saltus_message *message) {
     const double just_before = 1e-7;
     int reached;
-    bool found, moved = false;
+    bool found, shorter, moved = false;
     saltus_crossings crossed;
     saltus_status status;
     if (l->lost)
@@ -555,6 +591,11 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
             return status;
         if (!found)
             return give_end(l, message);
+        status = meet_halves(l, &shorter, message);
+        if (status != SALTUS_OK || !l->trail->following)
+            return status;
+        if (shorter)
+            continue;
         l->x.sharp = true;
         bool located = saltus_locus_find_corners(&l->x, &l->here, &l->next, &l->trial, &crossed);
         l->x.sharp = false;
@@ -581,8 +622,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         saltus_corner corner = l->trial.corners[own];
         bool jumps =
             corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !(fabs(corner.value.mantissa) < 1e-6);
-        if (!found || jumps ||
-            (l->x.kind == SALTUS_POINT_GR && saltus_locus_joins(&l->x, &l->trial.orbit, 1e-4, NULL)))
+        if (!found || jumps || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach))
             continue;
         status = give_corner(l, corner, crossed.place[k], &moved, message);
         if (status != SALTUS_OK || !l->trail->following || moved)

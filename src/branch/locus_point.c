@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus_point.h"
 
+#include "branch/sequence.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -123,12 +125,23 @@ saltus_status saltus_locus_find_leaving(saltus_extended *x, saltus_locus_point *
     return status;
 }
 
-bool saltus_locus_joins(saltus_extended *x, const saltus_solution *s, double near, bool *halves) {
-    bool shift, half = saltus_solution_half_distance(&x->orbits, s, false) < near;
+double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, bool *halves) {
+    bool shift;
+    const double half = saltus_solution_half_distance(&x->orbits, s, false);
+    const bool breaks = !x->mirrored && saltus_system_mirror_symmetric(x->orbits.system, &shift);
+    const double image = breaks ? saltus_solution_half_distance(&x->orbits, s, true) : INFINITY;
     if (halves)
-        *halves = half;
-    return half || (!x->mirrored && saltus_system_mirror_symmetric(x->orbits.system, &shift) &&
-                    saltus_solution_half_distance(&x->orbits, s, true) < near);
+        *halves = half <= image;
+    return fmin(half, image);
+}
+
+bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, const saltus_solution *at,
+                           bool breach) {
+    const double near = 1e-4;
+    if (x->kind != SALTUS_POINT_GR)
+        return false;
+    const double apart = saltus_locus_apart(x, at, NULL);
+    return apart < near && !(breach && apart > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
 }
 
 /* Whether two multipliers are e^{i theta} and its conjugate: at folds the equations of tori hold with a
@@ -166,7 +179,7 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *p) {
         !has_pair(&s->survey, x->orbits.n, p->at.u[s->at.unknowns]))
         return false;
     if (x->kind == SALTUS_POINT_GR)
-        return breach < -apart || !saltus_locus_joins(x, s, apart, NULL);
+        return breach < -apart || saltus_locus_apart(x, s, NULL) >= apart;
     /* The flow tells a breach as small as that of the last impacts of a long run. */
     return s->survey.follows || breach > 0;
 }
@@ -213,7 +226,7 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
          */
         if (k == 0 && (located || far > 1e-9) &&
             !(located && corner_at(&self, place, &value) && fabs(value) < jump &&
-              !(x->kind == SALTUS_POINT_GR && saltus_locus_joins(x, &scratch->orbit, 1e-4, NULL))))
+              !saltus_locus_joins_at(x, here, &scratch->orbit, true)))
             return false;
         if (!located || place >= ends - together)
             continue;
@@ -294,15 +307,23 @@ static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s
     return false;
 }
 
-/* `at` becomes the place where what is left of a breach is nothing, extrapolated from places on the curve of
- * `here` so far apart before it, where the equations are regular. Errors: SALTUS_NO_MEMORY,
- * those of the equations. */
-static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart,
-                                 saltus_locus_point *at, saltus_message *message) {
-    enum { samples = 6 };
+/* What falls to nothing along a curve that joins another. */
+static double rest_of(saltus_extended *x, const saltus_solution *s, bool breach, bool halves) {
+    return breach ? saltus_corner_breach(x, s) : saltus_solution_half_distance(&x->orbits, s, !halves);
+}
+
+/* `at` becomes the place where what is left of a breach, or of the distance from a shorter orbit, is nothing,
+ * extrapolated from places on the curve of `here` so far apart before it, where the equations are regular;
+ * *spread: how far off in the plane it would be with one of them less.
+ * Errors: SALTUS_NO_MEMORY, those of the equations. */
+enum { samples_most = 8 };
+
+static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart, int samples,
+                                 bool breach, bool halves, saltus_locus_point *at, double *spread,
+                                 saltus_message *message) {
     const double tolerance = 1e-13, usual = x->equations.tolerance;
     int m = here->at.unknowns;
-    double rest[samples], *u = calloc((size_t)(m * samples), sizeof *u);
+    double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
     saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
     /* A residual moves the place by itself over the rest, and the bend much more. */
     x->equations.tolerance = tolerance;
@@ -311,35 +332,147 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
         status = saltus_curve_visit(&x->equations, &here->at, -(k + 1) * apart, &at->at, message);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, message);
-        rest[k] = status == SALTUS_OK ? saltus_corner_breach(x, &at->orbit) : NAN;
+        rest[k] = status == SALTUS_OK ? rest_of(x, &at->orbit, breach, halves) : NAN;
         for (int j = 0; j < m && status == SALTUS_OK; j++)
             u[j * samples + k] = at->at.u[j];
     }
     x->equations.tolerance = usual;
-    at->at.ahead = 0;
+    at->at.ahead = *spread = 0;
     for (int j = 0; j < m && status == SALTUS_OK; j++) {
         at->at.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
         at->at.ahead += (at->at.u[j] - here->at.u[j]) * here->at.tangent[j];
+    }
+    /* The halves may change places, which changes the distance's sign, but not the parameters. */
+    for (int k = 0; k < samples && x->kind != SALTUS_POINT_GR; k++)
+        rest[k] *= rest[k];
+    for (int j = x->orbits.equations->count, d = 0; d < 2 && status == SALTUS_OK; d++) {
+        const double *values = u + (j + d) * samples;
+        at->at.u[j + d] = saltus_curve_interpolate(rest, values, samples);
+        *spread = hypot(*spread, at->at.u[j + d] - saltus_curve_interpolate(rest, values, samples - 1));
     }
     free(u);
     return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
 }
 
+/* Whether a curve of folds or tori is one of orbits whose halves may become alike without grazing. */
+static bool may_join(const saltus_extended *x, const saltus_solution *s) {
+    return (x->kind == SALTUS_POINT_LP || x->kind == SALTUS_POINT_NS) && !x->mirrored &&
+           s->sequence.periods % 2 == 0 && s->sequence.count % 2 == 0;
+}
+
+/* How many multipliers are at one of modulus 1. */
+static int count_at(const double *re, const double *im, int count, double real, double imaginary) {
+    const double near = 1e-3;
+    int found = 0;
+    for (int k = 0; k < count; k++)
+        found += hypot(re[k] - real, im[k] - imaginary) < near;
+    return found;
+}
+
+/* Newton's method for an orbit of the parameters that it has. False where it is led away. */
+static bool sharpen_orbit(saltus_shooting *shooting, double *u) {
+    enum { steps = 3 };
+    const double far = 1e-4;
+    saltus_equations *e = saltus_shooting_equations(shooting);
+    const int c = e->count;
+    saltus_dense_lu lu = {.n = 0};
+    double *work = calloc((size_t)(c * c + c), sizeof *work), *step = work ? work + c * c : NULL;
+    saltus_message ignored;
+    bool sound = work && saltus_dense_lu_open(&lu, c);
+    for (int k = 0; k < steps && sound; k++) {
+        for (int i = 0; i < c; i++)
+            memcpy(work + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *work);
+        memcpy(step, e->residual, (size_t)c * sizeof *step);
+        sound = saltus_dense_factor(&lu, work);
+        if (sound)
+            saltus_dense_resolve(&lu, false, 1, step);
+        for (int i = 0; i < c && sound; i++) {
+            sound = fabs(step[i]) < far;
+            u[i] -= step[i];
+        }
+        sound = sound && saltus_equations_evaluate(e, u, &ignored) == SALTUS_OK;
+    }
+    saltus_dense_lu_close(&lu);
+    free(work);
+    return sound;
+}
+
+/* What the orbit is that folds or tori of orbits of twice the period end at, by its multipliers: those of the
+ * first half, or, where that has halves that are alike too, of a quarter; `at` becomes it. */
+static saltus_point_kind name_halved(saltus_extended *x, saltus_locus_point *at) {
+    const double alike = 1e-7;
+    const int n = x->orbits.n;
+    saltus_sequence half = saltus_sequence_first_half(&at->orbit.sequence), quarter = half;
+    saltus_shooting *shooting = NULL;
+    saltus_message ignored;
+    double state[SALTUS_STATE_MAX], re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *u = NULL;
+    int count = 0;
+    if (half.periods % 2 == 0 && half.count % 2 == 0 &&
+        saltus_solution_state_at(&x->orbits, &at->orbit, half.base + 0.5 * half.periods, state, &ignored) ==
+            SALTUS_OK &&
+        saltus_system_distance(x->orbits.system, state, at->orbit.state) < alike)
+        quarter = saltus_sequence_first_half(&half);
+    saltus_status status = saltus_orbits_shoot(&x->orbits, &quarter, at->orbit.parameter, at->orbit.state,
+                                               &shooting, &u, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
+    const bool sharp = status == SALTUS_OK && sharpen_orbit(shooting, u);
+    if (saltus_orbits_noted(&x->orbits, status) == SALTUS_OK)
+        count = saltus_corner_multipliers(shooting, n, re, im);
+    if (sharp)
+        saltus_shooting_extract(shooting, u, &quarter, state);
+    saltus_shooting_free(shooting);
+    free(u);
+    shooting = NULL;
+    u = NULL;
+    if (sharp) {
+        /* The same orbit, gone through as often as the sequence does. */
+        saltus_sequence whole = at->orbit.sequence;
+        for (int k = 0; k < whole.count; k++)
+            whole.mark[k].time = quarter.mark[k % quarter.count].time + k / quarter.count * quarter.periods;
+        status = saltus_orbits_shoot(&x->orbits, &whole, at->orbit.parameter, state, &shooting, &u, &ignored);
+        if (status == SALTUS_OK) {
+            memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
+            status = saltus_locus_see_orbit(x, at, &ignored);
+        }
+        saltus_orbits_noted(&x->orbits, status);
+        saltus_shooting_free(shooting);
+        free(u);
+    }
+    if (count < 0)
+        saltus_orbits_noted(&x->orbits, SALTUS_NO_MEMORY);
+    const int flips = count_at(re, im, count, -1, 0), folds = count_at(re, im, count, 1, 0);
+    if (quarter.periods != half.periods)
+        return count_at(re, im, count, 0, 1) == 1 ? SALTUS_POINT_R4 : SALTUS_POINT_REGULAR;
+    if (x->kind == SALTUS_POINT_LP)
+        return flips == 1 && !folds ? SALTUS_POINT_GPD : SALTUS_POINT_REGULAR;
+    return flips == 2            ? SALTUS_POINT_R2
+           : flips == 1 && folds ? SALTUS_POINT_LP_PD
+           : flips == 1          ? SALTUS_POINT_PD_NS
+                                 : SALTUS_POINT_REGULAR;
+}
+
 saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message) {
-    static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
+    static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5};
+    enum { spacings = sizeof apart / sizeof apart[0] };
     const double little = 1e-4, near = 1e-3, sharp = 1e-10;
     bool halves;
+    double spread;
     saltus_message ignored;
     *kind = SALTUS_POINT_REGULAR;
-    if (x->kind != SALTUS_POINT_GR || !(saltus_corner_breach(x, &here->orbit) > -little) ||
-        !saltus_locus_joins(x, &here->orbit, near, &halves))
+    if (x->kind != SALTUS_POINT_GR)
+        return saltus_locus_join_halves(x, here, at, kind, message);
+    if (!(saltus_corner_breach(x, &here->orbit) > -little) ||
+        !(saltus_locus_apart(x, &here->orbit, &halves) < near))
         return SALTUS_OK;
-    for (size_t k = 0; k < sizeof apart / sizeof apart[0] && !*kind; k++) {
-        saltus_status status = extrapolate(x, here, apart[k], at, &ignored);
+    /* Of several breaches that fall to nothing together now the one is the worst, now another. */
+    for (int k = 0; k < 2 * spacings && !*kind; k++) {
+        const double own = apart[k % spacings];
+        saltus_status status = extrapolate(x, here, own, 6, k < spacings, halves, at, &spread, &ignored);
         if (status == SALTUS_NO_MEMORY)
             return saltus_branch_no_memory(message);
-        if (status == SALTUS_OK && fabs(at->at.ahead) < apart[k] &&
+        if (status == SALTUS_OK && fabs(at->at.ahead) < 2 * own &&
             fabs(saltus_corner_breach(x, &at->orbit)) < sharp &&
             saltus_solution_half_distance(&x->orbits, &at->orbit, !halves) < sharp)
             *kind = touches_elsewhere(x, &at->orbit) ? SALTUS_POINT_GR_GR
@@ -347,6 +480,67 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
                                                      : SALTUS_POINT_GR_BP;
     }
     return SALTUS_OK;
+}
+
+saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
+                                       saltus_point_kind *kind, saltus_message *message) {
+    static const double apart[] = {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4};
+    enum { spacings = sizeof apart / sizeof apart[0] };
+    const double farthest = 8, sharp = 1e-5, clear = 1e-6, close = 6e-3;
+    const int m = here->at.unknowns, c = x->orbits.equations->count;
+    double spread, ahead = 0, before[2] = {NAN, NAN}, *u;
+    saltus_message ignored;
+    *kind = SALTUS_POINT_REGULAR;
+    if (!may_join(x, &here->orbit))
+        return SALTUS_OK;
+    /* Afar the place may still be told better from a step nearer to it, which is no longer so close to it. */
+    double best = saltus_locus_apart(x, &here->orbit, NULL) > close ? 3e-9 : 1e-7;
+    u = calloc((size_t)m, sizeof *u);
+    saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
+    for (int k = 0; k < 2 * spacings && status != SALTUS_NO_MEMORY; k++) {
+        const double own = apart[k / 2];
+        status = extrapolate(x, here, own, k % 2 ? samples_most : samples_most - 2, false, true, at, &spread,
+                             &ignored);
+        if (status != SALTUS_OK)
+            continue;
+        /* By which it differs from the last one tells more than one alone. */
+        const double doubt = fmax(spread, hypot(at->at.u[c] - before[0], at->at.u[c + 1] - before[1]));
+        memcpy(before, at->at.u + c, sizeof before);
+        if (doubt < best && at->at.ahead > 0 && at->at.ahead < farthest * own &&
+            saltus_corner_breach(x, &at->orbit) < -clear &&
+            saltus_solution_half_distance(&x->orbits, &at->orbit, false) < sharp) {
+            best = doubt;
+            ahead = at->at.ahead;
+            memcpy(u, at->at.u, (size_t)m * sizeof *u);
+        }
+    }
+    if (status != SALTUS_NO_MEMORY && ahead > 0) {
+        memcpy(at->at.u, u, (size_t)m * sizeof *u);
+        at->at.ahead = ahead;
+        status = saltus_locus_see_orbit(x, at, &ignored);
+        *kind = status == SALTUS_OK ? name_halved(x, at) : SALTUS_POINT_REGULAR;
+    }
+    free(u);
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
+bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *here,
+                               const saltus_locus_point *next, double *ahead) {
+    const double small = 0.3, little = 1e-3;
+    double from[SALTUS_STATE_MAX], to[SALTUS_STATE_MAX], product = 0;
+    /* Where grazing is near the halves become alike with it, and the curve ends there. */
+    if (!may_join(x, &next->orbit) || saltus_corner_breach(x, &next->orbit) > -little)
+        return false;
+    const double own = saltus_solution_halves(&x->orbits, &here->orbit, false, from);
+    const double other = saltus_solution_halves(&x->orbits, &next->orbit, false, to);
+    if (!isfinite(own) || !isfinite(other))
+        return false;
+    for (int i = 0; i < x->orbits.n; i++)
+        product += from[i] * to[i];
+    /* Where Newton's method was drawn onto the flips of the shorter orbits, which solve these equations too,
+     * it was a long way. */
+    *ahead = next->at.ahead * (product < 0 ? 0.9 * own / (own + other) : 0.5);
+    return product < 0 || other < small * own || (own < saltus_alike && other < own);
 }
 
 bool saltus_locus_ceases_to_complete(const saltus_solution *s) {

@@ -38,9 +38,14 @@ saltus_status saltus_locus_find_leaving(saltus_extended *extended, saltus_locus_
 /* The point at arclength `ahead` from another, seen; false where it cannot be had. */
 bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out);
-/* Whether an orbit on a curve of grazing is one of half the period, or its own mirror image, as those of the
- * curve are not, by so much: another such curve crosses there. `halves` (may be NULL): which of the two. */
-bool saltus_locus_joins(saltus_extended *extended, const saltus_solution *orbit, double near, bool *halves);
+/* How far an orbit is from one of half the period, or, where the curve's are not, from its own mirror image:
+ * `halves` (may be NULL): from the former. */
+double saltus_locus_apart(saltus_extended *extended, const saltus_solution *orbit, bool *halves);
+/* Whether an orbit on a curve of grazing is all but such a one, which the curve's are not: another such curve
+ * crosses there. A `breach` is nothing there if it falls with that distance from `here` on; otherwise another
+ * impact grazes. */
+bool saltus_locus_joins_at(saltus_extended *extended, const saltus_locus_point *here,
+                           const saltus_solution *orbit, bool breach);
 /* Whether the orbit is one, and the special one that is followed. Beyond another impact's birth or death it
  * is none, but the curve goes on to there. */
 bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *point);
@@ -74,9 +79,23 @@ saltus_status saltus_locus_end_contact(saltus_extended *extended, const saltus_l
  * the same of orbits that are their own mirror images, where these have a branch point. The equations are
  * singular there; but the curve depends smoothly on that rest. *kind: GR-PD or GR-BP where the curve joins
  * another so just ahead of `here`, at `at`, GR-GR where another impact of the shorter orbit grazes too,
- * otherwise REGULAR. Errors: SALTUS_NO_MEMORY. */
+ * otherwise REGULAR, or what the next function finds. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message);
+/* Curves of folds and of tori of orbits of twice the period end where these become those of half of it. The
+ * equations are singular there, and beyond have nothing but the flips of the shorter orbits; but the curve
+ * depends smoothly on how far the halves are apart. *kind by the shorter orbit's multipliers: GPD, LP-PD,
+ * PD-NS, R2 or R4 where the curve ends so ahead of `here`, at `at`; otherwise REGULAR. Errors:
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_locus_join_halves(saltus_extended *extended, saltus_locus_point *here,
+                                       saltus_locus_point *at, saltus_point_kind *kind,
+                                       saltus_message *message);
+/* Scaled states this near to one another where orbits join those of half the period tell curves no more. */
+static const double saltus_alike = 5e-4;
+/* Whether orbits on a curve of folds or tori become those of half the period between two points: their halves
+ * change places, or are all but equal at the second, or ever nearer. *ahead of the first they are not yet. */
+bool saltus_locus_halves_ahead(saltus_extended *extended, const saltus_locus_point *here,
+                               const saltus_locus_point *next, double *ahead);
 /* Whether a contact after complete chatter has all but shrunk to nothing. */
 bool saltus_locus_ceases_to_complete(const saltus_solution *orbit);
 

@@ -272,8 +272,16 @@ static int curves_at(saltus_extended *x, const saltus_corner *corner, const salt
                                                                   [SALTUS_POINT_GR_NS] = SALTUS_POINT_NS,
                                                                   [SALTUS_POINT_GR_BP] = SALTUS_POINT_BP};
     saltus_locus_start *start = &starts[0];
-    if (corner->joins)
+    if (corner->joins && x->kind == SALTUS_POINT_GR)
         return joined_curves(x, corner, at, starts);
+    if (corner->joins) {
+        /* The flips of the shorter orbits, and tori of theirs at a double multiplier. */
+        starts[0].kind = SALTUS_POINT_PD;
+        starts[1].kind = SALTUS_POINT_NS;
+        starts[0].sequence = starts[1].sequence = saltus_sequence_first_half(&at->sequence);
+        starts[1].theta = M_PI;
+        return corner->kind == SALTUS_POINT_R2 ? 2 : 0;
+    }
     if (corner->kind == SALTUS_POINT_GR_GR)
         return other_grazing(x, at, starts);
     if (corner->kind == SALTUS_POINT_R1 || corner->kind == SALTUS_POINT_R2) {

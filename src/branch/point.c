@@ -6,19 +6,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-const saltus_word saltus_point_words[] = {{"regular", SALTUS_POINT_REGULAR}, {"LP", SALTUS_POINT_LP},
-                                          {"PD", SALTUS_POINT_PD},           {"NS", SALTUS_POINT_NS},
-                                          {"BP", SALTUS_POINT_BP},           {"GR", SALTUS_POINT_GR},
-                                          {"CH", SALTUS_POINT_CH},           {"ST", SALTUS_POINT_ST},
-                                          {"UZ", SALTUS_POINT_UZ},           {"EP", SALTUS_POINT_EP},
-                                          {"HB", SALTUS_POINT_HB},           {"BE", SALTUS_POINT_BE},
-                                          {"CP", SALTUS_POINT_CP},           {"GR-LP", SALTUS_POINT_GR_LP},
-                                          {"GR-PD", SALTUS_POINT_GR_PD},     {"GR-NS", SALTUS_POINT_GR_NS},
-                                          {"GR-GR", SALTUS_POINT_GR_GR},     {"GR-BP", SALTUS_POINT_GR_BP},
-                                          {"CH-GR", SALTUS_POINT_CH_GR},     {"R1", SALTUS_POINT_R1},
-                                          {"R2", SALTUS_POINT_R2},           {"R3", SALTUS_POINT_R3},
-                                          {"R4", SALTUS_POINT_R4},           {"BT", SALTUS_POINT_BT},
-                                          {"GH", SALTUS_POINT_GH},           {NULL, 0}};
+const saltus_word saltus_point_words[] = {{"regular", SALTUS_POINT_REGULAR},
+                                          {"LP", SALTUS_POINT_LP},
+                                          {"PD", SALTUS_POINT_PD},
+                                          {"NS", SALTUS_POINT_NS},
+                                          {"BP", SALTUS_POINT_BP},
+                                          {"GR", SALTUS_POINT_GR},
+                                          {"CH", SALTUS_POINT_CH},
+                                          {"ST", SALTUS_POINT_ST},
+                                          {"UZ", SALTUS_POINT_UZ},
+                                          {"EP", SALTUS_POINT_EP},
+                                          {"HB", SALTUS_POINT_HB},
+                                          {"BE", SALTUS_POINT_BE},
+                                          {"CP", SALTUS_POINT_CP},
+                                          {"GR-LP", SALTUS_POINT_GR_LP},
+                                          {"GR-PD", SALTUS_POINT_GR_PD},
+                                          {"GR-NS", SALTUS_POINT_GR_NS},
+                                          {"GR-GR", SALTUS_POINT_GR_GR},
+                                          {"GR-BP", SALTUS_POINT_GR_BP},
+                                          {"CH-GR", SALTUS_POINT_CH_GR},
+                                          {"R1", SALTUS_POINT_R1},
+                                          {"R2", SALTUS_POINT_R2},
+                                          {"R3", SALTUS_POINT_R3},
+                                          {"R4", SALTUS_POINT_R4},
+                                          {"BT", SALTUS_POINT_BT},
+                                          {"GH", SALTUS_POINT_GH},
+                                          {"GPD", SALTUS_POINT_GPD},
+                                          {"LP-PD", SALTUS_POINT_LP_PD},
+                                          {"PD-NS", SALTUS_POINT_PD_NS},
+                                          {NULL, 0}};
 
 const char *saltus_point_word(saltus_point_kind kind) {
     const char *word = kind ? saltus_word_of(saltus_point_words, (int)kind) : NULL;

@@ -134,6 +134,15 @@ static void find_bound(const saltus_sequence *s, bool *bound) {
         bound[k] = passing(s, held[k]) || s->mark[k].driven;
 }
 
+saltus_sequence saltus_sequence_first_half(const saltus_sequence *s) {
+    saltus_sequence half = *s;
+    half.periods = s->periods / 2;
+    half.cuts = 1;
+    while (half.count > 0 && half.mark[half.count - 1].time >= half.base + half.periods)
+        half.count--;
+    return half;
+}
+
 /* Cuts at about equal distances, in free flight and away from marks. */
 static void cut_evenly(saltus_sequence *s, int cuts) {
     bool bound[SALTUS_MARKS_MAX];

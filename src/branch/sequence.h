@@ -19,6 +19,9 @@ bool saltus_sequence_double(const saltus_sequence *old, saltus_sequence *fresh);
 bool saltus_sequence_join(const saltus_sequence *first, const saltus_sequence *second,
                           saltus_sequence *fresh);
 
+/* The first half of an orbit of even period whose halves are alike. */
+saltus_sequence saltus_sequence_first_half(const saltus_sequence *sequence);
+
 /* How far, in periods, the marks are from repeating after each of so many equal parts of the orbit:
  * `mirrored`, each on another face than the one a part before. INFINITY where faces or kinds do not repeat,
  * or nothing can be told as there are no marks. */

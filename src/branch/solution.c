@@ -318,6 +318,11 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence 
 }
 
 double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s, bool mirrored) {
+    double apart[SALTUS_STATE_MAX];
+    return saltus_solution_halves(o, s, mirrored, apart);
+}
+
+double saltus_solution_halves(saltus_orbits *o, const saltus_solution *s, bool mirrored, double *apart) {
     saltus_sequence halves = s->sequence;
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
@@ -329,8 +334,10 @@ double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s,
     saltus_status status = saltus_orbits_shoot(o, &halves, s->parameter, s->state, &shooting, &u, &ignored);
     if (saltus_orbits_noted(o, status) == SALTUS_OK) {
         largest = 0;
-        for (int i = 0; i < o->n; i++)
-            largest = fmax(largest, fabs(u[o->n + i] + (mirrored ? u[i] : -u[i])));
+        for (int i = 0; i < o->n; i++) {
+            apart[i] = u[o->n + i] + (mirrored ? u[i] : -u[i]);
+            largest = fmax(largest, fabs(apart[i]));
+        }
     }
     saltus_shooting_free(shooting);
     free(u);

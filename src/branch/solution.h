@@ -142,6 +142,9 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequ
 /* How far an orbit of an even period is from closing after half of it, scaled; INFINITY for an odd one.
  * `mirrored`: from being its own mirror image. */
 double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored);
+/* The same, and by what it is `apart` (n), scaled, where that is finite. */
+double saltus_solution_halves(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored,
+                              double *apart);
 /* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
 bool saltus_pair_on_circle(const saltus_survey *survey);
 
