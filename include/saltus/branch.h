@@ -117,7 +117,7 @@ typedef struct saltus_branch_options {
     int points;            /* at most, per branch, special points and its end among them; default 2000 */
     int direction;         /* +1 up first and only, -1 down only, 0 both; default 0 */
     int switches; /* how often to switch branches: at flips, branch points and Hopf points of equilibria,
-                     where an equilibrium meets a stop to the cycles with one impact that begin there, and at
+                     where an equilibrium meets a stop to the cycles with impacts that begin there, and at
                      grazing to orbits of twice the period that graze in one half only; of loci, at points of
                      codimension two to the other curves that meet there, each of which is followed once;
                      default 0 */
