@@ -222,6 +222,12 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
         bool located =
             near * far < 0 && heard &&
             saltus_curve_zero(x->orbits.solver, corner_at, &self, near, next->at.ahead, far, &place, &width);
+        /* Where a pair of multipliers meets the equations are singular, and solved near there by chance; the
+         * place is had from others (saltus_locus_sharpen). */
+        if (!located && near * far < 0 && x->kind == SALTUS_POINT_NS && k > 0 && here->corners[k].ends) {
+            place = next->at.ahead * near / (near - far);
+            located = true;
+        }
         /* The first function is the breach, which may begin with a jump, where a maximum of the gap appears.
          */
         if (k == 0 && (located || far > 1e-9) &&
