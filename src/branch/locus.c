@@ -569,7 +569,8 @@ static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message 
     if (status != SALTUS_OK)
         return status;
     /* What lies beyond are no orbits of twice a period. */
-    *shorter = step > stride_min && saltus_locus_apart(&l->x, &l->here.orbit, NULL) > saltus_alike;
+    *shorter = step > stride_min && (l->x.kind == SALTUS_POINT_NS ||
+                                     saltus_locus_apart(&l->x, &l->here.orbit, NULL) > saltus_alike);
     if (!*shorter)
         return give_end(l, message);
     l->trail->step = step;

@@ -546,7 +546,8 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
     /* Where Newton's method was drawn onto the flips of the shorter orbits, which solve these equations too,
      * it was a long way. */
     *ahead = next->at.ahead * (product < 0 ? 0.9 * own / (own + other) : 0.5);
-    return product < 0 || other < small * own || (own < saltus_alike && other < own);
+    return product < 0 || other < small * own ||
+           (x->kind == SALTUS_POINT_LP && own < saltus_alike && other < own);
 }
 
 bool saltus_locus_ceases_to_complete(const saltus_solution *s) {

@@ -90,7 +90,8 @@ saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *h
 saltus_status saltus_locus_join_halves(saltus_extended *extended, saltus_locus_point *here,
                                        saltus_locus_point *at, saltus_point_kind *kind,
                                        saltus_message *message);
-/* Scaled states this near to one another where orbits join those of half the period tell curves no more. */
+/* Scaled states this near to one another where orbits join those of half the period tell no curve of folds.
+ */
 static const double saltus_alike = 5e-4;
 /* Whether orbits on a curve of folds or tori become those of half the period between two points: their halves
  * change places, or are all but equal at the second, or ever nearer. *ahead of the first they are not yet. */
