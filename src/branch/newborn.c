@@ -20,11 +20,11 @@
 enum { contacts_max = 768, longest = 24 };
 
 /* The last part of a motion: its contact events, with the states after them. */
-typedef struct diary {
+typedef struct history {
     int count;
     saltus_event event[contacts_max];
     double *state; /* contacts_max x n */
-} diary;
+} history;
 
 typedef struct newborn {
     saltus_rests *rests;
@@ -33,7 +33,7 @@ typedef struct newborn {
     saltus_system *system; /* beyond, by its own clock; */
     saltus_flow *flow;
     double size; /* scaled distance of the equilibrium there from `at` */
-    diary diary;
+    history history;
 } newborn;
 
 /* A cycle, by its own clock. */
@@ -79,7 +79,7 @@ static void begin_aside(const newborn *b, const saltus_rest *rest, int trial, do
 /* Where a contact is noted with which chatter completes: of the impacts before, any number, the first is
  * kept.
  */
-static int run_begin(const diary *d) {
+static int run_begin(const history *d) {
     int first = d->count;
     while (first > 0 && d->event[first - 1].kind == SALTUS_IMPACT)
         first--;
@@ -91,7 +91,7 @@ static int run_begin(const diary *d) {
 static saltus_status follow(newborn *b, const saltus_rest *rest, int face, double *state) {
     const double far = 1e3, turns = 3000;
     const size_t n = (size_t)b->rests->n;
-    diary *d = &b->diary;
+    history *d = &b->history;
     saltus_event event = {.kind = SALTUS_STEP};
     saltus_message ignored;
     double fastest = 0;
@@ -119,7 +119,7 @@ static saltus_status follow(newborn *b, const saltus_rest *rest, int face, doubl
 /* Whether the last `count` of the chosen events repeat those `period` before. */
 static bool repeats(const newborn *b, const int *chosen, int last, int period, int count) {
     const double near = 1e-4;
-    const diary *d = &b->diary;
+    const history *d = &b->history;
     for (int k = last; k > last - count; k--) {
         const int one = chosen[k], other = chosen[k - period];
         if (d->event[one].kind != d->event[other].kind ||
@@ -134,7 +134,7 @@ static bool repeats(const newborn *b, const int *chosen, int last, int period, i
  * has not. Where chatter completes only the contacts after it are counted, as there are any number of impacts
  * before. */
 static double settled(newborn *b, double *state) {
-    diary *d = &b->diary;
+    history *d = &b->history;
     int chosen[contacts_max], count = 0, sticks = 0, period = 1;
     for (int k = d->count / 2; k < d->count; k++)
         sticks += d->event[k].kind == SALTUS_STICK;
@@ -285,8 +285,8 @@ saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int fa
     saltus_branch_start start = *like;
     saltus_message ignored;
     b.options.flow.stop = NULL;
-    b.diary.state = calloc((size_t)contacts_max * (size_t)r->n, sizeof *b.diary.state);
-    saltus_status status = b.diary.state ? SALTUS_OK : saltus_branch_no_memory(message);
+    b.history.state = calloc((size_t)contacts_max * (size_t)r->n, sizeof *b.history.state);
+    saltus_status status = b.history.state ? SALTUS_OK : saltus_branch_no_memory(message);
     start.parameter = at->parameter[0];
     start.state = at->state;
     start.origin = SALTUS_POINT_BE;
@@ -308,6 +308,6 @@ saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int fa
         else if (status != SALTUS_NO_MEMORY)
             status = SALTUS_OK;
     }
-    free(b.diary.state);
+    free(b.history.state);
     return status;
 }
