@@ -456,18 +456,17 @@ bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
  * is decided by the acceleration at the state itself, so that the gap that follows begins as the flow will.
  */
 bool saltus_contacts_release(saltus_flow *flow, int lane, int face) {
-    const double standstill = 1e-13; /* periods in which the state may be too large to change */
     saltus_lane *self = &flow->lane[lane];
     const unsigned contacts = self->hold.faces;
     saltus_contacts_set(flow, lane, contacts & ~(1u << face));
     const saltus_work *probe = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 2);
-    const bool holds =
-        gap_coefficient(self->system, probe, face, 2) > rounding_of_gap(self->system, probe, face, 2);
-    if (holds && saltus_time_between(self->step.begin, self->now) > standstill) {
+    bool moved = self->now.phase != self->step.begin.phase || self->now.cycle != self->step.begin.cycle;
+    if (moved &&
+        gap_coefficient(self->system, probe, face, 2) > rounding_of_gap(self->system, probe, face, 2)) {
         saltus_contacts_set(flow, lane, contacts);
         return false;
     }
     self->info.releases++;
-    self->face[face] = (saltus_face_state){.touch = holds ? 3 : 2};
+    self->face[face] = (saltus_face_state){.touch = 2};
     return true;
 }

@@ -5,8 +5,7 @@
 #include <stdlib.h>
 
 enum {
-    rows_max = 64,    /* of a tape with tangent vectors: the compiler takes a tenth of a second for each, or
-                       * more; twice as many without */
+    rows_max = 64,    /* of a tape: the compiler takes a tenth of a second for each, or more */
     delay = 50,       /* ms that every run does without a compiler, or, with many rows, ... */
     delay_a_row = 10, /* ... so many for each */
     steps_between = 64
@@ -27,8 +26,8 @@ static void put_row(FILE *out, const saltus_tape_row *s) {
     for (int k = 0; k < 5 && s->count == 1; k++)
         operands[k].spread = true;
     put_operands(out, operands, 5);
-    fprintf(out, "%a, %d, %d, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->turned,
-            s->sparse, s->first, s->terms, s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
+    fprintf(out, "%a, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->first, s->terms,
+            s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
 }
 
 /* Row terms that any row has. */
@@ -39,42 +38,6 @@ static int count_terms(const saltus_tape *tape) {
         most = last > most ? last : most;
     }
     return most;
-}
-
-static int own_elements(const saltus_tape_row *row) {
-    return row->code == SALTUS_TAPE_TOTAL ? 1 : row->count;
-}
-
-/* Whether an operand of `count` elements takes of a row's. */
-static bool touches(const saltus_tape_row *row, const saltus_tape_operand *x, int count) {
-    return x->place[0] < row->out.place[0] + own_elements(row) + SALTUS_PACK_MAX &&
-           x->place[0] + (x->spread ? 1 : count + SALTUS_PACK_MAX) > row->out.place[0];
-}
-
-/* Whether a row is taken by sums and as an acceleration only, and element by element: its coefficients serve
- * their own order. Sums of pieces that stand aslant reach over their rows' ends. */
-static bool passes(const saltus_tape *tape, const saltus_tape_row *row) {
-    bool alone = row->code == SALTUS_TAPE_COMBINE || row->code == SALTUS_TAPE_TOTAL;
-    for (const saltus_tape_row *s = tape->rows; s < tape->rows + tape->row_count && alone; s++) {
-        const bool sums = s->code == SALTUS_TAPE_COMBINE || s->code == SALTUS_TAPE_TOTAL;
-        const saltus_tape_operand operands[] = {s->a, s->b, s->a2, s->b2};
-        for (int k = 0; k < 4 && !sums && s->code != SALTUS_TAPE_GATHER; k++)
-            alone = alone && !touches(row, &operands[k], s->count);
-        for (int t = s->numbers; t < s->terms && sums; t++) {
-            const saltus_tape_row_term *term = &tape->row_terms[s->first + t];
-            alone = alone &&
-                    (term->spread || term->place[0] == row->out.place[0] || !touches(row, term, s->count));
-        }
-    }
-    return alone && row - tape->rows >= tape->steady_rows;
-}
-
-static void put_passing(FILE *out, const saltus_tape *tape) {
-    fprintf(out, "static const bool fixed_passing[%d] = {", tape->elements[1] + 1);
-    for (const saltus_tape_row *s = tape->rows; s < tape->rows + tape->row_count; s++)
-        for (int e = 0; e < own_elements(s) && passes(tape, s); e++)
-            fprintf(out, "[%d] = 1, ", s->out.place[1] + e);
-    fputs("}; ", out);
 }
 
 /* The tape as definitions of constants: one line. */
@@ -88,11 +51,6 @@ static void put_tape(FILE *out, const saltus_tape *tape) {
     fputs("}; static const saltus_tape_row fixed_rows[] = {", out);
     for (int k = 0; k < tape->row_count; k++)
         put_row(out, &tape->rows[k]);
-    fputs("}; ", out);
-    put_passing(out, tape);
-    fputs("static const bool fixed_absent[] = {", out);
-    for (int k = 0; k < tape->weights[1]; k++)
-        fprintf(out, "%d, ", tape->weight_slot[1][k] < 0);
     fprintf(out,
             "}; static const saltus_tape fixed_tape = {.row_count = %d, .steady_rows = %d, "
             ".steady_by_order = %d, .time = %d, .phase = %d, .elements = {%d, %d}, .weights = {%d, %d}, "
@@ -122,8 +80,7 @@ static char *make_source(const void *from, const saltus_compile_shape *shape) {
     const saltus_tape *tape = system->tape;
     char *text = NULL;
     size_t size;
-    const int most = shape->columns ? rows_max : 2 * rows_max;
-    FILE *out = tape->row_count <= most ? open_memstream(&text, &size) : NULL;
+    FILE *out = tape->row_count <= rows_max ? open_memstream(&text, &size) : NULL;
     if (!out)
         return NULL;
     fprintf(out,
@@ -179,7 +136,8 @@ void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const
         fixed->steps = 0;
         saltus_fixed_ask(fixed, system);
     }
-    if (fixed->function)
+    /* Contacts that hold are rare, and not compiled. */
+    if (fixed->function && work->hold.count == 0)
         fixed->function(work, from, to);
     else
         kernel->expand(work, from, to);

@@ -25,7 +25,6 @@ typedef struct frame {
     int columns;    /* tangent vectors */
     int directions; /* the last of these: parameter columns */
     int dof, extra, forcing;
-    bool single; /* order 0 alone, the field itself: nothing is begun for the next one */
     long orders, order_span;
     saltus_pack *q, *v; /* jets */
     lane_t *e;
@@ -34,7 +33,6 @@ typedef struct frame {
     saltus_holding hold;
     saltus_varied vary;
     const lane_t *phase, *elapsed;
-    lane_t *passing; /* of a text: what serves its own order alone */
 } frame;
 
 #define ORDER_STRIDE ((long)(1 + f.columns) * f.packs)
@@ -260,31 +258,24 @@ KERNEL_INLINE void tilt_contacts(frame f, int k, int direction, double inverse, 
     }
 }
 
-/* Contacts hold in few steps. */
-KERNEL_INLINE bool holds(frame f) {
-    return __builtin_expect(f.hold.count != 0, 0);
-}
-
 /* v_k and q_{k+1} -> v_{k+1}, q_{k+2}. */
 KERNEL_INLINE void expand_order(frame f, int k, int c) {
     const double inverse = 1.0 / (k + 1), later = 1.0 / (k + 2);
-    saltus_pack next[ROW_PACKS_MAX], displacement[ROW_PACKS_MAX];
+    saltus_pack next[ROW_PACKS_MAX];
     const int direction = f.directions - 1 - (f.columns - c);
     model_order(f, k, c, inverse, next);
     if (f.directions && direction >= 0)
         model_source(f, k, c, direction, inverse, next);
-    if (holds(f)) {
-        if (f.vary.tilts && c == 0)
-            keep_forces(f, next);
+    if (f.vary.tilts && f.hold.count && c == 0)
+        keep_forces(f, next);
+    if (f.hold.count)
         hold_contacts(f, k, c, next);
-        if (f.vary.tilts && direction >= 0)
-            tilt_contacts(f, k, direction, inverse, next);
-    }
+    if (f.vary.tilts && f.hold.count && direction >= 0)
+        tilt_contacts(f, k, direction, inverse, next);
     for (int p = 0; p < f.packs; p++) {
         JET(f.v, k + 1, c)[p] = next[p];
-        JET(f.q, k + 2, c)[p] = displacement[p] = next[p] * later;
+        JET(f.q, k + 2, c)[p] = next[p] * later;
     }
-    model_place(f, k + 1, c, next, displacement);
 }
 
 KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int first, int last) {
@@ -369,25 +360,14 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int from, int to)
 _Static_assert(SALTUS_PACK == SALTUS_FIXED_PACK && sizeof(saltus_work) == SALTUS_FIXED_WORK,
                "compiled otherwise than the library");
 __attribute__((visibility("default"))) void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to);
-/* What is kept for later orders, what is not, and the jets have no element in common. */
-static __attribute__((noinline)) void expand_fixed(const saltus_work *w, int from, int to,
-                                                   double *restrict kept, lane_t *restrict passing,
-                                                   double *restrict q, double *restrict v) {
+void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to) {
     const int packs = row_packs(SALTUS_FIXED_DOF);
     frame f = make_frame(w, SALTUS_FIXED_EXTRA ? SALTUS_TERM_EXTRA : 0, packs, row_block(packs),
-                         SALTUS_FIXED_COLUMNS, SALTUS_FIXED_DIRECTIONS, w->hold.count);
+                         SALTUS_FIXED_COLUMNS, SALTUS_FIXED_DIRECTIONS, 0);
     f.dof = SALTUS_FIXED_DOF;
     f.extra = SALTUS_FIXED_EXTRA;
     f.orders = SALTUS_FIXED_ORDER + 2;
-    f.model.series = kept;
-    f.passing = passing;
-    f.q = PACKS(q);
-    f.v = PACKS(v);
     expand_frame(f, w, from, to);
-}
-
-void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to) {
-    expand_fixed(w, from, to, w->model.series, NUMBERS(w->model.series), w->jet.q, w->jet.v);
 }
 
 #else
@@ -408,11 +388,7 @@ KERNEL_INLINE void expand_directions(const saltus_work *w, int from, int to, int
 
 static void expand_any(const saltus_work *w, int from, int to) {
     const int packs = row_packs(w->dof), block = row_block(ROW_PACKS_MAX);
-    if (from == 0 && to == 1 && !w->directions) {
-        frame f = make_frame(w, w->loaded.terms, packs, block, w->columns, 0, w->hold.count);
-        f.single = true;
-        expand_frame(f, w, 0, 1);
-    } else if (w->directions)
+    if (w->directions)
         expand_directions(w, from, to, packs, 1);
     else
         expand_frame(make_frame(w, w->loaded.terms, packs, block, w->columns, 0, w->hold.count), w, from, to);

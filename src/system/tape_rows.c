@@ -16,7 +16,6 @@ enum { pack_max = 8 };   /* elements of the widest pack: rows of one trajectory 
 typedef struct home {
     int row, element; /* -1: none yet */
     int level;
-    int newness; /* the higher, the later at each order it is known; 0 as displacements: an order before */
     unsigned long long kind; /* of the step that makes it: steps of equal kinds share a row */
 } home;
 
@@ -68,11 +67,10 @@ static int add_row(arranger *m, int count) {
     return row;
 }
 
-static void settle(arranger *m, int place, int row, int element, int level, int newness) {
+static void settle(arranger *m, int place, int row, int element, int level) {
     m->homes[place].row = row;
     m->homes[place].element = element;
     m->homes[place].level = level;
-    m->homes[place].newness = newness;
 }
 
 static saltus_tape_operand operand_at(const arranger *m, int row, int element, bool spread,
@@ -185,14 +183,14 @@ static saltus_tape_operand collect_operand(arranger *m, bool second, int level) 
 /* One number in the matrix of a row of combinations. */
 typedef struct incidence {
     int element, row, from, slot; /* row -1: no series, the number alone */
-    int newness;
+    int level;
     unsigned depends;
     bool taken;
 } incidence;
 
 static int earlier(const void *a, const void *b) {
     const incidence *x = a, *y = b;
-    int order[] = {x->newness - y->newness, x->row - y->row, x->from - y->from, x->element - y->element};
+    int order[] = {x->level - y->level, x->row - y->row, x->from - y->from, x->element - y->element};
     for (int k = 0; k < 4; k++)
         if (order[k])
             return order[k];
@@ -223,7 +221,7 @@ static bool on_diagonals(arranger *m, const incidence *list, int count, int memb
 
 /* Terms that have the entries of one block of the matrix: its columns or its diagonals. */
 static void add_terms(arranger *m, incidence *block, int count, int members, bool diagonal, int *slots,
-                      int *terms, bool *sparse) {
+                      int *terms) {
     for (int k = 0; k < count; k++) {
         if (block[k].taken)
             continue;
@@ -241,8 +239,6 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
                 made.depends |= block[j].depends;
             }
         add_term(m, made);
-        for (int e = 0; e < members; e++)
-            *sparse = *sparse || slots[e] < 0;
         for (int width = 0; width < 2; width++)
             for (int e = 0; e < (width ? members : padded(members)); e++)
                 add_slot(m, width, e < members ? slots[e] : -1);
@@ -286,7 +282,7 @@ static void add_combinations(arranger *m, saltus_tape_row *row) {
                                     .from = h ? h->element : 0,
                                     .slot = term->slot,
                                     .depends = h ? tape->depends[term->from] : 0,
-                                    .newness = h ? h->newness : -1};
+                                    .level = h ? h->level : -1};
         }
     qsort(list, (size_t)count, sizeof *list, earlier);
     row->first = m->terms.count;
@@ -298,7 +294,7 @@ static void add_combinations(arranger *m, saltus_tape_row *row) {
                 ;
             const bool diagonal = list[from].row >= 0 && on_diagonals(m, list + from, to - from, row->count);
             if (diagonal == (pass == 1))
-                add_terms(m, list + from, to - from, row->count, diagonal, slots, &row->terms, &row->sparse);
+                add_terms(m, list + from, to - from, row->count, diagonal, slots, &row->terms);
             if (list[from].row < 0 && pass == 0)
                 row->numbers = row->terms;
         }
@@ -334,19 +330,15 @@ static void add_members(arranger *m, int level) {
         row.b = s->code == SALTUS_TAPE_SQUARE ? row.a : collect_operand(m, true, level);
     } else if (s->code == SALTUS_TAPE_FUNCTION)
         row.a = operand_of(m, s->a, true);
-    if (s->code == SALTUS_TAPE_MULTIPLY)
-        row.turned = m->homes[s->a].newness > m->homes[s->b].newness;
     /* The spread operand of a product comes first. */
     if (s->code == SALTUS_TAPE_MULTIPLY && row.b.spread && !row.a.spread) {
         saltus_tape_operand other = row.a;
         row.a = row.b;
         row.b = other;
-        row.turned = m->homes[s->b].newness > m->homes[s->a].newness;
     }
-    const bool early = !(s->depends & SALTUS_OF_STATES) || s->code == SALTUS_TAPE_INTEGRAL;
     const int place = add_row(m, m->member_count);
     for (int e = 0; e < m->member_count; e++)
-        settle(m, member(m, e)->out, place, e, level, early ? 0 : level + 1);
+        settle(m, member(m, e)->out, place, e, level);
     row.out = operand_at(m, place, 0, false, s->depends);
     add_step(m, row);
 }
@@ -466,14 +458,14 @@ static void place_leaves(arranger *m, int dof) {
         tape->state[part] = operand_at(m, row, 0, false, SALTUS_OF_STATES);
         for (int i = 0; i < counts[part]; i++, state++)
             if (tape->state_register[state] >= 0)
-                settle(m, tape->state_register[state], row, i, 0, part > 0);
+                settle(m, tape->state_register[state], row, i, 0);
     }
     for (int k = 0; k < 2; k++) {
         const int place = k ? tape->phase : tape->time;
         saltus_tape_operand *at = k ? &tape->phase_at : &tape->time_at;
         *at = (saltus_tape_operand){.place = {-1, -1}};
         if (place >= 0) {
-            settle(m, place, add_row(m, 1), 0, 0, 0);
+            settle(m, place, add_row(m, 1), 0, 0);
             *at = operand_of(m, place, true);
         }
     }
