@@ -426,10 +426,8 @@ static int tell_born(const saltus_branch_start *born, bool first, const char *ke
                              : "a contact",
                  impacts);
     const char *side = born->heading > 0 ? "larger" : "smaller";
-    return first ? snprintf(text, room, "; a cycle with %s of period %.9g begins towards %s %s", meets,
-                            2 * M_PI / s->omega, side, key)
-                 : snprintf(text, room, ", one with %s of period %.9g towards %s %s", meets,
-                            2 * M_PI / s->omega, side, key);
+    return snprintf(text, room, "%s with %s of period %.9g %stowards %s %s", first ? "; a cycle" : ", one",
+                    meets, 2 * M_PI / s->omega, first ? "begins " : "", side, key);
 }
 
 /* The equilibrium `at` on the way meets a stop or leaves it: the branch goes on with other contacts. */

@@ -318,12 +318,12 @@ static double rest_of(saltus_extended *x, const saltus_solution *s, bool breach,
     return breach ? saltus_corner_breach(x, s) : saltus_solution_half_distance(&x->orbits, s, !halves);
 }
 
-/* `at` becomes the place where what is left of a breach, or of the distance from a shorter orbit, is nothing,
- * extrapolated from places on the curve of `here` so far apart before it, where the equations are regular;
- * *spread: how far off in the plane it would be with one of them less.
- * Errors: SALTUS_NO_MEMORY, those of the equations. */
 enum { samples_most = 8 };
 
+/* `at` becomes the place where what is left of a breach, or of the distance from a shorter orbit, is nothing,
+ * extrapolated from places on the curve of `here` so far apart before it, where the equations are regular;
+ * *spread: how far off in the plane it would be with one of them less. Errors: SALTUS_NO_MEMORY, those of the
+ * equations. */
 static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart, int samples,
                                  bool breach, bool halves, saltus_locus_point *at, double *spread,
                                  saltus_message *message) {

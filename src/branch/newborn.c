@@ -76,8 +76,7 @@ static void begin_aside(const newborn *b, const saltus_rest *rest, int trial, do
     saltus_state_admit(b->system, state);
 }
 
-/* Where a contact is noted with which chatter completes: of the impacts before, any number, the first is
- * kept.
+/* Where a contact with which chatter completes is noted: of the impacts before, any number, the first stays.
  */
 static int run_begin(const history *d) {
     int first = d->count;
@@ -86,8 +85,8 @@ static int run_begin(const history *d) {
     return first < d->count ? first + 1 : first;
 }
 
-/* Follow a motion until it has met many contacts, and note them. Few are noted where it
- * rests or leaves the neighbourhood. Errors: those of the flow. */
+/* Follow a motion until it has met many contacts, and note them. Few are noted where it rests or leaves the
+ * neighbourhood. Errors: those of the flow. */
 static saltus_status follow(newborn *b, const saltus_rest *rest, int face, double *state) {
     const double far = 1e3, turns = 3000;
     const size_t n = (size_t)b->rests->n;
