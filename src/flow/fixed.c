@@ -26,8 +26,8 @@ static void put_row(FILE *out, const saltus_tape_row *s) {
     for (int k = 0; k < 5 && s->count == 1; k++)
         operands[k].spread = true;
     put_operands(out, operands, 5);
-    fprintf(out, "%a, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->first, s->terms,
-            s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
+    fprintf(out, "%a, %d, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->turned,
+            s->first, s->terms, s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
 }
 
 /* Row terms that any row has. */

@@ -261,7 +261,7 @@ KERNEL_INLINE void tilt_contacts(frame f, int k, int direction, double inverse, 
 /* v_k and q_{k+1} -> v_{k+1}, q_{k+2}. */
 KERNEL_INLINE void expand_order(frame f, int k, int c) {
     const double inverse = 1.0 / (k + 1), later = 1.0 / (k + 2);
-    saltus_pack next[ROW_PACKS_MAX];
+    saltus_pack next[ROW_PACKS_MAX], displacement[ROW_PACKS_MAX];
     const int direction = f.directions - 1 - (f.columns - c);
     model_order(f, k, c, inverse, next);
     if (f.directions && direction >= 0)
@@ -274,8 +274,9 @@ KERNEL_INLINE void expand_order(frame f, int k, int c) {
         tilt_contacts(f, k, direction, inverse, next);
     for (int p = 0; p < f.packs; p++) {
         JET(f.v, k + 1, c)[p] = next[p];
-        JET(f.q, k + 2, c)[p] = next[p] * later;
+        JET(f.q, k + 2, c)[p] = displacement[p] = next[p] * later;
     }
+    model_place(f, k + 1, c, next, displacement);
 }
 
 KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int first, int last) {

@@ -103,4 +103,14 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
                                               -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
 }
 
+/* Nothing is kept elsewhere. */
+KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocity,
+                               const saltus_pack *displacement) {
+    (void)f;
+    (void)k;
+    (void)c;
+    (void)velocity;
+    (void)displacement;
+}
+
 #endif

@@ -437,4 +437,14 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
         next[p] -= source[p] * inverse;
 }
 
+/* Nothing is kept elsewhere. */
+KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocity,
+                               const saltus_pack *displacement) {
+    (void)f;
+    (void)k;
+    (void)c;
+    (void)velocity;
+    (void)displacement;
+}
+
 #endif

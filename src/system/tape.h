@@ -72,6 +72,7 @@ typedef struct saltus_tape_row {
     saltus_tape_operand out, a, b, a2, b2;
     double sign;
     bool linear, paired; /* paired: of a function, a2 and b2 exist */
+    bool turned;         /* of a product: at each order a is known later than b */
     int first, terms;    /* of combinations: row terms; of a gathering: its operands */
     int numbers,
         spread_terms; /* ends of the terms that are numbers alone and of those with spread elements */

@@ -84,9 +84,10 @@ KERNEL_INLINE player make_player(frame f) {
                     .directions = f.directions};
 }
 
-/* An operand's coefficient 0 in a column. */
-KERNEL_INLINE lane_t *series_of(const player *m, const saltus_tape_operand *x, int c) {
-    return m->base + x->place[SALTUS_WIDE] + c * m->column;
+/* An operand's coefficient k in a column. The order is added first: where the places are constants, the
+ * compiler then sees that what a row has just written is what the next one reads. */
+KERNEL_INLINE lane_t *series_of(const player *m, const saltus_tape_operand *x, int c, int k) {
+    return m->base + k * m->order + (x->place[SALTUS_WIDE] + c * m->column);
 }
 
 /* What a column changes: states, and along a direction in parameter space all. */
@@ -201,27 +202,40 @@ KERNEL_INLINE void square_two(const lane_t *a, bool spread, long order, int n, c
     }
 }
 
-/* Coefficient k of a product. At an even order the inner terms of the next one are laid aside where that
- * coefficient will stand. The newest terms come last. */
-KERNEL_INLINE void product_packs(const lane_t *a, bool spread, const lane_t *b, bool spread_b, lane_t *out,
-                                 bool spread_out, long order, int k, int p, int elements, const int count) {
+/* A series that a product is made of: a column of an operand. */
+typedef struct factor {
+    const saltus_tape_operand *of;
+    int column;
+    bool spread;
+} factor;
+
+KERNEL_INLINE const lane_t *factor_at(const player *m, factor a, int k, int p) {
+    return series_of(m, a.of, a.column, k) + (a.spread ? 0 : p * ELEMENTS);
+}
+
+/* Coefficient k of a product, into a column of a row. At an even order the inner terms of the next one are
+ * laid aside where that coefficient will stand. The newest terms come last. */
+KERNEL_INLINE void product_packs(const player *m, const saltus_tape_row *s, int c, factor a, factor b, int k,
+                                 int p, const int count) {
     saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
-    a += spread ? 0 : p * ELEMENTS;
-    b += spread_b ? 0 : p * ELEMENTS;
-    out += k * order;
+    const factor early = s->turned ? b : a, late = s->turned ? a : b;
+    lane_t *out = series_of(m, &s->out, c, k);
     if (k % 2)
         for (int j = 0; j < count; j++)
-            now[j] = load_pack(out, spread_out, p + j);
+            now[j] = load_pack(out, SPREAD(s->out), p + j);
     else {
-        convolve_two(a, spread, b, spread_b, order, k, count, now, next);
+        convolve_two(factor_at(m, a, 0, p), a.spread, factor_at(m, b, 0, p), b.spread, m->order, k, count,
+                     now, next);
         for (int j = 0; j < count; j++)
-            store_pack(out + order, spread_out, p + j, elements, next[j]);
+            store_pack(series_of(m, &s->out, c, k + 1), SPREAD(s->out), p + j, s->count, next[j]);
     }
     for (int j = 0; j < count; j++) {
         if (k > 0)
-            now[j] = saltus_pack_fma(load_pack(a + k * order, spread, j), load_pack(b, spread_b, j), now[j]);
-        store_pack(out, spread_out, p + j, elements,
-                   saltus_pack_fma(load_pack(a, spread, j), load_pack(b + k * order, spread_b, j), now[j]));
+            now[j] = saltus_pack_fma(load_pack(factor_at(m, early, k, p), early.spread, j),
+                                     load_pack(factor_at(m, late, 0, p), late.spread, j), now[j]);
+        store_pack(out, SPREAD(s->out), p + j, s->count,
+                   saltus_pack_fma(load_pack(factor_at(m, early, 0, p), early.spread, j),
+                                   load_pack(factor_at(m, late, k, p), late.spread, j), now[j]));
     }
 }
 
@@ -246,16 +260,15 @@ KERNEL_INLINE void product_packs(const lane_t *a, bool spread, const lane_t *b, 
 
 KERNEL_INLINE void multiply_packs(const player *m, const saltus_tape_row *s, bool spread, int k, int p,
                                   const int share) {
-    product_packs(series_of(m, &s->a, 0), spread, series_of(m, &s->b, 0), SPREAD(s->b),
-                  series_of(m, &s->out, 0), SPREAD(s->out), m->order, k, p, s->count, share);
+    product_packs(m, s, 0, (factor){&s->a, 0, spread}, (factor){&s->b, 0, SPREAD(s->b)}, k, p, share);
 }
 
 /* A square's coefficient k, or with `rate` half of (k + 1) times its coefficient k + 1. */
 KERNEL_INLINE void square_packs(const player *m, const saltus_tape_row *s, bool rate, int k, int p,
                                 const int share) {
     saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
-    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
-    const lane_t *a = series_of(m, &s->a, 0) + p * ELEMENTS;
+    lane_t *out = series_of(m, &s->out, 0, k);
+    const lane_t *a = series_of(m, &s->a, 0, 0) + p * ELEMENTS;
     const int n = k + rate;
     if (k % 2)
         for (int j = 0; j < share; j++)
@@ -263,12 +276,14 @@ KERNEL_INLINE void square_packs(const player *m, const saltus_tape_row *s, bool 
     else {
         square_two(a, SPREAD(s->a), m->order, n, share, now, next);
         for (int j = 0; j < share; j++)
-            store_pack(out + m->order, SPREAD(s->out), p + j, s->count, next[j]);
+            store_pack(series_of(m, &s->out, 0, k + 1), SPREAD(s->out), p + j, s->count, next[j]);
     }
+    const double factor = rate ? n : 2.0;
     for (int j = 0; j < share; j++) {
-        const saltus_pack ends = load_pack(a, SPREAD(s->a), j) * (n ? 1.0 : 0.5);
-        now[j] = saltus_pack_fma(ends, load_pack(a + n * m->order, SPREAD(s->a), j), now[j]);
-        store_pack(out, SPREAD(s->out), p + j, s->count, now[j] * (rate ? n : 2.0));
+        const saltus_pack ends = load_pack(a, SPREAD(s->a), j) * (n ? factor : 1.0);
+        store_pack(out, SPREAD(s->out), p + j, s->count,
+                   saltus_pack_fma(ends, load_pack(series_of(m, &s->a, 0, n), SPREAD(s->a), p + j),
+                                   now[j] * factor));
     }
 }
 
@@ -277,8 +292,21 @@ KERNEL_INLINE long weight_span(const saltus_tape_row *s) {
     return SALTUS_WIDE ? s->count : (s->count + SALTUS_PACK_MAX - 1) & -SALTUS_PACK_MAX;
 }
 
-/* Sums of weights times elements, a column's or the trajectory's. Terms stand in order: the number alone,
- * spread elements, pieces of rows; those on which nothing depends that changes have no series. */
+/* Add a term to sums in two chains, which meet before the last one. */
+KERNEL_INLINE void add_term(const lane_t *weight, const lane_t *x, bool spread, bool last, const int count,
+                            saltus_pack *sum, saltus_pack *other) {
+    for (int j = 0; j < count; j++) {
+        const saltus_pack before = sum[j];
+        if (last)
+            other[j] += before;
+        sum[j] = saltus_pack_fma(load_pack(weight, false, j), load_pack(x, spread, j), other[j]);
+        other[j] = before;
+    }
+}
+
+/* Sums of weights times elements, a column's or the trajectory's. Terms stand in order, in each group the
+ * newest last: the number alone, spread elements, pieces of rows; those on which nothing depends that changes
+ * have no series. */
 KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, const lane_t *weights,
                                  const lane_t *at, bool constant, unsigned changes, int p, const int count,
                                  saltus_pack *sum) {
@@ -286,6 +314,7 @@ KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, cons
     const lane_t *weight = weights + s->weight[SALTUS_WIDE] + p * ELEMENTS;
     const long span = weight_span(s);
     saltus_pack other[SHARES_MAX] = {{0}};
+    bool met = false;
     int t = 0;
     for (; t < s->numbers; t++, weight += span)
         for (int j = 0; j < count && constant; j++)
@@ -293,24 +322,17 @@ KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, cons
     for (; t < s->spread_terms; t++, weight += span) {
         if (changes != ~0u && !(term[t].depends & changes))
             continue;
-        const saltus_pack one = lane_spread(at[term[t].place[SALTUS_WIDE]]);
-        for (int j = 0; j < count; j++) {
-            const saltus_pack before = sum[j];
-            sum[j] = saltus_pack_fma(load_pack(weight, false, j), one, other[j]);
-            other[j] = before;
-        }
+        met = t == s->terms - 1;
+        add_term(weight, at + term[t].place[SALTUS_WIDE], true, met, count, sum, other);
     }
     for (; t < s->terms; t++, weight += span) {
         const lane_t *x = at + term[t].place[SALTUS_WIDE] + p * ELEMENTS;
         if (changes != ~0u && !(term[t].depends & changes))
             continue;
-        for (int j = 0; j < count; j++) {
-            const saltus_pack before = sum[j];
-            sum[j] = saltus_pack_fma(load_pack(weight, false, j), load_pack(x, SPREAD(s->out), j), other[j]);
-            other[j] = before;
-        }
+        met = t == s->terms - 1;
+        add_term(weight, x, SPREAD(s->out), met, count, sum, other);
     }
-    for (int j = 0; j < count; j++)
+    for (int j = 0; j < count && !met; j++)
         sum[j] += other[j];
 }
 
@@ -327,14 +349,13 @@ KERNEL_INLINE lane_t total_packs(const player *m, const saltus_tape_row *s, cons
 }
 
 KERNEL_INLINE void play_total(const player *m, const saltus_tape_row *s, int k) {
-    series_of(m, &s->out, 0)[k * m->order] =
-        total_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u);
+    *series_of(m, &s->out, 0, k) = total_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u);
 }
 
 KERNEL_INLINE void play_combination(const player *m, const saltus_tape_row *s, int k, int p,
                                     const int share) {
     saltus_pack sum[SHARES_MAX] = {{0}};
-    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
+    lane_t *out = series_of(m, &s->out, 0, k);
     combine_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u, p, share, sum);
     for (int j = 0; j < share; j++)
         store_pack(out, SPREAD(s->out), p + j, s->count, sum[j]);
@@ -360,22 +381,22 @@ static lane_t function_value(saltus_operation_function *value, saltus_operation 
 }
 
 KERNEL_INLINE void play_function(const player *m, const saltus_tape_row *s, int k) {
-    const lane_t *a = series_of(m, &s->a, 0), *b = series_of(m, &s->b, 0);
-    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
+    const lane_t *a = series_of(m, &s->a, 0, 0), *b = series_of(m, &s->b, 0, 0);
+    lane_t *out = series_of(m, &s->out, 0, k);
     if (k == 0) {
-        *out = function_value(m->value, s->function, *a, s->paired ? *series_of(m, &s->a2, 0) : *a);
+        *out = function_value(m->value, s->function, *a, s->paired ? *series_of(m, &s->a2, 0, 0) : *a);
         return;
     }
     lane_t sum = convolve_rate(a, b, m->order, k, s->linear ? 1 : k);
     if (s->paired)
-        sum += convolve_rate(series_of(m, &s->a2, 0), series_of(m, &s->b2, 0), m->order, k, k);
+        sum += convolve_rate(series_of(m, &s->a2, 0, 0), series_of(m, &s->b2, 0, 0), m->order, k, k);
     *out = sum * (s->sign / k);
 }
 
 /* Sine and cosine of a_0 + a_1 t, coefficients first .. last - 1. */
 KERNEL_INLINE void play_sine(const player *m, const saltus_tape_row *s, int first, int last) {
-    const lane_t *a = series_of(m, &s->a, 0);
-    lane_t *sine = series_of(m, &s->out, 0), *cosine = series_of(m, &s->b, 0);
+    const lane_t *a = series_of(m, &s->a, 0, 0);
+    lane_t *sine = series_of(m, &s->out, 0, 0), *cosine = series_of(m, &s->b, 0, 0);
     if (first == 0)
         turn(*a * 0.15915494309189533577, sine, cosine);
     const int start = first > 0 ? first : 1;
@@ -389,37 +410,35 @@ KERNEL_INLINE void play_sine(const player *m, const saltus_tape_row *s, int firs
 }
 
 KERNEL_INLINE void play_divide(const player *m, const saltus_tape_row *s, int k) {
-    const lane_t *a = series_of(m, &s->a, 0) + k * m->order, *b = series_of(m, &s->b, 0);
-    lane_t *out = series_of(m, &s->out, 0);
+    const lane_t *a = series_of(m, &s->a, 0, k), *b = series_of(m, &s->b, 0, 0);
+    lane_t *out = series_of(m, &s->out, 0, 0);
     for (int p = 0; p * ELEMENTS < s->count; p++) {
         saltus_pack sum[1] = {{0}};
         if (k > 0)
             convolve(out, SPREAD(s->out), b, s->b.spread, m->order, k, 0, k - 1, p, 1, sum);
-        store_pack(out + k * m->order, SPREAD(s->out), p, s->count,
+        store_pack(series_of(m, &s->out, 0, k), SPREAD(s->out), p, s->count,
                    (load_pack(a, s->a.spread, p) - sum[0]) / load_pack(b, s->b.spread, p));
     }
 }
 
 KERNEL_INLINE void play_integral(const player *m, const saltus_tape_row *s, int k) {
-    const lane_t *before = series_of(m, &s->b, 0) + (k - 1) * m->order;
-    lane_t *out = series_of(m, &s->out, 0) + k * m->order;
+    const lane_t *before = series_of(m, &s->b, 0, k - 1);
+    lane_t *out = series_of(m, &s->out, 0, k);
     for (int p = 0; p * ELEMENTS < s->count; p++) {
-        const saltus_pack start = load_pack(series_of(m, &s->a, 0), SPREAD(s->a), p);
+        const saltus_pack start = load_pack(series_of(m, &s->a, 0, 0), SPREAD(s->a), p);
         store_pack(out, SPREAD(s->out), p, s->count,
                    k ? load_pack(before, SPREAD(s->b), p) * (2.0 / k) : start * start);
     }
 }
 
 KERNEL_INLINE void play_choice(const player *m, const saltus_tape_row *s, int k) {
-    const long here = k * m->order;
-    series_of(m, &s->out, 0)[here] = lane_if_less(lane_constant(0), m->weights[s->weight[SALTUS_WIDE]],
-                                                  series_of(m, &s->a, 0)[here], series_of(m, &s->b, 0)[here]);
+    *series_of(m, &s->out, 0, k) = lane_if_less(lane_constant(0), m->weights[s->weight[SALTUS_WIDE]],
+                                                *series_of(m, &s->a, 0, k), *series_of(m, &s->b, 0, k));
 }
 
 KERNEL_INLINE void play_gathering(const player *m, const saltus_tape_row *s, int k) {
     for (int e = 0; e < s->count; e++)
-        series_of(m, &s->out, 0)[k * m->order + e] =
-            series_of(m, &m->tape->row_terms[s->first + e], 0)[k * m->order];
+        series_of(m, &s->out, 0, k)[e] = *series_of(m, &m->tape->row_terms[s->first + e], 0, k);
 }
 
 /* Coefficients first .. last - 1 of a row, for the trajectory: a function for every kind of row. */
@@ -465,7 +484,7 @@ KERNEL_INLINE void vary_combination(const player *m, const saltus_tape_row *s, i
         combine_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u, p,
                       share, sum);
     for (int j = 0; j < share; j++)
-        store_pack(series_of(m, &s->out, c) + k * m->order, SPREAD(s->out), p + j, s->count, sum[j]);
+        store_pack(series_of(m, &s->out, c, k), SPREAD(s->out), p + j, s->count, sum[j]);
 }
 
 KERNEL_INLINE void vary_total(const player *m, const saltus_tape_row *s, int k, int c) {
@@ -475,27 +494,27 @@ KERNEL_INLINE void vary_total(const player *m, const saltus_tape_row *s, int k, 
     if (direction >= 0)
         sum +=
             total_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u);
-    series_of(m, &s->out, c)[k * m->order] = sum;
+    *series_of(m, &s->out, c, k) = sum;
 }
 
 /* da b + db a. */
 KERNEL_INLINE void vary_product(const player *m, const saltus_tape_row *s, bool spread, int k, int c, int p,
                                 const int share) {
     const unsigned changes = changes_of(m, c);
-    const lane_t *a = series_of(m, &s->a, 0), *b = series_of(m, &s->b, 0);
-    lane_t *out = series_of(m, &s->out, c);
+    const factor a = {&s->a, 0, spread}, own_a = {&s->a, c, spread}, b = {&s->b, 0, SPREAD(s->b)},
+                 own_b = {&s->b, c, SPREAD(s->b)};
     saltus_pack sum[SHARES_MAX] = {{0}};
     if (!(s->b.depends & changes))
-        product_packs(series_of(m, &s->a, c), spread, b, SPREAD(s->b), out, SPREAD(s->out), m->order, k, p,
-                      s->count, share);
+        product_packs(m, s, c, own_a, b, k, p, share);
     else if (!(s->a.depends & changes))
-        product_packs(a, spread, series_of(m, &s->b, c), SPREAD(s->b), out, SPREAD(s->out), m->order, k, p,
-                      s->count, share);
+        product_packs(m, s, c, a, own_b, k, p, share);
     else {
-        convolve(series_of(m, &s->a, c), spread, b, SPREAD(s->b), m->order, k, 0, k, p, share, sum);
-        convolve(a, spread, series_of(m, &s->b, c), SPREAD(s->b), m->order, k, 0, k, p, share, sum);
+        convolve(factor_at(m, own_a, 0, 0), spread, factor_at(m, b, 0, 0), b.spread, m->order, k, 0, k, p,
+                 share, sum);
+        convolve(factor_at(m, a, 0, 0), spread, factor_at(m, own_b, 0, 0), b.spread, m->order, k, 0, k, p,
+                 share, sum);
         for (int j = 0; j < share; j++)
-            store_pack(out + k * m->order, SPREAD(s->out), p + j, s->count, sum[j]);
+            store_pack(series_of(m, &s->out, c, k), SPREAD(s->out), p + j, s->count, sum[j]);
     }
 }
 
@@ -503,8 +522,9 @@ KERNEL_INLINE void vary_product(const player *m, const saltus_tape_row *s, bool 
 KERNEL_INLINE void vary_square(const player *m, const saltus_tape_row *s, bool rate, int k, int c, int p,
                                const int share) {
     saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
-    lane_t *out = series_of(m, &s->out, c) + k * m->order;
-    const lane_t *a = series_of(m, &s->a, 0) + p * ELEMENTS, *own = series_of(m, &s->a, c) + p * ELEMENTS;
+    lane_t *out = series_of(m, &s->out, c, k);
+    const lane_t *a = series_of(m, &s->a, 0, 0) + p * ELEMENTS,
+                 *own = series_of(m, &s->a, c, 0) + p * ELEMENTS;
     const int n = k + rate;
     if (k % 2)
         for (int j = 0; j < share; j++)
@@ -512,32 +532,34 @@ KERNEL_INLINE void vary_square(const player *m, const saltus_tape_row *s, bool r
     else {
         convolve_two(a, SPREAD(s->a), own, SPREAD(s->a), m->order, n, share, now, next);
         for (int j = 0; j < share; j++)
-            store_pack(out + m->order, SPREAD(s->out), p + j, s->count, next[j]);
+            store_pack(series_of(m, &s->out, c, k + 1), SPREAD(s->out), p + j, s->count, next[j]);
     }
+    const double factor = rate ? n : 2.0;
     for (int j = 0; j < share; j++) {
+        now[j] *= factor;
         if (n > 0)
-            now[j] = saltus_pack_fma(load_pack(a + n * m->order, SPREAD(s->a), j),
-                                     load_pack(own, SPREAD(s->a), j), now[j]);
-        now[j] = saltus_pack_fma(load_pack(a, SPREAD(s->a), j),
-                                 load_pack(own + n * m->order, SPREAD(s->a), j), now[j]);
-        store_pack(out, SPREAD(s->out), p + j, s->count, now[j] * (rate ? n : 2.0));
+            now[j] = saltus_pack_fma(load_pack(series_of(m, &s->a, 0, n), SPREAD(s->a), p + j),
+                                     load_pack(own, SPREAD(s->a), j) * factor, now[j]);
+        store_pack(out, SPREAD(s->out), p + j, s->count,
+                   saltus_pack_fma(load_pack(a, SPREAD(s->a), j) * factor,
+                                   load_pack(series_of(m, &s->a, c, n), SPREAD(s->a), p + j), now[j]));
     }
 }
 
 KERNEL_INLINE void vary_divide(const player *m, const saltus_tape_row *s, int k, int c) {
     const unsigned changes = changes_of(m, c);
-    const lane_t *b = series_of(m, &s->b, 0);
-    lane_t *out = series_of(m, &s->out, c);
+    const lane_t *b = series_of(m, &s->b, 0, 0);
+    lane_t *out = series_of(m, &s->out, c, 0);
     for (int p = 0; p * ELEMENTS < s->count; p++) {
         saltus_pack sum = {0}, part[1] = {{0}};
         if (s->a.depends & changes)
-            sum = load_pack(series_of(m, &s->a, c) + k * m->order, s->a.spread, p);
+            sum = load_pack(series_of(m, &s->a, c, k), s->a.spread, p);
         if (s->b.depends & changes)
-            convolve(series_of(m, &s->out, 0), SPREAD(s->out), series_of(m, &s->b, c), s->b.spread, m->order,
-                     k, 0, k, p, 1, part);
+            convolve(series_of(m, &s->out, 0, 0), SPREAD(s->out), series_of(m, &s->b, c, 0), s->b.spread,
+                     m->order, k, 0, k, p, 1, part);
         if (k > 0)
             convolve(out, SPREAD(s->out), b, s->b.spread, m->order, k, 0, k - 1, p, 1, part);
-        store_pack(out + k * m->order, SPREAD(s->out), p, s->count,
+        store_pack(series_of(m, &s->out, c, k), SPREAD(s->out), p, s->count,
                    (sum - part[0]) / load_pack(b, s->b.spread, p));
     }
 }
@@ -554,42 +576,40 @@ KERNEL_INLINE void vary_function(const player *m, const saltus_tape_row *s, int 
     const unsigned changes = changes_of(m, c);
     lane_t sum = lane_constant(0);
     if (s->a.depends & changes)
-        sum = convolve_one(series_of(m, &s->a, c), series_of(m, &s->b, 0), m->order, k);
+        sum = convolve_one(series_of(m, &s->a, c, 0), series_of(m, &s->b, 0, 0), m->order, k);
     if (s->paired && (s->a2.depends & changes))
-        sum += convolve_one(series_of(m, &s->a2, c), series_of(m, &s->b2, 0), m->order, k);
-    series_of(m, &s->out, c)[k * m->order] = sum * s->sign;
+        sum += convolve_one(series_of(m, &s->a2, c, 0), series_of(m, &s->b2, 0, 0), m->order, k);
+    *series_of(m, &s->out, c, k) = sum * s->sign;
 }
 
 KERNEL_INLINE void vary_integral(const player *m, const saltus_tape_row *s, int k, int c) {
-    const lane_t *a = series_of(m, &s->a, 0), *own = series_of(m, &s->a, c),
-                 *before = series_of(m, &s->b, c) + (k - 1) * m->order;
+    const lane_t *a = series_of(m, &s->a, 0, 0), *own = series_of(m, &s->a, c, 0),
+                 *before = series_of(m, &s->b, c, k - 1);
     for (int p = 0; p * ELEMENTS < s->count; p++)
-        store_pack(series_of(m, &s->out, c) + k * m->order, SPREAD(s->out), p, s->count,
+        store_pack(series_of(m, &s->out, c, k), SPREAD(s->out), p, s->count,
                    k ? load_pack(before, SPREAD(s->b), p) * (2.0 / k)
                      : 2.0 * load_pack(a, SPREAD(s->a), p) * load_pack(own, SPREAD(s->a), p));
 }
 
 KERNEL_INLINE void vary_choice(const player *m, const saltus_tape_row *s, int k, int c) {
     const unsigned changes = changes_of(m, c);
-    const long here = k * m->order;
     const lane_t none = lane_constant(0);
-    series_of(m, &s->out, c)[here] =
-        lane_if_less(none, m->weights[s->weight[SALTUS_WIDE]],
-                     s->a.depends & changes ? series_of(m, &s->a, c)[here] : none,
-                     s->b.depends & changes ? series_of(m, &s->b, c)[here] : none);
+    *series_of(m, &s->out, c, k) = lane_if_less(none, m->weights[s->weight[SALTUS_WIDE]],
+                                                s->a.depends & changes ? *series_of(m, &s->a, c, k) : none,
+                                                s->b.depends & changes ? *series_of(m, &s->b, c, k) : none);
 }
 
 KERNEL_INLINE void vary_sine(const player *m, const saltus_tape_row *s, int k, int c) {
-    const lane_t *a = series_of(m, &s->a, c);
-    series_of(m, &s->out, c)[k * m->order] = convolve_one(a, series_of(m, &s->b, 0), m->order, k);
-    series_of(m, &s->b, c)[k * m->order] = -convolve_one(a, series_of(m, &s->out, 0), m->order, k);
+    const lane_t *a = series_of(m, &s->a, c, 0);
+    *series_of(m, &s->out, c, k) = convolve_one(a, series_of(m, &s->b, 0, 0), m->order, k);
+    *series_of(m, &s->b, c, k) = -convolve_one(a, series_of(m, &s->out, 0, 0), m->order, k);
 }
 
 KERNEL_INLINE void vary_gathering(const player *m, const saltus_tape_row *s, int k, int c) {
     for (int e = 0; e < s->count; e++) {
         const saltus_tape_operand *from = &m->tape->row_terms[s->first + e];
-        series_of(m, &s->out, c)[k * m->order + e] =
-            from->depends & changes_of(m, c) ? series_of(m, from, c)[k * m->order] : lane_constant(0);
+        series_of(m, &s->out, c, k)[e] =
+            from->depends & changes_of(m, c) ? *series_of(m, from, c, k) : lane_constant(0);
     }
 }
 
@@ -688,8 +708,23 @@ static void play_steady(const player *m, int order) {
 /* Beyond order 1 nothing is ever written. */
 KERNEL_INLINE void set_linear(const player *m, const saltus_tape_operand *x, int c, lane_t first,
                               lane_t second) {
-    series_of(m, x, c)[0] = first;
-    series_of(m, x, c)[m->order] = second;
+    *series_of(m, x, c, 0) = first;
+    *series_of(m, x, c, 1) = second;
+}
+
+KERNEL_INLINE void place_row(lane_t *to, const saltus_pack *row, int packs) {
+    for (int p = 0; p < packs; p++)
+        *(loose_pack *)(void *)(to + p * ELEMENTS) = (loose_pack)row[p];
+}
+
+/* Coefficient k of the velocities and k + 1 of the displacements, as soon as they are known. */
+KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocity,
+                               const saltus_pack *displacement) {
+    const player m = make_player(f);
+    place_row(series_of(&m, &m.tape->state[1], c, k), velocity, f.packs);
+    place_row(series_of(&m, &m.tape->state[0], c, k + 1), displacement, f.packs);
+    for (int i = 0; i < f.extra; i++)
+        series_of(&m, &m.tape->state[2], c, k)[i] = EXTRA(k, c)[i];
 }
 
 /* Time and phase, which are linear; along omega at fixed phase of the step's begin, `elapsed` before this:
@@ -699,6 +734,8 @@ KERNEL_INLINE void model_start(frame f, int c) {
     const int direction = direction_of(f, c);
     const lane_t omega = *SCALAR(0), full = lane_constant(6.28318530717958647693), none = lane_constant(0);
     const lane_t period = full / omega, time = *f.phase * period;
+    place_row(series_of(&m, &m.tape->state[0], c, 0), JET(f.q, 0, c), f.packs);
+    model_place(f, 0, c, JET(f.v, 0, c), JET(f.v, 0, c));
     if (c > 0 && direction < 0)
         return;
     lane_t start = time, rate = omega + none, turned = *f.phase;
@@ -713,25 +750,6 @@ KERNEL_INLINE void model_start(frame f, int c) {
         set_linear(&m, &m.tape->phase_at, c, turned, rate / full);
     if (c == 0)
         play_steady(&m, (int)f.orders - 2);
-}
-
-/* Coefficients k of displacements, velocities and extra states, and coefficient k + 1 of the displacements,
- * which is known already. */
-KERNEL_INLINE void place_states(frame f, const player *m, int k, int c) {
-    const saltus_tape_operand *state = m->tape->state;
-    const saltus_pack *q = JET(f.q, k, c), *v = JET(f.v, k, c), *later = JET(f.q, k + 1, c);
-    const lane_t *e = EXTRA(k, c);
-    lane_t *to_q = series_of(m, &state[0], c) + k * m->order,
-           *to_v = series_of(m, &state[1], c) + k * m->order,
-           *to_e = series_of(m, &state[2], c) + k * m->order;
-    for (int p = 0; p < f.packs; p++) {
-        if (k == 0)
-            *(loose_pack *)(void *)(to_q + p * ELEMENTS) = (loose_pack)q[p];
-        *(loose_pack *)(void *)(to_q + m->order + p * ELEMENTS) = (loose_pack)later[p];
-        *(loose_pack *)(void *)(to_v + p * ELEMENTS) = (loose_pack)v[p];
-    }
-    for (int i = 0; i < f.extra; i++)
-        to_e[i] = e[i];
 }
 
 /* Parameter columns are tangent vectors that change the weights, too. */
@@ -751,8 +769,6 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
     const saltus_tape *tape = m.tape;
     const unsigned changes = changes_of(&m, c);
     if (c == 0) {
-        for (int column = 0; column <= f.columns; column++)
-            place_states(f, &m, k, column);
         play_state_rows(&m, k, k + 1);
         if (f.columns)
             vary_rows(&m, k);
@@ -761,14 +777,13 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
         next[p] = (saltus_pack){0};
     if (tape->output_row && (c == 0 || (tape->output_at[0].depends & changes)))
         for (int p = 0; p < f.packs; p++)
-            next[p] = load_pack(series_of(&m, &tape->output_at[0], c) + k * m.order,
-                                SPREAD(tape->output_at[0]), p) *
-                      inverse;
+            next[p] =
+                load_pack(series_of(&m, &tape->output_at[0], c, k), SPREAD(tape->output_at[0]), p) * inverse;
     for (int i = tape->output_row ? f.dof : 0; i < f.dof + f.extra; i++) {
         const saltus_tape_operand *out = &tape->output_at[i];
         lane_t value = lane_constant(0);
         if (c == 0 || (out->depends & changes))
-            value = *(series_of(&m, out, c) + k * m.order) * inverse;
+            value = *series_of(&m, out, c, k) * inverse;
         if (i < f.dof)
             set_row_element(next, i, value);
         else

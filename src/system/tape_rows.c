@@ -16,6 +16,7 @@ enum { pack_max = 8 };   /* elements of the widest pack: rows of one trajectory 
 typedef struct home {
     int row, element; /* -1: none yet */
     int level;
+    int newness; /* the higher, the later at each order is it known: a level, 0 where it is known before */
     unsigned long long kind; /* of the step that makes it: steps of equal kinds share a row */
 } home;
 
@@ -67,10 +68,11 @@ static int add_row(arranger *m, int count) {
     return row;
 }
 
-static void settle(arranger *m, int place, int row, int element, int level) {
+static void settle(arranger *m, int place, int row, int element, int level, int newness) {
     m->homes[place].row = row;
     m->homes[place].element = element;
     m->homes[place].level = level;
+    m->homes[place].newness = newness;
 }
 
 static saltus_tape_operand operand_at(const arranger *m, int row, int element, bool spread,
@@ -183,14 +185,14 @@ static saltus_tape_operand collect_operand(arranger *m, bool second, int level) 
 /* One number in the matrix of a row of combinations. */
 typedef struct incidence {
     int element, row, from, slot; /* row -1: no series, the number alone */
-    int level;
+    int newness;
     unsigned depends;
     bool taken;
 } incidence;
 
 static int earlier(const void *a, const void *b) {
     const incidence *x = a, *y = b;
-    int order[] = {x->level - y->level, x->row - y->row, x->from - y->from, x->element - y->element};
+    int order[] = {x->newness - y->newness, x->row - y->row, x->from - y->from, x->element - y->element};
     for (int k = 0; k < 4; k++)
         if (order[k])
             return order[k];
@@ -282,7 +284,7 @@ static void add_combinations(arranger *m, saltus_tape_row *row) {
                                     .from = h ? h->element : 0,
                                     .slot = term->slot,
                                     .depends = h ? tape->depends[term->from] : 0,
-                                    .level = h ? h->level : -1};
+                                    .newness = h ? h->newness : -1};
         }
     qsort(list, (size_t)count, sizeof *list, earlier);
     row->first = m->terms.count;
@@ -330,15 +332,19 @@ static void add_members(arranger *m, int level) {
         row.b = s->code == SALTUS_TAPE_SQUARE ? row.a : collect_operand(m, true, level);
     } else if (s->code == SALTUS_TAPE_FUNCTION)
         row.a = operand_of(m, s->a, true);
+    if (s->code == SALTUS_TAPE_MULTIPLY)
+        row.turned = m->homes[s->a].newness > m->homes[s->b].newness;
     /* The spread operand of a product comes first. */
     if (s->code == SALTUS_TAPE_MULTIPLY && row.b.spread && !row.a.spread) {
         saltus_tape_operand other = row.a;
         row.a = row.b;
         row.b = other;
+        row.turned = m->homes[s->b].newness > m->homes[s->a].newness;
     }
+    const bool early = !(s->depends & SALTUS_OF_STATES) || s->code == SALTUS_TAPE_INTEGRAL;
     const int place = add_row(m, m->member_count);
     for (int e = 0; e < m->member_count; e++)
-        settle(m, member(m, e)->out, place, e, level);
+        settle(m, member(m, e)->out, place, e, level, early ? 0 : level);
     row.out = operand_at(m, place, 0, false, s->depends);
     add_step(m, row);
 }
@@ -458,14 +464,14 @@ static void place_leaves(arranger *m, int dof) {
         tape->state[part] = operand_at(m, row, 0, false, SALTUS_OF_STATES);
         for (int i = 0; i < counts[part]; i++, state++)
             if (tape->state_register[state] >= 0)
-                settle(m, tape->state_register[state], row, i, 0);
+                settle(m, tape->state_register[state], row, i, 0, 0);
     }
     for (int k = 0; k < 2; k++) {
         const int place = k ? tape->phase : tape->time;
         saltus_tape_operand *at = k ? &tape->phase_at : &tape->time_at;
         *at = (saltus_tape_operand){.place = {-1, -1}};
         if (place >= 0) {
-            settle(m, place, add_row(m, 1), 0, 0);
+            settle(m, place, add_row(m, 1), 0, 0, 0);
             *at = operand_of(m, place, true);
         }
     }
