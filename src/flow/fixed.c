@@ -26,8 +26,8 @@ static void put_row(FILE *out, const saltus_tape_row *s) {
     for (int k = 0; k < 5 && s->count == 1; k++)
         operands[k].spread = true;
     put_operands(out, operands, 5);
-    fprintf(out, "%a, %d, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->turned,
-            s->first, s->terms, s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
+    fprintf(out, "%a, %d, %d, %d, %d, %d, %d, %d, %d, {%d, %d}}, ", s->sign, s->linear, s->paired, s->turned,
+            s->sparse, s->first, s->terms, s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
 }
 
 /* Row terms that any row has. */
@@ -51,6 +51,9 @@ static void put_tape(FILE *out, const saltus_tape *tape) {
     fputs("}; static const saltus_tape_row fixed_rows[] = {", out);
     for (int k = 0; k < tape->row_count; k++)
         put_row(out, &tape->rows[k]);
+    fputs("}; static const bool fixed_absent[] = {", out);
+    for (int k = 0; k < tape->weights[1]; k++)
+        fprintf(out, "%d, ", tape->weight_slot[1][k] < 0);
     fprintf(out,
             "}; static const saltus_tape fixed_tape = {.row_count = %d, .steady_rows = %d, "
             ".steady_by_order = %d, .time = %d, .phase = %d, .elements = {%d, %d}, .weights = {%d, %d}, "

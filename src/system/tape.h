@@ -73,6 +73,7 @@ typedef struct saltus_tape_row {
     double sign;
     bool linear, paired; /* paired: of a function, a2 and b2 exist */
     bool turned;         /* of a product: at each order a is known later than b */
+    bool sparse;         /* of combinations: some weights are always zero */
     int first, terms;    /* of combinations: row terms; of a gathering: its operands */
     int numbers,
         spread_terms; /* ends of the terms that are numbers alone and of those with spread elements */

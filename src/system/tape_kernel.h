@@ -13,9 +13,12 @@ SALTUS_FIXED_TAPE
 #define TAPE_OF(loaded) (&fixed_tape)
 /* Rows of one element are read and written as such: all their operands are spread (flow/fixed.c). */
 #define SPREAD(operand) ((operand).spread)
+/* Weights that are always zero. */
+#define ABSENT(weight) (SALTUS_WIDE && fixed_absent[weight])
 #else
 #define TAPE_OF(loaded) ((loaded)->tape)
 #define SPREAD(operand) false
+#define ABSENT(weight) false
 #endif
 
 enum { model_rows_common = 0, model_rows_plain = 2 };
@@ -172,8 +175,9 @@ KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, b
             now[j] = saltus_pack_fma(one, later[j], now[j]);
         }
     }
-    for (int j = 0; j < count && k > 0; j++)
-        next[j] = saltus_pack_fma(load_pack(x, spread, j), later[j], next[j]);
+    if (k > 0)
+        for (int j = 0; j < count; j++)
+            next[j] = saltus_pack_fma(load_pack(x, spread, j), later[j], next[j]);
 }
 
 /* The same for half of a square: a_i a_{n-i}, 0 < i < n / 2, and half of the middle one. */
@@ -192,14 +196,15 @@ KERNEL_INLINE void square_two(const lane_t *a, bool spread, long order, int n, c
             now[j] = saltus_pack_fma(one, later[j], now[j]);
         }
     }
-    for (int j = 0; j < count && n > 0; j++) {
-        const saltus_pack middle = load_pack(x, spread, j);
-        if (n % 2 == 0) {
-            next[j] = saltus_pack_fma(middle, later[j], next[j]);
-            now[j] = saltus_pack_fma(0.5 * middle, middle, now[j]);
-        } else
-            next[j] = saltus_pack_fma(0.5 * middle, middle, next[j]);
-    }
+    if (n > 0)
+        for (int j = 0; j < count; j++) {
+            const saltus_pack middle = load_pack(x, spread, j);
+            if (n % 2 == 0) {
+                next[j] = saltus_pack_fma(middle, later[j], next[j]);
+                now[j] = saltus_pack_fma(0.5 * middle, middle, now[j]);
+            } else
+                next[j] = saltus_pack_fma(0.5 * middle, middle, next[j]);
+        }
 }
 
 /* A series that a product is made of: a column of an operand. */
@@ -288,18 +293,20 @@ KERNEL_INLINE void square_packs(const player *m, const saltus_tape_row *s, bool 
 }
 
 /* Weights of a term, from one term to the next. */
-KERNEL_INLINE long weight_span(const saltus_tape_row *s) {
+KERNEL_INLINE int weight_span(const saltus_tape_row *s) {
     return SALTUS_WIDE ? s->count : (s->count + SALTUS_PACK_MAX - 1) & -SALTUS_PACK_MAX;
 }
 
 /* Add a term to sums in two chains, which meet before the last one. */
-KERNEL_INLINE void add_term(const lane_t *weight, const lane_t *x, bool spread, bool last, const int count,
-                            saltus_pack *sum, saltus_pack *other) {
+KERNEL_INLINE void add_term(const lane_t *weights, int place, const lane_t *x, bool spread, bool last,
+                            const int count, saltus_pack *sum, saltus_pack *other) {
     for (int j = 0; j < count; j++) {
         const saltus_pack before = sum[j];
+        sum[j] = other[j];
         if (last)
-            other[j] += before;
-        sum[j] = saltus_pack_fma(load_pack(weight, false, j), load_pack(x, spread, j), other[j]);
+            sum[j] += before;
+        if (!ABSENT(place + j))
+            sum[j] = saltus_pack_fma(load_pack(weights + place, false, j), load_pack(x, spread, j), sum[j]);
         other[j] = before;
     }
 }
@@ -311,29 +318,34 @@ KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, cons
                                  const lane_t *at, bool constant, unsigned changes, int p, const int count,
                                  saltus_pack *sum) {
     const saltus_tape_row_term *term = m->tape->row_terms + s->first;
-    const lane_t *weight = weights + s->weight[SALTUS_WIDE] + p * ELEMENTS;
-    const long span = weight_span(s);
+    const int span = weight_span(s);
+    int weight = s->weight[SALTUS_WIDE] + p * ELEMENTS;
     saltus_pack other[SHARES_MAX] = {{0}};
     bool met = false;
     int t = 0;
     for (; t < s->numbers; t++, weight += span)
-        for (int j = 0; j < count && constant; j++)
-            sum[j] += load_pack(weight, false, j);
+        if (constant)
+            for (int j = 0; j < count; j++)
+                sum[j] += load_pack(weights + weight, false, j);
     for (; t < s->spread_terms; t++, weight += span) {
         if (changes != ~0u && !(term[t].depends & changes))
             continue;
         met = t == s->terms - 1;
-        add_term(weight, at + term[t].place[SALTUS_WIDE], true, met, count, sum, other);
+        add_term(weights, weight, at + term[t].place[SALTUS_WIDE], true, met, count, sum, other);
     }
     for (; t < s->terms; t++, weight += span) {
         const lane_t *x = at + term[t].place[SALTUS_WIDE] + p * ELEMENTS;
         if (changes != ~0u && !(term[t].depends & changes))
             continue;
         met = t == s->terms - 1;
-        add_term(weight, x, SPREAD(s->out), met, count, sum, other);
+        add_term(weights, weight, x, SPREAD(s->out), met, count, sum, other);
     }
-    for (int j = 0; j < count && !met; j++)
-        sum[j] += other[j];
+    if (!met)
+        for (int j = 0; j < count; j++)
+            sum[j] += other[j];
+    if (s->sparse)
+        for (int j = 0; j < count; j++)
+            sum[j] += (saltus_pack){0};
 }
 
 /* The sum over all elements of what would be a row of combinations, in a fixed tree. */

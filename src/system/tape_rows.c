@@ -223,7 +223,7 @@ static bool on_diagonals(arranger *m, const incidence *list, int count, int memb
 
 /* Terms that have the entries of one block of the matrix: its columns or its diagonals. */
 static void add_terms(arranger *m, incidence *block, int count, int members, bool diagonal, int *slots,
-                      int *terms) {
+                      int *terms, bool *sparse) {
     for (int k = 0; k < count; k++) {
         if (block[k].taken)
             continue;
@@ -241,6 +241,8 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
                 made.depends |= block[j].depends;
             }
         add_term(m, made);
+        for (int e = 0; e < members; e++)
+            *sparse = *sparse || slots[e] < 0;
         for (int width = 0; width < 2; width++)
             for (int e = 0; e < (width ? members : padded(members)); e++)
                 add_slot(m, width, e < members ? slots[e] : -1);
@@ -296,7 +298,7 @@ static void add_combinations(arranger *m, saltus_tape_row *row) {
                 ;
             const bool diagonal = list[from].row >= 0 && on_diagonals(m, list + from, to - from, row->count);
             if (diagonal == (pass == 1))
-                add_terms(m, list + from, to - from, row->count, diagonal, slots, &row->terms);
+                add_terms(m, list + from, to - from, row->count, diagonal, slots, &row->terms, &row->sparse);
             if (list[from].row < 0 && pass == 0)
                 row->numbers = row->terms;
         }
