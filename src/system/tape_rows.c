@@ -16,7 +16,7 @@ enum { pack_max = 8 };   /* elements of the widest pack: rows of one trajectory 
 typedef struct home {
     int row, element; /* -1: none yet */
     int level;
-    int newness; /* the higher, the later at each order is it known: a level, 0 where it is known before */
+    int newness; /* the higher, the later at each order it is known; 0 as displacements: an order before */
     unsigned long long kind; /* of the step that makes it: steps of equal kinds share a row */
 } home;
 
@@ -346,7 +346,7 @@ static void add_members(arranger *m, int level) {
     const bool early = !(s->depends & SALTUS_OF_STATES) || s->code == SALTUS_TAPE_INTEGRAL;
     const int place = add_row(m, m->member_count);
     for (int e = 0; e < m->member_count; e++)
-        settle(m, member(m, e)->out, place, e, level, early ? 0 : level);
+        settle(m, member(m, e)->out, place, e, level, early ? 0 : level + 1);
     row.out = operand_at(m, place, 0, false, s->depends);
     add_step(m, row);
 }
@@ -466,7 +466,7 @@ static void place_leaves(arranger *m, int dof) {
         tape->state[part] = operand_at(m, row, 0, false, SALTUS_OF_STATES);
         for (int i = 0; i < counts[part]; i++, state++)
             if (tape->state_register[state] >= 0)
-                settle(m, tape->state_register[state], row, i, 0, 0);
+                settle(m, tape->state_register[state], row, i, 0, part > 0);
     }
     for (int k = 0; k < 2; k++) {
         const int place = k ? tape->phase : tape->time;
