@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { columns_max = 24, lanes_max = 8, events_max = 60, file_name_max = 700 };
+enum { columns_max = 24, lanes_max = 8, events_max = 200, file_name_max = 700 };
 
 /* A system whose tape has rows of every kind but one. */
 static const char every_kind[] =
@@ -38,6 +38,18 @@ static const char apart[] =
     "  forcing: omega\n"
     "stop: {coordinate: \"x[1]\", d: 0.3, r: 0.8}\n";
 
+/* Contacts that hold: pressed on its stops by the load for half of each period. */
+static const char held[] = "model:\n"
+                           "  parameters: {F: 1.3, omega: 0.7, k: 1.5}\n"
+                           "  motion:\n"
+                           "    x: -k*x - x^3 - 0.1*x' + 0.3*(y - x) + F*cos(omega*t)\n"
+                           "    y: -y - 0.2*y' + 0.3*(x - y)*z + 0.1\n"
+                           "  states: {z: \"1 + x - z\"}\n"
+                           "  forcing: omega\n"
+                           "stops:\n"
+                           "  - {coordinate: \"x + 0.2*y\", d: 0.1, r: 0.1, sides: both}\n"
+                           "  - {coordinate: \"y\", d: 0.1, r: 0.2}\n";
+
 /* A way to run a scene: its name, or a text; lanes beside the first are others by their states. */
 typedef struct way {
     const char *name, *text;
@@ -52,6 +64,8 @@ static const way ways[] = {{"every kind", every_kind, false, false, 0},
                            {"gear-rattle", NULL, false, false, 0},
                            {"impact-damper", NULL, false, true, 2},
                            {"apart", apart, true, true, 0},
+                           {"held", held, false, true, 2},
+                           {"held", held, true, false, 0},
                            {"duffing", NULL, false, true, 0}};
 enum { way_count = sizeof ways / sizeof ways[0] };
 
@@ -110,10 +124,11 @@ static void interpret(saltus_flow *flow) {
     flow->fixed = (saltus_fixed){.compiled = NULL};
 }
 
-static int asked; /* of the compiled function */
+static int asked, held_asked; /* of the compiled function; where contacts held */
 static saltus_compiled_function *compiled_function;
 static void count_expansions(void *work, int from, int to) {
     asked++;
+    held_asked += ((const saltus_work *)work)->hold.count > 0;
     compiled_function(work, from, to);
 }
 
@@ -151,13 +166,13 @@ static void check_way(const way *w, const saltus_system *system, saltus_compiled
     int left = w->wide ? saltus_flow_width(system) : 1, events = 0;
     interpret(plain);
     interpret(other);
-    asked = 0;
+    asked = held_asked = 0;
     compiled_function = function;
     do {
         if (events == from)
             other->fixed.function = count_expansions;
     } while (check_same_event(w, plain, other, &left) && ++events < events_max);
-    assert_true(asked > 0);
+    assert_true(asked > 0 && (w->text != held || held_asked > 0));
     saltus_flow_free(plain);
     saltus_flow_free(other);
 }

@@ -139,8 +139,7 @@ void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const
         fixed->steps = 0;
         saltus_fixed_ask(fixed, system);
     }
-    /* Contacts that hold are rare, and not compiled. */
-    if (fixed->function && work->hold.count == 0)
+    if (fixed->function)
         fixed->function(work, from, to);
     else
         kernel->expand(work, from, to);

@@ -258,6 +258,11 @@ KERNEL_INLINE void tilt_contacts(frame f, int k, int direction, double inverse, 
     }
 }
 
+/* Contacts hold in few steps. */
+KERNEL_INLINE bool holds(frame f) {
+    return __builtin_expect(f.hold.count != 0, 0);
+}
+
 /* v_k and q_{k+1} -> v_{k+1}, q_{k+2}. */
 KERNEL_INLINE void expand_order(frame f, int k, int c) {
     const double inverse = 1.0 / (k + 1), later = 1.0 / (k + 2);
@@ -266,12 +271,13 @@ KERNEL_INLINE void expand_order(frame f, int k, int c) {
     model_order(f, k, c, inverse, next);
     if (f.directions && direction >= 0)
         model_source(f, k, c, direction, inverse, next);
-    if (f.vary.tilts && f.hold.count && c == 0)
-        keep_forces(f, next);
-    if (f.hold.count)
+    if (holds(f)) {
+        if (f.vary.tilts && c == 0)
+            keep_forces(f, next);
         hold_contacts(f, k, c, next);
-    if (f.vary.tilts && f.hold.count && direction >= 0)
-        tilt_contacts(f, k, direction, inverse, next);
+        if (f.vary.tilts && direction >= 0)
+            tilt_contacts(f, k, direction, inverse, next);
+    }
     for (int p = 0; p < f.packs; p++) {
         JET(f.v, k + 1, c)[p] = next[p];
         JET(f.q, k + 2, c)[p] = displacement[p] = next[p] * later;
@@ -364,7 +370,7 @@ __attribute__((visibility("default"))) void SALTUS_KERNEL_NAME(saltus_work *w, i
 void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to) {
     const int packs = row_packs(SALTUS_FIXED_DOF);
     frame f = make_frame(w, SALTUS_FIXED_EXTRA ? SALTUS_TERM_EXTRA : 0, packs, row_block(packs),
-                         SALTUS_FIXED_COLUMNS, SALTUS_FIXED_DIRECTIONS, 0);
+                         SALTUS_FIXED_COLUMNS, SALTUS_FIXED_DIRECTIONS, w->hold.count);
     f.dof = SALTUS_FIXED_DOF;
     f.extra = SALTUS_FIXED_EXTRA;
     f.orders = SALTUS_FIXED_ORDER + 2;
