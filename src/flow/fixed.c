@@ -5,7 +5,8 @@
 #include <stdlib.h>
 
 enum {
-    rows_max = 64,    /* of a tape: the compiler takes a tenth of a second for each, or more */
+    rows_max = 64,    /* of a tape with tangent vectors: the compiler takes a tenth of a second for each, or
+                       * more; twice as many without */
     delay = 50,       /* ms that every run does without a compiler, or, with many rows, ... */
     delay_a_row = 10, /* ... so many for each */
     steps_between = 64
@@ -83,7 +84,8 @@ static char *make_source(const void *from, const saltus_compile_shape *shape) {
     const saltus_tape *tape = system->tape;
     char *text = NULL;
     size_t size;
-    FILE *out = tape->row_count <= rows_max ? open_memstream(&text, &size) : NULL;
+    const int most = shape->columns ? rows_max : 2 * rows_max;
+    FILE *out = tape->row_count <= most ? open_memstream(&text, &size) : NULL;
     if (!out)
         return NULL;
     fprintf(out,
