@@ -218,30 +218,40 @@ KERNEL_INLINE const lane_t *factor_at(const player *m, factor a, int k, int p) {
     return series_of(m, a.of, a.column, k) + (a.spread ? 0 : p * ELEMENTS);
 }
 
+/* What a product's coefficient k has of the two newest terms, those of the later factor last. */
+KERNEL_INLINE void finish_product(const player *m, const saltus_tape_row *s, int c, factor early, factor late,
+                                  int k, int p, const int count, saltus_pack *now) {
+    lane_t *out = series_of(m, &s->out, c, k);
+    const lane_t *early_first = factor_at(m, early, 0, p), *late_first = factor_at(m, late, 0, p),
+                 *early_last = factor_at(m, early, k, p), *late_last = factor_at(m, late, k, p);
+    for (int j = 0; j < count; j++) {
+        if (k > 0)
+            now[j] = saltus_pack_fma(load_pack(early_last, early.spread, j),
+                                     load_pack(late_first, late.spread, j), now[j]);
+        store_pack(out, SPREAD(s->out), p + j, s->count,
+                   saltus_pack_fma(load_pack(early_first, early.spread, j),
+                                   load_pack(late_last, late.spread, j), now[j]));
+    }
+}
+
 /* Coefficient k of a product, into a column of a row. At an even order the inner terms of the next one are
- * laid aside where that coefficient will stand. The newest terms come last. */
+ * laid aside where that coefficient will stand. */
 KERNEL_INLINE void product_packs(const player *m, const saltus_tape_row *s, int c, factor a, factor b, int k,
                                  int p, const int count) {
     saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
-    const factor early = s->turned ? b : a, late = s->turned ? a : b;
-    lane_t *out = series_of(m, &s->out, c, k);
     if (k % 2)
         for (int j = 0; j < count; j++)
-            now[j] = load_pack(out, SPREAD(s->out), p + j);
+            now[j] = load_pack(series_of(m, &s->out, c, k), SPREAD(s->out), p + j);
     else {
         convolve_two(factor_at(m, a, 0, p), a.spread, factor_at(m, b, 0, p), b.spread, m->order, k, count,
                      now, next);
         for (int j = 0; j < count; j++)
             store_pack(series_of(m, &s->out, c, k + 1), SPREAD(s->out), p + j, s->count, next[j]);
     }
-    for (int j = 0; j < count; j++) {
-        if (k > 0)
-            now[j] = saltus_pack_fma(load_pack(factor_at(m, early, k, p), early.spread, j),
-                                     load_pack(factor_at(m, late, 0, p), late.spread, j), now[j]);
-        store_pack(out, SPREAD(s->out), p + j, s->count,
-                   saltus_pack_fma(load_pack(factor_at(m, early, 0, p), early.spread, j),
-                                   load_pack(factor_at(m, late, k, p), late.spread, j), now[j]));
-    }
+    if (s->turned)
+        finish_product(m, s, c, b, a, k, p, count, now);
+    else
+        finish_product(m, s, c, a, b, k, p, count, now);
 }
 
 /* A statement for all packs of a row, some of them at a time. */
@@ -300,11 +310,12 @@ KERNEL_INLINE int weight_span(const saltus_tape_row *s) {
 /* Add a term to sums in two chains, which meet before the last one. */
 KERNEL_INLINE void add_term(const lane_t *weights, int place, const lane_t *x, bool spread, bool last,
                             const int count, saltus_pack *sum, saltus_pack *other) {
+    if (last)
+        for (int j = 0; j < count; j++)
+            other[j] += sum[j];
     for (int j = 0; j < count; j++) {
         const saltus_pack before = sum[j];
         sum[j] = other[j];
-        if (last)
-            sum[j] += before;
         if (!ABSENT(place + j))
             sum[j] = saltus_pack_fma(load_pack(weights + place, false, j), load_pack(x, spread, j), sum[j]);
         other[j] = before;

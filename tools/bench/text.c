@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { repeats = 7, lanes_max = 16, dimension_max = 16, periods_checked = 3, periods_timed = 30 };
+enum { repeats = 15, lanes_max = 16, dimension_max = 16, periods_checked = 3, periods_timed = 30 };
 
 typedef struct problem {
     const char *name;
@@ -113,14 +113,19 @@ static void follow(saltus_flow *flow, const saltus_system *system, int lanes, lo
     }
 }
 
-/* Nanoseconds a period and lane; `state`: of the first lane after the few periods that are checked. */
-static double run(const saltus_system *system, way how, int lanes, int columns, double rtol, int starts,
-                  double *state) {
+static double error_of(const saltus_system *system, const double *state, const double *exact) {
+    const double *scale = saltus_system_scale(system);
+    double largest = 0;
+    for (int i = 0; i < saltus_system_dimension(system); i++)
+        largest = fmax(largest, fabs(state[i] - exact[i]) / scale[i]);
+    return largest;
+}
+
+static saltus_flow *open_flow(const saltus_system *system, way how, int lanes, int columns, double rtol) {
     saltus_flow_options options = saltus_flow_defaults();
     const saltus_system *all[lanes_max];
     saltus_message message = {.text = ""};
     saltus_flow *flow = NULL;
-    double best = INFINITY;
     options.rtol = rtol;
     options.integrator = SALTUS_TAYLOR;
     options.columns = columns;
@@ -131,38 +136,54 @@ static double run(const saltus_system *system, way how, int lanes, int columns, 
         saltus_fixed_close(&flow->fixed);
         flow->fixed = (saltus_fixed){.compiled = NULL};
     }
-    bool ready = how != compiled || compile(flow, system);
-    for (int repeat = 0; repeat < repeats && ready && starts > 0; repeat++) {
-        double begin = processor_seconds();
-        for (int s = 0; s < starts; s++)
-            follow(flow, system, lanes, periods_timed);
-        best = fmin(best, processor_seconds() - begin);
-    }
+    return flow;
+}
+
+static double seconds_of(saltus_flow *flow, const saltus_system *system, int lanes, int starts) {
+    const double begin = processor_seconds();
+    for (int s = 0; s < starts; s++)
+        follow(flow, system, lanes, periods_timed);
+    return processor_seconds() - begin;
+}
+
+/* The state of the first lane after the few periods that are checked. */
+static void check(saltus_flow *flow, const saltus_system *system, int lanes, double *state) {
     follow(flow, system, lanes, periods_checked);
     saltus_flow_state(flow, 0, state);
     saltus_flow_free(flow);
-    return 1e9 * best / ((double)periods_timed * starts * lanes);
 }
 
-static double error_of(const saltus_system *system, const double *state, const double *exact) {
-    const double *scale = saltus_system_scale(system);
-    double largest = 0;
-    for (int i = 0; i < saltus_system_dimension(system); i++)
-        largest = fmax(largest, fabs(state[i] - exact[i]) / scale[i]);
-    return largest;
+/* Nanoseconds a period and lane each way, and errors. The ways take turns: what else the machine does slows
+ * all of them. */
+static void measure(const problem *p, const saltus_system *own, const saltus_system *text, int lanes,
+                    int columns, const double *exact, double *cost, double *error) {
+    saltus_flow *flow[way_count];
+    double state[dimension_max];
+    bool ready[way_count];
+    for (way how = by_hand; how < way_count; how++) {
+        flow[how] = open_flow(how ? text : own, how, lanes, columns, 1e-10);
+        ready[how] = how != compiled || compile(flow[how], text);
+        cost[how] = INFINITY;
+    }
+    for (int repeat = 0; repeat < repeats; repeat++)
+        for (way how = by_hand; how < way_count; how++)
+            if (ready[how])
+                cost[how] = fmin(cost[how], seconds_of(flow[how], how ? text : own, lanes, p->starts));
+    for (way how = by_hand; how < way_count; how++) {
+        cost[how] *= 1e9 / ((double)periods_timed * p->starts * lanes);
+        check(flow[how], how ? text : own, lanes, state);
+        error[how] = error_of(own, state, exact);
+    }
 }
 
 static void compare(const problem *p, bool stops) {
     saltus_system *own = build(p->built_in, p->name, stops), *text = build(p->text, p->name, stops);
     const int all = saltus_flow_width(own), n = saltus_system_dimension(own);
     const int lanes[] = {1, 1, all}, columns[] = {0, n, 0};
-    double exact[dimension_max], state[dimension_max], error[way_count], cost[way_count];
-    run(own, by_hand, 1, 0, 1e-15, 0, exact);
+    double exact[dimension_max], error[way_count], cost[way_count];
+    check(open_flow(own, by_hand, 1, 0, 1e-15), own, 1, exact);
     for (int k = 0; k < 3; k++) {
-        for (way how = by_hand; how < way_count; how++) {
-            cost[how] = run(how ? text : own, how, lanes[k], columns[k], 1e-10, p->starts, state);
-            error[how] = error_of(own, state, exact);
-        }
+        measure(p, own, text, lanes[k], columns[k], exact, cost, error);
         printf("| %s%s | %d | %d | %.0f | %.0f | %.0f | %.2f | %.2f | %.1e | %.1e |\n", p->name,
                stops ? ", stop" : "", lanes[k], columns[k], cost[by_hand], cost[interpreted], cost[compiled],
                cost[interpreted] / cost[by_hand], cost[compiled] / cost[by_hand], error[by_hand],
