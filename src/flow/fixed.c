@@ -41,6 +41,42 @@ static int count_terms(const saltus_tape *tape) {
     return most;
 }
 
+static int own_elements(const saltus_tape_row *row) {
+    return row->code == SALTUS_TAPE_TOTAL ? 1 : row->count;
+}
+
+/* Whether an operand of `count` elements takes of a row's. */
+static bool touches(const saltus_tape_row *row, const saltus_tape_operand *x, int count) {
+    return x->place[0] < row->out.place[0] + own_elements(row) + SALTUS_PACK_MAX &&
+           x->place[0] + (x->spread ? 1 : count + SALTUS_PACK_MAX) > row->out.place[0];
+}
+
+/* Whether a row is taken by sums and as an acceleration only, and element by element: its coefficients serve
+ * their own order. Sums of pieces that stand aslant reach over their rows' ends. */
+static bool passes(const saltus_tape *tape, const saltus_tape_row *row) {
+    bool alone = row->code == SALTUS_TAPE_COMBINE || row->code == SALTUS_TAPE_TOTAL;
+    for (const saltus_tape_row *s = tape->rows; s < tape->rows + tape->row_count && alone; s++) {
+        const bool sums = s->code == SALTUS_TAPE_COMBINE || s->code == SALTUS_TAPE_TOTAL;
+        const saltus_tape_operand operands[] = {s->a, s->b, s->a2, s->b2};
+        for (int k = 0; k < 4 && !sums && s->code != SALTUS_TAPE_GATHER; k++)
+            alone = alone && !touches(row, &operands[k], s->count);
+        for (int t = s->numbers; t < s->terms && sums; t++) {
+            const saltus_tape_row_term *term = &tape->row_terms[s->first + t];
+            alone = alone &&
+                    (term->spread || term->place[0] == row->out.place[0] || !touches(row, term, s->count));
+        }
+    }
+    return alone && row - tape->rows >= tape->steady_rows;
+}
+
+static void put_passing(FILE *out, const saltus_tape *tape) {
+    fprintf(out, "static const bool fixed_passing[%d] = {", tape->elements[1] + 1);
+    for (const saltus_tape_row *s = tape->rows; s < tape->rows + tape->row_count; s++)
+        for (int e = 0; e < own_elements(s) && passes(tape, s); e++)
+            fprintf(out, "[%d] = 1, ", s->out.place[1] + e);
+    fputs("}; ", out);
+}
+
 /* The tape as definitions of constants: one line. */
 static void put_tape(FILE *out, const saltus_tape *tape) {
     const saltus_tape_operand none = {.place = {0, 0}};
@@ -52,7 +88,9 @@ static void put_tape(FILE *out, const saltus_tape *tape) {
     fputs("}; static const saltus_tape_row fixed_rows[] = {", out);
     for (int k = 0; k < tape->row_count; k++)
         put_row(out, &tape->rows[k]);
-    fputs("}; static const bool fixed_absent[] = {", out);
+    fputs("}; ", out);
+    put_passing(out, tape);
+    fputs("static const bool fixed_absent[] = {", out);
     for (int k = 0; k < tape->weights[1]; k++)
         fprintf(out, "%d, ", tape->weight_slot[1][k] < 0);
     fprintf(out,

@@ -33,6 +33,7 @@ typedef struct frame {
     saltus_holding hold;
     saltus_varied vary;
     const lane_t *phase, *elapsed;
+    lane_t *passing; /* of a text: what serves its own order alone */
 } frame;
 
 #define ORDER_STRIDE ((long)(1 + f.columns) * f.packs)
@@ -367,14 +368,25 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int from, int to)
 _Static_assert(SALTUS_PACK == SALTUS_FIXED_PACK && sizeof(saltus_work) == SALTUS_FIXED_WORK,
                "compiled otherwise than the library");
 __attribute__((visibility("default"))) void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to);
-void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to) {
+/* What is kept for later orders, what is not, and the jets have no element in common. */
+static __attribute__((noinline)) void expand_fixed(const saltus_work *w, int from, int to,
+                                                   double *restrict kept, lane_t *restrict passing,
+                                                   double *restrict q, double *restrict v) {
     const int packs = row_packs(SALTUS_FIXED_DOF);
     frame f = make_frame(w, SALTUS_FIXED_EXTRA ? SALTUS_TERM_EXTRA : 0, packs, row_block(packs),
                          SALTUS_FIXED_COLUMNS, SALTUS_FIXED_DIRECTIONS, w->hold.count);
     f.dof = SALTUS_FIXED_DOF;
     f.extra = SALTUS_FIXED_EXTRA;
     f.orders = SALTUS_FIXED_ORDER + 2;
+    f.model.series = kept;
+    f.passing = passing;
+    f.q = PACKS(q);
+    f.v = PACKS(v);
     expand_frame(f, w, from, to);
+}
+
+void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to) {
+    expand_fixed(w, from, to, w->model.series, NUMBERS(w->model.series), w->jet.q, w->jet.v);
 }
 
 #else

@@ -15,10 +15,13 @@ SALTUS_FIXED_TAPE
 #define SPREAD(operand) ((operand).spread)
 /* Weights that are always zero. */
 #define ABSENT(weight) (SALTUS_WIDE && fixed_absent[weight])
+/* Elements that serve their own order alone: all orders have one place. */
+#define PASSING(operand) (fixed_passing[(operand)->place[1]])
 #else
 #define TAPE_OF(loaded) ((loaded)->tape)
 #define SPREAD(operand) false
 #define ABSENT(weight) false
+#define PASSING(operand) false
 #endif
 
 enum { model_rows_common = 0, model_rows_plain = 2 };
@@ -67,7 +70,7 @@ typedef double loose_pack __attribute__((vector_size(8 * SALTUS_PACK), may_alias
 typedef struct player {
     const saltus_tape *tape;
     saltus_operation_function *value;
-    lane_t *base;
+    lane_t *base, *passing;
     const lane_t *weights, *rates; /* the latter for parameter columns */
     long column, order;            /* from one to the next */
     int columns, directions;
@@ -79,6 +82,7 @@ KERNEL_INLINE player make_player(frame f) {
     return (player){.tape = tape,
                     .value = f.loaded.value,
                     .base = NUMBERS(f.model.series),
+                    .passing = f.passing,
                     .weights = NUMBERS(f.loaded.weights),
                     .rates = NUMBERS(f.vary.weights),
                     .column = elements,
@@ -90,7 +94,8 @@ KERNEL_INLINE player make_player(frame f) {
 /* An operand's coefficient k in a column. The order is added first: where the places are constants, the
  * compiler then sees that what a row has just written is what the next one reads. */
 KERNEL_INLINE lane_t *series_of(const player *m, const saltus_tape_operand *x, int c, int k) {
-    return m->base + k * m->order + (x->place[SALTUS_WIDE] + c * m->column);
+    lane_t *start = PASSING(x) ? m->passing : m->base + k * m->order;
+    return start + (x->place[SALTUS_WIDE] + c * m->column);
 }
 
 /* What a column changes: states, and along a direction in parameter space all. */
@@ -307,79 +312,85 @@ KERNEL_INLINE int weight_span(const saltus_tape_row *s) {
     return SALTUS_WIDE ? s->count : (s->count + SALTUS_PACK_MAX - 1) & -SALTUS_PACK_MAX;
 }
 
-/* Add a term to sums in two chains, which meet before the last one. */
-KERNEL_INLINE void add_term(const lane_t *weights, int place, const lane_t *x, bool spread, bool last,
-                            const int count, saltus_pack *sum, saltus_pack *other) {
-    if (last)
-        for (int j = 0; j < count; j++)
-            other[j] += sum[j];
+/* Weights times elements, added to `onto`. */
+KERNEL_INLINE void add_term(const lane_t *weights, int place, const lane_t *x, bool spread, const int count,
+                            const saltus_pack *onto, saltus_pack *sum) {
     for (int j = 0; j < count; j++) {
-        const saltus_pack before = sum[j];
-        sum[j] = other[j];
+        sum[j] = onto[j];
         if (!ABSENT(place + j))
             sum[j] = saltus_pack_fma(load_pack(weights + place, false, j), load_pack(x, spread, j), sum[j]);
-        other[j] = before;
     }
 }
 
-/* Sums of weights times elements, a column's or the trajectory's. Terms stand in order, in each group the
- * newest last: the number alone, spread elements, pieces of rows; those on which nothing depends that changes
- * have no series. */
-KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, const lane_t *weights,
-                                 const lane_t *at, bool constant, unsigned changes, int p, const int count,
+/* Add sums of weights times elements, a column's or the trajectory's, in two chains that meet before the last
+ * term. Terms stand in order, in each group the newest last: the number alone, spread elements, pieces of
+ * rows; those on which nothing depends that changes have no series. `begun`: the sums hold something. */
+KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, const lane_t *weights, int c,
+                                 int k, bool constant, unsigned changes, int p, const int count, bool begun,
                                  saltus_pack *sum) {
     const saltus_tape_row_term *term = m->tape->row_terms + s->first;
-    const int span = weight_span(s);
+    const int span = weight_span(s), last = s->terms - 1;
     int weight = s->weight[SALTUS_WIDE] + p * ELEMENTS;
     saltus_pack other[SHARES_MAX] = {{0}};
-    bool met = false;
-    int t = 0;
-    for (; t < s->numbers; t++, weight += span)
+    int t = 0, chains = begun;
+    for (; t < s->numbers; t++, weight += span) {
+        chains = 1;
         if (constant)
             for (int j = 0; j < count; j++)
                 sum[j] += load_pack(weights + weight, false, j);
-    for (; t < s->spread_terms; t++, weight += span) {
+    }
+    for (; t < last; t++, weight += span) {
+        const lane_t *x = series_of(m, &term[t], c, k);
+        saltus_pack next[SHARES_MAX];
         if (changes != ~0u && !(term[t].depends & changes))
             continue;
-        met = t == s->terms - 1;
-        add_term(weights, weight, at + term[t].place[SALTUS_WIDE], true, met, count, sum, other);
+        if (t < s->spread_terms)
+            add_term(weights, weight, x, true, count, other, next);
+        else
+            add_term(weights, weight, x + p * ELEMENTS, SPREAD(s->out), count, other, next);
+        for (int j = 0; j < count; j++) {
+            other[j] = sum[j];
+            sum[j] = next[j];
+        }
+        chains++;
     }
-    for (; t < s->terms; t++, weight += span) {
-        const lane_t *x = at + term[t].place[SALTUS_WIDE] + p * ELEMENTS;
-        if (changes != ~0u && !(term[t].depends & changes))
-            continue;
-        met = t == s->terms - 1;
-        add_term(weights, weight, x, SPREAD(s->out), met, count, sum, other);
-    }
-    if (!met)
+    if (chains > 1)
         for (int j = 0; j < count; j++)
             sum[j] += other[j];
+    /* Where weights that are always zero are left out, no zero must have kept its sign. */
     if (s->sparse)
         for (int j = 0; j < count; j++)
             sum[j] += (saltus_pack){0};
+    if (t > last || (changes != ~0u && !(term[t].depends & changes)))
+        return;
+    const lane_t *x = series_of(m, &term[t], c, k);
+    if (t < s->spread_terms)
+        add_term(weights, weight, x, true, count, sum, sum);
+    else
+        add_term(weights, weight, x + p * ELEMENTS, SPREAD(s->out), count, sum, sum);
 }
 
 /* The sum over all elements of what would be a row of combinations, in a fixed tree. */
-KERNEL_INLINE lane_t total_packs(const player *m, const saltus_tape_row *s, const lane_t *weights,
-                                 const lane_t *at, bool constant, unsigned changes) {
+KERNEL_INLINE lane_t total_packs(const player *m, const saltus_tape_row *s, const lane_t *weights, int c,
+                                 int k, bool constant, unsigned changes) {
     saltus_pack all[ROW_PACKS_MAX];
     const int packs = (int)((unsigned)(s->count + ELEMENTS - 1) / ELEMENTS);
     for (int p = 0; p < packs; p++) {
         all[p] = (saltus_pack){0};
-        combine_packs(m, s, weights, at, constant, changes, p, 1, &all[p]);
+        combine_packs(m, s, weights, c, k, constant, changes, p, 1, false, &all[p]);
     }
     return row_total(all, s->count, packs);
 }
 
 KERNEL_INLINE void play_total(const player *m, const saltus_tape_row *s, int k) {
-    *series_of(m, &s->out, 0, k) = total_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u);
+    *series_of(m, &s->out, 0, k) = total_packs(m, s, m->weights, 0, k, k == 0, ~0u);
 }
 
 KERNEL_INLINE void play_combination(const player *m, const saltus_tape_row *s, int k, int p,
                                     const int share) {
     saltus_pack sum[SHARES_MAX] = {{0}};
     lane_t *out = series_of(m, &s->out, 0, k);
-    combine_packs(m, s, m->weights, m->base + k * m->order, k == 0, ~0u, p, share, sum);
+    combine_packs(m, s, m->weights, 0, k, k == 0, ~0u, p, share, false, sum);
     for (int j = 0; j < share; j++)
         store_pack(out, SPREAD(s->out), p + j, s->count, sum[j]);
 }
@@ -500,23 +511,21 @@ KERNEL_INLINE void play_SINE(const player *m, const saltus_tape_row *s, int firs
 KERNEL_INLINE void vary_combination(const player *m, const saltus_tape_row *s, int k, int c, int p,
                                     const int share) {
     const int direction = c - 1 - (m->columns - m->directions);
-    const lane_t *here = m->base + k * m->order;
     saltus_pack sum[SHARES_MAX] = {{0}};
-    combine_packs(m, s, m->weights, here + c * m->column, false, changes_of(m, c), p, share, sum);
+    combine_packs(m, s, m->weights, c, k, false, changes_of(m, c), p, share, false, sum);
     if (direction >= 0)
-        combine_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u, p,
-                      share, sum);
+        combine_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], 0, k, k == 0, ~0u, p,
+                      share, true, sum);
     for (int j = 0; j < share; j++)
         store_pack(series_of(m, &s->out, c, k), SPREAD(s->out), p + j, s->count, sum[j]);
 }
 
 KERNEL_INLINE void vary_total(const player *m, const saltus_tape_row *s, int k, int c) {
     const int direction = c - 1 - (m->columns - m->directions);
-    const lane_t *here = m->base + k * m->order;
-    lane_t sum = total_packs(m, s, m->weights, here + c * m->column, false, changes_of(m, c));
+    lane_t sum = total_packs(m, s, m->weights, c, k, false, changes_of(m, c));
     if (direction >= 0)
         sum +=
-            total_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], here, k == 0, ~0u);
+            total_packs(m, s, m->rates + (long)direction * m->tape->weights[SALTUS_WIDE], 0, k, k == 0, ~0u);
     *series_of(m, &s->out, c, k) = sum;
 }
 
@@ -746,8 +755,11 @@ KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocit
     const player m = make_player(f);
     place_row(series_of(&m, &m.tape->state[1], c, k), velocity, f.packs);
     place_row(series_of(&m, &m.tape->state[0], c, k + 1), displacement, f.packs);
-    for (int i = 0; i < f.extra; i++)
-        series_of(&m, &m.tape->state[2], c, k)[i] = EXTRA(k, c)[i];
+}
+
+/* Coefficient k of an extra state. */
+KERNEL_INLINE void place_extra(frame f, const player *m, int k, int c, int i, lane_t value) {
+    EXTRA(k, c)[i] = series_of(m, &m->tape->state[2], c, k)[i] = value;
 }
 
 /* Time and phase, which are linear; along omega at fixed phase of the step's begin, `elapsed` before this:
@@ -759,6 +771,8 @@ KERNEL_INLINE void model_start(frame f, int c) {
     const lane_t period = full / omega, time = *f.phase * period;
     place_row(series_of(&m, &m.tape->state[0], c, 0), JET(f.q, 0, c), f.packs);
     model_place(f, 0, c, JET(f.v, 0, c), JET(f.v, 0, c));
+    for (int i = 0; i < f.extra; i++)
+        place_extra(f, &m, 0, c, i, EXTRA(0, c)[i]);
     if (c > 0 && direction < 0)
         return;
     lane_t start = time, rate = omega + none, turned = *f.phase;
@@ -810,7 +824,7 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
         if (i < f.dof)
             set_row_element(next, i, value);
         else
-            EXTRA(k + 1, c)[i - f.dof] = value;
+            place_extra(f, &m, k + 1, c, i - f.dof, value);
     }
 }
 
