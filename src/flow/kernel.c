@@ -25,6 +25,7 @@ typedef struct frame {
     int columns;    /* tangent vectors */
     int directions; /* the last of these: parameter columns */
     int dof, extra, forcing;
+    bool single; /* order 0 alone, the field itself: nothing is begun for the next one */
     long orders, order_span;
     saltus_pack *q, *v; /* jets */
     lane_t *e;
@@ -407,7 +408,11 @@ KERNEL_INLINE void expand_directions(const saltus_work *w, int from, int to, int
 
 static void expand_any(const saltus_work *w, int from, int to) {
     const int packs = row_packs(w->dof), block = row_block(ROW_PACKS_MAX);
-    if (w->directions)
+    if (from == 0 && to == 1 && !w->directions) {
+        frame f = make_frame(w, w->loaded.terms, packs, block, w->columns, 0, w->hold.count);
+        f.single = true;
+        expand_frame(f, w, 0, 1);
+    } else if (w->directions)
         expand_directions(w, from, to, packs, 1);
     else
         expand_frame(make_frame(w, w->loaded.terms, packs, block, w->columns, 0, w->hold.count), w, from, to);

@@ -262,8 +262,8 @@ KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_p
         resting->next[p] *= ROW(pipe_lambda2)[p];
     }
     if (coupled && forced)
-        row_couple_two(resting->now, resting->next, f.loaded.coupling[pipe_gradient], slope.now, slope.next,
-                       f.dof, f.packs);
+        row_couple_two(resting->now, f.single ? NULL : resting->next, f.loaded.coupling[pipe_gradient],
+                       slope.now, slope.next, f.dof, f.packs);
     FOR_ROW_BLOCKS(f, first, count, model_moving(f, k, c, first, count, moving));
     if (cubic && c > 0)
         FOR_ROW_BLOCKS(f, first, count, model_mixed(f, k, c, first, count, inner));
@@ -272,7 +272,7 @@ KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_p
     else
         for (int p = 0; p < f.packs; p++)
             inner->now[p] = (saltus_pack){0};
-    for (int p = 0; p < f.packs; p++) {
+    for (int p = 0; p < f.packs && !f.single; p++) {
         AHEAD(ahead_resting, c)[p] = resting->next[p];
         AHEAD(ahead_moving, c)[p] = moving->next[p];
         if (cubic)
