@@ -164,7 +164,9 @@ KERNEL_INLINE void convolve(const lane_t *a, bool spread_a, const lane_t *b, boo
 }
 
 /* The inner terms a_i b_{k-i}, 0 < i < k, of a product's coefficient k and of the next one, whose inner terms
- * are known by then: one pass over the older coefficients serves both. */
+ * are known by then: one pass over the older coefficients serves both. Here and below conditions stand
+ * outside loops over packs: a loop that either may end is unrolled too late, and its arrays stay in memory.
+ */
 KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, bool spread_b, long order,
                                 int k, const int count, saltus_pack *now, saltus_pack *next) {
     const lane_t *x = a + order, *y = b + k * order;
