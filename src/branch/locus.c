@@ -189,10 +189,11 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
     const saltus_family *family = &l->x.orbits.family;
     const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
     bool grazing = l->x.kind == SALTUS_POINT_GR || fabs(saltus_corner_breach(&l->x, s)) < 1e-8;
+    int returns;
     saltus_branch_point *point = saltus_trail_place(l->trail, message);
     if (!point)
         return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_point_make(&l->x.orbits, s, grazing, point, message);
+    saltus_status status = saltus_point_make(&l->x.orbits, s, grazing, point, &returns, message);
     if (status != SALTUS_OK)
         return status;
     point->locus = l->x.kind;

@@ -113,12 +113,13 @@ static void found_events(const saltus_survey *survey, saltus_branch_point *point
 /* An orbit of a period of its own is told as it is from its highest maximum on. Where the flow does not
  * follow it, it stays as it is prescribed. */
 static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
-                                  saltus_branch_point *point, saltus_message *message) {
+                                  saltus_branch_point *point, int *returns, saltus_message *message) {
     saltus_lap lap = {.keeps_events = true};
     saltus_message ignored;
     saltus_status status = saltus_cycle_around(o, s, &lap, &ignored);
     saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
     if (status == SALTUS_OK) {
+        *returns = lap.returns;
         point->periods = lap.periods;
         memcpy(point->state, lap.points, (size_t)o->n * sizeof *point->state);
         if (found && lap.event_count == point->event_count && lap.event_count)
@@ -130,9 +131,10 @@ static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bo
 }
 
 saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
-                                saltus_branch_point *point, saltus_message *message) {
+                                saltus_branch_point *point, int *returns, saltus_message *message) {
     const saltus_survey *survey = &s->survey;
     bool found = survey->follows && !prescribed;
+    *returns = -1;
     size_t n = (size_t)o->n, events = (size_t)(found ? survey->lap.event_count : s->sequence.count);
     double section = ceil(s->sequence.base / s->sequence.periods) * s->sequence.periods;
     /* What the parameter's rounding leaves to the solution's value, as on a border of the range. */
@@ -183,7 +185,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     else
         prescribed_events(o, s, point);
     fold_events(point->events, point->event_count, s->sequence.periods);
-    return s->sequence.omega > 0 ? from_maximum(o, s, found, point, message) : status;
+    return s->sequence.omega > 0 ? from_maximum(o, s, found, point, returns, message) : status;
 }
 
 void saltus_point_mark_grazing(const saltus_orbits *o, const saltus_breach *breach,

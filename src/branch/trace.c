@@ -41,19 +41,12 @@ static void tell_returns(const saltus_trace *t, int returns, int before, double 
              returns ? "" : "; another section would count the orbit");
 }
 
-/* How often an orbit of a period of its own comes back to its section. One that does not meet it has the
- * solution's own state in the place of a section point. */
-static int count_returns(const saltus_solution *s, int periods, const double *point, int n) {
-    return periods == 1 && memcmp(point, s->state, (size_t)n * sizeof *point) == 0 ? 0 : periods;
-}
-
 /* Orbits of a period of their own go on where they lose or gain a return to their section, a maximum, say:
  * the first point behind says so, and since which value. */
-static void compare_returns(saltus_trace *t, const saltus_solution *s, const saltus_branch_point *point,
-                            saltus_notice *what, char *reason) {
-    if (!(s->sequence.omega > 0) || !s->survey.walked)
+static void compare_returns(saltus_trace *t, const saltus_solution *s, int returns, saltus_notice *what,
+                            char *reason) {
+    if (!(s->sequence.omega > 0) || !s->survey.walked || returns < 0)
         return;
-    int returns = count_returns(s, point->periods, point->state, point->dimension);
     if (t->returns >= 0 && returns != t->returns && !(what->reason && what->reason[0]) && !what->addition) {
         tell_returns(t, returns, t->returns, t->counted, reason);
         what->reason = reason;
@@ -65,10 +58,11 @@ static void compare_returns(saltus_trace *t, const saltus_solution *s, const sal
 saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice what,
                                 saltus_message *message) {
     char reason[SALTUS_REASON_MAX];
+    int returns;
     saltus_branch_point *point = saltus_trail_place(t->trail, message);
     if (!point)
         return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_point_make(&t->orbits, s, what.change, point, message);
+    saltus_status status = saltus_point_make(&t->orbits, s, what.change, point, &returns, message);
     if (status != SALTUS_OK)
         return status;
     const saltus_survey *before = &t->here->survey;
@@ -77,7 +71,7 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
         point->impacts = before->impacts;
         point->sticking_intervals = before->sticking_intervals;
     }
-    compare_returns(t, s, point, &what, reason);
+    compare_returns(t, s, returns, &what, reason);
     status = saltus_trail_give(t->trail, t->orbits.system, &what, message);
     if ((point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_BE) && what.grazing)
         saltus_point_mark_grazing(&t->orbits, what.grazing, point);
@@ -98,7 +92,7 @@ static int returns_at(saltus_trace *t, double ahead) {
     saltus_status status = saltus_solution_visit(&t->orbits, t->here, ahead, t->trial, &ignored);
     if (status == SALTUS_OK)
         status = saltus_orbits_noted(&t->orbits, saltus_cycle_around(&t->orbits, t->trial, &lap, &ignored));
-    int returns = status == SALTUS_OK ? count_returns(t->trial, lap.periods, lap.points, t->orbits.n) : -1;
+    int returns = status == SALTUS_OK ? lap.returns : -1;
     saltus_lap_close(&lap);
     return returns;
 }

@@ -17,6 +17,7 @@
 typedef struct saltus_lap {
     const saltus_system *system;
     int periods;         /* of the orbit; set by saltus_lap_around */
+    int returns;         /* of a cycle to its section: its periods, or none; set by saltus_lap_cycle */
     bool keeps_events;   /* `events` is filled too, ... */
     bool keeps_turnings; /* ... with the turning points among them */
     long long impacts;   /* located one by one */

@@ -272,6 +272,7 @@ static void shift_events(saltus_lap *lap, double origin) {
 static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *system, const double *state) {
     size_t n = (size_t)s->n;
     int highest = 0;
+    lap->returns = s->rows.count;
     lap->periods = s->rows.count > 0 ? s->rows.count : 1;
     if (!saltus_lap_reserve(lap, lap->periods, s->n))
         return false;
