@@ -23,7 +23,7 @@
 #if SALTUS_WIDE
 
 #define LANES SALTUS_PACK
-enum { ROW_PACKS_MAX = SALTUS_MODES_MAX, ORDERS_PER_PACK = 1, ORDERS_AT_ONCE = 2 };
+enum { ROW_PACKS_MAX = SALTUS_MODES_MAX, ORDERS_PER_PACK = 1, ORDERS_AT_ONCE = 2, COUPLED_ROWS = 4 };
 typedef saltus_pack lane_t;
 typedef saltus_pack_word lane_word;
 KERNEL_INLINE lane_word lane_bits(lane_t a) {
@@ -96,23 +96,41 @@ KERNEL_INLINE lane_t row_total(const saltus_pack *row, int n, int packs) {
     return t[0];
 }
 
+/* Rows i, i + 2, ..., `rows` of them, whose sums do not wait for one another. */
 KERNEL_INLINE void row_couple_part(saltus_pack *out, saltus_pack *out2, const double *coupling,
-                                   const saltus_pack *in, const saltus_pack *in2, int n, const int parity) {
-    for (int i = parity; i < n; i += 2)
-        for (int j = 1 - parity; j < n; j += 2) {
-            const saltus_pack number = saltus_pack_splat(coupling[i * n + j]);
-            out[i] = saltus_pack_fma(number, in[j], out[i]);
+                                   const saltus_pack *in, const saltus_pack *in2, int n, int i,
+                                   const int rows) {
+    saltus_pack sum[COUPLED_ROWS], sum2[COUPLED_ROWS];
+    for (int r = 0; r < rows; r++) {
+        sum[r] = out[i + 2 * r];
+        if (out2)
+            sum2[r] = out2[i + 2 * r];
+    }
+    for (int j = 1 - i % 2; j < n; j += 2)
+        for (int r = 0; r < rows; r++) {
+            const saltus_pack number = saltus_pack_splat(coupling[(i + 2 * r) * n + j]);
+            sum[r] = saltus_pack_fma(number, in[j], sum[r]);
             if (out2)
-                out2[i] = saltus_pack_fma(number, in2[j], out2[i]);
+                sum2[r] = saltus_pack_fma(number, in2[j], sum2[r]);
         }
+    for (int r = 0; r < rows; r++) {
+        out[i + 2 * r] = sum[r];
+        if (out2)
+            out2[i + 2 * r] = sum2[r];
+    }
 }
 
 /* The coupling is plain, row-major. */
 KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                   const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
     (void)packs;
-    row_couple_part(out, out2, coupling, in, in2, n, 0);
-    row_couple_part(out, out2, coupling, in, in2, n, 1);
+    for (int parity = 0; parity < 2; parity++) {
+        int i = parity;
+        for (; n > SALTUS_PACK_MAX && i + 2 * (COUPLED_ROWS - 1) < n; i += 2 * COUPLED_ROWS)
+            row_couple_part(out, out2, coupling, in, in2, n, i, COUPLED_ROWS);
+        for (; i < n; i += 2)
+            row_couple_part(out, out2, coupling, in, in2, n, i, 1);
+    }
 }
 
 KERNEL_INLINE lane_t lane_total(saltus_pack a) {
