@@ -405,6 +405,46 @@ static void a_gap_is_zero_for_all_or_none(void **unused) {
     saltus_system_free(system);
 }
 
+/* A force that comes to zero so slowly that the state stands still meanwhile, to rounding, lets go all the
+ * same: beside a second stop that holds, from many forces, and with the same motion at another tolerance. */
+static void slow_releases_end(void **unused) {
+    (void)unused;
+    static const char text[] =
+        "model:\n"
+        "  parameters: {F: 1}\n"
+        "  states: {w: x - 0.178*w}\n"
+        "  motion: {x: 0.008*x' - x + F - 1.231*w + 0.3*(y - 1), y: 9 - y - 0.2*y' + 0.3*x}\n"
+        "stops: [{coordinate: x, d: 0.5, r: 0.42, sides: upper}, {coordinate: y, d: 1, r: 0.6, sides: "
+        "upper}]\n"
+        "initial: {x: 0.4, y: 1}\n";
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    check_ok(saltus_scene_parse(text, strlen(text), "two.yaml", &scene, &message), &message);
+    for (int k = 0; k < 16; k++) {
+        char setting[32];
+        double start[SALTUS_SCENE_STATE_MAX], end[2][SALTUS_SCENE_STATE_MAX];
+        snprintf(setting, sizeof setting, "F=%.3f", 2 + 0.125 * k);
+        check_ok(saltus_scene_set(&scene, setting, &message), &message);
+        saltus_system *system = build(&scene.spec);
+        check_ok(saltus_system_default_state(system, start, &message), &message);
+        for (int loose = 0; loose < 2; loose++) {
+            saltus_flow_options options = saltus_flow_defaults();
+            saltus_flow *flow;
+            saltus_event event;
+            options.rtol = loose ? 1e-11 : 1e-13;
+            check_ok(saltus_flow_single(system, 0, &options, &flow, &message), &message);
+            check_ok(saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, &message), &message);
+            check_ok(saltus_flow_advance(flow, (saltus_time){40, 0}, 0, &event, &message), &message);
+            assert_true(saltus_flow_information(flow, 0).releases > 0);
+            saltus_flow_state(flow, 0, end[loose]);
+            saltus_flow_free(flow);
+        }
+        assert_true(saltus_system_distance(system, end[0], end[1]) < 1e-7);
+        saltus_system_free(system);
+    }
+    saltus_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stops_are_never_passed),
@@ -420,6 +460,7 @@ int main(void) {
         cmocka_unit_test(mirror_symmetry),
         cmocka_unit_test(chopping_changes_nothing),
         cmocka_unit_test(no_section_drift),
+        cmocka_unit_test(slow_releases_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
