@@ -34,45 +34,77 @@ static double velocity_before(const saltus_system *system, const saltus_event *e
     return after - share * (event->velocity_after - event->velocity_before);
 }
 
-static bool is_maximum(const saltus_system *system, const saltus_event *event, const double *state) {
-    const double rounding = 1e-12; /* of the velocity before, after an impact without rebound */
-    if (event->kind == SALTUS_TURNING)
-        return event->velocity_before < 0;
-    if (!saltus_event_strikes(event))
-        return false;
-    double after = saltus_system_observed(system, state + saltus_system_dof(system)),
-           before = velocity_before(system, event, after);
-    return before > 0 && after <= rounding * before;
+/* A smooth reversal of the observed velocity. */
+static bool turn(saltus_crossings *r, const saltus_event *event) {
+    const bool maximum = event->velocity_before < 0;
+    if (maximum) {
+        r->struck &= r->rises;
+        r->spare = r->struck ? r->spare + 1 : 0;
+    }
+    r->rises = false;
+    return maximum;
 }
 
-static bool is_return(const saltus_system *system, const saltus_event *event, const double *state) {
+/* Whether an impact concerns the section: it reverses the observed velocity, or is on the section's stop;
+ * *is_return: to falling, or on its side. */
+static bool concerns(const saltus_system *system, const saltus_event *event, const double *state,
+                     bool *is_return) {
+    const double rounding = 1e-12; /* of the velocity before, after an impact without rebound */
     const saltus_poincare section = saltus_system_poincare(system);
-    if (section.kind == SALTUS_POINCARE_MAXIMA)
-        return is_maximum(system, event, state);
-    if (!saltus_event_strikes(event))
+    const saltus_face face = saltus_system_face(system, event->face);
+    if (section.kind == SALTUS_POINCARE_IMPACT) {
+        *is_return = face.stop == section.stop && (section.side == 0 || section.side == face.side);
+        return face.stop == section.stop;
+    }
+    const double after = saltus_system_observed(system, state + saltus_system_dof(system)),
+                 before = velocity_before(system, event, after);
+    *is_return = before > 0 && after <= rounding * before;
+    return *is_return || (before < 0 && after > 0);
+}
+
+/* Whether an impact is slower than the one before by much of what that one has taken: all of it in the end
+ * where chatter completes. A cycle gives it back, and so do impacts that come near to one. */
+static bool is_slower(const saltus_crossings *r, double speed) {
+    const double share = 0.1;
+    return speed < r->speed - share * (r->speed - r->rebound);
+}
+
+static bool strike(saltus_crossings *r, const saltus_system *system, const saltus_event *event,
+                   const double *state) {
+    enum { many = 32 };
+    const double speed = fabs(event->velocity_before);
+    bool is_return;
+    if (!concerns(system, event, state, &is_return))
         return false;
-    saltus_face face = saltus_system_face(system, event->face);
-    return face.stop == section.stop && (section.side == 0 || section.side == face.side);
+    const bool again = r->struck && r->face == event->face;
+    if (!again)
+        r->spare = r->lively = 0;
+    r->spare += again && is_return;
+    r->lively += again && !is_slower(r, speed);
+    r->face = event->face;
+    if (r->lively == many)
+        r->chatters &= ~(1u << r->face);
+    r->struck = true;
+    r->rises = !is_return;
+    r->speed = speed;
+    r->rebound = fabs(event->velocity_after);
+    return is_return;
 }
 
 /* By how much an event changes the number of returns. */
 static int count(saltus_crossings *r, const saltus_system *system, const saltus_event *event,
                  const double *state) {
-    const bool impact = event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK;
     int change = 0;
-    if (is_return(system, event, state)) {
-        double speed = fabs(event->velocity_before);
-        change = 1;
-        /* What rebounds without loss does not chatter: its speeds fall by rounding alone. */
-        const bool loses = fabs(event->velocity_after) < speed;
-        r->falling = impact && loses && r->run > 0 && r->face == event->face && speed < r->speed;
-        r->run = !impact ? 0 : r->run > 0 && r->face == event->face ? r->run + 1 : 1;
-        r->face = event->face;
-        r->speed = speed;
-    }
-    if (event->kind == SALTUS_STICK && r->run > 1 && r->face == event->face) {
-        change -= r->run - 1;
-        r->run = 1;
+    if (event->kind == SALTUS_TURNING)
+        change = saltus_system_poincare(system).kind == SALTUS_POINCARE_MAXIMA && turn(r, event);
+    else if (saltus_event_strikes(event))
+        change = strike(r, system, event, state);
+    r->waits = r->spare > 0 && r->chatters >> r->face & 1;
+    if (event->kind == SALTUS_STICK && r->struck && r->face == event->face) {
+        change -= r->spare;
+        r->spare = 0;
+        r->struck = r->rises = false;
+        r->chatters |= 1u << r->face;
     }
     return change;
 }
@@ -154,14 +186,13 @@ void saltus_crossings_take(saltus_crossings *r, const saltus_flow *flow, int lan
         return;
     }
     const double length = saltus_flow_step_length(flow, lane);
-    r->falling = false;
     for (int k = 0; k < pieces && length > 0; k++)
         look(r, flow, lane, length * k / pieces, length * (k + 1) / pieces);
 }
 
 /* The next change of the number of returns by the event taken last: 1 for a return, whose state replaces that
- * of now; negative where chatter completes, whose impacts but the first are taken back; 0: there is none any
- * more. */
+ * of now; negative where chatter completes, whose returns but the first impact are taken back; 0: there is
+ * none any more. */
 static int next_change(saltus_crossings *r, const saltus_flow *flow, int lane, double *state,
                        saltus_time *time) {
     *time = r->time;
@@ -177,7 +208,7 @@ static int next_change(saltus_crossings *r, const saltus_flow *flow, int lane, d
     int change = r->change;
     r->change = 0;
     /* Rounding must not leave a section point beyond the stop that it lies on. */
-    if (change > 0 && r->run > 0)
+    if (change > 0)
         saltus_state_admit(saltus_flow_system(flow, lane), state);
     return change;
 }
@@ -186,20 +217,24 @@ bool saltus_crossings_count(saltus_crossings *r, const saltus_flow *flow, int la
                             saltus_time *time) {
     int change;
     while ((change = next_change(r, flow, lane, state, time)) != 0)
-        if (change > 0 && !r->falling)
+        if (change > 0 && !r->waits)
             return true;
     return false;
 }
 
-/* The returns of a lap: time, rank, state. */
+/* The returns of a lap: time, rank, speed of an impact, state. */
 typedef struct section {
     saltus_crossings returns;
     int n;
     saltus_list rows;
+    double begin; /* of the walk under way */
+    double cut;   /* when a contact has begun and no chatter is under way; 0: never */
 } section;
 
+enum { row_time, row_rank, row_speed, row_state };
+
 static double *row_of(const section *s, int k) {
-    return (double *)s->rows.items + (size_t)k * (size_t)(s->n + 2);
+    return (double *)s->rows.items + (size_t)k * (size_t)(s->n + row_state);
 }
 
 /* What section points are ordered by. */
@@ -214,13 +249,16 @@ static double rank_of(const saltus_system *system, const saltus_event *event, co
     }
 }
 
-static bool add_row(section *s, double time, double rank, const double *state) {
-    double *row = saltus_list_add(&s->rows, (size_t)(s->n + 2) * sizeof *row);
+/* One more return, at a state; `time` is within the walk. */
+static bool add_row(section *s, double time, const saltus_system *system, const saltus_event *event,
+                    const double *state) {
+    double *row = saltus_list_add(&s->rows, (size_t)(s->n + row_state) * sizeof *row);
     if (!row)
         return false;
-    row[0] = time;
-    row[1] = rank;
-    memcpy(row + 2, state, (size_t)s->n * sizeof *state);
+    row[row_time] = s->begin + time;
+    row[row_rank] = rank_of(system, event, state);
+    row[row_speed] = saltus_event_strikes(event) ? fabs(event->velocity_before) : 0;
+    memcpy(row + row_state, state, (size_t)s->n * sizeof *state);
     return true;
 }
 
@@ -236,20 +274,20 @@ static bool note(section *s, const saltus_flow *flow, const saltus_event *event,
     while (room && (change = next_change(&s->returns, flow, 0, state, &time)) != 0) {
         s->rows.count += change < 0 ? change : 0;
         if (change > 0)
-            room = add_row(s, saltus_time_periods(time), rank_of(system, event, state), state);
+            room = add_row(s, saltus_time_periods(time), system, event, state);
     }
     return room;
 }
 
-/* Whether a row comes before another: by rank, and where zeros of an expression all have one, by the first
- * entry of the state that tells them apart. */
+/* Whether a row comes before another: by rank, of impacts by speed, and where zeros of an expression all have
+ * one, by the first entry of the state that tells them apart. */
 static bool is_higher(const section *s, const saltus_system *system, int a, int b) {
     const double alike = 1e-6, *p = row_of(s, a), *q = row_of(s, b);
     if (saltus_system_poincare(system).kind != SALTUS_POINCARE_ZERO)
-        return p[1] > q[1];
+        return p[row_rank] > q[row_rank] || (p[row_rank] == q[row_rank] && p[row_speed] > q[row_speed]);
     for (int i = 0; i < s->n; i++)
-        if (fabs(p[2 + i] - q[2 + i]) > alike * saltus_system_scale(system)[i])
-            return p[2 + i] > q[2 + i];
+        if (fabs(p[row_state + i] - q[row_state + i]) > alike * saltus_system_scale(system)[i])
+            return p[row_state + i] > q[row_state + i];
     return false;
 }
 
@@ -281,9 +319,10 @@ static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *sy
         if (is_higher(s, system, k, highest))
             highest = k;
     for (int k = 0; k < s->rows.count; k++)
-        memcpy(lap->points + (size_t)k * n, row_of(s, (highest + k) % s->rows.count) + 2, n * sizeof *state);
+        memcpy(lap->points + (size_t)k * n, row_of(s, (highest + k) % s->rows.count) + row_state,
+               n * sizeof *state);
     if (s->rows.count > 0)
-        shift_events(lap, row_of(s, highest)[0]);
+        shift_events(lap, fmod(row_of(s, highest)[row_time], 1));
     return true;
 }
 
@@ -324,35 +363,70 @@ saltus_status saltus_cycle_leave(saltus_flow *flow, double *state, double *later
     return status;
 }
 
+/* From a state on the orbit for a time, at most a period: its events, which go to the lap if there is one,
+ * and returns. */
+static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const double *start, double length,
+                          saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    const unsigned watch = SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | saltus_crossings_watch(system);
+    const bool chosen = saltus_system_poincare(system).kind == SALTUS_POINCARE_ZERO;
+    double state[SALTUS_STATE_MAX], time = 0;
+    saltus_event event = {.kind = SALTUS_STEP};
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, message);
+    while (status == SALTUS_OK && event.kind != SALTUS_REACHED && time < length) {
+        status = saltus_flow_advance(flow, (saltus_time){1, 0}, watch, &event, message);
+        time = saltus_time_periods(event.time);
+        saltus_flow_state(flow, 0, state);
+        if (status == SALTUS_OK &&
+            !((!lap || saltus_lap_add(lap, &event, state)) && note(s, flow, &event, state)))
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
+        if (lap && event.kind == SALTUS_STICK && s->returns.spare == 0 && !chosen)
+            s->cut = time;
+    }
+    return status;
+}
+
+/* The walk may begin amid the impacts of a chatter: it is followed on to the end of its last contact's, and
+ * the returns from there on are the orbit's. */
+static saltus_status close_chatter(section *s, saltus_flow *flow, const double *start,
+                                   saltus_message *message) {
+    int early = 0;
+    if (s->cut == 0)
+        return SALTUS_OK;
+    s->begin = 1;
+    saltus_status status = walk(s, NULL, flow, start, s->cut, message);
+    while (early < s->rows.count && row_of(s, early)[row_time] <= s->cut)
+        early++;
+    s->rows.count -= early;
+    if (s->rows.count > 0)
+        memmove(row_of(s, 0), row_of(s, early),
+                (size_t)s->rows.count * (size_t)(s->n + row_state) * sizeof(double));
+    return status;
+}
+
 saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double *start,
                                saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);
-    const unsigned watch = SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | saltus_crossings_watch(system);
     section s = {.n = saltus_system_dimension(system)};
-    double state[SALTUS_STATE_MAX], later;
-    saltus_event event = {.kind = SALTUS_STEP};
-    bool room = true;
+    double state[SALTUS_STATE_MAX], end[SALTUS_STATE_MAX], later;
     memcpy(state, start, (size_t)s.n * sizeof *state);
     saltus_status status = saltus_cycle_leave(flow, state, &later, message);
     saltus_lap_begin(lap, system, state);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    while (status == SALTUS_OK && room && event.kind != SALTUS_REACHED) {
-        status = saltus_flow_advance(flow, (saltus_time){1, 0}, watch, &event, message);
-        saltus_flow_state(flow, 0, state);
-        if (status == SALTUS_OK)
-            room = saltus_lap_add(lap, &event, state) && note(&s, flow, &event, state);
-    }
-    if (status == SALTUS_OK && room) {
+        status = walk(&s, lap, flow, state, INFINITY, message);
+    if (status == SALTUS_OK) {
         lap->contacts = saltus_flow_contacts(flow, 0);
         lap->square = saltus_flow_information(flow, 0).square;
         lap->watched = 1;
-        room = hand_over(lap, &s, system, start);
-        if (room)
-            saltus_flow_state(flow, 0, lap->end);
+        saltus_flow_state(flow, 0, end);
+        status = close_chatter(&s, flow, state, message);
     }
+    if (status == SALTUS_OK && !hand_over(lap, &s, system, start))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the points of an orbit");
+    if (status == SALTUS_OK)
+        memcpy(lap->end, end, (size_t)s.n * sizeof *end);
     free(s.rows.items);
-    return room ? status : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
+    return status;
 }
 
 /* A rest closes after any time: how far the flow would go in a period at the orbit's speed at its base, in

@@ -2,8 +2,9 @@
  *
  * The section is chosen by the scene (saltus_poincare). By default it is a maximum of the observed
  * displacement: a reversal of its velocity from rising to falling, smooth or by an impact. A lasting contact,
- * or complete chatter with all the impacts before it, is one return, of impacts on a stop too: infinitely
- * many are no places to count by. An expression may pass through zero smoothly, or by the jump of an impact.
+ * or complete chatter with all the impacts in a row before it, is one return, of impacts on a stop too:
+ * infinitely many are no places to count by. Where the impacts are minima, it is none, and neither are the
+ * maxima between them. An expression may pass through zero smoothly, or by the jump of an impact.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_POINCARE_H
 #define SALTUS_ORBIT_POINCARE_H
@@ -15,10 +16,14 @@ enum { SALTUS_ZEROS_MAX = 16 };
 
 /* Returns along a motion; zeroed at its begin. */
 typedef struct saltus_crossings {
-    int run;                       /* impacts in a row on one face that were returns */
-    int face;                      /* of the last of them */
-    double speed;                  /* of it */
-    bool falling;                  /* it was slower than the one before: the run may be chatter */
+    int face;                      /* of the impacts in a row ... */
+    bool struck;                   /* ... that are under way: they reverse the observed velocity, ... */
+    bool rises;                    /* ... the last of them to rising, as nothing has since */
+    double speed, rebound;         /* of that one, before and after */
+    int spare;                     /* returns among them, and between, that are none if chatter completes */
+    int lively;                    /* so many of them are no slower than the one before, but for ... */
+    unsigned chatters;             /* faces on which chatter has completed, without many such since */
+    bool waits;                    /* the last return may be one of such a chatter */
     bool begun;                    /* of an expression: its sign is known, ... */
     bool below;                    /* ... it was negative at the end of the last step */
     int change;                    /* of the number of returns by the last event, still to be told */
@@ -34,8 +39,8 @@ unsigned saltus_crossings_watch(const saltus_system *system);
 void saltus_crossings_take(saltus_crossings *returns, const saltus_flow *flow, int lane,
                            const saltus_event *event, const double *state);
 /* The next return that the event taken last tells of and that is counted at once: its state replaces that of
- * now, and its time is given. None is where chatter may be under way. `state` is as above. False: there is
- * none any more. */
+ * now, and its time is given. None is amid the impacts in a row on a face on which chatter has completed
+ * before. `state` is as above. False: there is none any more. */
 bool saltus_crossings_count(saltus_crossings *returns, const saltus_flow *flow, int lane, double *state,
                             saltus_time *time);
 
