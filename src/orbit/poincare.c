@@ -228,7 +228,8 @@ typedef struct section {
     int n;
     saltus_list rows;
     double begin; /* of the walk under way */
-    double cut;   /* when a contact has begun and no chatter is under way; 0: never */
+    double cut;   /* when a contact began last while no chatter was under way; 0: never */
+    int early;    /* so many rows are before that */
 } section;
 
 enum { row_time, row_rank, row_speed, row_state };
@@ -373,15 +374,18 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
     double state[SALTUS_STATE_MAX], time = 0;
     saltus_event event = {.kind = SALTUS_STEP};
     saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, start, message);
-    while (status == SALTUS_OK && event.kind != SALTUS_REACHED && time < length) {
+    while (status == SALTUS_OK && event.kind != SALTUS_REACHED &&
+           !(event.kind == SALTUS_STICK && time >= length)) {
         status = saltus_flow_advance(flow, (saltus_time){1, 0}, watch, &event, message);
         time = saltus_time_periods(event.time);
         saltus_flow_state(flow, 0, state);
         if (status == SALTUS_OK &&
             !((!lap || saltus_lap_add(lap, &event, state)) && note(s, flow, &event, state)))
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
-        if (lap && event.kind == SALTUS_STICK && s->returns.spare == 0 && !chosen)
+        if (lap && event.kind == SALTUS_STICK && s->returns.spare == 0 && !chosen) {
             s->cut = time;
+            s->early = s->rows.count;
+        }
     }
     return status;
 }
@@ -390,16 +394,13 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
  * the returns from there on are the orbit's. */
 static saltus_status close_chatter(section *s, saltus_flow *flow, const double *start,
                                    saltus_message *message) {
-    int early = 0;
     if (s->cut == 0)
         return SALTUS_OK;
     s->begin = 1;
     saltus_status status = walk(s, NULL, flow, start, s->cut, message);
-    while (early < s->rows.count && row_of(s, early)[row_time] <= s->cut)
-        early++;
-    s->rows.count -= early;
+    s->rows.count -= s->early;
     if (s->rows.count > 0)
-        memmove(row_of(s, 0), row_of(s, early),
+        memmove(row_of(s, 0), row_of(s, s->early),
                 (size_t)s->rows.count * (size_t)(s->n + row_state) * sizeof(double));
     return status;
 }

@@ -213,8 +213,11 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
         measure(t);
     if (t->row.periods > 0)
         t->row.period = t->row.periods * saltus_system_period(t->system);
-    if (!saltus_system_forced(t->system)) /* on the section */
+    if (!saltus_system_forced(t->system)) { /* on the section */
         memcpy(t->state, t->proof.orbit, (size_t)t->sweep->dimension * sizeof *t->state);
+        if (t->row.periods > 0)
+            saltus_watch_orbit(t->active, t->proof.orbit, t->row.periods);
+    }
     return end_place(t);
 }
 

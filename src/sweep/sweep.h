@@ -66,6 +66,8 @@ void saltus_watch_returns(saltus_watch *watch, const saltus_flow *flow, int lane
                           const double *state);
 /* A section point; not the last one of the recording, which would be counted twice. */
 void saltus_watch_section(saltus_watch *watch, const double *state);
+/* The section points are those of an orbit, which has been gone around, the one at its begin last. */
+void saltus_watch_orbit(saltus_watch *watch, const double *points, int periods);
 /* The measures of the recording, from its begin to `end`, where it is at `state`; `square` as at the begin.
  */
 void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,

@@ -105,6 +105,12 @@ void saltus_watch_section(saltus_watch *watch, const double *state) {
         add(watch, SALTUS_CLOUD_STROBES, state);
 }
 
+void saltus_watch_orbit(saltus_watch *watch, const double *points, int periods) {
+    watch->clouds[SALTUS_CLOUD_STROBES].count = 0;
+    for (int k = 1; k <= periods; k++)
+        add(watch, SALTUS_CLOUD_STROBES, points + k % periods * saltus_system_dimension(watch->lap.system));
+}
+
 void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,
                           saltus_sweep_row *row) {
     double length = saltus_time_between(watch->begin, end), contact = watch->contact,
