@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/boundary.h"
 #include "branch/hopf.h"
+#include "branch/sequence.h"
 #include "branch/trace.h"
 #include "orbit/poincare.h"
 #include "orbit/returns.h"
@@ -101,6 +102,24 @@ static saltus_status place_small(saltus_orbits *o, const saltus_branch_start *st
     return status;
 }
 
+/* `here` becomes the orbit that a branch begins at. The first of all is cut into more and more segments where
+ * Newton's method fails: between prescribed impacts rounding may grow far more than along the motion, on
+ * which impacts come earlier or later. */
+static saltus_status place_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *why) {
+    saltus_orbits *o = &t->orbits;
+    saltus_sequence sequence = start->sequence;
+    int order[SALTUS_MARKS_MAX];
+    saltus_status status =
+        saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->tangent, t->here, why);
+    for (int cuts = 2;
+         start->parent < 0 && cuts <= SALTUS_CUTS_MAX && status != SALTUS_OK && status != SALTUS_NO_MEMORY;
+         cuts *= 2) {
+        saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, order);
+        status = saltus_solution_place(o, &sequence, &start->parameter, start->state, true, t->here, why);
+    }
+    return status;
+}
+
 saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     saltus_message why = {.text = ""};
@@ -127,12 +146,13 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
             return saltus_trace_accept(t, true, false, NULL, message);
         return give_up(t, start, "the flow follows no such orbit", message);
     }
-    saltus_status status = saltus_solution_place(o, &start->sequence, &start->parameter, start->state,
-                                                 !start->tangent, t->here, &why);
+    saltus_status status = place_first(t, start, &why);
     if (status == SALTUS_OK)
-        status = saltus_solution_survey(o, t->here, message);
+        status = saltus_solution_survey(o, t->here, &why);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
+    if (status != SALTUS_OK && start->parent < 0)
+        return saltus_fail(message, status, "no branch begins at this orbit: %.200s", why.text);
     if (status != SALTUS_OK) {
         t->trail->following = false;
         return SALTUS_OK;
