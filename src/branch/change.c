@@ -125,7 +125,7 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
         return saltus_branch_no_memory(message);
     saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
     if (saltus_change_pass(o, beyond, at->parameter, at->state, old, here, next)) {
-        memcpy(change->after, next->survey.label, sizeof change->after);
+        saltus_solution_label(o, next, change->after);
         /* An orbit that forgets all perturbations leaves with the parameter standing still. */
         double onward = fabs(saltus_solution_heading(here)) > still ? saltus_solution_heading(here)
                                                                     : next->parameter[0] - at->parameter[0];
@@ -367,7 +367,6 @@ static saltus_change compare(const saltus_orbits *o, const saltus_solution *from
                              double width, const char *why, const saltus_solution *here) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
     saltus_change change = {.reason = why, .accuracy = width * slope(o, at)};
-    memcpy(change.after, after->label, sizeof change.after);
     if (is_held(before) != is_held(after))
         change.reason = is_held(after) ? "a contact becomes permanent" : "a contact lets go";
     bool completes = (before->impacts < 0) != (after->impacts < 0);
@@ -416,6 +415,7 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
         belonging belongs = head_on(o, at, way, leap, here, scratch, &found);
         if (belongs == BELONGS || k == tries) {
             *change = found;
+            saltus_solution_label(o, here, change->after);
             break;
         }
         if (belongs == BELONGS_ELSE && other < 0 && distance >= reach[wide])
@@ -535,7 +535,7 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
                                   .accuracy = (width + beyond_contact(here, at, ahead)) * slope(o, at),
                                   .reason = "births of impacts accumulate: chatter completes",
                                   .distance = -ahead};
-        memcpy(change->after, here->survey.label, sizeof change->after);
+        saltus_solution_label(o, here, change->after);
     }
     free(state);
     return found;
@@ -548,7 +548,7 @@ bool saltus_change_within(saltus_orbits *o, const saltus_solution *from, const s
     *change =
         (saltus_change){.kind = chatter ? SALTUS_POINT_CH : SALTUS_POINT_ST,
                         .reason = chatter ? "chatter completes or ceases to" : "a contact begins or ends"};
-    memcpy(change->after, to->survey.label, sizeof change->after);
+    saltus_solution_label(o, to, change->after);
     if (isnan(width))
         return false;
     change->accuracy = width * slope(o, at);

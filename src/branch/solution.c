@@ -270,6 +270,16 @@ saltus_status saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, sa
     return status;
 }
 
+void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char label[SALTUS_LABEL_MAX]) {
+    saltus_lap lap = {0};
+    saltus_message ignored;
+    memcpy(label, s->survey.label, SALTUS_LABEL_MAX);
+    if (label[0] && s->sequence.omega > 0 &&
+        saltus_orbits_noted(o, saltus_cycle_around(o, s, &lap, &ignored)) == SALTUS_OK)
+        saltus_orbit_label(s->survey.impacts, lap.periods, label);
+    saltus_lap_close(&lap);
+}
+
 static double pair_product(const saltus_multiplier *mu, int n) {
     double re = 1, im = 0;
     for (int i = 0; i < n; i++)

@@ -106,6 +106,10 @@ saltus_status saltus_solution_walk(saltus_orbits *orbits, saltus_solution *solut
  * flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_around(saltus_orbits *orbits, const saltus_solution *solution, saltus_lap *lap,
                                   saltus_message *message);
+/* What a solution that has been surveyed is called: n/p, with the returns of one of a period of its own; ""
+ * where it has not. */
+void saltus_solution_label(saltus_orbits *orbits, const saltus_solution *solution,
+                           char label[SALTUS_LABEL_MAX]);
 /* Walk, and multipliers on the way. */
 saltus_status saltus_solution_survey(saltus_orbits *orbits, saltus_solution *solution,
                                      saltus_message *message);

@@ -67,7 +67,7 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
         return status;
     const saltus_survey *before = &t->here->survey;
     if (what.change && before->label[0]) {
-        memcpy(point->label, before->label, sizeof point->label);
+        saltus_solution_label(&t->orbits, t->here, point->label);
         point->impacts = before->impacts;
         point->sticking_intervals = before->sticking_intervals;
     }

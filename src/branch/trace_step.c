@@ -428,11 +428,13 @@ static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) 
     if (!*done)
         return saltus_shooting_shape(o->shooting, &t->here->sequence, message);
     const double heading = saltus_solution_heading(t->here);
+    char after[SALTUS_LABEL_MAX];
+    saltus_solution_label(o, t->spare, after);
     saltus_notice what = {.kind = SALTUS_POINT_GR,
                           .ahead = fabs((t->trial->parameter[0] - t->here->parameter[0]) / heading),
                           .accuracy = zero.accuracy + saltus_special_doubt(o, SALTUS_TEST_BREACH, t->trial),
                           .reason = "impacts die",
-                          .after = t->spare->survey.label,
+                          .after = after,
                           .change = true,
                           .grazing = &t->trial->worst};
     saltus_status status = saltus_solution_survey(o, t->trial, message);
