@@ -16,9 +16,13 @@ typedef struct saltus_visited {
     saltus_point_kind kind;
     int branch, periods;
     char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
-    double value;
+    double value, period; /* 0: none */
     double *state;
 } visited;
+
+static double period_of(const saltus_branch_point *point) {
+    return isfinite(point->period) ? point->period : 0;
+}
 
 void saltus_trail_drop(saltus_trail *t) {
     for (int k = t->next; k < t->count; k++)
@@ -68,7 +72,8 @@ static bool same_labels(const visited *v, const saltus_branch_point *point) {
 
 /* Whether a special point was given out before: the branch of it, -1 for none. Points of branches that cross
  * or begin at one another are not alike: they differ in kind or in period. Where impacts die one after the
- * other points lie close together without being the same; they differ in the number of impacts. */
+ * other points lie close together without being the same; they differ in the number of impacts. Folds of
+ * cycles near a homoclinic orbit differ in nothing but their period. */
 static int find_visited(const saltus_trail *t, const saltus_system *system,
                         const saltus_branch_point *point) {
     const double unit = t->options->high[0] - t->options->low[0];
@@ -77,6 +82,7 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
         const bool same = same_labels(v, point);
         const double close_value = same ? 1e-7 : 1e-11, close_state = same ? 1e-5 : 1e-7;
         if (v->kind == point->kind && v->periods == point->periods &&
+            fabs(v->period - period_of(point)) <= 1e-4 * v->period &&
             fabs(v->value - point->value[0]) < close_value * unit &&
             saltus_system_distance(system, v->state, point->state) < close_state)
             return v->branch;
@@ -100,6 +106,7 @@ static saltus_status remember(saltus_trail *t, const saltus_branch_point *point,
                    .branch = point->branch,
                    .periods = point->periods,
                    .value = point->value[0],
+                   .period = period_of(point),
                    .state = state};
     memcpy(v->label[0], point->label, SALTUS_LABEL_MAX);
     memcpy(v->label[1], point->label_after, SALTUS_LABEL_MAX);
@@ -191,11 +198,12 @@ static void archive_visited(saltus_archive *a, visited *v) {
     saltus_archive_label(a, v->label[0]);
     saltus_archive_label(a, v->label[1]);
     saltus_archive_finite(a, &v->value, 1);
+    saltus_archive_finite(a, &v->period, 1);
     saltus_archive_array(a, &v->state, (size_t)a->n);
 }
 
 void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
-    enum { numbers_min = 6 }; /* of a visited point */
+    enum { numbers_min = 7 }; /* of a visited point */
     t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
     for (int k = 0; k < t->visited_count; k++)
         archive_visited(a, &t->visited[k]);
