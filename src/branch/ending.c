@@ -101,6 +101,102 @@ saltus_status saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *
     return status;
 }
 
+enum { unknowns_max = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2 };
+
+/* The parameter of the equilibrium that lies `by` along a normal from a place; NAN: none. */
+static double parameter_along(saltus_rests *r, const double *place, const double *normal, double by) {
+    const int unknowns = r->equations.unknowns;
+    double u[unknowns_max], anchor[unknowns_max];
+    int iterations;
+    saltus_message ignored;
+    for (int j = 0; j < unknowns; j++)
+        u[j] = anchor[j] = place[j] + by * normal[j];
+    saltus_status status = saltus_newton(&r->equations, u, normal, anchor, true, &iterations, &ignored);
+    return saltus_rests_noted(r, status) == SALTUS_OK ? u[unknowns - 1] : NAN;
+}
+
+/* The extreme parameter of equilibria along a normal through a place, which has the cycles' parameter: they
+ * are a parabola there, and none is on the cycles' side. */
+static bool find_birth(saltus_rests *r, const double *place, const double *normal, double *parameter) {
+    const double far = 0.1;
+    double centre = 0;
+    for (double reach = 1e-2; reach > 1e-5; reach *= 0.1) {
+        const double low = parameter_along(r, place, normal, centre - reach),
+                     middle = parameter_along(r, place, normal, centre),
+                     high = parameter_along(r, place, normal, centre + reach), bend = low - 2 * middle + high;
+        *parameter = middle - (high - low) * (high - low) / (8 * bend);
+        centre -= reach * (high - low) / (2 * bend);
+        if (!(bend * (place[r->equations.unknowns - 1] - *parameter) < 0 && fabs(centre) < far))
+            return false;
+    }
+    return true;
+}
+
+/* The same near the slowest point of a cycle, along the flow. */
+static saltus_status seek_birth(saltus_orbits *o, const saltus_solution *s, double *parameter, bool *found,
+                                saltus_message *message) {
+    saltus_rests r = {.family = o->family, .origin = {o->origin}};
+    double slowest[SALTUS_STATE_MAX] = {0}, field[SALTUS_STATE_MAX], place[unknowns_max],
+           normal[unknowns_max], speed, size = 0;
+    *found = false;
+    saltus_status status =
+        saltus_orbits_tune(o, s->parameter, s->sequence.omega / s->sequence.periods, message);
+    if (status == SALTUS_OK)
+        status = go_around(o, s, NULL, slowest, &speed, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, slowest, message);
+    if (status == SALTUS_OK && !saltus_flow_contacts(o->flow, 0)) {
+        saltus_flow_field(o->flow, 0, field);
+        status = saltus_rests_open(&r, message);
+        if (status == SALTUS_OK)
+            status = saltus_rests_shape(&r, 0, slowest, s->parameter, message);
+        if (status == SALTUS_OK)
+            status = saltus_rests_fill(&r, s->parameter, slowest, place, message);
+        for (int i = 0; i < o->n && status == SALTUS_OK; i++)
+            slowest[i] += field[i] / speed;
+        if (status == SALTUS_OK)
+            status = saltus_rests_fill(&r, s->parameter, slowest, normal, message);
+        for (int j = 0; j < r.equations.unknowns && status == SALTUS_OK; j++)
+            size = hypot(size, normal[j] -= place[j]);
+        for (int j = 0; j < r.equations.unknowns && status == SALTUS_OK; j++)
+            normal[j] /= size;
+        *found = status == SALTUS_OK && size > 0 && find_birth(&r, place, normal, parameter);
+        if (r.starved)
+            status = SALTUS_NO_MEMORY;
+        saltus_rests_close(&r);
+    }
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
+saltus_status saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *here,
+                                      const saltus_solution *next, const double range[2], const char *key,
+                                      bool *ends, char *reason, saltus_message *message) {
+    const double little = 1e-3, alike = 0.1, longer = 0.3;
+    *ends = false;
+    if (!(next->sequence.omega > 0) || !(here->sequence.omega > 0))
+        return SALTUS_OK;
+    const double period = 2 * M_PI * next->sequence.periods / next->sequence.omega,
+                 grown = log(period * here->sequence.omega / (2 * M_PI * here->sequence.periods)),
+                 way = next->parameter[0] - here->parameter[0],
+                 left = way * exp(-2 * grown) / -expm1(-2 * grown);
+    /* Ever so often is enough. */
+    if (!(grown > 0 && fabs(left) < little) ||
+        floor(log(period) / longer) == floor((log(period) - grown) / longer))
+        return SALTUS_OK;
+    double parameter;
+    bool found;
+    saltus_message why;
+    saltus_status status = seek_birth(o, next, &parameter, &found, &why);
+    *ends = status == SALTUS_OK && found && parameter >= range[0] && parameter <= range[1] &&
+            fabs(parameter - next->parameter[0] - left) < alike * fabs(left);
+    if (*ends)
+        snprintf(
+            reason, SALTUS_REASON_MAX,
+            "two equilibria are born on the orbit at %s = %.12g: the period grows without bound, here %.6g",
+            key, o->origin + o->family.unit[0] * parameter, period);
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
 saltus_status saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solution *at, char *reason,
                                           saltus_message *message) {
     passed_rest passed = {.found = false};

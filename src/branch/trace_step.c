@@ -493,12 +493,23 @@ static saltus_zero cut_at_breach(saltus_trace *t, int *reached) {
     return breach;
 }
 
+/* Where two equilibria are born on the cycles. */
+static saltus_status end_at_birth(saltus_trace *t, bool *ended, saltus_message *message) {
+    char reason[SALTUS_REASON_MAX];
+    saltus_status status = saltus_cycle_tell_birth(&t->orbits, t->here, t->next, t->range,
+                                                   t->trail->options->key[0], ended, reason, message);
+    return status == SALTUS_OK && *ended ? saltus_trace_end(t, t->next, t->next->at.ahead, reason, message)
+                                         : status;
+}
+
 /* Whether the branch ends on the step: at an equilibrium on a stop, in a family, or near a saddle. */
 static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     *ended = false;
     if (saltus_boundary_is_near(t->here, t->next))
         status = end_at_boundary(t, ended, message);
+    if (!*ended && status == SALTUS_OK)
+        status = end_at_birth(t, ended, message);
     if (*ended || status != SALTUS_OK || !is_vertical(t->here) || !is_vertical(t->next))
         return status;
     *ended = saltus_cycle_of_family(t->next);
