@@ -625,6 +625,41 @@ static void cycles_of_several_impacts_are_born_at_a_stop(void **unused) {
     }
 }
 
+/* On the unit circle of (u, v) the angle turns with m - sin - e cos, around it in the time
+ * 2 pi / sqrt(m^2 - 1 - e^2), until two equilibria are born on the way. The mass only follows, and may
+ * strike.
+ */
+static void cycles_end_where_equilibria_are_born_on_them(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {m: 2, e: 0}\n"
+                               "  let: {turn: m - v - e*u, pull: 1 - u^2 - v^2}\n"
+                               "  states: {u: u*pull - v*turn, v: v*pull + u*turn}\n"
+                               "  motion: {x: 2*u - x - x'}\n"
+                               "stop: {coordinate: x, d: 9, r: 0.4, sides: upper}\n"
+                               "initial: {u: 1, x: 0.1}\n";
+    static const char *const settings[][2] = {{"e=0", "d=9"}, {"e=0.7", "d=9"}, {"e=-0.4", "d=0.5"}};
+    for (int k = 0; k < 3; k++) {
+        const double e = atof(settings[k][0] + 2), place = sqrt(1 + e * e);
+        saltus_scene scene = scene_from(text, settings[k], 2);
+        saltus_branch_options options = branch_along("m", 0, 16);
+        options.direction = -1;
+        branch_record record = branch_of(&scene, options, NULL);
+        const saltus_branch_point *last = &record.point[record.count - 1];
+        double told;
+        for (int j = 0; j < record.count; j++) {
+            const double m = record.point[j].value[0];
+            check_near(record.point[j].period * sqrt(m * m - 1 - e * e), 2 * M_PI, 1e-7);
+        }
+        assert_true((last->impacts > 0) == (k == 2));
+        assert_int_equal(sscanf(last->reason, "two equilibria are born on the orbit at m = %lf", &told), 1);
+        check_near(told, place, 1e-9);
+        check_near(last->value[0], place, 16e-3);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grazing_is_met_from_everywhere),
@@ -639,6 +674,7 @@ int main(void) {
         cmocka_unit_test(cycles_are_born_at_a_stop),
         cmocka_unit_test(cycles_shrink_to_an_equilibrium_on_a_stop),
         cmocka_unit_test(cycles_of_several_impacts_are_born_at_a_stop),
+        cmocka_unit_test(cycles_end_where_equilibria_are_born_on_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
