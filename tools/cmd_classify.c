@@ -81,7 +81,7 @@ const cli_command cmd_classify = {
         "sticking; held means that the contact never opens. Without forcing p counts returns to the section, "
         "the maxima of what is observed (a lasting contact or complete chatter is one); the period is told "
         "in units of time, and the multiplier 1 along the flow, trivial_multiplier, apart from the others; "
-        "state is the highest maximum, and time_over_T counts the orbit's own period.\n"
+        "state is the highest of them, and time_over_T counts the orbit's own period.\n"
         "Periodic: found by Newton's method, and stable. Chaotic: the largest Lyapunov exponent is positive "
         "by 3 standard errors over the whole run and by 2 in each half of it; none of 8 trajectories has "
         "left the motion, for so long that its mean lifetime is at least --lifetime periods with 95 % "

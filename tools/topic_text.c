@@ -44,8 +44,10 @@ static const manual_part parts[] = {
                    "observed displacement, smooth or by an impact; the default), {impact: 1, side: lower} "
                    "(impacts on a stop; either side unless one is named), or {zero: x - 1, direction: up} "
                    "(an expression of the state passes through zero, rising, or falling with down; also by "
-                   "the jump of an impact). A lasting contact or complete chatter counts once. Periods, "
-                   "multipliers and exponents do not depend on it. --section chooses another."},
+                   "the jump of an impact). A lasting contact or complete chatter counts once, with all the "
+                   "impacts in a row before it; not at all where these are minima, with the maxima "
+                   "between them. Periods, multipliers and exponents do not depend on it. --section "
+                   "chooses another."},
     {MANUAL_TERM, "scale"},
     {MANUAL_WORDS, "typical sizes by the names of the state, for random starts and distances, where the "
                    "program's guess will not do."},
