@@ -191,6 +191,22 @@ static void a_section_that_is_not_met_is_told(void **unused) {
     assert_non_null(strstr(m.reason, "does not return to its section"));
     saltus_motion_clear(&m);
     saltus_scene_clear(&scene);
+    /* A ball that comes to rest on a table that oscillates: the gap has no maxima any more, the table has. */
+    static const char ball[] = "model:\n"
+                               "  motion: {x: -0.2, y: 0.5*(1 - y^2)*y' - y}\n"
+                               "  mass: {x: 0.05, y: 1}\n"
+                               "  observe: {gap: x - y, table: y}\n"
+                               "stop: {coordinate: x - y, d: 0, r: 0.4, sides: lower}\n"
+                               "initial: {x: 1, y: 0.3}\n";
+    for (int table = 0; table < 2; table++) {
+        check_ok(saltus_scene_parse(ball, strlen(ball), "text", &scene, &message), &message);
+        check_ok(saltus_scene_set(&scene, table ? "observe=table" : "observe=gap", &message), &message);
+        m = classified(&scene);
+        assert_true(table ? m.verdict == SALTUS_HELD : !saltus_verdict_settled(m.verdict));
+        assert_true(table || strstr(m.reason, "does not return to its section"));
+        saltus_motion_clear(&m);
+        saltus_scene_clear(&scene);
+    }
 }
 
 /* An oscillation that an elastic stop cuts off returns to the section at its impacts, which are as fast as

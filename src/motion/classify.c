@@ -116,6 +116,8 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
 /* What is said besides of scenes without forcing: that nothing attracts, or that the section is not met. */
 static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
     const bool settled = saltus_verdict_settled(motion->verdict);
+    const double missed =
+        (double)s->settling.count - (s->visits.settling.count > 1 ? saltus_visits_last(&s->visits) : 0);
     char before[sizeof motion->reason];
     snprintf(before, sizeof before, "%s", motion->reason);
     if (saltus_system_conservative(s->system) && motion->verdict != SALTUS_EQUILIBRIUM &&
@@ -126,11 +128,11 @@ static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
                  : motion->verdict == SALTUS_CHAOTIC ? "; "
                                                      : "; saltus orbit finds one beside a trajectory",
                  motion->verdict == SALTUS_CHAOTIC ? before : "");
-    else if (!settled && motion->verdict != SALTUS_CHAOTIC && s->visits.settling.count < 2)
+    else if (!settled && motion->verdict != SALTUS_CHAOTIC && missed > 0.5 * (double)s->settling.count)
         snprintf(motion->reason, sizeof motion->reason,
                  "the trajectory does not return to its section within %lld units of time; another section "
                  "(--section) would count its orbit",
-                 (long long)((double)s->settling.count * saltus_system_period(s->system)));
+                 (long long)(missed * saltus_system_period(s->system)));
 }
 
 saltus_status saltus_motion_classify(const saltus_system *system, const double *state,
