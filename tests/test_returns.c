@@ -198,12 +198,47 @@ static void folds_near_a_homoclinic_orbit_are_many(void **unused) {
     }
 }
 
+/* Between prescribed impacts rounding grows from one to the next. Branches begin after many in a row, too;
+ * here nothing but the size depends on F. */
+static void branches_begin_at_many_impacts_in_a_row(void **unused) {
+    (void)unused;
+    static const char *const settings[] = {"F=1.2 z=0.489 c=1.016 b=0.188 g=0.134 r=0.588",
+                                           "F=1.2 z=0.46 c=1.016 b=0.188 g=0.134 r=0.588", "F=1.2"};
+    int longest = 0;
+    for (int k = 0; k < 3; k++) {
+        saltus_scene scene = bursting("lower", "x", settings[k]);
+        saltus_system *system;
+        saltus_motion m = settled(&scene, 1e-13, &system);
+        saltus_branch_options options = branch_along("F", 1, 1.3);
+        saltus_spec_set_omega(&scene.spec, 2 * M_PI / m.period);
+        options.direction = 1;
+        options.points = 30;
+        options.orbit.free_period = true;
+        branch_record record = branch_run(&scene.spec, m.periods, m.state, &options);
+        assert_true(record.count >= 3);
+        for (int j = 0; j < record.count; j++) {
+            assert_string_equal(record.point[j].label, "chatter/1");
+            check_near(record.point[j].period, m.period, 1e-8 * m.period);
+        }
+        int rising = 0;
+        for (int j = 1; j < m.event_count; j++)
+            rising += fabs(m.events[j].velocity_before) > fabs(m.events[j - 1].velocity_before);
+        longest = rising > longest ? rising : longest;
+        branch_forget(&record);
+        saltus_motion_clear(&m);
+        saltus_system_free(system);
+        saltus_scene_clear(&scene);
+    }
+    assert_true(longest > 10);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chatter_is_one_return),
         cmocka_unit_test(returns_do_not_depend_on_the_begin),
         cmocka_unit_test(chatter_that_ceases_to_complete_is_many_returns),
         cmocka_unit_test(folds_near_a_homoclinic_orbit_are_many),
+        cmocka_unit_test(branches_begin_at_many_impacts_in_a_row),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
