@@ -304,6 +304,54 @@ static void files_keep_the_period(void **state) {
     json_free(orbit);
 }
 
+/* A mass that strikes, beside another one that rests on its own stop all the while: the same cycle as beside
+ * a wall in the place of that one. It is found again from its section point, which lies on the first stop. */
+static void what_rests_beside_a_cycle_does_not_matter(void **unused) {
+    (void)unused;
+    static const char *const texts[] = {
+        "model:\n"
+        "  parameters: {e: 0.7, y0: 0.1}\n"
+        "  motion: {x: e*(1 - x^2)*x' - x + 0.25*(x - y0) + 0.4}\n"
+        "stop: {coordinate: x, d: 0.3, r: 0.57, sides: upper}\n"
+        "initial: {x: -0.6}\n",
+        "model:\n"
+        "  parameters: {e: 0.7, y0: 0.1}\n"
+        "  motion: {x: e*(1 - x^2)*x' - x + 0.25*(x - y) + 0.4, y: -3 - 2*y - 0.2*y' + 0.25*(x - y)}\n"
+        "stops:\n"
+        "  - {coordinate: x, d: 0.3, r: 0.57, sides: upper}\n"
+        "  - {coordinate: y, d: -y0, r: 0.4, sides: lower}\n"
+        "initial: {x: -0.6, y: 2}\n"};
+    saltus_message message = {.text = ""};
+    for (int k = 0; k < 4; k++) {
+        saltus_motion m[2];
+        char place[32];
+        snprintf(place, sizeof place, "y0=%g", 0.1 * k - 0.1);
+        for (int rests = 0; rests < 2; rests++) {
+            saltus_scene scene;
+            saltus_orbit orbit;
+            saltus_orbit_options options = saltus_orbit_defaults();
+            check_ok(saltus_scene_parse(texts[rests], strlen(texts[rests]), "text", &scene, &message),
+                     &message);
+            check_ok(saltus_scene_set(&scene, place, &message), &message);
+            m[rests] = classified(&scene);
+            assert_true(rests == m[rests].sticks);
+            assert_string_equal(m[rests].label, "1/1");
+            saltus_spec_set_omega(&scene.spec, 2 * M_PI / m[rests].period);
+            saltus_system *system = build(&scene.spec);
+            options.free_period = true;
+            check_ok(saltus_orbit_find(system, 1, m[rests].state, &options, &orbit, &message), &message);
+            check_near(2 * M_PI / orbit.omega, m[rests].period, 1e-10);
+            saltus_orbit_clear(&orbit);
+            saltus_system_free(system);
+            saltus_scene_clear(&scene);
+        }
+        check_near(m[1].period, m[0].period, 1e-10);
+        check_near(m[1].multipliers[0].re, m[0].multipliers[0].re, 1e-9);
+        saltus_motion_clear(&m[0]);
+        saltus_motion_clear(&m[1]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_valve_agrees_with_independent_programs),
@@ -314,6 +362,7 @@ int main(void) {
         cmocka_unit_test(the_valves_cycle_is_born_and_grazes),
         cmocka_unit_test(flutter_goes_through_a_cascade),
         cmocka_unit_test(a_hopf_point_is_one_of_the_equilibrium),
+        cmocka_unit_test(what_rests_beside_a_cycle_does_not_matter),
         cmocka_unit_test_setup_teardown(files_keep_the_period, open_fixture, close_fixture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

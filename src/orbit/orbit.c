@@ -195,13 +195,14 @@ static saltus_status leave_stop(search *s, saltus_message *message) {
     const double length = saltus_system_scale(system)[0];
     const int watched = SALTUS_WATCH_CONTACT;
     saltus_event event = {.kind = SALTUS_REACHED};
-    bool touches = false;
+    unsigned touches = 0;
     for (int f = 0; f < saltus_system_face_count(system); f++)
-        touches = touches || fabs(saltus_system_gap(system, f, s->state)) < touching * length;
+        if (fabs(saltus_system_gap(system, f, s->state)) < touching * length)
+            touches |= 1u << f;
     if (!touches)
         return SALTUS_OK;
     saltus_status status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, s->state, message);
-    if (status != SALTUS_OK || saltus_flow_contacts(s->flow, 0))
+    if (status != SALTUS_OK || !(touches & ~saltus_flow_contacts(s->flow, 0)))
         return status;
     status = saltus_flow_advance(s->flow, (saltus_time){1, 0}, watched, &event, message);
     const double half = 0.5 * saltus_time_periods(event.time);
