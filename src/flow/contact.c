@@ -452,32 +452,35 @@ bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
     return built;
 }
 
-/* Whether the last step has brought the force of a held contact closer to zero, at the state itself. */
-static bool force_falls(saltus_flow *flow, int lane, int face) {
+/* Whether a step is too short for time, or for the state, to change by more than rounding. */
+static bool stands_still(saltus_flow *flow, int lane) {
     const saltus_lane *self = &flow->lane[lane];
-    int k = 0;
-    while (self->hold.face[k] != face)
-        k++;
-    const double begin = flow->work.hold.force[saltus_work_series_place(&flow->work, k, 0, lane)];
-    const saltus_work *probe = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 1);
-    return fabs(probe->hold.force[saltus_work_series_place(probe, k, 0, 0)]) <= 0.5 * fabs(begin);
+    if (self->now.phase == self->step.begin.phase && self->now.cycle == self->step.begin.cycle)
+        return true;
+    const double *scale = saltus_system_scale(self->system);
+    saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->after);
+    for (int i = 0; i < flow->dimension; i++)
+        if (fabs(flow->after[i]) * self->step.length >
+            DBL_EPSILON * fmax(fabs(flow->state[i]), 1e-3 * scale[i]))
+            return false;
+    return true;
 }
 
 /* The force's zero is found on the step's polynomial, as exact as the tolerance; whether the contact lets go
- * is decided by the acceleration at the state itself, so that the gap that follows begins as the flow will.
- * Where it still presses it holds on, and the next step leads closer to the zero; if a step does not, what
- * still presses is rounding of the state, which may stand still meanwhile. */
+ * is decided by the acceleration at the state itself, so that the gap that follows begins as the flow will;
+ * but it does where the state cannot move on.
+ */
 bool saltus_contacts_release(saltus_flow *flow, int lane, int face) {
     saltus_lane *self = &flow->lane[lane];
-    const saltus_system *system = self->system;
-    const unsigned others = self->hold.faces & ~(1u << face);
-    saltus_contact_map_build(system, others, 0, NULL, &flow->scratch);
-    const saltus_work *probe = saltus_probe_at(flow, lane, flow->state, self->now.phase, &flow->scratch, 2);
-    const bool moved = self->now.phase != self->step.begin.phase || self->now.cycle != self->step.begin.cycle,
-               presses = gap_coefficient(system, probe, face, 2) > rounding_of_gap(system, probe, face, 2);
-    if (moved && presses && force_falls(flow, lane, face))
+    const unsigned contacts = self->hold.faces;
+    const bool still = stands_still(flow, lane);
+    saltus_contacts_set(flow, lane, contacts & ~(1u << face));
+    const saltus_work *probe = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 2);
+    if (!still &&
+        gap_coefficient(self->system, probe, face, 2) > rounding_of_gap(self->system, probe, face, 2)) {
+        saltus_contacts_set(flow, lane, contacts);
         return false;
-    saltus_contacts_set(flow, lane, others);
+    }
     self->info.releases++;
     self->face[face] = (saltus_face_state){.touch = 2};
     return true;
