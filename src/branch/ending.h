@@ -12,9 +12,9 @@
  * is `lost`. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_tell_saddle(saltus_orbits *orbits, const saltus_solution *cycle, bool lost,
                                        bool *ends, char *reason, saltus_message *message);
-/* Whether cycles end where two equilibria are born on them, a saddle-node on an invariant circle: their period
- * then goes as one over the square root of the distance from there, so on the step from `here` to `next`, and
- * *ends where little of that distance is left; within `range`. `key`: the parameter. Errors:
+/* Whether cycles end where two equilibria are born on them, a saddle-node on an invariant circle: their
+ * period then goes as one over the square root of the distance from there, so on the step from `here` to
+ * `next`, and *ends where little of that distance is left; within `range`. `key`: the parameter. Errors:
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_tell_birth(saltus_orbits *orbits, const saltus_solution *here,
                                       const saltus_solution *next, const double range[2], const char *key,

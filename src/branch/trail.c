@@ -16,7 +16,7 @@ typedef struct saltus_visited {
     saltus_point_kind kind;
     int branch, periods;
     char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
-    double value, period; /* 0: none */
+    double value, period;            /* 0: none */
     double *state;
 } visited;
 
