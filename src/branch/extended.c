@@ -262,3 +262,53 @@ double saltus_extended_cusp(const saltus_extended *x) {
         sum += gradient[i] * x->right[i];
     return sum;
 }
+
+saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, double apart, double *value,
+                                          saltus_message *message) {
+    enum { arm = 4 };
+    static const double first[arm] = {4. / 5, -1. / 5, 4. / 105, -1. / 280},
+                        second[arm] = {8. / 5, -1. / 5, 8. / 315, -1. / 560}, centre = -205. / 72;
+    saltus_equations *e = x->orbits.equations;
+    const int c = e->count, m = e->unknowns;
+    const double *v = x->right, *w = x->left;
+    double length = 0, cubic = 0, *work = calloc((size_t)(c * c + 2 * c), sizeof *work);
+    double *matrix = work, *square = work + c * c, *mixed = square + c;
+    saltus_dense_lu lu = {.n = 0};
+    if (!work || !saltus_dense_lu_open(&lu, c)) {
+        free(work);
+        return saltus_branch_no_memory(message);
+    }
+    for (int j = 0; j < c; j++)
+        length = hypot(length, v[j]);
+    saltus_status status = SALTUS_OK;
+    for (int k = -arm; k <= arm && status == SALTUS_OK; k++) {
+        const double slope = k == 0 ? 0 : (k < 0 ? -1 : 1) * first[abs(k) - 1] / apart,
+                     bend = (k == 0 ? centre : second[abs(k) - 1]) / (apart * apart);
+        memcpy(x->aside, u, (size_t)m * sizeof *u);
+        for (int j = 0; j < c; j++)
+            x->aside[j] += k * apart * v[j] / length;
+        status = saltus_equations_evaluate(e, x->aside, message);
+        for (int i = 0; i < c && status == SALTUS_OK; i++) {
+            double along = 0;
+            for (int j = 0; j < c; j++) {
+                along += e->jacobian[i * m + j] * v[j] / length;
+                mixed[j] += slope * w[i] * e->jacobian[i * m + j];
+                if (k == 0)
+                    matrix[i * c + j] = e->jacobian[i * m + j];
+            }
+            square[i] -= 0.5 * slope * along;
+            cubic += bend * w[i] * along;
+        }
+    }
+    if (status == SALTUS_OK && !saltus_dense_factor(&lu, matrix))
+        status = saltus_fail(message, SALTUS_SINGULAR, "a flip with a multiplier 1");
+    if (status == SALTUS_OK) {
+        saltus_dense_resolve(&lu, false, 1, square);
+        *value = cubic / 6;
+        for (int j = 0; j < c; j++)
+            *value += mixed[j] * square[j];
+    }
+    saltus_dense_lu_close(&lu);
+    free(work);
+    return status;
+}

@@ -59,5 +59,13 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
 double saltus_extended_double(const saltus_extended *extended);
 /* Zero at a cusp of folds, at the point last evaluated: the second derivative along v. */
 double saltus_extended_cusp(const saltus_extended *extended);
+/* Zero where a flip changes from sub- to supercritical, at a flip u that has just been evaluated. Orbits of
+ * twice the period are s + d and s - d in their halves, d = a v with the null vector v of A. By the mean of
+ * their equations F' s = - a^2 F'' v v / 2, and by the difference, projected by w, the parameter answers to
+ * a^2 by *value = w' (F'' s v + F''' v v v / 6), s for a = 1: by differences
+ * over four times `apart` to both sides. Errors: SALTUS_NO_MEMORY, SALTUS_SINGULAR,
+ * those of the orbit's equations. */
+saltus_status saltus_extended_criticality(saltus_extended *extended, const double *u, double apart,
+                                          double *value, saltus_message *message);
 
 #endif

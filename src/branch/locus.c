@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus.h"
 
-#include "branch/locus_point.h"
+#include "branch/join.h"
 #include "branch/locus_starts.h"
 #include "branch/options.h"
 #include "branch/point.h"

@@ -1,0 +1,197 @@
+/* Points of codimension two of orbits of half a period. The method stands in halved.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/halved.h"
+
+#include "branch/sequence.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The shorter orbits on their curve of flips, or of tori. */
+typedef struct shorter {
+    saltus_extended x;
+    double *u;              /* where the curve is sought */
+    saltus_locus_point on;  /* it */
+    saltus_curve_point at;  /* ahead of there */
+    saltus_point_kind kind; /* what is sought along it */
+    double apart;           /* over which differences are taken for it */
+} shorter;
+
+/* How many multipliers are at one of modulus 1. */
+static int count_at(const double *re, const double *im, int count, double real, double imaginary) {
+    const double near = 1e-3;
+    int found = 0;
+    for (int k = 0; k < count; k++)
+        found += hypot(re[k] - real, im[k] - imaginary) < near;
+    return found;
+}
+
+/* By how much the multiplier next to 1 exceeds it; `pair`: the square of the modulus of the pair next to the
+ * unit circle. */
+static bool multiplier_excess(shorter *s, bool pair, double *value) {
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
+    const int count = saltus_corner_multipliers(s->x.orbits.shooting, s->x.orbits.n, re, im);
+    *value = INFINITY;
+    for (int k = 0; k < count; k++) {
+        const double own = pair ? re[k] * re[k] + im[k] * im[k] - 1 : re[k] - 1;
+        if ((im[k] != 0) == pair && fabs(own) < fabs(*value))
+            *value = own;
+    }
+    saltus_orbits_noted(&s->x.orbits, count < 0 ? SALTUS_NO_MEMORY : SALTUS_OK);
+    return isfinite(*value);
+}
+
+/* What is zero at the point sought, on the curve of flips `ahead` of s->on. */
+static bool test_at(shorter *s, double ahead, double *value) {
+    saltus_message ignored;
+    if (saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored) != SALTUS_OK)
+        return false;
+    if (s->kind == SALTUS_POINT_GPD)
+        return saltus_orbits_noted(&s->x.orbits, saltus_extended_criticality(&s->x, s->at.u, s->apart, value,
+                                                                             &ignored)) == SALTUS_OK;
+    *value = saltus_extended_double(&s->x);
+    return s->kind == SALTUS_POINT_R2 ||
+           (saltus_equations_evaluate(s->x.orbits.equations, s->at.u, &ignored) == SALTUS_OK &&
+            multiplier_excess(s, s->kind == SALTUS_POINT_PD_NS, value));
+}
+
+/* The zero of the test near s->on becomes s->at: the test is all but linear there. False if there is none. */
+static bool find_zero(shorter *s) {
+    enum { rounds = 4 };
+    const double first = 1e-5, farthest = 1e-3, still = 1e-9;
+    double place = 0, begin = NAN, value = NAN;
+    bool found = test_at(s, first, &value) && test_at(s, place, &begin);
+    const double slope = (value - begin) / first;
+    value = begin;
+    for (int k = 0; k < rounds && found; k++) {
+        place -= value / slope;
+        found = fabs(place) < farthest && test_at(s, place, &value);
+    }
+    return found && fabs(value) < still * fabs(slope);
+}
+
+/* The same for GPD, whose test is made of differences: over the distance that changes the place least from
+ * the one before. */
+static bool find_change(shorter *s) {
+    enum { widths = 6 };
+    double place[widths], least = INFINITY;
+    int best = 0;
+    for (int k = 0; k < widths; k++) {
+        s->apart = k == 0 ? 0.032 : 0.5 * s->apart;
+        place[k] = find_zero(s) ? s->at.ahead : NAN;
+        const double change = k > 0 ? fabs(place[k] - place[k - 1]) : NAN;
+        if (change < least) {
+            least = change;
+            best = k;
+        }
+    }
+    s->apart = ldexp(0.032, -best);
+    return best > 0 && find_zero(s);
+}
+
+static void close_shorter(shorter *s) {
+    saltus_extended_close(&s->x);
+    saltus_shooting_free(s->x.orbits.shooting);
+    saltus_locus_point_clear(&s->on);
+    saltus_curve_clear(&s->at);
+    free(s->u);
+}
+
+/* Onto the shorter orbits' curve of flips, or, where `turns`, to the point of that of tori which has the
+ * angle pi/2: s->on, near the orbit of `at`. To be closed in any case. */
+static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_locus_point *at,
+                         const saltus_sequence *sequence, bool turns) {
+    const double sharp = 1e-12, far = 1e-4;
+    saltus_message ignored;
+    *s = (shorter){.x = {.kind = turns ? SALTUS_POINT_NS : SALTUS_POINT_PD,
+                         .orbits = whole->orbits,
+                         .extra = turns,
+                         .copies = 1 + turns,
+                         .sharp = true,
+                         .equations = {.self = &s->x,
+                                       .evaluate = saltus_extended_evaluate,
+                                       .tolerance = sharp,
+                                       .iterations = whole->equations.iterations}}};
+    saltus_orbits *o = &s->x.orbits;
+    o->shooting = NULL;
+    saltus_status status =
+        saltus_orbits_shoot(o, sequence, at->orbit.parameter, at->orbit.state, &o->shooting, &s->u, &ignored);
+    o->equations = status == SALTUS_OK ? saltus_shooting_equations(o->shooting) : NULL;
+    if (saltus_orbits_noted(o, status) != SALTUS_OK)
+        return false;
+    const int c = o->equations->count;
+    bool found = false;
+    /* One parameter stays as it is, or the angle. */
+    for (int tried = 0; tried < 2 - turns && !found; tried++) {
+        const int k = turns ? c + 2 : c + 1 - tried;
+        status = saltus_locus_take_up(&s->x, &s->on, s->u, turns ? 0.5 * M_PI : 0, &ignored);
+        if (status == SALTUS_OK)
+            status = saltus_locus_find_first(&s->x, &s->on, k, &ignored);
+        found = saltus_orbits_noted(o, status) == SALTUS_OK &&
+                hypot(s->on.at.u[c] - s->u[c], s->on.at.u[c + 1] - s->u[c + 1]) < far &&
+                saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, s->on.at.u, &ignored)) ==
+                    SALTUS_OK;
+    }
+    return found;
+}
+
+/* What lies on the flips of the shorter orbits next to s->on, by the multipliers there. */
+static saltus_point_kind name_flip(shorter *s, saltus_point_kind locus) {
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
+    const int count = saltus_corner_multipliers(s->x.orbits.shooting, s->x.orbits.n, re, im),
+              flips = count_at(re, im, count, -1, 0), folds = count_at(re, im, count, 1, 0);
+    saltus_orbits_noted(&s->x.orbits, count < 0 ? SALTUS_NO_MEMORY : SALTUS_OK);
+    if (locus == SALTUS_POINT_LP)
+        return flips == 1 && !folds ? SALTUS_POINT_GPD : SALTUS_POINT_REGULAR;
+    return flips == 2            ? SALTUS_POINT_R2
+           : flips == 1 && folds ? SALTUS_POINT_LP_PD
+           : flips == 1          ? SALTUS_POINT_PD_NS
+                                 : SALTUS_POINT_REGULAR;
+}
+
+/* `at` becomes the shorter orbit of these unknowns, gone through as often as its own sequence. */
+static void go_through(saltus_extended *x, const shorter *s, const double *unknowns, saltus_locus_point *at) {
+    saltus_sequence once, whole = at->orbit.sequence;
+    saltus_shooting *shooting = NULL;
+    saltus_message ignored;
+    double state[SALTUS_STATE_MAX], *u = NULL;
+    saltus_shooting_extract(s->x.orbits.shooting, unknowns, &once, state);
+    for (int k = 0; k < whole.count; k++)
+        whole.mark[k].time = once.mark[k % once.count].time + k / once.count * once.periods;
+    saltus_status status = saltus_orbits_shoot(&x->orbits, &whole, unknowns + s->x.orbits.equations->count,
+                                               state, &shooting, &u, &ignored);
+    if (status == SALTUS_OK) {
+        memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
+        status = saltus_locus_see_orbit(x, at, &ignored);
+    }
+    saltus_orbits_noted(&x->orbits, status);
+    saltus_shooting_free(shooting);
+    free(u);
+}
+
+saltus_point_kind saltus_halved_tell(saltus_extended *x, saltus_locus_point *at) {
+    const double alike = 1e-7;
+    saltus_sequence half = saltus_sequence_first_half(&at->orbit.sequence), quarter = half;
+    saltus_message ignored;
+    double state[SALTUS_STATE_MAX];
+    if (half.periods % 2 == 0 && half.count % 2 == 0 &&
+        saltus_solution_state_at(&x->orbits, &at->orbit, half.base + 0.5 * half.periods, state, &ignored) ==
+            SALTUS_OK &&
+        saltus_system_distance(x->orbits.system, state, at->orbit.state) < alike)
+        quarter = saltus_sequence_first_half(&half);
+    const bool turns = quarter.periods != half.periods;
+    shorter s;
+    saltus_point_kind kind = SALTUS_POINT_REGULAR;
+    if (open_shorter(&s, x, at, &quarter, turns)) {
+        kind = s.kind = turns ? SALTUS_POINT_R4 : name_flip(&s, x->kind);
+        const bool found = kind && !turns && (kind == SALTUS_POINT_GPD ? find_change(&s) : find_zero(&s));
+        if (found || turns)
+            go_through(x, &s, found ? s.at.u : s.on.at.u, at);
+        else if (kind != SALTUS_POINT_GPD)
+            kind = SALTUS_POINT_REGULAR;
+    }
+    x->orbits.starved |= s.x.orbits.starved;
+    close_shorter(&s);
+    return kind;
+}

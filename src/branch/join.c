@@ -1,0 +1,165 @@
+/* Where curves of special orbits join those of shorter ones. The method stands in join.h.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/join.h"
+
+#include "branch/halved.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Whether an orbit that grazes, and grazes again half its period later, does so at another time too. */
+static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s) {
+    const double together = 1e-7, near = 1e-4;
+    const saltus_mark *own = &s->sequence.mark[x->mark];
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind <= SALTUS_BREACH_GAP && fabs(s->breaches[k].value) < together &&
+            fabs(remainder(s->breaches[k].time - own->time, 0.5 * s->sequence.periods)) > near)
+            return true;
+    return false;
+}
+
+/* What falls to nothing along a curve that joins another. */
+static double rest_of(saltus_extended *x, const saltus_solution *s, bool breach, bool halves) {
+    return breach ? saltus_corner_breach(x, s) : saltus_solution_half_distance(&x->orbits, s, !halves);
+}
+
+enum { samples_most = 8 };
+
+/* `at` becomes the place where what is left of a breach, or of the distance from a shorter orbit, is nothing,
+ * extrapolated from places on the curve of `here` so far apart before it, where the equations are regular;
+ * *spread: how far off in the plane it would be with one of them less. Errors: SALTUS_NO_MEMORY, those of the
+ * equations. */
+static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart, int samples,
+                                 bool breach, bool halves, saltus_locus_point *at, double *spread,
+                                 saltus_message *message) {
+    const double tolerance = 1e-13, usual = x->equations.tolerance;
+    int m = here->at.unknowns;
+    double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
+    saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
+    /* A residual moves the place by itself over the rest, and the bend much more. */
+    x->equations.tolerance = tolerance;
+    here->at.bent = false;
+    for (int k = 0; k < samples && status == SALTUS_OK; k++) {
+        status = saltus_curve_visit(&x->equations, &here->at, -(k + 1) * apart, &at->at, message);
+        if (status == SALTUS_OK)
+            status = saltus_locus_see_orbit(x, at, message);
+        rest[k] = status == SALTUS_OK ? rest_of(x, &at->orbit, breach, halves) : NAN;
+        for (int j = 0; j < m && status == SALTUS_OK; j++)
+            u[j * samples + k] = at->at.u[j];
+    }
+    x->equations.tolerance = usual;
+    at->at.ahead = *spread = 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++) {
+        at->at.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
+        at->at.ahead += (at->at.u[j] - here->at.u[j]) * here->at.tangent[j];
+    }
+    /* The halves may change places, which changes the distance's sign, but not the parameters. */
+    for (int k = 0; k < samples && x->kind != SALTUS_POINT_GR; k++)
+        rest[k] *= rest[k];
+    for (int j = x->orbits.equations->count, d = 0; d < 2 && status == SALTUS_OK; d++) {
+        const double *values = u + (j + d) * samples;
+        at->at.u[j + d] = saltus_curve_interpolate(rest, values, samples);
+        *spread = hypot(*spread, at->at.u[j + d] - saltus_curve_interpolate(rest, values, samples - 1));
+    }
+    free(u);
+    return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
+}
+
+/* Whether a curve of folds or tori is one of orbits whose halves may become alike without grazing. */
+static bool may_join(const saltus_extended *x, const saltus_solution *s) {
+    return (x->kind == SALTUS_POINT_LP || x->kind == SALTUS_POINT_NS) && !x->mirrored &&
+           s->sequence.periods % 2 == 0 && s->sequence.count % 2 == 0;
+}
+
+saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
+                                saltus_point_kind *kind, saltus_message *message) {
+    static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5};
+    enum { spacings = sizeof apart / sizeof apart[0] };
+    const double little = 1e-4, near = 1e-3, sharp = 1e-10;
+    bool halves;
+    double spread;
+    saltus_message ignored;
+    *kind = SALTUS_POINT_REGULAR;
+    if (x->kind != SALTUS_POINT_GR)
+        return saltus_locus_join_halves(x, here, at, kind, message);
+    if (!(saltus_corner_breach(x, &here->orbit) > -little) ||
+        !(saltus_locus_apart(x, &here->orbit, &halves) < near))
+        return SALTUS_OK;
+    /* Of several breaches that fall to nothing together now the one is the worst, now another. */
+    for (int k = 0; k < 2 * spacings && !*kind; k++) {
+        const double own = apart[k % spacings];
+        saltus_status status = extrapolate(x, here, own, 6, k < spacings, halves, at, &spread, &ignored);
+        if (status == SALTUS_NO_MEMORY)
+            return saltus_branch_no_memory(message);
+        if (status == SALTUS_OK && fabs(at->at.ahead) < 2 * own &&
+            fabs(saltus_corner_breach(x, &at->orbit)) < sharp &&
+            saltus_solution_half_distance(&x->orbits, &at->orbit, !halves) < sharp)
+            *kind = touches_elsewhere(x, &at->orbit) ? SALTUS_POINT_GR_GR
+                    : halves                         ? SALTUS_POINT_GR_PD
+                                                     : SALTUS_POINT_GR_BP;
+    }
+    return SALTUS_OK;
+}
+
+saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
+                                       saltus_point_kind *kind, saltus_message *message) {
+    static const double apart[] = {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4};
+    enum { spacings = sizeof apart / sizeof apart[0] };
+    const double farthest = 8, sharp = 1e-5, clear = 1e-6, close = 6e-3;
+    const int m = here->at.unknowns, c = x->orbits.equations->count;
+    double spread, ahead = 0, before[2] = {NAN, NAN}, *u;
+    saltus_message ignored;
+    *kind = SALTUS_POINT_REGULAR;
+    if (!may_join(x, &here->orbit))
+        return SALTUS_OK;
+    /* Afar the place may still be told better from a step nearer to it, which is no longer so close to it. */
+    double best = saltus_locus_apart(x, &here->orbit, NULL) > close ? 3e-9 : 1e-7;
+    u = calloc((size_t)m, sizeof *u);
+    saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
+    for (int k = 0; k < 2 * spacings && status != SALTUS_NO_MEMORY; k++) {
+        const double own = apart[k / 2];
+        status = extrapolate(x, here, own, k % 2 ? samples_most : samples_most - 2, false, true, at, &spread,
+                             &ignored);
+        if (status != SALTUS_OK)
+            continue;
+        /* By which it differs from the last one tells more than one alone. */
+        const double doubt = fmax(spread, hypot(at->at.u[c] - before[0], at->at.u[c + 1] - before[1]));
+        memcpy(before, at->at.u + c, sizeof before);
+        if (doubt < best && at->at.ahead > 0 && at->at.ahead < farthest * own &&
+            saltus_corner_breach(x, &at->orbit) < -clear &&
+            saltus_solution_half_distance(&x->orbits, &at->orbit, false) < sharp) {
+            best = doubt;
+            ahead = at->at.ahead;
+            memcpy(u, at->at.u, (size_t)m * sizeof *u);
+        }
+    }
+    if (status != SALTUS_NO_MEMORY && ahead > 0) {
+        memcpy(at->at.u, u, (size_t)m * sizeof *u);
+        at->at.ahead = ahead;
+        status = saltus_locus_see_orbit(x, at, &ignored);
+        *kind = status == SALTUS_OK ? saltus_halved_tell(x, at) : SALTUS_POINT_REGULAR;
+    }
+    free(u);
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
+bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *here,
+                               const saltus_locus_point *next, double *ahead) {
+    const double small = 0.3, little = 1e-3;
+    double from[SALTUS_STATE_MAX], to[SALTUS_STATE_MAX], product = 0;
+    /* Where grazing is near the halves become alike with it, and the curve ends there. */
+    if (!may_join(x, &next->orbit) || saltus_corner_breach(x, &next->orbit) > -little)
+        return false;
+    const double own = saltus_solution_halves(&x->orbits, &here->orbit, false, from);
+    const double other = saltus_solution_halves(&x->orbits, &next->orbit, false, to);
+    if (!isfinite(own) || !isfinite(other))
+        return false;
+    for (int i = 0; i < x->orbits.n; i++)
+        product += from[i] * to[i];
+    /* Where Newton's method was drawn onto the flips of the shorter orbits, which solve these equations too,
+     * it was a long way. */
+    *ahead = next->at.ahead * (product < 0 ? 0.9 * own / (own + other) : 0.5);
+    return product < 0 || other < small * own ||
+           (x->kind == SALTUS_POINT_LP && own < saltus_alike && other < own);
+}
