@@ -839,6 +839,60 @@ static saltus_spec hitting_masses(void) {
     return spec;
 }
 
+/* Along a curve of grazing multipliers change fast, and pairs that leave the unit circle come back: however
+ * long the steps are, those of short ones are found, and no others. */
+static void long_steps_pass_no_torus(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char *const key[2] = {"omega", "d"};
+    static const double low[2] = {0.3, 0.02}, high[2] = {2, 4}, step_max[2] = {0.02, 0.1};
+    static const struct {
+        double c, m2, c2, k2, r, at[2], state[4];
+    } rows[] = {{0.12282240196421325,
+                 2.2628832070365767,
+                 0.022996186046293284,
+                 1.9636738144529202,
+                 0.58107855495315452,
+                 {0.65068374448158339, 0.80766701245276507},
+                 {-0.84560997562796314, -1.6519539252958104, 0.039754100857746784, 0.069822715841760627}},
+                {0.020621213386250187,
+                 2.3052456796017129,
+                 0.13206690301425605,
+                 3.5340886291285512,
+                 0.57975317882570443,
+                 {0.63285477755059782, 0.59781987679158877},
+                 {-1.6902923313345002, -2.2881071161722111, 0.038664332862463367, 0.040225845638947932}}};
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        saltus_spec spec = hitting_masses();
+        branch_record record[2];
+        set_parameter(&spec, "c", rows[row].c);
+        set_parameter(&spec, "m2", rows[row].m2);
+        set_parameter(&spec, "c2", rows[row].c2);
+        set_parameter(&spec, "k2", rows[row].k2);
+        set_parameter(&spec, "omega", rows[row].at[0]);
+        spec.stops[0].d = rows[row].at[1];
+        spec.stops[0].r = rows[row].r;
+        for (int run = 0; run < 2; run++) {
+            saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+            options.step_max = step_max[run];
+            record[run] = branch_run(&spec, 1, rows[row].state, &options);
+        }
+        int found = 0;
+        for (int run = 0; run < 2; run++)
+            for (int k = 0; k < record[run].count; k++) {
+                const saltus_branch_point *p = &record[run].point[k];
+                if (p->kind != SALTUS_POINT_GR_NS)
+                    continue;
+                found++;
+                check_near(nearest_of(&record[1 - run], p->kind, p->locus, p->value[0], p->value[1]), 0,
+                           1e-7);
+            }
+        assert_true(found > 4 && record[1].count < record[0].count);
+        branch_forget(&record[0]);
+        branch_forget(&record[1]);
+    }
+}
+
 /* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
 static bool grazes_there(const branch_record *record, const saltus_branch_point *p, int periods) {
     bool found = false;
@@ -1354,6 +1408,7 @@ int main(void) {
         cmocka_unit_test(networks_of_curves),
         cmocka_unit_test(folds_end_in_long_runs),
         cmocka_unit_test(tori_between_grazing_and_folds),
+        cmocka_unit_test(long_steps_pass_no_torus),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),

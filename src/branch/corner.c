@@ -113,20 +113,81 @@ int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, doub
     return room ? count : -1;
 }
 
-/* By how much the square of the modulus of the largest complex pair of finite multipliers exceeds 1, and the
- * angle of the pair; NAN where there is none. False without memory. */
-static bool pair_excess(saltus_shooting *shooting, int n, double *excess, double *angle) {
-    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    const int count = saltus_corner_multipliers(shooting, n, re, im);
-    *excess = *angle = NAN;
-    for (int i = 0; i < count; i++) {
-        const double own = re[i] * re[i] + im[i] * im[i] - 1;
-        if (im[i] > 0 && !(own <= *excess)) {
-            *excess = own;
-            *angle = atan2(im[i], re[i]);
+/* How far a multiplier is from the unit circle, in its own size where that is larger. */
+static double off_circle(double re, double im) {
+    const double modulus = hypot(re, im);
+    return (modulus - 1) / fmax(1, modulus);
+}
+
+/* Take one up if it is among those next to the unit circle. */
+static void keep_close(saltus_close *close, double re, double im) {
+    const double own = fabs(off_circle(re, im));
+    int at = close->count;
+    close->count += close->count < SALTUS_CLOSE_MAX;
+    for (; at > 0 && own < fabs(off_circle(close->re[at - 1], close->im[at - 1])); at--)
+        if (at < SALTUS_CLOSE_MAX) {
+            close->re[at] = close->re[at - 1];
+            close->im[at] = close->im[at - 1];
         }
+    if (at < SALTUS_CLOSE_MAX) {
+        close->re[at] = re;
+        close->im[at] = im;
     }
-    return count >= 0;
+}
+
+/* The product of mu_i mu_j - 1 over all pairs of finite multipliers: zero where a pair is on the unit circle,
+ * or two real ones have the product 1, and as smooth as the equations. False without memory. */
+static bool measure_pairs(saltus_shooting *shooting, int n, saltus_corner *corner) {
+    const double on = 1e-6, infinite = 1e6; /* with the little speed that is left to an impact at grazing */
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0;
+    const int all = saltus_corner_multipliers(shooting, n, re, im);
+    int count = 0;
+    corner->theta = NAN;
+    for (int i = 0; i < all; i++) {
+        if (hypot(re[i], im[i]) > infinite)
+            continue;
+        if (im[i] > 0 && fabs(off_circle(re[i], im[i])) < on)
+            corner->theta = atan2(im[i], re[i]);
+        keep_close(&corner->single, re[i], im[i]);
+        for (int j = 0; j < count; j++) {
+            const double real = re[i] * re[j] - im[i] * im[j], imaginary = re[i] * im[j] + im[i] * re[j];
+            size += log(hypot(real - 1, imaginary));
+            angle += atan2(imaginary, real - 1);
+            if (imaginary == 0)
+                keep_close(&corner->product, real, 0);
+        }
+        re[count] = re[i];
+        im[count++] = im[i];
+    }
+    corner->value = count > 1 ? (saltus_scaled){cos(angle) < 0 ? -1 : 1, size} : plain(NAN);
+    return all >= 0;
+}
+
+/* Whether numbers move so far from here to there that any of them, on the same side of the unit circle at
+ * both places, may have crossed it and come back. */
+static bool may_return(const saltus_close *here, const saltus_close *there) {
+    const double little = 1e-2;
+    for (int i = 0; i < here->count; i++) {
+        const double off = off_circle(here->re[i], here->im[i]);
+        double moved = INFINITY, off_there = 0;
+        for (int j = 0; j < there->count; j++) {
+            const double apart =
+                hypot(here->re[i] - there->re[j], here->im[i] - there->im[j]) /
+                fmax(1, fmax(hypot(here->re[i], here->im[i]), hypot(there->re[j], there->im[j])));
+            if (apart < moved) {
+                moved = apart;
+                off_there = off_circle(there->re[j], there->im[j]);
+            }
+        }
+        if (moved > little && off * off_there > 0 && fmin(fabs(off), fabs(off_there)) < moved)
+            return true;
+    }
+    return false;
+}
+
+bool saltus_corner_hides(const saltus_corner *a, const saltus_corner *b) {
+    return may_return(&a->single, &b->single) || may_return(&b->single, &a->single) ||
+           may_return(&a->product, &b->product) || may_return(&b->product, &a->product);
 }
 
 saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
@@ -146,12 +207,12 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
 /* The same of the orbit without the impacts that graze. What cannot be computed is NAN. False without memory.
  */
 static bool without_impact(const saltus_extended *x, const saltus_solution *s, saltus_scaled *fold,
-                           saltus_scaled *flip, double *excess, double *angle) {
+                           saltus_scaled *flip, saltus_corner *pairs) {
     saltus_sequence less = saltus_corner_without(x, s);
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
     *fold = *flip = plain(NAN);
-    *excess = *angle = NAN;
+    pairs->value = plain(NAN);
     less.cuts = 1;
     double *u;
     saltus_status status =
@@ -160,8 +221,7 @@ static bool without_impact(const saltus_extended *x, const saltus_solution *s, s
         status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
     bool room = status != SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
-        room = determinants(shooting, x->orbits.n, fold, flip) &&
-               pair_excess(shooting, x->orbits.n, excess, angle);
+        room = determinants(shooting, x->orbits.n, fold, flip) && measure_pairs(shooting, x->orbits.n, pairs);
     saltus_shooting_free(shooting);
     free(u);
     return room;
@@ -182,7 +242,9 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
                                                 [SALTUS_POINT_NS] = SALTUS_POINT_GR_NS,
                                                 [SALTUS_POINT_BP] = SALTUS_POINT_GR_BP,
                                                 [SALTUS_POINT_GR] = SALTUS_POINT_GR_GR};
-    double excess, angle, own_excess, own_angle, theta = x->extra ? point->u[point->unknowns - 1] : 0;
+    saltus_corner own_pairs = {.kind = SALTUS_POINT_GR_NS},
+                  pairs = {.kind = SALTUS_POINT_GR_NS, .without = true};
+    const double theta = x->extra ? point->u[point->unknowns - 1] : 0;
     saltus_scaled fold, flip, other_fold, other_flip;
     int count = 0;
     corners[count++] = (saltus_corner){
@@ -206,17 +268,15 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
         break;
     case SALTUS_POINT_GR:
         if (!determinants(x->orbits.shooting, x->orbits.n, &fold, &flip) ||
-            !pair_excess(x->orbits.shooting, x->orbits.n, &own_excess, &own_angle) ||
-            !without_impact(x, s, &other_fold, &other_flip, &excess, &angle))
+            !measure_pairs(x->orbits.shooting, x->orbits.n, &own_pairs) ||
+            !without_impact(x, s, &other_fold, &other_flip, &pairs))
             return -1;
         corners[count++] = of_determinant(SALTUS_POINT_GR_LP, fold, other_fold, false);
         corners[count++] = of_determinant(SALTUS_POINT_GR_PD, flip, other_flip, false);
         corners[count++] = of_determinant(SALTUS_POINT_GR_LP, other_fold, fold, true);
         corners[count++] = of_determinant(SALTUS_POINT_GR_PD, other_flip, flip, true);
-        corners[count++] = (saltus_corner){
-            .kind = SALTUS_POINT_GR_NS, .value = plain(excess), .without = true, .theta = angle};
-        corners[count++] =
-            (saltus_corner){.kind = SALTUS_POINT_GR_NS, .value = plain(own_excess), .theta = own_angle};
+        corners[count++] = pairs;
+        corners[count++] = own_pairs;
         break;
     default:
         break;

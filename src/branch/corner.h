@@ -5,7 +5,13 @@
 
 #include "branch/extended.h"
 
-enum { SALTUS_CORNERS_MAX = 7 };
+enum { SALTUS_CORNERS_MAX = 7, SALTUS_CLOSE_MAX = 8 };
+
+/* Complex numbers next to the unit circle. */
+typedef struct saltus_close {
+    int count;
+    double re[SALTUS_CLOSE_MAX], im[SALTUS_CLOSE_MAX];
+} saltus_close;
 
 /* A function along a locus whose zero is a point of codimension two. */
 typedef struct saltus_corner {
@@ -17,7 +23,10 @@ typedef struct saltus_corner {
     bool without; /* on a curve of grazing: seen without the impact */
     bool joins; /* on a curve of grazing: the orbit there is one of half the period, or its own mirror image,
                    unlike those of the curve */
-    double theta; /* there, of a pair of multipliers on the unit circle: its angle */
+    /* GR-NS: the angle of the pair of multipliers on the unit circle, NAN where there is none; and those
+     * multipliers, and those real products of two, that are next to the unit circle. */
+    double theta;
+    saltus_close single, product;
 } saltus_corner;
 
 /* The worst breach of an orbit but for the grazing impact that is followed; NULL: there is no other. */
@@ -35,6 +44,9 @@ saltus_sequence saltus_corner_without(const saltus_extended *extended, const sal
 int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_point *point,
                           const saltus_solution *orbit, saltus_corner *corners);
 
+/* Whether multipliers, or products of them, may have crossed the unit circle between two points and come
+ * back: by GR-NS at both. */
+bool saltus_corner_hides(const saltus_corner *a, const saltus_corner *b);
 /* What the corner is that has been located at an orbit: where that is its own mirror image, a fold (GR-LP),
  * along whose null vector the orbits keep this symmetry, or a branch point (GR-BP), along whose they lose it;
  * where a contact that chatter led to shrinks to nothing, CH-GR; where another contact begins or ends EP.

@@ -620,11 +620,10 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         saltus_solution_clear(&before);
         l->x.sharp = false;
         /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding;
-         * where a pair of multipliers becomes real, the next one takes its place with a jump. */
+         * and two real multipliers whose product is 1 are no pair on the unit circle. */
         saltus_corner corner = l->trial.corners[own];
-        bool jumps =
-            corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !(fabs(corner.value.mantissa) < 1e-6);
-        if (!found || jumps || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach))
+        bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
+        if (!found || real || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach))
             continue;
         status = give_corner(l, corner, crossed.place[k], &moved, message);
         if (status != SALTUS_OK || !l->trail->following || moved)
@@ -724,6 +723,12 @@ static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_mes
     return SALTUS_OK;
 }
 
+static void archive_close(saltus_archive *a, saltus_close *close) {
+    close->count = (int)saltus_archive_whole(a, close->count, 0, SALTUS_CLOSE_MAX);
+    saltus_archive_finite(a, close->re, (size_t)close->count);
+    saltus_archive_finite(a, close->im, (size_t)close->count);
+}
+
 /* The functions whose zeros are corners, as far as the next step compares them. */
 static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->here.corner_count = (int)saltus_archive_whole(a, l->here.corner_count, 0, SALTUS_CORNERS_MAX);
@@ -731,6 +736,8 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
         saltus_archive_real(a, &l->here.corners[k].value.mantissa);
         saltus_archive_real(a, &l->here.corners[k].value.exponent);
         saltus_archive_real(a, &l->here.corners[k].quiet);
+        archive_close(a, &l->here.corners[k].single);
+        archive_close(a, &l->here.corners[k].product);
     }
     saltus_archive_finite(a, l->second, 2);
     saltus_archive_finite(a, &l->gap, 1);

@@ -196,14 +196,89 @@ typedef struct location {
     saltus_extended *x;
     const saltus_locus_point *here;
     saltus_locus_point *out;
-    int corner;
+    int corner, asked;
+    double clear; /* what a function that is smooth has fallen far below when it has been asked often */
 } location;
 
 static bool corner_at(void *context, double ahead, double *value) {
-    const location *l = context;
+    enum { often = 14 };
+    location *l = context;
     if (!saltus_locus_visit(l->x, l->here, ahead, l->out))
         return false;
     *value = saltus_scaled_in(l->out->corners[l->corner].value, l->here->corners[l->corner].value.exponent);
+    return ++l->asked < often || !(fabs(*value) > l->clear);
+}
+
+/* The functions at a place of a step. */
+typedef struct sample {
+    double place;
+    saltus_corner corners[SALTUS_CORNERS_MAX];
+} sample;
+
+enum { halvings = 5 };
+
+static sample sample_of(const saltus_locus_point *p, double place) {
+    sample own = {.place = place};
+    memcpy(own.corners, p->corners, sizeof own.corners);
+    return own;
+}
+
+/* Append the end of an interval to the samples; before it, where multipliers may have crossed the unit circle
+ * within and come back, places between. */
+static int append_samples(saltus_extended *x, const saltus_locus_point *here, const sample *end, int depth,
+                          saltus_locus_point *scratch, sample *samples, int count) {
+    const sample *begin = &samples[count - 1];
+    const double finest = 4e-3;
+    const bool far = x->kind == SALTUS_POINT_GR && depth < halvings && end->place - begin->place > finest;
+    bool hides = false;
+    for (int k = 0; k < here->corner_count && far; k++)
+        hides = hides || saltus_corner_hides(&begin->corners[k], &end->corners[k]);
+    const double middle = 0.5 * (begin->place + end->place);
+    if (hides && saltus_locus_visit(x, here, middle, scratch)) {
+        const sample between = sample_of(scratch, middle);
+        count = append_samples(x, here, &between, depth + 1, scratch, samples, count);
+        return append_samples(x, here, end, depth + 1, scratch, samples, count);
+    }
+    samples[count] = *end;
+    return count + 1;
+}
+
+/* The zero of a function between two places, if there is one. */
+static bool find_zero(location *self, const sample *a, const sample *b, double *place) {
+    const saltus_extended *x = self->x;
+    const int k = self->corner;
+    const saltus_scaled near = a->corners[k].value, far = b->corners[k].value;
+    const double exponent = self->here->corners[k].value.exponent, quiet = self->here->corners[k].quiet;
+    const double ends[] = {a->place, b->place},
+                 values[] = {saltus_scaled_in(near, exponent), saltus_scaled_in(far, exponent)};
+    double width;
+    if (!(values[0] * values[1] < 0))
+        return false;
+    /* Multipliers that are told badly make their products jump. */
+    const bool jumps = a->corners[k].kind == SALTUS_POINT_GR_NS && !a->corners[k].breach;
+    self->clear = jumps ? 1e-2 * fmin(fabs(values[0]), fabs(values[1])) : INFINITY;
+    self->asked = 0;
+    if ((quiet == 0 || !(near.exponent < quiet && far.exponent < quiet)) &&
+        saltus_curve_zero_between(x->orbits.solver, corner_at, self, ends, values, place, &width))
+        return true;
+    /* Where a pair of multipliers meets the equations are singular, and solved near there by chance; the
+     * place is had from others (saltus_locus_sharpen). */
+    *place = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
+    return x->kind == SALTUS_POINT_NS && k > 0 && self->here->corners[k].ends;
+}
+
+/* Put a corner in its place among those found. False: there are too many. */
+static bool insert(saltus_crossings *found, int corner, double place) {
+    int at = found->count;
+    if (at == SALTUS_CROSSINGS_MAX)
+        return false;
+    for (; at > 0 && found->place[at - 1] > place; at--) {
+        found->place[at] = found->place[at - 1];
+        found->corner[at] = found->corner[at - 1];
+    }
+    found->place[at] = place;
+    found->corner[at] = corner;
+    found->count++;
     return true;
 }
 
@@ -212,41 +287,36 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
                                saltus_crossings *found) {
     const double together = 1e-6, jump = 1e-8;
     double ends = INFINITY;
-    found->count = 0;
-    for (int k = 0; k < here->corner_count; k++) {
-        const saltus_scaled own = here->corners[k].value, other = next->corners[k].value;
-        double near = saltus_scaled_in(own, own.exponent), far = saltus_scaled_in(other, own.exponent);
-        double place = 0, width, value, quiet = here->corners[k].quiet;
-        bool heard = quiet == 0 || !(own.exponent < quiet && other.exponent < quiet);
-        location self = {x, here, scratch, k};
-        bool located =
-            near * far < 0 && heard &&
-            saltus_curve_zero(x->orbits.solver, corner_at, &self, near, next->at.ahead, far, &place, &width);
-        /* Where a pair of multipliers meets the equations are singular, and solved near there by chance; the
-         * place is had from others (saltus_locus_sharpen). */
-        if (!located && near * far < 0 && x->kind == SALTUS_POINT_NS && k > 0 && here->corners[k].ends) {
-            place = next->at.ahead * near / (near - far);
-            located = true;
-        }
-        /* The first function is the breach, which may begin with a jump, where a maximum of the gap appears.
-         */
-        if (k == 0 && (located || far > 1e-9) &&
-            !(located && corner_at(&self, place, &value) && fabs(value) < jump &&
-              !saltus_locus_joins_at(x, here, &scratch->orbit, true)))
-            return false;
-        if (!located || place >= ends - together)
-            continue;
-        if (k == 0)
-            ends = place;
-        int at = found->count++;
-        for (; at > 0 && found->place[at - 1] > place; at--) {
-            found->place[at] = found->place[at - 1];
-            found->corner[at] = found->corner[at - 1];
-        }
-        found->place[at] = place;
-        found->corner[at] = k;
+    sample *samples = calloc((1 << halvings) + 1, sizeof *samples);
+    bool sound = samples;
+    if (!samples) {
+        x->orbits.starved = true;
+        return false;
     }
-    return true;
+    samples[0] = sample_of(here, 0);
+    const sample last = sample_of(next, next->at.ahead);
+    const int count = append_samples(x, here, &last, 0, scratch, samples, 1);
+    found->count = 0;
+    for (int k = 0; k < here->corner_count; k++)
+        for (int j = 0; j + 1 < count && sound; j++) {
+            location self = {.x = x, .here = here, .out = scratch, .corner = k};
+            double place = 0, value;
+            const bool located = find_zero(&self, &samples[j], &samples[j + 1], &place);
+            /* The first function is the breach, which may begin with a jump, where a maximum of the gap
+             * appears. */
+            if (k == 0 && (located || samples[j + 1].corners[k].value.mantissa > 1e-9))
+                sound = located && corner_at(&self, place, &value) && fabs(value) < jump &&
+                        !saltus_locus_joins_at(x, here, &scratch->orbit, true);
+            if (!located || !sound || place >= ends - together)
+                continue;
+            if (k == 0)
+                ends = place;
+            sound = insert(found, k, place);
+            if (k == 0)
+                break;
+        }
+    free(samples);
+    return sound;
 }
 
 void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, double theta,

@@ -50,11 +50,12 @@ bool saltus_locus_joins_at(saltus_extended *extended, const saltus_locus_point *
  * is none, but the curve goes on to there. */
 bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *point);
 
+enum { SALTUS_CROSSINGS_MAX = 32 };
 /* Corners on a step, in their order. */
 typedef struct saltus_crossings {
     int count;
-    int corner[SALTUS_CORNERS_MAX];
-    double place[SALTUS_CORNERS_MAX]; /* ahead of `here` */
+    int corner[SALTUS_CROSSINGS_MAX];
+    double place[SALTUS_CROSSINGS_MAX]; /* ahead of `here` */
 } saltus_crossings;
 
 /* All corners on the way from `here` to `next`. Where the curve ends at another impact's birth or death a
