@@ -465,6 +465,49 @@ static void loci_are_where_they_are_known(void **unused) {
     }
 }
 
+/* Where two eigenvalues are zero the curve of Hopf points ends on that of folds, b1 = b2^2/4, which goes on
+ * to both sides: from either of them the other is followed, once. Further eigenvalues change nothing. */
+static void curves_meet_where_two_eigenvalues_are_zero(void **unused) {
+    (void)unused;
+    static const char *const motion[] = {"b1 + b2*x + x^2 - x*x'",
+                                         "b1 + b2*x + x^2 - x*x', y: -2*y' - 3*y + x"};
+    for (int k = 0; k < 8; k++) {
+        const saltus_point_kind own = k & 1 ? SALTUS_POINT_LP : SALTUS_POINT_HB;
+        saltus_scene scene =
+            scene_of("b1: {default: 0.1}, b2: {default: -1}", motion[k / 2 % 2], "initial: {x: 0.1}\n");
+        saltus_branch_options options = branch_along("b1", -0.5, 2);
+        snprintf(options.key[1], sizeof options.key[1], "b2");
+        options.low[1] = -2;
+        options.high[1] = 2;
+        options.locus = own;
+        options.switches = k < 4 ? 1 : 3;
+        branch_record record = follow(&scene, &options);
+        double least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY};
+        int starts = 0;
+        for (int i = 0; i < record.count; i++) {
+            const saltus_branch_point *p = &record.point[i];
+            const bool folds = p->locus == SALTUS_POINT_LP;
+            check_near(p->value[0], folds ? p->value[1] * p->value[1] / 4 : 0, 1e-9);
+            assert_true(folds || p->locus == SALTUS_POINT_HB);
+            assert_int_equal(p->parent < 0, p->locus == own);
+            least[folds] = fmin(least[folds], p->value[1]);
+            most[folds] = fmax(most[folds], p->value[1]);
+            starts += p->parent >= 0 && p->branch != p[-1].branch;
+            if (!folds && p->value[1] < -0.01)
+                check_near(2 * M_PI / p->period, sqrt(-p->value[1]), 1e-9);
+        }
+        check_near(least[0], -2, 1e-12);
+        check_near(most[0], 0, 1e-9);
+        check_near(least[1], -2, 1e-12);
+        check_near(most[1], 2, 1e-12);
+        assert_int_equal(starts, own == SALTUS_POINT_HB ? 2 : 1);
+        assert_int_equal(count_of(&record, SALTUS_POINT_BT), 1);
+        assert_int_equal(count_of(&record, SALTUS_POINT_CP), 0);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* A run that is cut short goes on with the same points to the last bit: equilibria with the cycles and mirror
  * images that leave them, over a stop, and along loci. */
 static void runs_are_resumed_to_the_last_bit(void **unused) {
@@ -494,6 +537,16 @@ static void runs_are_resumed_to_the_last_bit(void **unused) {
     options.switches = 1;
     const double zero[2] = {0};
     assert_true(branch_check_resumed(&scene.spec, 0, zero, &options, 15) > 3);
+    saltus_scene_clear(&scene);
+    scene = scene_of("b1: {default: 0.1}, b2: {default: -1}", "b1 + b2*x + x^2 - x*x'", "");
+    options = branch_along("b1", -0.5, 2);
+    snprintf(options.key[1], sizeof options.key[1], "b2");
+    options.low[1] = -2;
+    options.high[1] = 2;
+    options.locus = SALTUS_POINT_LP;
+    options.switches = 1;
+    const double near_rest[2] = {0.1, 0};
+    assert_true(branch_check_resumed(&scene.spec, 0, near_rest, &options, 5) > 3);
     saltus_scene_clear(&scene);
 }
 
@@ -593,6 +646,7 @@ int main(void) {
         cmocka_unit_test(equilibria_meet_stops_and_leave_them),
         cmocka_unit_test(cycles_end_at_a_homoclinic_orbit),
         cmocka_unit_test(loci_are_where_they_are_known),
+        cmocka_unit_test(curves_meet_where_two_eigenvalues_are_zero),
         cmocka_unit_test(runs_are_resumed_to_the_last_bit),
         cmocka_unit_test(rests_are_classified_with_their_eigenvalues),
         cmocka_unit_test_setup_teardown(commands_hand_equilibria_on, open_fixture, close_fixture),

@@ -22,8 +22,20 @@ typedef struct test {
     double value;
 } test;
 
+/* A curve of Hopf points or folds through a place where two eigenvalues are zero (BT). */
+typedef struct passage {
+    saltus_point_kind kind;
+    unsigned contacts;
+    double parameter[2], *state;
+    int parent, depth; /* of the curve that comes upon it */
+    bool done;         /* it has been followed there */
+} passage;
+
 struct saltus_rest_locus {
     saltus_trail *trail; /* the caller's */
+    passage *passages;
+    int passage_count;
+    bool switched; /* the curve under way begins at such a place */
     saltus_rests rests;
     gsl_root_fsolver *solver;
     saltus_rest here, next, trial;
@@ -90,20 +102,35 @@ static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message
     return SALTUS_OK;
 }
 
+/* The same at a point further on: where the left null vector turns round, so does the sign of the test for
+ * cusps. */
+static saltus_status renew_ahead(saltus_rest_locus *l, const double *u, saltus_message *message) {
+    saltus_rests *r = &l->rests;
+    const size_t size = (size_t)(r->width + r->held);
+    double before[SALTUS_STATE_MAX + SALTUS_FACES_MAX], along = 0;
+    memcpy(before, r->border[0], size * sizeof *before);
+    saltus_status status = renew(l, u, message);
+    for (size_t i = 0; i < size && r->kind == SALTUS_POINT_LP; i++)
+        along += before[i] * r->border[0][i];
+    if (along < 0)
+        l->tests[0].value = -l->tests[0].value;
+    return status;
+}
+
 /* `here` becomes the first point, from a guess. */
-static saltus_status open_first(saltus_rest_locus *l, const saltus_rest_start *place,
-                                saltus_message *message) {
+static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const double *state,
+                                const double parameters[2], saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.at;
-    const double parameters[2] = {place->parameter, 0};
-    saltus_status status = saltus_rests_shape(r, place->contacts, place->state, parameters, message);
+    saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
     const int m = r->equations.unknowns;
     double *normal = calloc(2 * (size_t)m, sizeof *normal), *anchor = normal ? normal + m : NULL;
+    free(l->beginning);
     l->beginning = calloc(2 * (size_t)m, sizeof *l->beginning);
     if (status == SALTUS_OK && (!normal || !l->beginning || !saltus_curve_reserve(at, m)))
         status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
-        status = saltus_rests_fill(r, parameters, place->state, at->u, message);
+        status = saltus_rests_fill(r, parameters, state, at->u, message);
     if (status == SALTUS_OK)
         status = renew(l, at->u, message);
     if (status == SALTUS_OK) {
@@ -151,13 +178,24 @@ saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail
     l->ways[1] = -1;
     if (status == SALTUS_OK)
         status = saltus_rests_open(r, message);
-    if (status == SALTUS_OK && place)
-        status = open_first(l, place, message);
+    if (status == SALTUS_OK && place) {
+        trail->number = trail->parent = -1;
+        trail->depth = 0;
+        status = open_first(l, place->contacts, place->state, (double[]){place->parameter, 0}, message);
+    }
     if (status != SALTUS_OK) {
         saltus_rest_locus_free(l);
         *locus = NULL;
     }
     return status;
+}
+
+static void clear_passages(saltus_rest_locus *l) {
+    for (int k = 0; k < l->passage_count; k++)
+        free(l->passages[k].state);
+    free(l->passages);
+    l->passages = NULL;
+    l->passage_count = 0;
 }
 
 void saltus_rest_locus_free(saltus_rest_locus *l) {
@@ -167,6 +205,7 @@ void saltus_rest_locus_free(saltus_rest_locus *l) {
     saltus_rest_clear(&l->next);
     saltus_rest_clear(&l->trial);
     free(l->beginning);
+    clear_passages(l);
     saltus_rests_close(&l->rests);
     if (l->solver)
         gsl_root_fsolver_free(l->solver);
@@ -201,7 +240,7 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.at;
     const size_t bytes = (size_t)at->unknowns * sizeof *at->u;
-    saltus_trail_begin(l->trail, l->way, -1, 0, false);
+    saltus_trail_begin(l->trail, l->trail->number + 1, l->trail->parent, l->trail->depth, false);
     memcpy(at->u, l->beginning, bytes);
     memcpy(at->tangent, l->beginning + at->unknowns, bytes);
     at->bent = false;
@@ -217,8 +256,99 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
         status = saltus_rest_see(r, &l->here, message);
     if (status == SALTUS_OK)
         status = measure(l, &l->here, l->tests, message);
+    /* In the very place their signs mean nothing. */
+    for (int k = 0; k < tests_max && l->switched; k++)
+        l->tests[k].value = NAN;
     at->residual = r->equations.size;
     return status == SALTUS_OK ? give(l, &l->here, r->kind, 0, "", message) : status;
+}
+
+/* A curve through a place where two eigenvalues are zero is known from now on; `done`: it is the one under
+ * way. */
+static saltus_status note(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at, bool done,
+                          saltus_message *message) {
+    const double near = 1e-6;
+    const size_t n = (size_t)l->rests.n;
+    for (int k = 0; k < l->passage_count; k++) {
+        passage *p = &l->passages[k];
+        if (p->kind == kind && p->contacts == at->contacts &&
+            hypot(p->parameter[0] - at->parameter[0], p->parameter[1] - at->parameter[1]) < near) {
+            p->done |= done;
+            return SALTUS_OK;
+        }
+    }
+    passage *grown = realloc(l->passages, ((size_t)l->passage_count + 1) * sizeof *grown);
+    if (grown)
+        l->passages = grown;
+    double *state = calloc(n, sizeof *state);
+    if (!grown || !state) {
+        free(state);
+        return saltus_branch_no_memory(message);
+    }
+    memcpy(state, at->state, n * sizeof *state);
+    l->passages[l->passage_count++] = (passage){.kind = kind,
+                                                .contacts = at->contacts,
+                                                .parameter = {at->parameter[0], at->parameter[1]},
+                                                .state = state,
+                                                .parent = l->trail->number,
+                                                .depth = l->trail->depth + 1,
+                                                .done = done};
+    return SALTUS_OK;
+}
+
+/* Where two eigenvalues are zero the curve of folds goes through, and that of Hopf points ends. */
+static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
+    const saltus_point_kind own = l->rests.kind,
+                            other = own == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
+    if (l->trail->options->switches == 0)
+        return SALTUS_OK;
+    saltus_status status = note(l, own, at, true, message);
+    return status == SALTUS_OK && l->trail->depth < l->trail->options->switches
+               ? note(l, other, at, false, message)
+               : status;
+}
+
+/* Another curve that waits; NULL: there is none. */
+static passage *find_waiting(const saltus_rest_locus *l) {
+    for (int k = 0; k < l->passage_count; k++)
+        if (!l->passages[k].done)
+            return &l->passages[k];
+    return NULL;
+}
+
+/* The way along a curve of Hopf points from where two eigenvalues are zero on which these are a pair. */
+static int way_of_pairs(saltus_rest_locus *l) {
+    const double apart = 1e-3;
+    double square;
+    saltus_message ignored;
+    saltus_status status = saltus_rest_visit(&l->rests, &l->here, apart, &l->trial, &ignored);
+    return saltus_rests_noted(&l->rests, status) == SALTUS_OK &&
+                   isfinite(saltus_rests_pair(&l->rests, l->trial.at.u, l->rests.square, &square)) &&
+                   square > 0
+               ? 1
+               : -1;
+}
+
+/* The other curve through a place where two eigenvalues are zero, from there. */
+static saltus_status switch_to(saltus_rest_locus *l, passage *p, saltus_message *message) {
+    const double little = 1e-6; /* of the pair's frequency: it tells the two from others */
+    saltus_rests *r = &l->rests;
+    saltus_message why = {.text = ""};
+    p->done = l->switched = true;
+    r->kind = p->kind;
+    r->face = -1;
+    l->square = r->square = little * r->rate_scale * r->rate_scale;
+    l->trail->parent = p->parent;
+    l->trail->depth = p->depth;
+    saltus_status status = open_first(l, p->contacts, p->state, p->parameter, &why);
+    if (status != SALTUS_OK)
+        return saltus_fail(message, status, "no curve of %s points can be begun at a BT: %.200s",
+                           saltus_point_word(r->kind), why.text);
+    l->way = 0;
+    l->way_count = r->kind == SALTUS_POINT_HB ? 1 : 2;
+    l->ways[0] = l->way_count > 1 ? 1 : way_of_pairs(l);
+    l->ways[1] = -1;
+    return begin(l, message);
 }
 
 /* A test whose zero is sought. */
@@ -268,6 +398,8 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
         if (!value_ahead(&s, place[k], &value))
             continue;
         status = give(l, &l->trial, t->kind, place[k], "", message);
+        if (status == SALTUS_OK && t->kind == SALTUS_POINT_BT && l->trail->following)
+            status = meet(l, &l->trial, message);
         if (status == SALTUS_OK && t->ends && l->trail->following)
             status = give(l, &l->trial, SALTUS_POINT_EP, place[k],
                           "beyond it two real eigenvalues add up to zero: no Hopf points", message);
@@ -346,24 +478,54 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     l->next = swap;
     memcpy(l->tests, l->ahead, sizeof l->tests);
     saltus_curve_bend(&l->next.at, &l->here.at);
-    if (status != SALTUS_OK)
-        return status;
-    return renew(l, l->here.at.u, message);
+    return status == SALTUS_OK ? renew_ahead(l, l->here.at.u, message) : status;
 }
 
 saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_message *message) {
     saltus_status status = SALTUS_OK;
-    *more = l->trail->following || l->way < l->way_count;
+    passage *waiting = find_waiting(l);
+    *more = l->trail->following || l->way < l->way_count || waiting;
     if (l->trail->following)
         status = advance(l, message);
-    else if (*more)
+    else if (l->way < l->way_count)
         status = begin(l, message);
+    else if (waiting)
+        status = switch_to(l, waiting, message);
     return status == SALTUS_OK && l->rests.starved ? saltus_branch_no_memory(message) : status;
+}
+
+static saltus_point_kind archive_kind(saltus_archive *a, saltus_point_kind kind) {
+    kind = saltus_archive_kind(a, kind);
+    a->sound = a->sound && (kind == SALTUS_POINT_HB || kind == SALTUS_POINT_BE || kind == SALTUS_POINT_LP);
+    return kind;
+}
+
+static void archive_passages(saltus_rest_locus *l, saltus_archive *a) {
+    enum { numbers_min = 7 }; /* of one */
+    if (a->reading)
+        clear_passages(l);
+    l->passages = saltus_archive_list(a, l->passages, &l->passage_count, sizeof *l->passages, numbers_min);
+    for (int k = 0; k < l->passage_count; k++) {
+        passage *p = &l->passages[k];
+        p->kind = archive_kind(a, p->kind);
+        p->contacts = (unsigned)saltus_archive_whole(a, p->contacts, 0, (1LL << a->faces) - 1);
+        saltus_archive_finite(a, p->parameter, 2);
+        saltus_archive_array(a, &p->state, (size_t)a->n);
+        p->parent = (int)saltus_archive_whole(a, p->parent, 0, INT_MAX);
+        p->depth = (int)saltus_archive_whole(a, p->depth, 0, INT_MAX);
+        p->done = saltus_archive_flag(a, p->done);
+    }
 }
 
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
     saltus_rests *r = &l->rests;
+    archive_passages(l, a);
+    l->switched = saltus_archive_flag(a, l->switched);
+    r->kind = archive_kind(a, r->kind);
     r->face = (int)saltus_archive_whole(a, r->face, -1, a->faces - 1);
+    l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
+    for (int k = 0; k < 2; k++)
+        l->ways[k] = (int)saltus_archive_whole(a, l->ways[k], -1, 1);
     l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
     saltus_archive_real(a, &l->square);
     saltus_archive_real(a, &l->first_square);
