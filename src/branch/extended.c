@@ -272,12 +272,12 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
     const int c = e->count, m = e->unknowns;
     const double *v = x->right, *w = x->left;
     double length = 0, cubic = 0, *work = calloc((size_t)(c * c + 2 * c), sizeof *work);
-    double *matrix = work, *square = work + c * c, *mixed = square + c;
     saltus_dense_lu lu = {.n = 0};
     if (!work || !saltus_dense_lu_open(&lu, c)) {
         free(work);
         return saltus_branch_no_memory(message);
     }
+    double *matrix = work, *square = work + c * c, *mixed = square + c;
     for (int j = 0; j < c; j++)
         length = hypot(length, v[j]);
     saltus_status status = SALTUS_OK;

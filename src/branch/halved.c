@@ -44,16 +44,17 @@ static bool multiplier_excess(shorter *s, bool pair, double *value) {
 
 /* What is zero at the point sought, on the curve of flips `ahead` of s->on. */
 static bool test_at(shorter *s, double ahead, double *value) {
+    const bool multipliers = s->kind == SALTUS_POINT_LP_PD || s->kind == SALTUS_POINT_PD_NS;
     saltus_message ignored;
-    if (saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored) != SALTUS_OK)
-        return false;
-    if (s->kind == SALTUS_POINT_GPD)
-        return saltus_orbits_noted(&s->x.orbits, saltus_extended_criticality(&s->x, s->at.u, s->apart, value,
-                                                                             &ignored)) == SALTUS_OK;
-    *value = saltus_extended_double(&s->x);
-    return s->kind == SALTUS_POINT_R2 ||
-           (saltus_equations_evaluate(s->x.orbits.equations, s->at.u, &ignored) == SALTUS_OK &&
-            multiplier_excess(s, s->kind == SALTUS_POINT_PD_NS, value));
+    saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
+    if (status == SALTUS_OK)
+        *value = saltus_extended_double(&s->x);
+    if (status == SALTUS_OK && s->kind == SALTUS_POINT_GPD)
+        status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
+    if (status == SALTUS_OK && multipliers)
+        status = saltus_equations_evaluate(s->x.orbits.equations, s->at.u, &ignored);
+    return saltus_orbits_noted(&s->x.orbits, status) == SALTUS_OK &&
+           (!multipliers || multiplier_excess(s, s->kind == SALTUS_POINT_PD_NS, value));
 }
 
 /* The zero of the test near s->on becomes s->at: the test is all but linear there. False if there is none. */
