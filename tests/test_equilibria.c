@@ -469,6 +469,7 @@ static void loci_are_where_they_are_known(void **unused) {
  * to both sides: from either of them the other is followed, once. Further eigenvalues change nothing. */
 static void curves_meet_where_two_eigenvalues_are_zero(void **unused) {
     (void)unused;
+    skip_where_slow();
     static const char *const motion[] = {"b1 + b2*x + x^2 - x*x'",
                                          "b1 + b2*x + x^2 - x*x', y: -2*y' - 3*y + x"};
     for (int k = 0; k < 8; k++) {
