@@ -68,15 +68,28 @@ saltus_system saltus_spectrum_of(const saltus_system *system, saltus_eigenvalues
     return known;
 }
 
+/* Places on a ray that are looked at together: each by itself is a chain of operations that wait for each
+ * other. */
+enum { beside = 8 };
+
 /* |T(z)|^2 for the Taylor polynomial T of the exponential. */
-static double square_of_polynomial(int order, double real, double imaginary) {
-    double a = 1, b = 0;
-    for (int k = order; k > 0; k--) {
-        const double next = 1 + (real * a - imaginary * b) / k;
-        b = (real * b + imaginary * a) / k;
-        a = next;
+static void squares_of_polynomial(int order, const double real[beside], const double imaginary[beside],
+                                  double square[beside]) {
+    double a[beside], b[beside];
+    for (int i = 0; i < beside; i++) {
+        a[i] = 1;
+        b[i] = 0;
     }
-    return a * a + b * b;
+    for (int k = order; k > 0; k--) {
+        const double inverse = 1.0 / k;
+        for (int i = 0; i < beside; i++) {
+            const double next = 1 + (real[i] * a[i] - imaginary[i] * b[i]) * inverse;
+            b[i] = (real[i] * b[i] + imaginary[i] * a[i]) * inverse;
+            a[i] = next;
+        }
+    }
+    for (int i = 0; i < beside; i++)
+        square[i] = a[i] * a[i] + b[i] * b[i];
 }
 
 /* How far along the ray of an eigenvalue, and no further than `limit`, the polynomial stays within 1. What
@@ -89,9 +102,18 @@ static double reach(int order, double real, double imaginary, double limit) {
     limit = real * limit > lift ? lift / real : limit;
     if (!(modulus * limit > quiet))
         return limit;
-    for (double step = quiet / modulus; step < limit; step *= stride)
-        if (square_of_polynomial(order, -step * fabs(real), step * imaginary) > tolerated)
-            return step / stride;
+    for (double next = quiet / modulus; next < limit;) {
+        double step[beside], x[beside], y[beside], square[beside];
+        for (int i = 0; i < beside; i++, next *= stride) {
+            step[i] = next;
+            x[i] = -next * fabs(real);
+            y[i] = next * imaginary;
+        }
+        squares_of_polynomial(order, x, y, square);
+        for (int i = 0; i < beside; i++)
+            if (step[i] < limit && square[i] > tolerated)
+                return step[i] / stride;
+    }
     return limit;
 }
 
