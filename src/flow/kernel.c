@@ -479,12 +479,20 @@ KERNEL_INLINE lane_t column_norm(const saltus_work *w, int k, int c) {
     return lane_largest(saltus_pack_max_size(displacement, velocity * lane_spread(slowness)));
 }
 
-/* The step at which the coefficient of order k falls below the tolerance. */
-KERNEL_INLINE lane_t coefficient_step(lane_t norm, lane_t tolerance, int k, lane_t limit) {
-    const lane_t step = 0.97 * approximate_root(tolerance / norm, 1.0 / k);
-    const lane_t told = lane_if_less(tolerance * 1e-200, norm, step, limit),
-                 sure = lane_if_less(lane_constant(1e-280), tolerance, told, limit);
+/* What a coefficient may be by the tolerance, relative to what it is: large where it is too small to tell, or
+ * the tolerance is; zero where it has no value. */
+static const double untold = 1e290;
+KERNEL_INLINE lane_t coefficient_room(lane_t norm, lane_t tolerance) {
+    const lane_t none = lane_constant(untold), ratio = tolerance / norm;
+    const lane_t told = lane_if_less(tolerance * 1e-200, norm, ratio, none),
+                 sure = lane_if_less(lane_constant(1e-280), tolerance, told, none);
     return lane_if_less(norm, lane_constant(1e300), sure, lane_constant(0));
+}
+
+/* The step at which the coefficients of order k, of which one has least room, fall below the tolerance. */
+KERNEL_INLINE lane_t coefficient_step(lane_t room, int k, lane_t limit) {
+    const lane_t none = lane_constant(0), step = 0.97 * approximate_root(room, 1.0 / k);
+    return lane_if_less(none, room, lane_if_less(room, lane_constant(untold), step, limit), none);
 }
 
 /* Zero where all of a state is finite, otherwise not a number. */
@@ -509,10 +517,12 @@ KERNEL_INLINE lane_t step_of_last(const saltus_work *w, lane_t step, int k, lane
  * 3), and where contacts hold those of their forces: where contacts hold all there is to move, nothing else
  * tells how far the series reach. */
 static void measure(saltus_work *w) {
-    const int steady = w->columns - w->directions;
+    const int steady = w->columns - w->directions, first = w->degree_least - 1;
     const lane_t limit = *NUMBERS(w->lane->limit);
     const saltus_tolerance allowed = w->tolerance;
-    lane_t step = limit;
+    lane_t step = limit, least[SALTUS_ORDER_MAX + 1];
+    for (int k = first; k <= w->degree_most; k++)
+        least[k] = lane_constant(untold);
     for (int c = 0; c <= w->columns; c++) {
         const lane_t change = limit * column_norm(w, 1, c);
         lane_t size = column_norm(w, 0, c);
@@ -524,16 +534,17 @@ static void measure(saltus_work *w) {
         else
             size = lane_if_less(size, 1e-6 * change, 1e-6 * change, size);
         const lane_t tolerance = c ? allowed.tangent * size : allowed.absolute + allowed.relative * size;
-        for (int k = w->degree_least - 1; k <= w->degree_most; k++) {
-            const lane_t own = coefficient_step(column_norm(w, k, c), tolerance, k, limit);
-            step = lane_smaller(step, step_of_last(w, own, k, limit));
-        }
+        for (int k = first; k <= w->degree_most; k++)
+            least[k] = lane_smaller(least[k], coefficient_room(column_norm(w, k, c), tolerance));
     }
+    for (int k = first; k <= w->degree_most; k++)
+        step = lane_smaller(step, step_of_last(w, coefficient_step(least[k], k, limit), k, limit));
     for (int m = 0; m < w->hold.count; m++) {
         const lane_t *force = NUMBERS(w->hold.force) + m * (w->order + 2);
         const lane_t size = lane_size(force[0]) + limit * (lane_size(force[1]) + limit * lane_size(force[2]));
         for (int k = w->degree_least - 3; k <= w->degree_most - 2; k++) {
-            const lane_t own = coefficient_step(lane_size(force[k]), allowed.relative * size, k, limit);
+            const lane_t room = coefficient_room(lane_size(force[k]), allowed.relative * size);
+            const lane_t own = coefficient_step(room, k, limit);
             step = lane_smaller(step, step_of_last(w, own, k + 2, limit));
         }
     }
