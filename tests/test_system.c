@@ -1,7 +1,10 @@
 /* Building systems: what is refused and how, and what the built system says.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
+#include "system/spectrum.h"
 #include "system/state.h"
+
+#include <complex.h>
 
 static void expect_refusal(const saltus_spec *spec, const char *word) {
     saltus_message message = {.text = ""};
@@ -473,6 +476,54 @@ static void disturbed_states(void **unused) {
     saltus_system_free(system);
 }
 
+/* |T(z)| for the Taylor polynomial T of the exponential. */
+static double polynomial_modulus(int order, double complex z) {
+    double complex sum = 1, term = 1;
+    for (int k = 1; k <= order; k++) {
+        term *= z / k;
+        sum += term;
+    }
+    return cabs(sum);
+}
+
+/* The largest of it over the eigenvalues, as if none grew, after a step. */
+static double largest_modulus(const saltus_system *known, int order, double step) {
+    double largest = 0;
+    for (int i = 0; i < known->eigenvalues; i++) {
+        double complex rate = -fabs(known->eigen_real[i]) + I * known->eigen_imaginary[i];
+        largest = fmax(largest, polynomial_modulus(order, rate * step));
+    }
+    return largest;
+}
+
+/* Within the limit no order's polynomial lets any mode grow, but for a hundredth of a percent; where
+ * stability sets the limit, one grows within two strides of the search beyond it. */
+static void steps_end_where_modes_grow(void **unused) {
+    (void)unused;
+    enum { places = 400 };
+    const double modes[] = {1, 2, 3, 5, 8, 12}, tolerated = 1.0001 + 1e-9;
+    int bounded = 0;
+    for (size_t m = 0; m < sizeof modes / sizeof modes[0]; m++) {
+        saltus_spec spec = pipe_spec(modes[m], 42);
+        saltus_system *system = build(&spec);
+        saltus_eigenvalues room;
+        const saltus_system known = saltus_spectrum_of(system, &room);
+        for (int order = 8; order <= 40; order += 2) {
+            const double limit = saltus_system_step_limit(&known, order);
+            const double cap = fmin((order > 14 ? 6 : order) / known.rate, 6 / known.omega);
+            for (int k = 1; k <= places; k++)
+                assert_true(largest_modulus(&known, order, limit * k / places) <= tolerated);
+            assert_true(limit > 0 && limit <= cap);
+            if (limit < cap * (1 - 1e-9)) {
+                assert_true(largest_modulus(&known, order, 1.0404 * limit) > 1.0001);
+                bounded++;
+            }
+        }
+        saltus_system_free(system);
+    }
+    assert_true(bounded > 10);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(disturbed_states),
@@ -484,6 +535,7 @@ int main(void) {
         cmocka_unit_test(scales_are_typical),
         cmocka_unit_test(default_states_keep_their_distance),
         cmocka_unit_test(the_integrator_follows_the_stiffness),
+        cmocka_unit_test(steps_end_where_modes_grow),
         cmocka_unit_test(geometry),
         cmocka_unit_test(vector_field),
         cmocka_unit_test(flow_options_are_checked),
