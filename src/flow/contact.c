@@ -452,11 +452,9 @@ bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
     return built;
 }
 
-/* Whether a step is too short for time, or for the state, to change by more than rounding. */
+/* Whether a step is too short for the state to change by more than rounding. */
 static bool stands_still(saltus_flow *flow, int lane) {
     const saltus_lane *self = &flow->lane[lane];
-    if (self->now.phase == self->step.begin.phase && self->now.cycle == self->step.begin.cycle)
-        return true;
     const double *scale = saltus_system_scale(self->system);
     saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->after);
     for (int i = 0; i < flow->dimension; i++)
@@ -467,18 +465,27 @@ static bool stands_still(saltus_flow *flow, int lane) {
 }
 
 /* The force's zero is found on the step's polynomial, as exact as the tolerance; whether the contact lets go
- * is decided by the acceleration at the state itself, so that the gap that follows begins as the flow will;
- * but it does where the state cannot move on.
+ * is decided by the acceleration at the state itself, so that the gap that follows begins as the flow will.
+ * Where the state cannot move on what still presses is rounding: then the contact holds until its force pulls
+ * by several times as much.
  */
 bool saltus_contacts_release(saltus_flow *flow, int lane, int face) {
+    const double distinct = 4;
     saltus_lane *self = &flow->lane[lane];
+    const saltus_system *system = self->system;
+    const saltus_face f = system->faces[face];
     const unsigned contacts = self->hold.faces;
-    const bool still = stands_still(flow, lane);
+    const bool moved = self->now.phase != self->step.begin.phase || self->now.cycle != self->step.begin.cycle,
+               still = moved && stands_still(flow, lane);
     saltus_contacts_set(flow, lane, contacts & ~(1u << face));
     const saltus_work *probe = saltus_probe_at(flow, lane, flow->state, self->now.phase, &self->hold, 2);
-    if (!still &&
-        gap_coefficient(self->system, probe, face, 2) > rounding_of_gap(self->system, probe, face, 2)) {
+    const double pressing = gap_coefficient(system, probe, face, 2);
+    if (moved && pressing > rounding_of_gap(system, probe, face, 2)) {
+        const double reply =
+            saltus_dot(system->stop_normal[f.stop], system->stop_impulse[f.stop], system->dof);
         saltus_contacts_set(flow, lane, contacts);
+        if (still)
+            self->face[face].pull = fmax(2 * self->face[face].pull, distinct * 2 * pressing / reply);
         return false;
     }
     self->info.releases++;

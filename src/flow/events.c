@@ -110,6 +110,7 @@ static void search_forces(const saltus_flow *flow, int lane, double step, saltus
     double c[SALTUS_DEGREE_MAX + 1], root;
     for (int k = 0; k < hold->count; k++) {
         force_polynomial(flow, lane, k, step, c);
+        c[0] -= flow->lane[lane].face[hold->face[k]].pull;
         if (first_rise(c, degree_of(flow, lane) - 2, 0, &root))
             propose(first, SALTUS_RELEASE, hold->face[k], root * step);
     }

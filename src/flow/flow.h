@@ -32,11 +32,11 @@ typedef struct saltus_parameter_column {
 
 /* What is known of a face's gap at the start of a step, more exactly than n.q - d tells near contact: the
  * first `touch` coefficients of the gap's series vanish; or, with `shadow`, its value and rate carried over
- * from the last step. */
+ * from the last step. A contact that holds lets go where its force pulls by more than `pull`. */
 typedef struct saltus_face_state {
     int touch;
     bool shadow;
-    double gap, rate;
+    double gap, rate, pull;
 } saltus_face_state;
 
 /* Where a lane shall go. */
