@@ -146,12 +146,21 @@ static void forget_cycle(saltus_search *s) {
     s->clocked = NULL;
 }
 
+/* The period to try at present, or 0: of an orbit that is all but reached; else the least that recurs
+ * roughly, which near a flip is but half of it. */
+static int period_to_try(const saltus_settling *settling) {
+    bool doubt;
+    const int rough = saltus_settling_candidate(settling),
+              reached = rough ? saltus_settling_period(settling, all_but_reached, &doubt) : 0;
+    return reached ? reached : rough;
+}
+
 /* Without forcing: try the returns that recur at present, with the time between them. */
 static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     saltus_system *counted = NULL;
     const saltus_settling *returns = &s->visits.settling;
-    int p = saltus_settling_candidate(returns);
+    int p = period_to_try(returns);
     if (p == 0)
         return SALTUS_OK;
     const double *last = saltus_settling_point(returns, 0);
@@ -193,7 +202,7 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     const double *last = saltus_settling_point(&s->settling, 0);
     if (!saltus_system_forced(s->system))
         return try_cycle(s, message);
-    int p = saltus_settling_candidate(&s->settling);
+    int p = period_to_try(&s->settling);
     /* A try at a long orbit of very many impacts may take minutes: only where it is all but reached. */
     double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
     if (p == 0)
