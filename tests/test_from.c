@@ -139,6 +139,19 @@ static void rows_and_cells_are_orbits(void **state) {
     orbit = told(*state, "orbit fig6 --from plain.h5:3");
     assert_int_equal(strncmp(orbit, "fig6: 3/4, stable\n", 18), 0);
     free(orbit);
+    /* What is recorded is the orbit from its begin on, and not the way to it. */
+    free(told(*state, "simulate fig6 --from plain.h5:3 --periods 4 --quiet -o row.csv"));
+    FILE *file = fopen(path_in(*state, "row.csv"), "r");
+    char line[400];
+    double time, q, first = NAN, last = NAN;
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file))
+        if (sscanf(line, "%lf,%lf", &time, &q) == 2) {
+            first = time == 0 ? q : first;
+            last = time == 4 ? q : last;
+        }
+    fclose(file);
+    assert_true(fabs(first - last) < 1e-10 && fabs(first) > 1e-6);
 }
 
 static void what_tells_no_motion_is_refused(void **state) {

@@ -489,7 +489,10 @@ int cli_build(const cli_request *request, cli_setup *setup) {
 }
 
 bool cli_on_orbit(const cli_setup *setup) {
-    return setup->start.periods > 0 && setup->start.dimension > 0;
+    return cli_names_orbit(setup) && setup->start.dimension > 0;
+}
+bool cli_names_orbit(const cli_setup *setup) {
+    return setup->start.periods > 0;
 }
 
 /* An orbit of --from, at the parameters that hold. */
@@ -539,6 +542,18 @@ saltus_status cli_motion(const cli_request *request, cli_setup *setup, const sal
         saltus_system_free(setup->system);
         setup->system = counted;
     }
+    return status;
+}
+
+saltus_status cli_orbit(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
+                        saltus_motion *motion, saltus_message *message) {
+    saltus_status status = cli_motion(request, setup, how, motion, message);
+    if (status != SALTUS_OK || motion->periods > 0)
+        return status;
+    status =
+        saltus_fail(message, SALTUS_BAD_INPUT, "--from %.200s: is %.60s there, and comes to no orbit here",
+                    request->from, setup->start.label);
+    saltus_motion_clear(motion);
     return status;
 }
 

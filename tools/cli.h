@@ -175,7 +175,8 @@ int cli_report_cause(saltus_status status, const saltus_message *message);
 int cli_build(const cli_request *request, cli_setup *setup);
 /* Release what a setup holds. A zeroed one is accepted. */
 void cli_clear(cli_setup *setup);
-/* Whether --from has told a periodic orbit with a state on it. */
+/* Whether --from has told a periodic orbit, and with a state on it. */
+bool cli_names_orbit(const cli_setup *setup);
 bool cli_on_orbit(const cli_setup *setup);
 /* The motion that a command is about: with --from a periodic orbit this very orbit, stable or not, polished
  * at the parameters that hold; otherwise what the start settles on. To be cleared. Errors: those of
@@ -183,6 +184,9 @@ bool cli_on_orbit(const cli_setup *setup);
  * has a period of its own the setup's system becomes one that counts by its returns. */
 saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                          saltus_motion *motion, saltus_message *message);
+/* The same where --from names an orbit: SALTUS_BAD_INPUT if what it leads to is none. */
+saltus_status cli_orbit(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
+                        saltus_motion *motion, saltus_message *message);
 /* A scene by its name: a file, a built-in one, or - for standard input. Errors: SALTUS_BAD_INPUT,
  * SALTUS_NO_MEMORY. */
 saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message);

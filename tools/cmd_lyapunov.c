@@ -60,7 +60,7 @@ static saltus_status run_orbit(const cli_request *request, cli_setup *setup,
                            "multipliers",
                            request->output);
     describing.flow = how->flow;
-    saltus_status status = cli_motion(request, setup, &describing, &motion, message);
+    saltus_status status = cli_orbit(request, setup, &describing, &motion, message);
     int count = how->exponents ? how->exponents : saltus_system_dimension(setup->system);
     if (status == SALTUS_OK)
         status = saltus_motion_exponents(setup->system, &motion, count, result, message);
@@ -74,7 +74,7 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
     saltus_lyapunov result = {0};
     bool shown = cli_shows_progress(request), interrupted = false;
     saltus_status status = choose(request, setup->system, &how, message);
-    if (status == SALTUS_OK && cli_on_orbit(setup))
+    if (status == SALTUS_OK && cli_names_orbit(setup))
         status = run_orbit(request, setup, &how, &result, message);
     else if (status == SALTUS_OK) {
         how.progress = (saltus_progress){shown ? show : NULL, &result};

@@ -39,13 +39,13 @@ static saltus_status simulate(const cli_request *request, cli_setup *setup, cons
     cli_origin origin = {.command = NULL};
     double told = 0;
     describing.flow = flow;
-    if (cli_on_orbit(setup) && request->transient)
+    if (cli_names_orbit(setup) && request->transient)
         status =
             saltus_fail(message, SALTUS_BAD_INPUT,
                         "--transient %ld: not with --from an orbit, on which there is nothing to wait for",
                         request->transient);
-    else if (cli_on_orbit(setup))
-        status = cli_motion(request, setup, &describing, &motion, message);
+    else if (cli_names_orbit(setup))
+        status = cli_orbit(request, setup, &describing, &motion, message);
     const saltus_trajectory_plan plan = {.points = motion.section_states,
                                          .orbit = motion.periods,
                                          .transient = request->transient,
