@@ -149,6 +149,30 @@ static void a_ball_comes_to_rest(void **unused) {
 
 /* Half a period of a hard spring against an elastic wall at its rest: energy kept, twice the time from the
  * wall to the turning point, which a substitution makes smooth. Orbits of all energies go on side by side. */
+/* The same damped mass at rest in units of time from seconds to ages. */
+static void a_rest_is_stable_in_any_unit_of_time(void **unused) {
+    (void)unused;
+    for (int k = 0; k <= 10; k++) {
+        char text[200];
+        const double rate = pow(10, -k);
+        snprintf(text, sizeof text,
+                 "model:\n"
+                 "  parameters: {w: %.17g}\n"
+                 "  motion: {x: -w*x' - w^2*x}\n"
+                 "stop: {coordinate: x, d: 5, r: 0.5, sides: upper}\n"
+                 "initial: {x: 0}\n",
+                 rate);
+        saltus_scene scene = scene_from(text, NULL);
+        saltus_motion motion = classified(&scene);
+        assert_int_equal(motion.verdict, SALTUS_EQUILIBRIUM);
+        assert_true(motion.stable);
+        assert_int_equal(motion.eigenvalue_count, 2);
+        check_near(motion.eigenvalues[0].re / rate, -0.5, 1e-9);
+        saltus_motion_clear(&motion);
+        saltus_scene_clear(&scene);
+    }
+}
+
 static void conservative_scenes_are_told(void **unused) {
     (void)unused;
     enum { pieces = 2000 };
@@ -241,6 +265,7 @@ int main(void) {
         cmocka_unit_test(exponents_of_flutter),
         cmocka_unit_test(a_stop_bounds_van_der_pol),
         cmocka_unit_test(a_ball_comes_to_rest),
+        cmocka_unit_test(a_rest_is_stable_in_any_unit_of_time),
         cmocka_unit_test(conservative_scenes_are_told),
         cmocka_unit_test(elastic_impacts_are_returns),
         cmocka_unit_test(a_section_that_is_not_met_is_told),

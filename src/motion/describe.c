@@ -189,7 +189,8 @@ static saltus_status polish_rest(const saltus_system *system, const saltus_class
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
-/* The eigenvalues of a rest with the contacts that hold there, if it is isolated. */
+/* The eigenvalues of a rest with the contacts that hold there, if it is isolated: they decide on stability in
+ * whatever unit of time. */
 static saltus_status find_eigenvalues(const saltus_system *system, unsigned contacts, saltus_motion *motion,
                                       saltus_message *message) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
@@ -199,6 +200,7 @@ static saltus_status find_eigenvalues(const saltus_system *system, unsigned cont
         saltus_system_distance(system, rest.state, motion->state) < same_rest) {
         motion->eigenvalues = rest.eigenvalues;
         motion->eigenvalue_count = rest.eigenvalue_count;
+        motion->stable = rest.stable;
         rest.eigenvalues = NULL;
     }
     saltus_equilibrium_clear(&rest);
