@@ -893,6 +893,61 @@ static void long_steps_pass_no_torus(void **unused) {
     }
 }
 
+/* Of a slow forcing multipliers turn with every free oscillation within its period: at steps of twice the
+ * length the same folds, flips and pairs meet grazing. */
+static void slow_forcing_hides_no_corner(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {-0.5, 0.3}, high[2] = {4, 2}, step_max[2] = {0.01, 0.02};
+    static const struct {
+        double c, m2, c2, k2, r, at[2], state[4];
+    } rows[] = {{0.19374358547938214,
+                 1.0291367344803528,
+                 0.11567891057359382,
+                 1.4740381742942446,
+                 0.8945357806651293,
+                 {0.22612320869874986, 0.42025678504957154},
+                 {1.5946182613467028, 1.817461515241145, 0.08961065190426751, 0.10573772721283964}},
+                {0.19247768836710913,
+                 1.350921475190987,
+                 0.02307009912804732,
+                 3.9958919610187436,
+                 0.5737014582811413,
+                 {0.4005766420013232, 0.54471047585839},
+                 {3.3273370595495124, 3.697785696689828, 0.738285497003844, 0.8213059736912839}}};
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        saltus_spec spec = hitting_masses();
+        branch_record record[2];
+        set_parameter(&spec, "F", 1);
+        set_parameter(&spec, "c", rows[row].c);
+        set_parameter(&spec, "m2", rows[row].m2);
+        set_parameter(&spec, "c2", rows[row].c2);
+        set_parameter(&spec, "k2", rows[row].k2);
+        set_parameter(&spec, "omega", rows[row].at[1]);
+        spec.stops[0].d = rows[row].at[0];
+        spec.stops[0].r = rows[row].r;
+        for (int run = 0; run < 2; run++) {
+            saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+            options.direction = -1;
+            options.step_max = step_max[run];
+            record[run] = branch_run(&spec, 1, rows[row].state, &options);
+        }
+        int corners = 0;
+        for (int run = 0; run < 2; run++)
+            for (int k = 0; k < record[run].count; k++) {
+                const saltus_branch_point *p = &record[run].point[k];
+                if (p->kind < SALTUS_POINT_CP || p->kind == SALTUS_POINT_EP)
+                    continue;
+                corners++;
+                check_near(nearest_of(&record[1 - run], p->kind, p->locus, p->value[0], p->value[1]), 0,
+                           1e-9);
+            }
+        assert_true(corners > 10 && record[1].count < record[0].count);
+        branch_forget(&record[0]);
+        branch_forget(&record[1]);
+    }
+}
+
 /* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
 static bool grazes_there(const branch_record *record, const saltus_branch_point *p, int periods) {
     bool found = false;
@@ -1409,6 +1464,7 @@ int main(void) {
         cmocka_unit_test(folds_end_in_long_runs),
         cmocka_unit_test(tori_between_grazing_and_folds),
         cmocka_unit_test(long_steps_pass_no_torus),
+        cmocka_unit_test(slow_forcing_hides_no_corner),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),

@@ -185,9 +185,26 @@ static bool may_return(const saltus_close *here, const saltus_close *there) {
     return false;
 }
 
+/* Whether a multiplier turns or grows so much from here to there that functions of them all may change their
+ * signs and change them back: those of a slow forcing turn with every free oscillation within its period. */
+static bool turns_far(const saltus_close *here, const saltus_close *there) {
+    const double far = 0.4, nothing = 1e-3;
+    for (int i = 0; i < here->count; i++) {
+        const double own = hypot(here->re[i], here->im[i]);
+        double moved = INFINITY;
+        for (int j = 0; j < there->count; j++)
+            moved = fmin(moved, hypot(here->re[i] - there->re[j], here->im[i] - there->im[j]) /
+                                    fmax(own, hypot(there->re[j], there->im[j])));
+        if (own > nothing && moved > far)
+            return true;
+    }
+    return false;
+}
+
 bool saltus_corner_hides(const saltus_corner *a, const saltus_corner *b) {
     return may_return(&a->single, &b->single) || may_return(&b->single, &a->single) ||
-           may_return(&a->product, &b->product) || may_return(&b->product, &a->product);
+           may_return(&a->product, &b->product) || may_return(&b->product, &a->product) ||
+           turns_far(&a->single, &b->single) || turns_far(&b->single, &a->single);
 }
 
 saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {

@@ -45,7 +45,7 @@ int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_po
                           const saltus_solution *orbit, saltus_corner *corners);
 
 /* Whether multipliers, or products of them, may have crossed the unit circle between two points and come
- * back: by GR-NS at both. */
+ * back, or have moved so far that functions of them may: by GR-NS at both. */
 bool saltus_corner_hides(const saltus_corner *a, const saltus_corner *b);
 /* What the corner is that has been located at an orbit: where that is its own mirror image, a fold (GR-LP),
  * along whose null vector the orbits keep this symmetry, or a branch point (GR-BP), along whose they lose it;

@@ -61,6 +61,9 @@ static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
     l->x.copies = kind == SALTUS_POINT_NS ? 2 : 1;
     l->x.orbits.options.segments =
         mirrored && kind == SALTUS_POINT_BP ? 2 : l->trail->options->orbit.segments;
+    /* An impact's speed is as sharp as residuals are; the other functions are made of the Jacobian's entries.
+     */
+    l->x.equations.tolerance = fmax(kind == SALTUS_POINT_GR ? 0 : 1e-8, l->trail->options->orbit.tolerance);
 }
 
 /* A curve's first point, at a start. */
@@ -130,8 +133,6 @@ static saltus_status open_first(saltus_locus *l, const saltus_solution *at, cons
 static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, saltus_locus **locus,
                                 saltus_message *message) {
     const saltus_branch_options *options = trail->options;
-    const double tolerance =
-        1e-8; /* g is made of the Jacobian's entries, which are less sharp than residuals */
     saltus_locus *l = calloc(1, sizeof *l);
     *locus = l;
     if (!l)
@@ -139,10 +140,8 @@ static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, sa
     saltus_orbits *o = &l->x.orbits;
     l->trail = trail;
     trail->number = -1;
-    l->x.equations = (saltus_equations){.self = &l->x,
-                                        .evaluate = saltus_extended_evaluate,
-                                        .tolerance = fmax(tolerance, options->orbit.tolerance),
-                                        .iterations = options->orbit.iterations};
+    l->x.equations = (saltus_equations){
+        .self = &l->x, .evaluate = saltus_extended_evaluate, .iterations = options->orbit.iterations};
     o->options = options->orbit;
     o->options.flow.stop = NULL;
     saltus_status status = saltus_branch_family(spec, options, 2, &o->family, l->origin, l->border, message);
@@ -282,6 +281,9 @@ static void step_on(saltus_locus *l) {
     l->next = point;
     l->trail->arclength += l->here.at.ahead;
     saltus_curve_bend(&l->next.at, &l->here.at);
+    for (int k = 0; k < l->here.corner_count; k++)
+        l->here.before[k] = l->next.corners[k].value;
+    l->here.before_place = -l->here.at.ahead;
 }
 
 /* Whether `next` is no further from `here` in the plane than a step may lead. */
@@ -738,7 +740,10 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
         saltus_archive_real(a, &l->here.corners[k].quiet);
         archive_close(a, &l->here.corners[k].single);
         archive_close(a, &l->here.corners[k].product);
+        saltus_archive_real(a, &l->here.before[k].mantissa);
+        saltus_archive_real(a, &l->here.before[k].exponent);
     }
+    saltus_archive_finite(a, &l->here.before_place, 1);
     saltus_archive_finite(a, l->second, 2);
     saltus_archive_finite(a, &l->gap, 1);
     l->closer = (int)saltus_archive_whole(a, l->closer, 0, INT_MAX);

@@ -35,6 +35,7 @@ saltus_status saltus_locus_see(saltus_extended *x, saltus_locus_point *p, saltus
     if (status != SALTUS_OK)
         return status;
     p->corner_count = saltus_corner_measure(x, &p->at, &p->orbit, p->corners);
+    p->before_place = 0;
     return p->corner_count < 0 ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
@@ -223,24 +224,82 @@ static sample sample_of(const saltus_locus_point *p, double place) {
     return own;
 }
 
-/* Append the end of an interval to the samples; before it, where multipliers may have crossed the unit circle
- * within and come back, places between. */
+/* Whether a function may cross zero between the last two of three places and come back: by the parabola
+ * through them it falls towards zero there, and rises again. */
+static bool may_dip(const double place[3], const double value[3]) {
+    const double deep = 0.8;
+    const double first = (value[1] - value[0]) / (place[1] - place[0]),
+                 second = (value[2] - value[1]) / (place[2] - place[1]),
+                 bend = (second - first) / (place[2] - place[0]), reach = bend * (place[2] - place[1]);
+    const double side = value[1] > 0 ? 1 : -1, least = fmin(side * value[1], side * value[2]);
+    const bool turns = least > 0 && side * (second - reach) < 0 && side * (second + reach) > 0;
+    return turns && side * value[1] - (second - reach) * (second - reach) / (4 * fabs(bend)) < deep * least;
+}
+
+/* Whether functions at two places, and before them at `before`, let expect more zeros between than their
+ * signs tell. Where one on a curve of grazing has a zero a multiplier may run through infinity there, past 1,
+ * -1 and the other ones. */
+static bool may_hide(const saltus_extended *x, const saltus_locus_point *here, double before,
+                     const saltus_scaled *values, const sample *begin, const sample *end) {
+    bool hides = false;
+    for (int k = 0; k < here->corner_count && !hides; k++) {
+        const saltus_corner *near = &begin->corners[k], *far = &end->corners[k];
+        const double exponent = here->corners[k].value.exponent, quiet = here->corners[k].quiet;
+        const double place[] = {before, begin->place, end->place},
+                     value[] = {saltus_scaled_in(values[k], exponent),
+                                saltus_scaled_in(near->value, exponent),
+                                saltus_scaled_in(far->value, exponent)};
+        if (near->breach || (quiet != 0 && near->value.exponent < quiet && far->value.exponent < quiet))
+            continue;
+        hides = before < begin->place && may_dip(place, value);
+        if (x->kind == SALTUS_POINT_GR)
+            hides = hides || value[1] * value[2] < 0 || saltus_corner_hides(near, far);
+    }
+    return hides;
+}
+
+/* The functions at the place before a sample. */
+static double values_before(const saltus_locus_point *here, const sample *samples, int count,
+                            saltus_scaled *values) {
+    for (int k = 0; k < here->corner_count; k++)
+        values[k] = count > 1 ? samples[count - 2].corners[k].value : here->before[k];
+    return count > 1 ? samples[count - 2].place : here->before_place;
+}
+
+/* Append the end of an interval to the samples; before it, where functions may have two zeros within, or
+ * multipliers have crossed the unit circle and come back, places between. */
 static int append_samples(saltus_extended *x, const saltus_locus_point *here, const sample *end, int depth,
                           saltus_locus_point *scratch, sample *samples, int count) {
     const sample *begin = &samples[count - 1];
     const double finest = 4e-3;
-    const bool far = x->kind == SALTUS_POINT_GR && depth < halvings && end->place - begin->place > finest;
-    bool hides = false;
-    for (int k = 0; k < here->corner_count && far; k++)
-        hides = hides || saltus_corner_hides(&begin->corners[k], &end->corners[k]);
+    const bool far = depth < halvings && end->place - begin->place > finest;
+    saltus_scaled values[SALTUS_CORNERS_MAX];
+    const double before = values_before(here, samples, count, values);
     const double middle = 0.5 * (begin->place + end->place);
-    if (hides && saltus_locus_visit(x, here, middle, scratch)) {
+    if (far && may_hide(x, here, before, values, begin, end) &&
+        saltus_locus_visit(x, here, middle, scratch)) {
         const sample between = sample_of(scratch, middle);
         count = append_samples(x, here, &between, depth + 1, scratch, samples, count);
         return append_samples(x, here, end, depth + 1, scratch, samples, count);
     }
     samples[count] = *end;
     return count + 1;
+}
+
+/* Put the places that were found among the samples. Where a fold or flip meets grazing a multiplier runs
+ * through infinity nearby, and its product with another one through 1: the test for pairs on the unit circle,
+ * which changes its sign there as it does at GR-NS, is asked between them. */
+static int add_samples(saltus_extended *x, const saltus_locus_point *here, const saltus_crossings *found,
+                       saltus_locus_point *scratch, sample *samples, int count) {
+    for (int k = 0; k < found->count; k++) {
+        if (!saltus_locus_visit(x, here, found->place[k], scratch))
+            continue;
+        int at = count++;
+        for (; at > 0 && samples[at - 1].place > found->place[k]; at--)
+            samples[at] = samples[at - 1];
+        samples[at] = sample_of(scratch, found->place[k]);
+    }
+    return count;
 }
 
 /* The zero of a function between two places, if there is one. */
@@ -287,7 +346,7 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
                                saltus_crossings *found) {
     const double together = 1e-6, jump = 1e-8;
     double ends = INFINITY;
-    sample *samples = calloc((1 << halvings) + 1, sizeof *samples);
+    sample *samples = calloc((1 << halvings) + 1 + SALTUS_CROSSINGS_MAX, sizeof *samples);
     bool sound = samples;
     if (!samples) {
         x->orbits.starved = true;
@@ -295,9 +354,14 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
     }
     samples[0] = sample_of(here, 0);
     const sample last = sample_of(next, next->at.ahead);
-    const int count = append_samples(x, here, &last, 0, scratch, samples, 1);
+    int count = append_samples(x, here, &last, 0, scratch, samples, 1);
+    bool added = false;
     found->count = 0;
-    for (int k = 0; k < here->corner_count; k++)
+    for (int k = 0; k < here->corner_count; k++) {
+        if (here->corners[k].kind == SALTUS_POINT_GR_NS && !here->corners[k].breach && !added) {
+            count = add_samples(x, here, found, scratch, samples, count);
+            added = true;
+        }
         for (int j = 0; j + 1 < count && sound; j++) {
             location self = {.x = x, .here = here, .out = scratch, .corner = k};
             double place = 0, value;
@@ -315,6 +379,7 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
             if (k == 0)
                 break;
         }
+    }
     free(samples);
     return sound;
 }
@@ -369,6 +434,11 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     if (*found && saltus_corner_breach(x, &at->orbit) > -nothing)
         status = saltus_corner_tell(x, &contact, &at->orbit, &contact.kind, message);
     *found = contact.kind == SALTUS_POINT_CH_GR;
+    /* In the very place the flow meets complete chatter by chance. */
+    if (*found) {
+        at->orbit.survey.impacts = here->orbit.survey.impacts;
+        memcpy(at->orbit.survey.label, here->orbit.survey.label, sizeof at->orbit.survey.label);
+    }
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 

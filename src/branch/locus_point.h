@@ -11,6 +11,9 @@ typedef struct saltus_locus_point {
     saltus_solution orbit;
     saltus_corner corners[SALTUS_CORNERS_MAX];
     int corner_count;
+    /* The functions at the point before it on the curve, and its place from here; 0: there is none. */
+    saltus_scaled before[SALTUS_CORNERS_MAX];
+    double before_place;
 } saltus_locus_point;
 
 void saltus_locus_point_clear(saltus_locus_point *point);
