@@ -1,7 +1,7 @@
 #!/bin/sh
 # The order of rooms and of files: a file includes and calls only what lies in its own room or in one above it in
 # src/README.md's table, and no files of a room depend on one another in a circle. A public header belongs to the room that
-# defines its functions.
+# defines its functions. A type's name has one meaning in the library; names without its prefix are a file's own.
 # Arguments: the folder of the sources, the library's object files.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
@@ -40,6 +40,26 @@ includes() {
         /^#include ("|<saltus\/)/ {print FILENAME, $2, "included"}
         {for (line = $0; match(line, /saltus_[a-z0-9_]*\(/); line = substr(line, RSTART + RLENGTH))
             print "declares", FILENAME, substr(line, RSTART, RLENGTH - 1)}' saltus/*.h)
+}
+
+# Names that more than one file gives to a type. Argument: the folder of the sources.
+types() {
+    (cd "$1" && awk '
+        match($0, /(struct|enum|union) saltus_[a-z0-9_]+ *\{/) ||
+        match($0, /^\} saltus_[a-z0-9_]+;/) {
+            name = substr($0, RSTART, RLENGTH)
+            sub(/ *[{;]$/, "", name)
+            sub(/^.* /, "", name)
+            if (!((name, FILENAME) in seen))
+                files[name] = files[name] " " FILENAME
+            if (!((name, FILENAME) in seen) && count[name]++ == 1)
+                twice[++names] = name
+            seen[name, FILENAME]
+        }
+        END {
+            for (i = 1; i <= names; i++)
+                print twice[i] " has more than one meaning:" files[twice[i]]
+        }' src/*/*.[ch] include/saltus/*.h)
 }
 
 # What is wrong with the dependencies on stdin. Argument: the rooms in their order.
@@ -97,7 +117,7 @@ judge() {
 }
 
 # A made-up library in which all is wrong: three files and two headers in circles, calls and includes that go up, a
-# header of two rooms, a file of no room.
+# header of two rooms, a file of no room, types of one name.
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
 mkdir -p "$made/src/low" "$made/src/high" "$made/src/more" "$made/include/saltus"
@@ -107,7 +127,10 @@ printf '#include "high/d.h"\n#include <saltus/high.h>\n' >"$made/src/low/c.c"
 echo '#include "low/a.h"' >"$made/src/high/d.h"
 echo '#include "high/d.h"' >"$made/src/more/e.h"
 echo 'int saltus_d(void), saltus_e(void);' >"$made/include/saltus/high.h"
-echo 'int saltus_a(void), saltus_d(void);' >"$made/include/saltus/two.h"
+printf 'int saltus_a(void), saltus_d(void);\ntypedef struct saltus_g saltus_g;\n' >"$made/include/saltus/two.h"
+printf 'typedef struct {\n    int f;\n} saltus_f;\nstruct saltus_g {\n    int g;\n};\n' >"$made/src/low/f.c"
+printf 'typedef struct saltus_f {\n    int f;\n} saltus_f;\nstruct own {\n    int own;\n};\n' >"$made/src/high/f.c"
+printf 'enum saltus_f { F };\nstruct own {\n    int own;\n};\n' >"$made/src/more/f.h"
 expected="saltus/two.h belongs to two rooms, low and high: saltus_d
 low/c.c -> high/d.c goes up: saltus_d
 low/c.c -> high/d.h goes up: included
@@ -119,7 +142,8 @@ low/a.c -> low/b.c is part of a circle: saltus_b
 low/a.h -> low/b.h is part of a circle: included
 low/b.c -> low/c.c is part of a circle: saltus_c
 low/b.h -> low/a.h is part of a circle: included
-low/c.c -> low/a.c is part of a circle: saltus_a saltus_a2"
+low/c.c -> low/a.c is part of a circle: saltus_a saltus_a2
+saltus_f has more than one meaning: src/high/f.c src/low/f.c src/more/f.h"
 found=$({
     includes "$made"
     calls <<END
@@ -139,7 +163,7 @@ x.dir/src/high/d.c.o:          U saltus_e
 x.dir/src/high/e.c.o:0000 T saltus_e
 x.dir/src/high/e.c.o:          U saltus_d
 END
-} | judge "low high")
+} | judge "low high" && types "$made")
 if [ "$found" != "$expected" ]; then
     echo "of a made-up library this test should say"
     echo "$expected"
@@ -163,10 +187,10 @@ done
 wrong=$({
     echo "$called"
     includes "$sources"
-} | judge "$rooms")
+} | judge "$rooms" && types "$sources")
 if [ -n "$wrong" ]; then
     echo "rooms, each may use those before it: $rooms"
     echo "$wrong"
     exit 1
 fi
-echo "every file depends on files above it only"
+echo "every file depends on files above it only, and every type has one meaning"

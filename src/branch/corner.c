@@ -137,7 +137,7 @@ static void keep_close(saltus_close *close, double re, double im) {
 
 /* The product of mu_i mu_j - 1 over all pairs of finite multipliers: zero where a pair is on the unit circle,
  * or two real ones have the product 1, and as smooth as the equations. False without memory. */
-static bool measure_pairs(saltus_shooting *shooting, int n, saltus_corner *corner) {
+static bool measure_pairs(saltus_shooting *shooting, int n, saltus_locus_test *corner) {
     const double on = 1e-6, infinite = 1e6; /* with the little speed that is left to an impact at grazing */
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0;
     const int all = saltus_corner_multipliers(shooting, n, re, im);
@@ -201,7 +201,7 @@ static bool turns_far(const saltus_close *here, const saltus_close *there) {
     return false;
 }
 
-bool saltus_corner_hides(const saltus_corner *a, const saltus_corner *b) {
+bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b) {
     return may_return(&a->single, &b->single) || may_return(&b->single, &a->single) ||
            may_return(&a->product, &b->product) || may_return(&b->product, &a->product) ||
            turns_far(&a->single, &b->single) || turns_far(&b->single, &a->single);
@@ -224,7 +224,7 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
 /* The same of the orbit without the impacts that graze. What cannot be computed is NAN. False without memory.
  */
 static bool without_impact(const saltus_extended *x, const saltus_solution *s, saltus_scaled *fold,
-                           saltus_scaled *flip, saltus_corner *pairs) {
+                           saltus_scaled *flip, saltus_locus_test *pairs) {
     saltus_sequence less = saltus_corner_without(x, s);
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
@@ -246,42 +246,43 @@ static bool without_impact(const saltus_extended *x, const saltus_solution *s, s
 
 /* Determinants with the impact and without it are of like size where neither is zero. Where all that the
  * impact does is lost in complete chatter after it, that with it is nothing but rounding. */
-static saltus_corner of_determinant(saltus_point_kind kind, saltus_scaled own, saltus_scaled other,
-                                    bool without) {
-    return (saltus_corner){
+static saltus_locus_test of_determinant(saltus_point_kind kind, saltus_scaled own, saltus_scaled other,
+                                        bool without) {
+    return (saltus_locus_test){
         .kind = kind, .value = own, .quiet = other.exponent + log(1e-9), .without = without};
 }
 
 int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *point, const saltus_solution *s,
-                          saltus_corner *corners) {
+                          saltus_locus_test *corners) {
     static const saltus_point_kind grazing[] = {[SALTUS_POINT_LP] = SALTUS_POINT_GR_LP,
                                                 [SALTUS_POINT_PD] = SALTUS_POINT_GR_PD,
                                                 [SALTUS_POINT_NS] = SALTUS_POINT_GR_NS,
                                                 [SALTUS_POINT_BP] = SALTUS_POINT_GR_BP,
                                                 [SALTUS_POINT_GR] = SALTUS_POINT_GR_GR};
-    saltus_corner own_pairs = {.kind = SALTUS_POINT_GR_NS},
-                  pairs = {.kind = SALTUS_POINT_GR_NS, .without = true};
+    saltus_locus_test own_pairs = {.kind = SALTUS_POINT_GR_NS},
+                      pairs = {.kind = SALTUS_POINT_GR_NS, .without = true};
     const double theta = x->extra ? point->u[point->unknowns - 1] : 0;
     saltus_scaled fold, flip, other_fold, other_flip;
     int count = 0;
-    corners[count++] = (saltus_corner){
+    corners[count++] = (saltus_locus_test){
         .kind = grazing[x->kind], .value = plain(saltus_corner_breach(x, s)), .breach = true, .ends = true};
     switch (x->kind) {
     case SALTUS_POINT_LP:
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_CP, .value = plain(saltus_extended_cusp(x))};
         corners[count++] =
-            (saltus_corner){.kind = SALTUS_POINT_R1, .value = plain(saltus_extended_double(x))};
+            (saltus_locus_test){.kind = SALTUS_POINT_CP, .value = plain(saltus_extended_cusp(x))};
+        corners[count++] =
+            (saltus_locus_test){.kind = SALTUS_POINT_R1, .value = plain(saltus_extended_double(x))};
         break;
     case SALTUS_POINT_PD:
         corners[count++] =
-            (saltus_corner){.kind = SALTUS_POINT_R2, .value = plain(saltus_extended_double(x))};
+            (saltus_locus_test){.kind = SALTUS_POINT_R2, .value = plain(saltus_extended_double(x))};
         break;
     case SALTUS_POINT_NS:
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_R1, .value = plain(theta), .ends = true};
+        corners[count++] = (saltus_locus_test){.kind = SALTUS_POINT_R1, .value = plain(theta), .ends = true};
         corners[count++] =
-            (saltus_corner){.kind = SALTUS_POINT_R2, .value = plain(theta - M_PI), .ends = true};
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_R3, .value = plain(theta - 2 * M_PI / 3)};
-        corners[count++] = (saltus_corner){.kind = SALTUS_POINT_R4, .value = plain(theta - M_PI / 2)};
+            (saltus_locus_test){.kind = SALTUS_POINT_R2, .value = plain(theta - M_PI), .ends = true};
+        corners[count++] = (saltus_locus_test){.kind = SALTUS_POINT_R3, .value = plain(theta - 2 * M_PI / 3)};
+        corners[count++] = (saltus_locus_test){.kind = SALTUS_POINT_R4, .value = plain(theta - M_PI / 2)};
         break;
     case SALTUS_POINT_GR:
         if (!determinants(x->orbits.shooting, x->orbits.n, &fold, &flip) ||
@@ -345,7 +346,7 @@ bool saltus_corner_ends_chatter(const saltus_solution *s, const saltus_breach *b
     return k < 0 || s->sequence.mark[k].kind != SALTUS_STICK;
 }
 
-saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_corner *corner,
+saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_locus_test *corner,
                                  const saltus_solution *s, saltus_point_kind *kind, saltus_message *message) {
     const saltus_breach *worst = saltus_corner_worst(x, s);
     saltus_status status = SALTUS_OK;

@@ -14,7 +14,7 @@ typedef struct saltus_close {
 } saltus_close;
 
 /* A function along a locus whose zero is a point of codimension two. */
-typedef struct saltus_corner {
+typedef struct saltus_locus_test {
     saltus_point_kind kind;
     saltus_scaled value;
     double quiet; /* a determinant of no more than e to this is rounding; 0: it is none */
@@ -27,7 +27,7 @@ typedef struct saltus_corner {
      * multipliers, and those real products of two, that are next to the unit circle. */
     double theta;
     saltus_close single, product;
-} saltus_corner;
+} saltus_locus_test;
 
 /* The worst breach of an orbit but for the grazing impact that is followed; NULL: there is no other. */
 const saltus_breach *saltus_corner_worst(const saltus_extended *extended, const saltus_solution *orbit);
@@ -42,16 +42,16 @@ saltus_sequence saltus_corner_without(const saltus_extended *extended, const sal
 /* All functions at a point, from what the extended equations have seen there, and the orbit there. Returns
  * their number, which depends on the kind of locus alone; -1 without memory. */
 int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_point *point,
-                          const saltus_solution *orbit, saltus_corner *corners);
+                          const saltus_solution *orbit, saltus_locus_test *corners);
 
 /* Whether multipliers, or products of them, may have crossed the unit circle between two points and come
  * back, or have moved so far that functions of them may: by GR-NS at both. */
-bool saltus_corner_hides(const saltus_corner *a, const saltus_corner *b);
+bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b);
 /* What the corner is that has been located at an orbit: where that is its own mirror image, a fold (GR-LP),
  * along whose null vector the orbits keep this symmetry, or a branch point (GR-BP), along whose they lose it;
  * where a contact that chatter led to shrinks to nothing, CH-GR; where another contact begins or ends EP.
  * Otherwise it is corner->kind. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_corner *corner,
+saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_locus_test *corner,
                                  const saltus_solution *orbit, saltus_point_kind *kind,
                                  saltus_message *message);
 

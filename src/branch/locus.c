@@ -463,7 +463,7 @@ static bool accumulates(saltus_locus *l) {
 
 /* `trial`, a point of codimension two, is given out; starts that wait there for this curve are done, *closes
  * as saltus_locus_starts_pass has it, and others are added. */
-static saltus_status give_named(saltus_locus *l, const saltus_corner *corner, double ahead, bool *closes,
+static saltus_status give_named(saltus_locus *l, const saltus_locus_test *corner, double ahead, bool *closes,
                                 saltus_message *message) {
     const saltus_trail *t = l->trail;
     const saltus_solution *at = &l->trial.orbit;
@@ -477,7 +477,7 @@ static saltus_status give_named(saltus_locus *l, const saltus_corner *corner, do
 }
 
 /* `trial` and `located` are a corner, at which the curve may end, or go on with other events: *moved. */
-static saltus_status give_corner(saltus_locus *l, saltus_corner corner, double ahead, bool *moved,
+static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, double ahead, bool *moved,
                                  saltus_message *message) {
     bool ends = corner.ends, resonance = l->x.kind == SALTUS_POINT_NS && ends && !corner.breach;
     bool closes = false;
@@ -523,7 +523,7 @@ static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_m
         [SALTUS_POINT_PD_NS] = "its orbits join those of half the period, at a flip and a pair on the circle",
         [SALTUS_POINT_R2] = "its orbits join those of half the period, which have a double multiplier -1",
         [SALTUS_POINT_R4] = "its orbits join those of a quarter of the period, at a pair at a quarter"};
-    const saltus_corner corner = {.kind = kind, .joins = true};
+    const saltus_locus_test corner = {.kind = kind, .joins = true};
     const double ahead = l->trial.at.ahead;
     bool closes = false;
     saltus_status status = give_named(l, &corner, ahead, &closes, message);
@@ -585,7 +585,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
     const double just_before = 1e-7;
     int reached;
     bool found, shorter, moved = false;
-    saltus_crossings crossed;
+    saltus_locus_zeros crossed;
     saltus_status status;
     if (l->lost)
         return give_end(l, message);
@@ -623,7 +623,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
         l->x.sharp = false;
         /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding;
          * and two real multipliers whose product is 1 are no pair on the unit circle. */
-        saltus_corner corner = l->trial.corners[own];
+        saltus_locus_test corner = l->trial.corners[own];
         bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
         if (!found || real || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach))
             continue;

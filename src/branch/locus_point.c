@@ -213,7 +213,7 @@ static bool corner_at(void *context, double ahead, double *value) {
 /* The functions at a place of a step. */
 typedef struct sample {
     double place;
-    saltus_corner corners[SALTUS_CORNERS_MAX];
+    saltus_locus_test corners[SALTUS_CORNERS_MAX];
 } sample;
 
 enum { halvings = 5 };
@@ -243,7 +243,7 @@ static bool may_hide(const saltus_extended *x, const saltus_locus_point *here, d
                      const saltus_scaled *values, const sample *begin, const sample *end) {
     bool hides = false;
     for (int k = 0; k < here->corner_count && !hides; k++) {
-        const saltus_corner *near = &begin->corners[k], *far = &end->corners[k];
+        const saltus_locus_test *near = &begin->corners[k], *far = &end->corners[k];
         const double exponent = here->corners[k].value.exponent, quiet = here->corners[k].quiet;
         const double place[] = {before, begin->place, end->place},
                      value[] = {saltus_scaled_in(values[k], exponent),
@@ -289,7 +289,7 @@ static int append_samples(saltus_extended *x, const saltus_locus_point *here, co
 /* Put the places that were found among the samples. Where a fold or flip meets grazing a multiplier runs
  * through infinity nearby, and its product with another one through 1: the test for pairs on the unit circle,
  * which changes its sign there as it does at GR-NS, is asked between them. */
-static int add_samples(saltus_extended *x, const saltus_locus_point *here, const saltus_crossings *found,
+static int add_samples(saltus_extended *x, const saltus_locus_point *here, const saltus_locus_zeros *found,
                        saltus_locus_point *scratch, sample *samples, int count) {
     for (int k = 0; k < found->count; k++) {
         if (!saltus_locus_visit(x, here, found->place[k], scratch))
@@ -327,7 +327,7 @@ static bool find_zero(location *self, const sample *a, const sample *b, double *
 }
 
 /* Put a corner in its place among those found. False: there are too many. */
-static bool insert(saltus_crossings *found, int corner, double place) {
+static bool insert(saltus_locus_zeros *found, int corner, double place) {
     int at = found->count;
     if (at == SALTUS_CROSSINGS_MAX)
         return false;
@@ -343,7 +343,7 @@ static bool insert(saltus_crossings *found, int corner, double place) {
 
 bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *here,
                                const saltus_locus_point *next, saltus_locus_point *scratch,
-                               saltus_crossings *found) {
+                               saltus_locus_zeros *found) {
     const double together = 1e-6, jump = 1e-8;
     double ends = INFINITY;
     sample *samples = calloc((1 << halvings) + 1 + SALTUS_CROSSINGS_MAX, sizeof *samples);
@@ -415,7 +415,7 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     const double reach = 1e-3, nothing = 1e-4, sharp = 1e-11;
     double low = 0, high = reach, usual = x->equations.tolerance;
     saltus_message ignored;
-    saltus_corner contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
+    saltus_locus_test contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
     saltus_status status = SALTUS_OK;
     *found = false;
     /* A little speed at grazing moves the place by as much. */

@@ -9,7 +9,7 @@
 typedef struct saltus_locus_point {
     saltus_curve_point at;
     saltus_solution orbit;
-    saltus_corner corners[SALTUS_CORNERS_MAX];
+    saltus_locus_test corners[SALTUS_CORNERS_MAX];
     int corner_count;
     /* The functions at the point before it on the curve, and its place from here; 0: there is none. */
     saltus_scaled before[SALTUS_CORNERS_MAX];
@@ -55,18 +55,18 @@ bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *
 
 enum { SALTUS_CROSSINGS_MAX = 32 };
 /* Corners on a step, in their order. */
-typedef struct saltus_crossings {
+typedef struct saltus_locus_zeros {
     int count;
     int corner[SALTUS_CROSSINGS_MAX];
     double place[SALTUS_CROSSINGS_MAX]; /* ahead of `here` */
-} saltus_crossings;
+} saltus_locus_zeros;
 
 /* All corners on the way from `here` to `next`. Where the curve ends at another impact's birth or death a
  * multiplier is infinite, and other functions may vanish with it: they tell nothing. False: the orbit changes
  * its events, but where cannot be located. */
 bool saltus_locus_find_corners(saltus_extended *extended, const saltus_locus_point *here,
                                const saltus_locus_point *next, saltus_locus_point *scratch,
-                               saltus_crossings *found);
+                               saltus_locus_zeros *found);
 /* Where the pair of multipliers meets, at theta = 0 or pi, the equations are singular; but the curve is even
  * in theta there, so `at` is interpolated in its square from regular points on the way. Where these cannot be
  * had it stays as it was located. */

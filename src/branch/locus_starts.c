@@ -214,7 +214,7 @@ static bool grazing_of_broken(const saltus_sequence *whole, int mark, bool mirro
 /* Where orbits join those of half the period, or those that are their own mirror images: the curve of these
  * orbits' grazing, and that of their flips or branch points. Where two impacts of theirs graze there are four
  * pieces of curves of grazing, each of one impact with the other or without it. */
-static int joined_curves(saltus_extended *x, const saltus_corner *corner, const saltus_solution *at,
+static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
                          saltus_locus_start *starts) {
     const saltus_mark *own = &at->sequence.mark[x->mark];
     const saltus_breach touch = {.face = own->face, .time = own->time};
@@ -246,7 +246,7 @@ static int joined_curves(saltus_extended *x, const saltus_corner *corner, const 
 }
 
 /* The curves that meet a curve of grazing of special orbits, or one of special orbits that grazing ends. */
-static int special_curves(saltus_extended *x, const saltus_corner *corner, saltus_point_kind special,
+static int special_curves(saltus_extended *x, const saltus_locus_test *corner, saltus_point_kind special,
                           const saltus_solution *at, saltus_locus_start *starts) {
     const saltus_breach *touch = saltus_corner_touch(x, at);
     bool grazes = x->kind == SALTUS_POINT_GR;
@@ -265,7 +265,7 @@ static int special_curves(saltus_extended *x, const saltus_corner *corner, saltu
     return 1 + (breaks && grazing_of_broken(&whole, mark, x->mirrored, without, &starts[1]));
 }
 
-static int curves_at(saltus_extended *x, const saltus_corner *corner, const saltus_solution *at,
+static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
                      saltus_locus_start *starts) {
     static const saltus_point_kind special[SALTUS_POINT_KINDS] = {[SALTUS_POINT_GR_LP] = SALTUS_POINT_LP,
                                                                   [SALTUS_POINT_GR_PD] = SALTUS_POINT_PD,
@@ -297,7 +297,7 @@ static int curves_at(saltus_extended *x, const saltus_corner *corner, const salt
     return special[corner->kind] ? special_curves(x, corner, special[corner->kind], at, starts) : 0;
 }
 
-saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_corner *corner,
+saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner,
                                        const saltus_solution *at, int parent, int depth,
                                        saltus_locus_starts *starts, saltus_message *message) {
     saltus_locus_start fresh[4] = {{0}};

@@ -37,7 +37,7 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
 /* The other curves that meet the present one at a point of codimension two, the orbit `at`, are added, but
  * for those that have been there; `parent` and `depth` are theirs. At a cusp both folds are one curve, and at
  * a third or a quarter of the circle no curve of these kinds begins. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_corner *corner,
+saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner,
                                        const saltus_solution *at, int parent, int depth,
                                        saltus_locus_starts *starts, saltus_message *message);
 

@@ -153,7 +153,7 @@ static bool asked_for(const saltus_plot_page *page, int axis, saltus_range *rang
 static void add_values(const saltus_plot_page *page, int file, int k, bool up, bool logarithmic,
                        saltus_range *range) {
     const saltus_branch_point *point = &page->files[file].points[k];
-    const saltus_visits *visits = page->visits ? &page->visits[file][k] : NULL;
+    const saltus_plot_visits *visits = page->visits ? &page->visits[file][k] : NULL;
     double own = up != page->swap ? saltus_plot_y(page, point) : saltus_plot_x(page, point);
     for (int v = -1; v < (up && visits ? visits->count : 0); v++) {
         double value = v < 0 ? own : visits->list[v].value;

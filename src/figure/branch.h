@@ -7,16 +7,16 @@
 
 /* A value that an orbit shows when it passes somewhere: the speed of an impact, the displacement where it
  * turns. */
-typedef struct saltus_visit {
+typedef struct saltus_plot_visit {
     double time, value; /* time in periods from phase 0 */
     int face;           /* that is hit; -1: none */
-} saltus_visit;
+} saltus_plot_visit;
 
 /* The visits of a point of a branch. */
-typedef struct saltus_visits {
-    saltus_visit *list;
+typedef struct saltus_plot_visits {
+    saltus_plot_visit *list;
     int count;
-} saltus_visits;
+} saltus_plot_visits;
 
 /* Branch files over each other in one pair of axes. */
 typedef struct saltus_plot_page {
@@ -35,7 +35,7 @@ typedef struct saltus_plot_page {
     saltus_show show;
     const saltus_plot_options *options;
     saltus_range x, y;
-    saltus_visits **visits; /* where orbits show several values: of each file's points, otherwise NULL */
+    saltus_plot_visits **visits; /* where orbits show several values: of each file's points, otherwise NULL */
 } saltus_plot_page;
 
 /* What a point shows across the page and up it, and whether its parameters are on the page. */

@@ -153,34 +153,34 @@ static double measure(const saltus_plot_page *page, const saltus_branch_point *p
 }
 
 /* The impacts of an orbit. */
-static bool find_impacts(const saltus_branch_point *point, saltus_visits *visits) {
+static bool find_impacts(const saltus_branch_point *point, saltus_plot_visits *visits) {
     visits->list = calloc((size_t)point->event_count + 1, sizeof *visits->list);
     for (int k = 0; k < point->event_count && visits->list; k++) {
         double speed = impact_speed(&point->events[k]);
         if (!isnan(speed))
             visits->list[visits->count++] =
-                (saltus_visit){saltus_time_periods(point->events[k].time), speed, point->events[k].face};
+                (saltus_plot_visit){saltus_time_periods(point->events[k].time), speed, point->events[k].face};
     }
     return visits->list != NULL;
 }
 
 /* Of these the largest and the smallest, among them the one that the state may be; a rest has one. */
 static void keep_extremes(const saltus_plot_page *page, const saltus_branch_point *point,
-                          saltus_visits *visits) {
+                          saltus_plot_visits *visits) {
     double high = saltus_system_observed(page->system, point->state), low = high;
     for (int k = 0; k < visits->count; k++) {
         high = fmax(high, visits->list[k].value);
         low = fmin(low, visits->list[k].value);
     }
-    visits->list[0] = (saltus_visit){.value = high, .face = -1};
-    visits->list[1] = (saltus_visit){.value = low, .face = -1};
+    visits->list[0] = (saltus_plot_visit){.value = high, .face = -1};
+    visits->list[1] = (saltus_plot_visit){.value = low, .face = -1};
     visits->count = 2;
 }
 
 /* The displacements at which an orbit turns, freely or at a stop, from once around it, and that of a rest.
  * One that cannot be followed, such as one that the equations have beyond a stop, shows none. */
 static saltus_status find_turnings(const saltus_plot_page *page, const saltus_branch_point *point,
-                                   saltus_visits *visits, saltus_message *message) {
+                                   saltus_plot_visits *visits, saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_system *system = NULL;
     saltus_flow *flow = NULL;
@@ -205,7 +205,7 @@ static saltus_status find_turnings(const saltus_plot_page *page, const saltus_br
     const bool own = point->trivial_multiplier != 0;
     if ((own || !point->periods) && visits->list)
         visits->list[visits->count++] =
-            (saltus_visit){.value = saltus_system_observed(system, point->state), .face = -1};
+            (saltus_plot_visit){.value = saltus_system_observed(system, point->state), .face = -1};
     for (int k = 0; k < lap.event_count && visits->list; k++) {
         const saltus_event *event = &lap.events[k];
         const double time = saltus_time_periods(event->time);
@@ -215,7 +215,7 @@ static saltus_status find_turnings(const saltus_plot_page *page, const saltus_br
                      (event->kind != SALTUS_RELEASE &&
                       saltus_system_stop_observed(system, saltus_system_face(system, event->face).stop));
         if (turns)
-            visits->list[visits->count++] = (saltus_visit){time, event->displacement, -1};
+            visits->list[visits->count++] = (saltus_plot_visit){time, event->displacement, -1};
     }
     if (page->amplitude && point->periods && visits->count)
         keep_extremes(page, point, visits);
@@ -233,7 +233,7 @@ saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *me
     bool memory = page->visits != NULL;
     for (int i = 0; i < page->count && memory && status == SALTUS_OK; i++) {
         const saltus_branch_file *f = &page->files[i];
-        saltus_visits *visits = page->visits[i] = calloc((size_t)f->point_count + 1, sizeof *visits);
+        saltus_plot_visits *visits = page->visits[i] = calloc((size_t)f->point_count + 1, sizeof *visits);
         memory = visits != NULL;
         for (int k = 0; k < f->point_count && memory && status == SALTUS_OK; k++)
             if (page->turning)
@@ -549,7 +549,7 @@ static void put_branch(const saltus_plot_page *page, int file, int first, int la
 
 /* The visit of point b that is nearest in time to one of point a, on the same face; -1 when there is none
  * near. Where an impact is born or dies it has no partner. */
-static int nearest_visit(const saltus_visit *from, const saltus_visits *b, int periods) {
+static int nearest_visit(const saltus_plot_visit *from, const saltus_plot_visits *b, int periods) {
     const double near = 0.2; /* of a forcing period */
     double least = near;
     int nearest = -1;
@@ -566,7 +566,7 @@ static int nearest_visit(const saltus_visit *from, const saltus_visits *b, int p
 /* The same visit at the next point of a branch: each must be the other's nearest. */
 static int partner(const saltus_plot_page *page, int file, int k, int v) {
     const saltus_branch_point *points = page->files[file].points;
-    const saltus_visits *a = &page->visits[file][k], *b = &page->visits[file][k + 1];
+    const saltus_plot_visits *a = &page->visits[file][k], *b = &page->visits[file][k + 1];
     if (page->amplitude)
         return points[k].branch == points[k + 1].branch && v < b->count ? v : -1;
     const int periods = points[k].periods ? points[k].periods : 1;

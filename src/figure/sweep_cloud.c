@@ -130,7 +130,7 @@ static void add_branches(const saltus_sweep_page *page, saltus_range *range) {
     for (int i = 0; page->branches && i < page->branches->count; i++)
         for (int k = 0; k < page->branches->files[i].point_count; k++) {
             const saltus_branch_point *point = &page->branches->files[i].points[k];
-            const saltus_visits *visits = page->branches->visits ? &page->branches->visits[i][k] : NULL;
+            const saltus_plot_visits *visits = page->branches->visits ? &page->branches->visits[i][k] : NULL;
             if (!saltus_plot_shown(page->branches, point))
                 continue;
             for (int v = -1; v < (visits ? visits->count : 0); v++) {

@@ -16,7 +16,7 @@ typedef enum plain_kind {
     plain_kinds
 } plain_kind;
 
-static bool open_kinds(saltus_map *map, int count) {
+static bool open_kinds(saltus_sweep_map *map, int count) {
     map->kind_count = count;
     map->kinds = calloc((size_t)count, sizeof *map->kinds);
     map->kind = calloc((size_t)map->page->sweep->points, sizeof *map->kind);
@@ -28,7 +28,7 @@ static void name_kind(saltus_map_kind *kind, const char *label, uint32_t colour)
     kind->paint = (saltus_paint){colour, 0};
 }
 
-bool saltus_map_shows(const saltus_map *map, long long point) {
+bool saltus_sweep_map_shows(const saltus_sweep_map *map, long long point) {
     const saltus_sweep_page *page = map->page;
     const saltus_axis *axes = page->sweep->axes;
     double value[2] = {axes[0].list[point % axes[0].count], axes[1].list[point / axes[0].count]};
@@ -38,10 +38,10 @@ bool saltus_map_shows(const saltus_map *map, long long point) {
 }
 
 /* Count the points of each kind that are shown and put the shares into the legend. */
-static void add_shares(saltus_map *map) {
+static void add_shares(saltus_sweep_map *map) {
     long long points = map->page->sweep->points, shown = 0;
     for (long long p = 0; p < points; p++)
-        if (saltus_map_shows(map, p)) {
+        if (saltus_sweep_map_shows(map, p)) {
             map->kinds[map->kind[p]].count++;
             shown++;
         }
@@ -73,11 +73,11 @@ void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_
         snprintf(label, 64, "%.31s", c->label);
 }
 
-bool saltus_map_periodic(const saltus_map *map, int kind) {
+bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind) {
     return map->page->view == SALTUS_VIEW_CLASS && map->page->classes.list[kind].verdict == SALTUS_PERIODIC;
 }
 
-bool saltus_map_classes(saltus_map *map) {
+bool saltus_sweep_map_classes(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     const saltus_sweep_file *sweep = page->sweep;
     map->several = calloc((size_t)sweep->points, 1);
@@ -119,7 +119,7 @@ static int count_attractors(const saltus_sweep_page *page, long long point) {
     return most > distinct ? most : distinct;
 }
 
-bool saltus_map_counts(saltus_map *map) {
+bool saltus_sweep_map_counts(saltus_sweep_map *map) {
     enum { most = 6 };
     static const uint32_t colours[most + 1] = {0xffffff, 0xe9edf1, 0xf2c14e, 0xe07b39,
                                                0xb23a48, 0x6d2e6b, 0x2b1b3d};
@@ -145,7 +145,7 @@ static uint32_t basin_colour(int attractor) {
 }
 
 /* How pale a settled point is: the longer it took, the darker. */
-static void shade_basins(saltus_map *map) {
+static void shade_basins(saltus_sweep_map *map) {
     const double palest = 0.42;
     const saltus_sweep_file *sweep = map->page->sweep;
     double low = INFINITY, high = 0;
@@ -161,7 +161,7 @@ static void shade_basins(saltus_map *map) {
             map->number[p] = high > low ? (float)(palest * (high - map->number[p]) / (high - low)) : 0;
 }
 
-bool saltus_map_basins(saltus_map *map) {
+bool saltus_sweep_map_basins(saltus_sweep_map *map) {
     const saltus_sweep_file *sweep = map->page->sweep;
     int n = sweep->attractor_count;
     map->number = calloc((size_t)sweep->points, sizeof *map->number);
@@ -192,7 +192,7 @@ bool saltus_map_basins(saltus_map *map) {
     return true;
 }
 
-void saltus_map_put_orbits(const saltus_map *map) {
+void saltus_sweep_map_put_orbits(const saltus_sweep_map *map) {
     const saltus_sweep_file *sweep = map->page->sweep;
     int across = saltus_system_state_index(map->page->system, map->page->x.key),
         up = saltus_system_state_index(map->page->system, map->page->y.key);
@@ -208,7 +208,7 @@ void saltus_map_put_orbits(const saltus_map *map) {
     }
 }
 
-void saltus_map_put_orbit_elements(const saltus_map *map) {
+void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map) {
     for (int k = 0; k < map->page->sweep->attractor_count; k++)
         fprintf(map->page->file,
                 ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff' notitle"

@@ -7,19 +7,20 @@
 #include <string.h>
 
 /* Point of the grid at a cell of each axis. */
-static long long point_of(const saltus_map *map, int column, int row) {
+static long long point_of(const saltus_sweep_map *map, int column, int row) {
     long long across = map->page->x.order[column], up = map->page->y.order[row];
     return map->page->wish->look.swap ? up + across * map->page->y.count : across + up * map->page->x.count;
 }
 
 /* Step between the cells that are looked at for a pixel along one axis: about `looks` of them. */
-static int stride(saltus_span span) {
+static int stride(saltus_pixel_cells span) {
     enum { looks = 6 };
     return 1 + (span.last - span.first) / looks;
 }
 
 /* The kind that most cells of a pixel have, -1 where there are none; *point: one of these cells' points. */
-static int kind_at(const saltus_map *map, saltus_span column, saltus_span row, long long *point) {
+static int kind_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltus_pixel_cells row,
+                   long long *point) {
     enum { most_looks = 64 };
     int seen[most_looks], counts[most_looks], distinct = 0, best = 0;
     long long points[most_looks];
@@ -45,7 +46,8 @@ static int kind_at(const saltus_map *map, saltus_span column, saltus_span row, l
 }
 
 /* The mean of the numbers of a pixel's cells; NAN where there are none. *point: one of these. */
-static double number_at(const saltus_map *map, saltus_span column, saltus_span row, long long *point) {
+static double number_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltus_pixel_cells row,
+                        long long *point) {
     double sum = 0;
     int count = 0;
     *point = -1;
@@ -61,7 +63,7 @@ static double number_at(const saltus_map *map, saltus_span column, saltus_span r
 }
 
 /* A pixel of one kind; lines across it where there is more than one attractor. */
-static void paint_kind(saltus_map *map, int x, int y, int fineness) {
+static void paint_kind(saltus_sweep_map *map, int x, int y, int fineness) {
     enum { hatch = 10 };
     const double ink = 0.3;
     long long point = -1;
@@ -77,7 +79,7 @@ static void paint_kind(saltus_map *map, int x, int y, int fineness) {
 }
 
 /* Colour of a point that has no number: not computed, failed, or nothing to tell. */
-static uint32_t without_number(const saltus_map *map, long long point) {
+static uint32_t without_number(const saltus_sweep_map *map, long long point) {
     const saltus_sweep_file *sweep = map->page->sweep;
     int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, point, 0));
     return verdict == SALTUS_BEYOND    ? 0xf4f4f4
@@ -86,15 +88,16 @@ static uint32_t without_number(const saltus_map *map, long long point) {
                                        : 0xc6c6c6;
 }
 
-static void paint_number(saltus_map *map, int x, int y) {
+static void paint_number(saltus_sweep_map *map, int x, int y) {
     long long point;
     double number = number_at(map, map->columns[x], map->rows[y], &point);
     if (point >= 0)
         saltus_raster_set(&map->raster, x, y,
-                          isnan(number) ? without_number(map, point) : saltus_map_colour(map, number), 1);
+                          isnan(number) ? without_number(map, point) : saltus_sweep_map_colour(map, number),
+                          1);
 }
 
-static bool paint(saltus_map *map) {
+static bool paint(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     int fineness = saltus_sweep_fineness(page),
         width = (int)(fineness * (page->frame.right - page->frame.left)),
@@ -120,7 +123,7 @@ static bool paint(saltus_map *map) {
 }
 
 /* The names of regions, looked for at a few pixels' distance. */
-static bool put_names(const saltus_map *map) {
+static bool put_names(const saltus_sweep_map *map) {
     enum { step = 4 };
     int fineness = saltus_sweep_fineness(map->page), columns = map->raster.width / (step * fineness),
         rows = map->raster.height / (step * fineness);
@@ -137,42 +140,42 @@ static bool put_names(const saltus_map *map) {
 }
 
 /* Whether any point shown has more than one attractor. */
-static bool any_several(const saltus_map *map) {
+static bool any_several(const saltus_sweep_map *map) {
     return map->several && memchr(map->several, 1, (size_t)map->page->sweep->points);
 }
 
 /* Whether one kind comes before another in the legend: it has more points. */
-static bool precedes(const saltus_map *map, int j, int k) {
+static bool precedes(const saltus_sweep_map *map, int j, int k) {
     return map->kinds[j].count > map->kinds[k].count || (map->kinds[j].count == map->kinds[k].count && j < k);
 }
 
 /* The place of a kind in a legend of so many, from 0, or -1 where it has none: where room is short rare
  * periodic motions give way, whatever is none keeps its entry. */
-static int place_in_legend(const saltus_map *map, int k, int most) {
+static int place_in_legend(const saltus_sweep_map *map, int k, int most) {
     int place = 0, others = 0, better = 0;
     for (int j = 0; j < map->kind_count; j++) {
-        bool periodic = saltus_map_periodic(map, j);
+        bool periodic = saltus_sweep_map_periodic(map, j);
         others += map->kinds[j].count > 0 && !periodic;
         better += periodic && precedes(map, j, k);
     }
-    if (map->kinds[k].count == 0 || (saltus_map_periodic(map, k) && better >= most - others))
+    if (map->kinds[k].count == 0 || (saltus_sweep_map_periodic(map, k) && better >= most - others))
         return -1;
     for (int j = 0; j < map->kind_count; j++) {
         int ahead = 0;
-        for (int i = 0; i < map->kind_count && saltus_map_periodic(map, j); i++)
-            ahead += saltus_map_periodic(map, i) && precedes(map, i, j);
+        for (int i = 0; i < map->kind_count && saltus_sweep_map_periodic(map, j); i++)
+            ahead += saltus_sweep_map_periodic(map, i) && precedes(map, i, j);
         place += map->kinds[j].count > 0 && precedes(map, j, k) &&
-                 (!saltus_map_periodic(map, j) || ahead < most - others);
+                 (!saltus_sweep_map_periodic(map, j) || ahead < most - others);
     }
     return place;
 }
 
-static void put_note(const saltus_map *map, double x, double y, const char *text) {
+static void put_note(const saltus_sweep_map *map, double x, double y, const char *text) {
     saltus_page_label(&map->page->paper, text, x, y, "left front font ',11' tc rgb '#606060'");
 }
 
 /* What the signs in the map mean, above the legend. */
-static void put_heading(const saltus_map *map, double x, double y) {
+static void put_heading(const saltus_sweep_map *map, double x, double y) {
     const double line_height = 24;
     const saltus_sweep_page *page = map->page;
     if (page->view == SALTUS_VIEW_CLASS)
@@ -188,7 +191,7 @@ static void put_heading(const saltus_map *map, double x, double y) {
 
 /* The legend beside the map, or below it on a narrow page, the most frequent first; what has no room is
  * counted. */
-static void put_legend(const saltus_map *map) {
+static void put_legend(const saltus_sweep_map *map) {
     const double row_height = 32, side = 28, bottom = 60;
     const saltus_sweep_page *page = map->page;
     bool below = map->legend_rows > 0;
@@ -237,7 +240,7 @@ static void put_legend(const saltus_map *map) {
 }
 
 /* What the colours without number mean, above the map, as far as they occur. */
-static void put_exceptions(const saltus_map *map) {
+static void put_exceptions(const saltus_sweep_map *map) {
     bool measured = map->page->view == SALTUS_VIEW_LYAPUNOV;
     const char *const words[] = {"not computed yet", "failed", "beyond a stop",
                                  measured ? "not measured" : "no period found"};
@@ -247,8 +250,8 @@ static void put_exceptions(const saltus_map *map) {
     for (int k = 0; k < 4; k++) {
         bool occurs = false;
         for (long long p = 0; p < map->page->sweep->points && !occurs; p++)
-            occurs =
-                isnan(map->number[p]) && saltus_map_shows(map, p) && without_number(map, p) == colours[k];
+            occurs = isnan(map->number[p]) && saltus_sweep_map_shows(map, p) &&
+                     without_number(map, p) == colours[k];
         if (!occurs)
             continue;
         saltus_page_entry(&map->page->paper, x, y, colours[k], words[k]);
@@ -257,7 +260,7 @@ static void put_exceptions(const saltus_map *map) {
 }
 
 /* Names, marks, the map itself, its axes and what is drawn over it. */
-static bool put_panel(saltus_map *map) {
+static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     FILE *file = page->file;
     saltus_page_frame(&page->paper, page->frame);
@@ -274,7 +277,7 @@ static bool put_panel(saltus_map *map) {
     fputs("unset grid\nset border 15\nplot ", file);
     saltus_raster_element(file, &map->raster, "x2y2");
     if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
-        saltus_map_put_orbit_elements(map);
+        saltus_sweep_map_put_orbit_elements(map);
     if (page->branches) {
         fputs(", \\\n", file);
         saltus_plot_elements(page->branches);
@@ -285,16 +288,16 @@ static bool put_panel(saltus_map *map) {
     return sound;
 }
 
-static bool fill(saltus_map *map) {
+static bool fill(saltus_sweep_map *map) {
     if (map->page->view == SALTUS_VIEW_CLASS)
-        return saltus_map_classes(map);
+        return saltus_sweep_map_classes(map);
     if (map->page->view == SALTUS_VIEW_ATTRACTORS)
-        return map->page->sweep->basins ? saltus_map_basins(map) : saltus_map_counts(map);
-    return saltus_map_numbers(map);
+        return map->page->sweep->basins ? saltus_sweep_map_basins(map) : saltus_sweep_map_counts(map);
+    return saltus_sweep_map_numbers(map);
 }
 
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message) {
-    saltus_map map = {.page = page};
+    saltus_sweep_map map = {.page = page};
     saltus_page *paper = &page->paper;
     saltus_plot_page curves;
     bool sound = fill(&map), basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins,
@@ -310,7 +313,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     saltus_page_fit_caption(paper);
     saltus_page_begin(paper);
     if (sound && basins)
-        saltus_map_put_orbits(&map);
+        saltus_sweep_map_put_orbits(&map);
     fputs("set multiplot\n", page->file);
     saltus_sweep_caption(page);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
@@ -330,7 +333,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
         page->branches = &curves;
         sound = saltus_plot_data(&curves) && sound;
     }
-    sound = sound && paint(&map) && put_panel(&map) && (map.kind || saltus_map_put_bar(&map));
+    sound = sound && paint(&map) && put_panel(&map) && (map.kind || saltus_sweep_map_put_bar(&map));
     fputs("unset multiplot\n", page->file);
     saltus_raster_close(&map.raster);
     free(map.columns);

@@ -6,14 +6,14 @@
 #include "figure/sweep.h"
 
 /* The cells of one axis that a pixel shows; first is -1 where there is none. */
-typedef struct saltus_span {
+typedef struct saltus_pixel_cells {
     int first, last;
-} saltus_span;
+} saltus_pixel_cells;
 
-typedef struct saltus_map {
+typedef struct saltus_sweep_map {
     saltus_sweep_page *page;
     saltus_raster raster;
-    saltus_span *columns, *rows; /* per pixel of the raster */
+    saltus_pixel_cells *columns, *rows; /* per pixel of the raster */
     /* One of each for every point of the grid. */
     int *kind;              /* discrete: index into `kinds` */
     float *number;          /* scalar: what is shown, NAN for nothing; basins: how pale, 0 to 1 */
@@ -23,24 +23,24 @@ typedef struct saltus_map {
     int legend_rows;    /* of a legend below the map; 0: it stands beside it */
     saltus_range range; /* of the colours */
     bool logarithmic, clipped;
-} saltus_map;
+} saltus_sweep_map;
 
 /* Whether a kind is a periodic motion of a map of classes. */
-bool saltus_map_periodic(const saltus_map *map, int kind);
+bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind);
 /* Whether a point of the grid is in the ranges shown. */
-bool saltus_map_shows(const saltus_map *map, long long point);
+bool saltus_sweep_map_shows(const saltus_sweep_map *map, long long point);
 
 /* sweep_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
-bool saltus_map_classes(saltus_map *map);
-bool saltus_map_counts(saltus_map *map);
-bool saltus_map_basins(saltus_map *map);
+bool saltus_sweep_map_classes(saltus_sweep_map *map);
+bool saltus_sweep_map_counts(saltus_sweep_map *map);
+bool saltus_sweep_map_basins(saltus_sweep_map *map);
 /* The orbits of basins as points of the plane: data before the plot, elements in it. */
-void saltus_map_put_orbits(const saltus_map *map);
-void saltus_map_put_orbit_elements(const saltus_map *map);
+void saltus_sweep_map_put_orbits(const saltus_sweep_map *map);
+void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map);
 
 /* sweep_scalar.c: numbers, their colours and the bar that explains them. */
-bool saltus_map_numbers(saltus_map *map);
-uint32_t saltus_map_colour(const saltus_map *map, double number);
-bool saltus_map_put_bar(const saltus_map *map);
+bool saltus_sweep_map_numbers(saltus_sweep_map *map);
+uint32_t saltus_sweep_map_colour(const saltus_sweep_map *map, double number);
+bool saltus_sweep_map_put_bar(const saltus_sweep_map *map);
 
 #endif

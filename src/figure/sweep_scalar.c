@@ -8,7 +8,7 @@
 
 /* The range that gets colours: all values, but where few of them lie far outside of the others it ends at the
  * quantiles `rare` and 1 - `rare`. */
-static void choose_range(saltus_map *map, const float *sorted, long long count) {
+static void choose_range(saltus_sweep_map *map, const float *sorted, long long count) {
     const double rare = 0.005, far = 0.5, decades = 20;
     double low = sorted[0], high = sorted[count - 1];
     double inner_low = sorted[(long long)(rare * (double)(count - 1))],
@@ -28,7 +28,7 @@ static void choose_range(saltus_map *map, const float *sorted, long long count) 
         saltus_range_pad(&map->range, 0, fmax(fabs(high) * 0.1, 1e-9));
 }
 
-bool saltus_map_numbers(saltus_map *map) {
+bool saltus_sweep_map_numbers(saltus_sweep_map *map) {
     saltus_sweep_page *page = map->page;
     const saltus_sweep_file *sweep = page->sweep;
     size_t points = (size_t)sweep->points;
@@ -60,7 +60,7 @@ bool saltus_map_numbers(saltus_map *map) {
     return sound;
 }
 
-uint32_t saltus_map_colour(const saltus_map *map, double number) {
+uint32_t saltus_sweep_map_colour(const saltus_sweep_map *map, double number) {
     double low = map->range.low, high = map->range.high;
     if (isinf(number))
         return 0x000000;
@@ -73,7 +73,7 @@ uint32_t saltus_map_colour(const saltus_map *map, double number) {
                                           : 0.5 + 0.5 * number / fmax(high, 1e-300));
 }
 
-bool saltus_map_put_bar(const saltus_map *map) {
+bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
     enum { steps = 512, apart = 22, wide = 22, columns = 2 };
     const saltus_sweep_page *page = map->page;
     saltus_raster raster;
@@ -85,7 +85,7 @@ bool saltus_map_put_bar(const saltus_map *map) {
         double part = (k + 0.5) / steps;
         double number = map->logarithmic ? low * pow(high / low, part) : low + part * (high - low);
         for (int x = 0; x < columns; x++)
-            saltus_raster_set(&raster, x, k, saltus_map_colour(map, number), 1);
+            saltus_raster_set(&raster, x, k, saltus_sweep_map_colour(map, number), 1);
     }
     saltus_sweep_name_measure(page, &name);
     if (map->clipped)

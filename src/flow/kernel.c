@@ -59,10 +59,10 @@ typedef struct frame {
 
 #include SALTUS_MODEL_KERNEL
 
-static saltus_rows reserve_rows(saltus_arena *arena, const saltus_work *w, size_t count) {
-    return (saltus_rows){.q = saltus_arena_doubles(arena, count * (size_t)w->row),
-                         .v = saltus_arena_doubles(arena, count * (size_t)w->row),
-                         .e = saltus_arena_doubles(arena, count * (size_t)w->extra * LANES)};
+static saltus_state_rows reserve_rows(saltus_arena *arena, const saltus_work *w, size_t count) {
+    return (saltus_state_rows){.q = saltus_arena_doubles(arena, count * (size_t)w->row),
+                               .v = saltus_arena_doubles(arena, count * (size_t)w->row),
+                               .e = saltus_arena_doubles(arena, count * (size_t)w->extra * LANES)};
 }
 
 static void reserve(saltus_work *w) {

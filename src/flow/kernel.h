@@ -30,9 +30,9 @@ typedef struct saltus_tolerance {
 /* Displacements, velocities and extra states of the trajectory (column 0) and of its tangent vectors. A row
  * holds one value per mode and lane, element i of lane l at i * lanes + l, in the narrow kernel filled up to
  * whole packs. States are [column][row], jets [order][column][row]. */
-typedef struct saltus_rows {
+typedef struct saltus_state_rows {
     double *q, *v, *e;
-} saltus_rows;
+} saltus_state_rows;
 
 /* One number per lane. Every array is as long as the longest pack, so that all of them are aligned. */
 typedef struct saltus_lane_numbers {
@@ -121,8 +121,8 @@ typedef struct saltus_work {
     saltus_varied vary;
     /* The step. */
     saltus_lane_numbers *lane;
-    saltus_rows state; /* at the step's start (in) and at `advance` (out) */
-    saltus_rows jet;
+    saltus_state_rows state; /* at the step's start (in) and at `advance` (out) */
+    saltus_state_rows jet;
     double *gap; /* series of normal . q: [stop][order][lane] */
     saltus_model_series model;
 } saltus_work;

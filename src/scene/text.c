@@ -136,7 +136,8 @@ static saltus_status read_constants(reading *r, const saltus_node *node) {
 }
 
 /* Left sides to right sides; of a matrix of masses entries are named "x1,x2". */
-static saltus_status read_equations(reading *r, const saltus_node *node, saltus_equations *list, int which) {
+static saltus_status read_equations(reading *r, const saltus_node *node, saltus_equation_list *list,
+                                    int which) {
     int count = 0, at = 0;
     if (node->kind != SALTUS_NODE_MAPPING)
         return wrong_kind(r, node, "a mapping of names to expressions");
@@ -170,7 +171,7 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
             items[at++] = (saltus_equation){name, entry->text, entry->key_line};
         }
     }
-    *list = (saltus_equations){items, at};
+    *list = (saltus_equation_list){items, at};
     return SALTUS_OK;
 }
 
@@ -351,7 +352,7 @@ static saltus_status read_key(reading *r, const saltus_node *node) {
     saltus_text *t = &r->text;
     const struct {
         const char *key;
-        saltus_equations *list;
+        saltus_equation_list *list;
     } lists[] = {{"families", &t->families}, {"let", &t->let},       {"motion", &t->motion},
                  {"mass", &t->mass},         {"states", &t->states}, {"observe", &t->observe},
                  {"scale", &t->scale}};

@@ -771,7 +771,7 @@ static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus
 static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_message *message) {
     saltus_parsed_text *t = &m->text;
     const struct {
-        const saltus_equations *from;
+        const saltus_equation_list *from;
         saltus_parsed_list *to;
     } lists[] = {{&text->families, &t->families}, {&text->let, &t->let},       {&text->motion, &t->motion},
                  {&text->mass, &t->mass},         {&text->states, &t->states}, {&text->observe, &t->observe},

@@ -16,10 +16,10 @@ typedef struct saltus_equation {
     int line;
 } saltus_equation;
 
-typedef struct saltus_equations {
+typedef struct saltus_equation_list {
     const saltus_equation *items;
     int count;
-} saltus_equations;
+} saltus_equation_list;
 
 typedef struct saltus_text_parameter {
     const char *name, *meaning; /* NULL: no meaning was given */
@@ -53,7 +53,7 @@ typedef struct saltus_text {
     int constant_count;
     const saltus_text_stop *stops;
     int stop_count;
-    saltus_equations families, let, motion, mass, states, observe, scale, initial;
+    saltus_equation_list families, let, motion, mass, states, observe, scale, initial;
     /* What `section` says: the text of `zero` is an expression, or NULL; stops count from 0. */
     saltus_poincare poincare;
     saltus_equation zero;
