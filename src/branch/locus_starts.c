@@ -78,20 +78,17 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
 
 /* The least number of periods after which an orbit is where it was; its own if that cannot be told. */
 static int least_periods(saltus_orbits *o, const saltus_solution *at) {
-    const double near = 1e-7;
-    int periods = at->sequence.periods, least = 1;
+    const int periods = at->sequence.periods;
+    saltus_lap lap = {.system = o->system, .periods = periods};
     saltus_message ignored;
-    double *state = calloc((size_t)o->n, sizeof *state);
-    if (!state) {
-        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
-        return periods;
-    }
-    while (least < periods &&
-           (periods % least ||
-            saltus_solution_state_at(o, at, at->sequence.base + least, state, &ignored) != SALTUS_OK ||
-            !(saltus_system_distance(o->system, state, at->state) < near)))
-        least++;
-    free(state);
+    saltus_status status = saltus_lap_reserve(&lap, periods, o->n) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    for (int k = 0; k < periods && status == SALTUS_OK; k++)
+        status =
+            saltus_solution_state_at(o, at, at->sequence.base + k, lap.points + (size_t)(k * o->n), &ignored);
+    const int least = saltus_orbits_noted(o, status) == SALTUS_OK
+                          ? saltus_lap_least_period(&lap, &o->options.flow)
+                          : periods;
+    saltus_lap_close(&lap);
     return least;
 }
 
