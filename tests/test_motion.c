@@ -66,7 +66,7 @@ static void rests_are_tested(void **unused) {
 }
 
 /* A rest is where Newton's method leads from where the trajectory is, and what is told of it is what that
- * method tells. */
+ * method tells; as a fixed point of the map over a period it has the same exponent. */
 static void a_rest_is_what_newtons_method_finds(void **unused) {
     (void)unused;
     static const double loads[] = {0.4, -0.2, 0.2 + 1e-7};
@@ -83,7 +83,9 @@ static void a_rest_is_what_newtons_method_finds(void **unused) {
         saltus_classify_options options = saltus_classify_defaults();
         saltus_orbit_options shooting = saltus_orbit_defaults();
         saltus_message message = {.text = ""};
-        saltus_orbit rest;
+        saltus_equilibrium_options how = saltus_equilibrium_defaults();
+        saltus_equilibrium rest;
+        saltus_orbit fixed;
         double state[4];
         check_ok(saltus_system_default_state(system, state, &message), &message);
         saltus_motion motion = classify(&spec, state, 20000);
@@ -92,17 +94,21 @@ static void a_rest_is_what_newtons_method_finds(void **unused) {
         for (long long p = 1; p <= motion.transient; p++)
             advance(flow, (double)p, 0);
         saltus_flow_state(flow, 0, state);
-        shooting.flow = options.flow;
-        check_ok(saltus_orbit_find(system, 1, state, &shooting, &rest, &message), &message);
+        check_ok(saltus_equilibrium_find(system, state, &how, &rest, &message), &message);
         for (int i = 0; i < motion.dimension; i++)
             check_near(motion.state[i], rest.state[i], 1e-15);
         assert_int_equal(motion.iterations, rest.iterations);
-        assert_true(motion.iterations >= 1 && motion.residual <= shooting.tolerance);
+        assert_true(motion.iterations >= 1 && motion.residual <= how.tolerance);
         check_near(motion.residual, rest.residual, 1e-15);
-        double exponent = rest.multipliers[0].log_modulus / saltus_system_period(system);
+        shooting.flow = options.flow;
+        check_ok(saltus_orbit_find(system, 1, state, &shooting, &fixed, &message), &message);
+        for (int i = 0; i < motion.dimension; i++)
+            check_near(motion.state[i], fixed.state[i], 1e-9);
+        double exponent = fixed.multipliers[0].log_modulus / saltus_system_period(system);
         assert_true(motion.lyapunov == exponent || fabs(motion.lyapunov - exponent) < 1e-9);
         assert_true(motion.lyapunov_error == 0 && motion.stable);
-        saltus_orbit_clear(&rest);
+        saltus_equilibrium_clear(&rest);
+        saltus_orbit_clear(&fixed);
         saltus_motion_clear(&motion);
         saltus_flow_free(flow);
         saltus_system_free(system);

@@ -1,6 +1,7 @@
 /* Verdicts on scenes without forcing beside those on cycles: tori, chaos and its exponents, balls that come
  * to rest, scenes that keep volumes, sections that are not met.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch_check.h"
 #include "sweep_check.h"
 
 /* Two oscillators that drive themselves, side by side. */
@@ -147,9 +148,7 @@ static void a_ball_comes_to_rest(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Half a period of a hard spring against an elastic wall at its rest: energy kept, twice the time from the
- * wall to the turning point, which a substitution makes smooth. Orbits of all energies go on side by side. */
-/* The same damped mass at rest in units of time from seconds to ages. */
+/* The same damped mass at rest in units of time from seconds to ages, alone and along a branch of rests. */
 static void a_rest_is_stable_in_any_unit_of_time(void **unused) {
     (void)unused;
     for (int k = 0; k <= 10; k++) {
@@ -157,8 +156,8 @@ static void a_rest_is_stable_in_any_unit_of_time(void **unused) {
         const double rate = pow(10, -k);
         snprintf(text, sizeof text,
                  "model:\n"
-                 "  parameters: {w: %.17g}\n"
-                 "  motion: {x: -w*x' - w^2*x}\n"
+                 "  parameters: {w: %.17g, load: 0}\n"
+                 "  motion: {x: -w*x' - w^2*(x - load)}\n"
                  "stop: {coordinate: x, d: 5, r: 0.5, sides: upper}\n"
                  "initial: {x: 0}\n",
                  rate);
@@ -168,11 +167,24 @@ static void a_rest_is_stable_in_any_unit_of_time(void **unused) {
         assert_true(motion.stable);
         assert_int_equal(motion.eigenvalue_count, 2);
         check_near(motion.eigenvalues[0].re / rate, -0.5, 1e-9);
+        check_near(motion.lyapunov / rate, -0.5, 1e-9);
+        saltus_branch_options options = branch_along("load", 0, 1);
+        options.step_max = 0.2;
+        options.direction = 1;
+        branch_record record = branch_run(&scene.spec, 0, motion.state, &options);
+        check_near(record.point[record.count - 1].state[0], 1, 1e-9);
+        for (int j = 0; j < record.count; j++) {
+            assert_true(record.point[j].stable && record.point[j].unstable == 0);
+            check_near(record.point[j].multipliers[0].re / rate, -0.5, 1e-9);
+        }
+        branch_forget(&record);
         saltus_motion_clear(&motion);
         saltus_scene_clear(&scene);
     }
 }
 
+/* Half a period of a hard spring against an elastic wall at its rest: energy kept, twice the time from the
+ * wall to the turning point, which a substitution makes smooth. Orbits of all energies go on side by side. */
 static void conservative_scenes_are_told(void **unused) {
     (void)unused;
     enum { pieces = 2000 };

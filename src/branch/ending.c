@@ -3,7 +3,7 @@
 #include "branch/ending.h"
 
 #include "branch/rest.h"
-#include "saltus/equilibrium.h"
+#include "orbit/held.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -48,9 +48,9 @@ static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const
 /* The equilibrium that a cycle passes most slowly. */
 typedef struct passed {
     bool found;
-    double distance;      /* of the cycle, in the system's scales */
-    int unstable, stable; /* eigenvalues with a positive and with a negative real part */
-    unsigned contacts;    /* faces that it is held against */
+    double distance; /* of the cycle, in the system's scales */
+    bool saddle;
+    unsigned contacts; /* faces that it is held against */
 } passed_rest;
 
 static saltus_status cycle_passes(saltus_orbits *o, const saltus_solution *s, passed_rest *passed,
@@ -70,9 +70,8 @@ static saltus_status cycle_passes(saltus_orbits *o, const saltus_solution *s, pa
     if (status == SALTUS_OK) {
         passed->found = true;
         passed->contacts = rest.contacts;
-        passed->unstable = rest.instability;
-        for (int k = 0; k < rest.eigenvalue_count; k++)
-            passed->stable += rest.eigenvalues[k].re < 0;
+        const saltus_growing counts = saltus_eigenvalues_growing(rest.eigenvalues, rest.eigenvalue_count);
+        passed->saddle = counts.growing && counts.decaying;
     }
     saltus_equilibrium_clear(&rest);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", why.text) : SALTUS_OK;
@@ -87,7 +86,7 @@ saltus_status saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *
     saltus_status status = *ends ? cycle_passes(o, at, &passed, message) : SALTUS_OK;
     if (!*ends || status != SALTUS_OK)
         return status;
-    const bool meets = passed.found && passed.distance < near && passed.unstable && passed.stable;
+    const bool meets = passed.found && passed.distance < near && passed.saddle;
     *ends = meets || lost;
     const double period = 2 * M_PI * at->sequence.periods / at->sequence.omega;
     if (meets)
@@ -355,7 +354,7 @@ static void tell_multipliers(const saltus_shrunk *hopf, double period, saltus_su
         if (fabs(hopf->rates[k].im - hopf->omega) < fabs(hopf->rates[pair].im - hopf->omega))
             pair = k;
     for (int k = 0; k < hopf->rate_count; k++) {
-        const saltus_multiplier rate = hopf->rates[k];
+        const saltus_eigenvalue rate = hopf->rates[k];
         const double log_modulus = rate.re * period, modulus = exp(log_modulus);
         if (k == pair)
             survey->multipliers[count++] = (saltus_multiplier){1, 0, 0};

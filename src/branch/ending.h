@@ -5,6 +5,7 @@
 #define SALTUS_BRANCH_ENDING_H
 
 #include "branch/special.h"
+#include "saltus/equilibrium.h"
 
 /* Whether cycles end where the parameter stands still while the period changes: *ends, and `reason`
  * (SALTUS_REASON_MAX) tells why. They do at a homoclinic orbit, near to a saddle. At the explosion of a
@@ -30,7 +31,7 @@ typedef struct saltus_shrunk {
     bool found;
     double parameter, omega, accuracy; /* the last of the parameter unknown */
     double state[SALTUS_STATE_MAX];
-    saltus_multiplier rates[SALTUS_STATE_MAX]; /* eigenvalues by decreasing real part */
+    saltus_eigenvalue rates[SALTUS_STATE_MAX]; /* by decreasing real part */
     int rate_count;
 } saltus_shrunk;
 

@@ -393,15 +393,8 @@ void saltus_rest_clear(saltus_rest *s) {
     *s = (saltus_rest){.rate_count = 0};
 }
 
-static int by_real_part(const void *a, const void *b) {
-    const saltus_multiplier *x = a, *y = b;
-    if (x->re != y->re)
-        return x->re < y->re ? 1 : -1;
-    return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
-}
-
 /* The product of the sums of all two eigenvalues: zero where a pair is purely imaginary. */
-static saltus_scaled product_of_pairs(const saltus_multiplier *rates, int count) {
+static saltus_scaled product_of_pairs(const saltus_eigenvalue *rates, int count) {
     double re = 1, im = 0, exponent = 0;
     for (int i = 0; i < count; i++)
         for (int j = 0; j < i; j++) {
@@ -420,25 +413,14 @@ static saltus_scaled product_of_pairs(const saltus_multiplier *rates, int count)
 }
 
 static saltus_status find_rates(saltus_rests *r, saltus_rest *s, saltus_message *message) {
-    const double rounding = 1e-12;
-    double largest = 0;
-    int negative = 0;
     saltus_status status = saltus_rests_linear(r, s->at.u, NULL, 0, r->matrix, &s->rate_count, message);
+    if (status == SALTUS_OK)
+        status = saltus_held_eigenvalues(r->matrix, s->rate_count, r->real, r->imaginary, s->rates, message);
     if (status != SALTUS_OK)
         return status;
-    if (s->rate_count && !saltus_dense_eigenvalues(r->matrix, s->rate_count, r->real, r->imaginary))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalue iteration fails");
-    for (int k = 0; k < s->rate_count; k++) {
-        s->rates[k] = (saltus_multiplier){r->real[k], r->imaginary[k], r->real[k]};
-        largest = fmax(largest, hypot(r->real[k], r->imaginary[k]));
-    }
-    qsort(s->rates, (size_t)s->rate_count, sizeof *s->rates, by_real_part);
-    s->unstable = 0;
-    for (int k = 0; k < s->rate_count; k++) {
-        s->unstable += s->rates[k].re > rounding * largest;
-        negative += s->rates[k].re < -rounding * largest;
-    }
-    s->stable = negative == s->rate_count;
+    const saltus_growing counts = saltus_eigenvalues_growing(s->rates, s->rate_count);
+    s->unstable = counts.growing;
+    s->stable = counts.decaying == s->rate_count;
     s->pairs = product_of_pairs(s->rates, s->rate_count);
     s->trace = r->contacts ? NAN : 0;
     for (int i = 0; i < r->n; i++)

@@ -14,6 +14,7 @@
 #include "branch/curve.h"
 #include "orbit/shooting.h"
 #include "saltus/branch.h"
+#include "saltus/equilibrium.h"
 #include "system/system.h"
 
 /* The equations of equilibria with given contacts. */
@@ -47,7 +48,7 @@ typedef struct saltus_rest {
     double *state;                                         /* n */
     double force[SALTUS_FACES_MAX], gap[SALTUS_FACES_MAX]; /* as saltus_equilibrium has them */
     double breach[SALTUS_FACES_MAX]; /* scaled: the gap of a free face, minus the force of a held one */
-    saltus_multiplier *rates;        /* eigenvalues by decreasing real part, which is log_modulus too */
+    saltus_eigenvalue *rates;        /* by decreasing real part */
     int rate_count, unstable;
     bool stable;
     double trace;        /* of the vector field's Jacobian, which the rates add up to; NAN in contact */

@@ -44,7 +44,9 @@ saltus_status saltus_rest_point(const saltus_rests *r, const saltus_rest *s, sal
     }
     memcpy(point->state, s->state, n * sizeof *s->state);
     for (int k = 0; k < r->n; k++)
-        point->multipliers[k] = k < s->rate_count ? s->rates[k] : (saltus_multiplier){NAN, NAN, NAN};
+        point->multipliers[k] = k < s->rate_count
+                                    ? (saltus_multiplier){s->rates[k].re, s->rates[k].im, s->rates[k].re}
+                                    : (saltus_multiplier){NAN, NAN, NAN};
     for (int k = 0; k < s->rate_count; k++)
         point->log_volume += s->rates[k].re;
     for (int f = 0; f < r->system->face_count; f++)

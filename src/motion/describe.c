@@ -169,38 +169,23 @@ saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flo
     return status;
 }
 
-/* A rest is a fixed point of the map over any time: polished as one, its multipliers decide on stability.
- * Where Newton's matrix is singular (a continuum of rests) the state stays as found and is not called stable.
- */
-static saltus_status polish_rest(const saltus_system *system, const saltus_classify_options *options,
-                                 saltus_motion *motion, saltus_message *message) {
-    saltus_orbit_options shooting = saltus_motion_shooting(options);
-    saltus_orbit rest = {0};
-    saltus_status status = saltus_orbit_find(system, 1, motion->state, &shooting, &rest, message);
-    if (status == SALTUS_OK && saltus_system_distance(system, rest.state, motion->state) < same_rest) {
-        memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
-        motion->stable = saltus_multipliers_stable(rest.multipliers, rest.multiplier_count);
-        motion->residual = rest.residual;
-        motion->iterations = rest.iterations;
-        motion->lyapunov = rest.multipliers[0].log_modulus / saltus_system_period(system);
-        motion->lyapunov_error = 0;
-    }
-    saltus_orbit_clear(&rest);
-    return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
-}
-
-/* The eigenvalues of a rest with the contacts that hold there, if it is isolated: they decide on stability in
- * whatever unit of time. */
-static saltus_status find_eigenvalues(const saltus_system *system, unsigned contacts, saltus_motion *motion,
-                                      saltus_message *message) {
+/* A rest with the contacts that hold there, if it is isolated. Of a continuum of rests the state stays as
+ * found and is not called stable. */
+static saltus_status polish_rest(const saltus_system *system, unsigned contacts, saltus_motion *motion,
+                                 saltus_message *message) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
     saltus_equilibrium rest = {0};
     saltus_status status = saltus_equilibrium_find(system, motion->state, &how, &rest, message);
     if (status == SALTUS_OK && rest.contacts == contacts &&
         saltus_system_distance(system, rest.state, motion->state) < same_rest) {
+        memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
+        motion->stable = rest.stable;
+        motion->residual = rest.residual;
+        motion->iterations = rest.iterations;
+        motion->lyapunov = rest.eigenvalue_count ? rest.eigenvalues[0].re : -INFINITY;
+        motion->lyapunov_error = 0;
         motion->eigenvalues = rest.eigenvalues;
         motion->eigenvalue_count = rest.eigenvalue_count;
-        motion->stable = rest.stable;
         rest.eigenvalues = NULL;
     }
     saltus_equilibrium_clear(&rest);
@@ -213,9 +198,8 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     bool shift, rests = motion->verdict != SALTUS_UNDECIDED,
                 symmetric = saltus_system_mirror_symmetric(system, &shift);
     saltus_flow_state(flow, 0, motion->state);
-    saltus_status status = rests ? polish_rest(system, options, motion, message) : SALTUS_OK;
-    if (status == SALTUS_OK && rests)
-        status = find_eigenvalues(system, saltus_flow_contacts(flow, 0), motion, message);
+    saltus_status status =
+        rests ? polish_rest(system, saltus_flow_contacts(flow, 0), motion, message) : SALTUS_OK;
     motion->largest = motion->smallest = saltus_system_observed(system, motion->state);
     motion->rms = fabs(motion->largest);
     const double nothing[SALTUS_STATE_MAX] = {0};

@@ -22,7 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beside the sums of terms that they come from, gaps, forces and real parts below this are zero. */
+/* Beside the sums of terms that they come from, gaps and forces below this are zero. */
 static const double nothing = 1e-13;
 
 /* Newton's iterate and scratch. The unknowns are n states and one force n.f for each face, zero where the
@@ -239,36 +239,21 @@ static saltus_status search(newton *w, const double *guess, const saltus_equilib
                : first;
 }
 
-static int by_real_part(const void *a, const void *b) {
-    const saltus_eigenvalue *x = a, *y = b;
-    if (x->re != y->re)
-        return x->re < y->re ? 1 : -1;
-    return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
-}
-
 /* Eigenvalues of the motion that keeps the contacts, from the Jacobian with them held; stability. */
 static saltus_status linearise(newton *w, saltus_equilibrium *out, saltus_message *message) {
-    int rows = 0, negative = 0;
-    double *real = w->field, *imaginary = w->trial, largest = 0;
+    int rows = 0;
     saltus_status status = evaluate(w, w->state, w->contacts, message);
     if (status == SALTUS_OK && !saltus_held_basis(w->system, w->contacts, w->basis, w->matrix, &rows))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
     saltus_held_reduce(w->basis, rows, w->n, w->jacobian, w->product, w->matrix);
-    if (status == SALTUS_OK && rows > 0 && !saltus_dense_eigenvalues(w->matrix, rows, real, imaginary))
-        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalue iteration fails");
+    if (status == SALTUS_OK)
+        status = saltus_held_eigenvalues(w->matrix, rows, w->field, w->trial, out->eigenvalues, message);
     if (status != SALTUS_OK)
         return status;
-    for (int i = 0; i < rows; i++) {
-        out->eigenvalues[i] = (saltus_eigenvalue){real[i], imaginary[i]};
-        largest = fmax(largest, hypot(real[i], imaginary[i]));
-    }
-    qsort(out->eigenvalues, (size_t)rows, sizeof *out->eigenvalues, by_real_part);
-    for (int i = 0; i < rows; i++) {
-        negative += out->eigenvalues[i].re < -10 * nothing * largest;
-        out->instability += out->eigenvalues[i].re > 10 * nothing * largest;
-    }
+    const saltus_growing counts = saltus_eigenvalues_growing(out->eigenvalues, rows);
     out->eigenvalue_count = rows;
-    out->stable = negative == rows;
+    out->instability = counts.growing;
+    out->stable = counts.decaying == rows;
     return SALTUS_OK;
 }
 

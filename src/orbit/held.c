@@ -6,6 +6,8 @@
 #include "base/dense.h"
 #include "system/system.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 bool saltus_held_basis(const saltus_system *system, unsigned contacts, double *basis, double *scratch,
@@ -43,4 +45,34 @@ void saltus_held_reduce(const double *basis, int rows, int n, const double *jaco
             for (int k = 0; k < n; k++)
                 matrix[i * rows + j] += scratch[i * n + k] * basis[j * n + k];
         }
+}
+
+static int by_real_part(const void *a, const void *b) {
+    const saltus_eigenvalue *x = a, *y = b;
+    if (x->re != y->re)
+        return x->re < y->re ? 1 : -1;
+    return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
+}
+
+saltus_status saltus_held_eigenvalues(double *matrix, int rows, double *re, double *im,
+                                      saltus_eigenvalue *eigenvalues, saltus_message *message) {
+    if (rows > 0 && !saltus_dense_eigenvalues(matrix, rows, re, im))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalue iteration fails");
+    for (int k = 0; k < rows; k++)
+        eigenvalues[k] = (saltus_eigenvalue){re[k], im[k]};
+    qsort(eigenvalues, (size_t)rows, sizeof *eigenvalues, by_real_part);
+    return SALTUS_OK;
+}
+
+saltus_growing saltus_eigenvalues_growing(const saltus_eigenvalue *eigenvalues, int count) {
+    const double rounding = 1e-12;
+    saltus_growing counts = {0, 0};
+    double largest = 0;
+    for (int k = 0; k < count; k++)
+        largest = fmax(largest, hypot(eigenvalues[k].re, eigenvalues[k].im));
+    for (int k = 0; k < count; k++) {
+        counts.growing += eigenvalues[k].re > rounding * largest;
+        counts.decaying += eigenvalues[k].re < -rounding * largest;
+    }
+    return counts;
 }
