@@ -187,6 +187,55 @@ static void other_branches_are_not_gone_on_with(void **unused) {
     branch_forget(&record);
 }
 
+/* Where an impact grazes on orbits whose other impacts accumulate, some of which the prescribed sequence
+ * leaves to the flow: the curve of grazing counts as the branch does, all impacts or none, and lists what it
+ * counts. */
+static void curves_of_grazing_count_all_impacts(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *key[2];
+        double omega, d, end, low, high;
+        bool chatter;
+    } rows[] = {{{"d", "omega"}, 10, 0.0252, 0.0254, 9.9, 10.1, true},
+                {{"omega", "d"}, 10.5885, 0.025, 10.62, 0.0249, 0.0251, false}};
+    skip_where_slow();
+    for (int row = 0; row < 2; row++) {
+        saltus_spec spec = small_pipe(5, rows[row].omega, 0.005, 4.5, 0.2);
+        add_stop(&spec, rows[row].d, 0.9, SALTUS_UPPER);
+        saltus_branch_options options =
+            branch_along(rows[row].key[0], row ? rows[row].omega : rows[row].d, rows[row].end);
+        options.step_max = 0.1;
+        options.points = 60;
+        branch_record record = branch_run_settled(&spec, &options, "chatter/2");
+        int k = 1;
+        while (k < record.count && record.point[k].kind != SALTUS_POINT_GR)
+            k++;
+        assert_true(k < record.count);
+        const saltus_branch_point *grazing = &record.point[k];
+        assert_true((grazing->impacts < 0) == rows[row].chatter);
+        options.low[0] = grazing[-1].value[0];
+        snprintf(options.key[1], sizeof options.key[1], "%s", rows[row].key[1]);
+        options.low[1] = rows[row].low;
+        options.high[1] = rows[row].high;
+        options.locus = SALTUS_POINT_GR;
+        options.points = 3;
+        branch_record curve = branch_run(&grazing->spec, grazing->periods, grazing->state, &options);
+        assert_true(curve.count >= 3);
+        for (int j = 0; j < curve.count; j++) {
+            const saltus_branch_point *p = &curve.point[j];
+            int impacts = 0;
+            for (int i = 0; i < p->event_count; i++)
+                impacts += p->events[i].kind == SALTUS_IMPACT;
+            assert_int_equal(p->impacts, grazing->impacts);
+            assert_int_equal(p->sticking_intervals, grazing->sticking_intervals);
+            assert_string_equal(p->label, grazing->label);
+            assert_true(p->impacts < 0 ? impacts > 24 : p->impacts == impacts);
+        }
+        branch_forget(&curve);
+        branch_forget(&record);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubled_orbits_end_at_flips),
@@ -194,6 +243,7 @@ int main(void) {
         cmocka_unit_test(runs_of_impacts_end_where_they_begin),
         cmocka_unit_test(one_of_two_chatters_completes),
         cmocka_unit_test(other_branches_are_not_gone_on_with),
+        cmocka_unit_test(curves_of_grazing_count_all_impacts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

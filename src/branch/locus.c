@@ -199,11 +199,6 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
     point->value[1] = l->origin[1] + family->unit[1] * s->parameter[1];
     meet_borders(l, s, point);
     point->heading = p->at.tangent[l->x.orbits.equations->count] * family->unit[0];
-    /* Whether it grazes the flow sees by chance, but not whether chatter completes. */
-    if (grazing && s->survey.walked && s->survey.impacts < 0) {
-        point->impacts = s->survey.impacts;
-        memcpy(point->label, s->survey.label, sizeof point->label);
-    }
     if (grazing)
         point->admissible = saltus_corner_breach(&l->x, s) < 1e-9;
     if (l->x.kind == SALTUS_POINT_GR) {

@@ -79,25 +79,56 @@ static void fold_events(saltus_event *events, int count, int periods) {
         }
 }
 
+/* Whether an event of the flow is in a stretch whose events the marks leave to it. */
+static bool is_left_to_flow(const saltus_sequence *s, const saltus_event *event) {
+    const double close = 1e-6 * s->periods, time = saltus_time_periods(event->time);
+    const bool release = event->kind == SALTUS_RELEASE;
+    bool driven = s->driven;
+    for (int k = 0; k < s->count && s->mark[k].time < time + close; k++) {
+        const saltus_mark *mark = &s->mark[k];
+        if (event->face == mark->face && release == (mark->kind == SALTUS_RELEASE) &&
+            fabs(time - mark->time) < close)
+            return false;
+        driven = mark->driven;
+    }
+    return driven;
+}
+
+/* The events that the marks prescribe, an impact without speed among them, which the flow would see by
+ * chance, and those that they leave to the flow. Where it does not go around, a contact that they lead to is
+ * chatter. */
 static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, saltus_branch_point *point) {
+    const saltus_survey *survey = &s->survey;
     double speed[SALTUS_MARKS_MAX];
+    bool driven = s->sequence.driven;
+    saltus_lap lap = {0};
+    saltus_lap_begin(&lap, o->system, s->state);
     saltus_solution_speeds(o, s, speed);
-    point->event_count = s->sequence.count;
     for (int k = 0; k < s->sequence.count; k++) {
         const saltus_mark *mark = &s->sequence.mark[k];
         double whole = floor(mark->time);
         saltus_face face = saltus_system_face(o->system, mark->face);
-        point->events[k] = (saltus_event){.kind = mark->kind,
-                                          .face = mark->face,
-                                          .time = {(long long)whole, mark->time - whole},
-                                          .velocity_before = face.side * speed[k],
-                                          .displacement = face.side * face.d};
+        saltus_event event = {.kind = mark->kind,
+                              .face = mark->face,
+                              .time = {(long long)whole, mark->time - whole},
+                              .velocity_before = face.side * speed[k],
+                              .displacement = face.side * face.d};
         if (mark->kind == SALTUS_IMPACT)
-            point->events[k].velocity_after =
+            event.velocity_after =
                 -face.side * saltus_system_restitution(o->system, mark->face, speed[k]) * speed[k];
-        point->impacts += mark->kind != SALTUS_RELEASE;
-        point->sticking_intervals += mark->kind == SALTUS_STICK;
+        saltus_lap_add(&lap, &event, s->state);
+        lap.impacts += mark->kind != SALTUS_RELEASE && !saltus_event_strikes(&event);
+        driven |= mark->driven;
+        point->events[point->event_count++] = event;
     }
+    for (int k = 0; k < survey->lap.event_count && driven && survey->walked; k++)
+        if (is_left_to_flow(&s->sequence, &survey->lap.events[k])) {
+            saltus_lap_add(&lap, &survey->lap.events[k], s->state);
+            point->events[point->event_count++] = survey->lap.events[k];
+        }
+    const bool chatter = driven && !survey->walked && lap.rebounding_contact;
+    point->impacts = chatter ? -1 : saltus_lap_impacts(&lap);
+    point->sticking_intervals = saltus_lap_sticking(&lap);
     saltus_orbit_label(point->impacts, s->sequence.periods, point->label);
 }
 
@@ -124,7 +155,7 @@ static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bo
         memcpy(point->state, lap.points, (size_t)o->n * sizeof *point->state);
         if (found && lap.event_count == point->event_count && lap.event_count)
             memcpy(point->events, lap.events, (size_t)lap.event_count * sizeof *point->events);
-        saltus_orbit_label(found ? point->impacts : lap.impacts, point->periods, point->label);
+        saltus_orbit_label(point->impacts, point->periods, point->label);
     }
     saltus_lap_close(&lap);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a branch") : SALTUS_OK;
@@ -135,7 +166,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     const saltus_survey *survey = &s->survey;
     bool found = survey->follows && !prescribed;
     *returns = -1;
-    size_t n = (size_t)o->n, events = (size_t)(found ? survey->lap.event_count : s->sequence.count);
+    size_t n = (size_t)o->n, events = (size_t)(survey->lap.event_count + (found ? 0 : s->sequence.count));
     double section = ceil(s->sequence.base / s->sequence.periods) * s->sequence.periods;
     /* What the parameter's rounding leaves to the solution's value, as on a border of the range. */
     double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
