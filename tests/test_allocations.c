@@ -189,8 +189,6 @@ static saltus_status step_maps(trial *t) {
     return status;
 }
 
-static const double near_orbit[2] = {0.2, 0.9};
-
 static saltus_status find_orbit(trial *t) {
     saltus_scene scene;
     saltus_system *system = NULL;
@@ -215,19 +213,6 @@ static saltus_status find_orbit(trial *t) {
     saltus_motion_clear(&motion);
     saltus_orbit_clear(&orbit);
     saltus_system_free(system);
-    return status;
-}
-
-/* A free oscillation against a stop: its period is part of the problem. */
-static saltus_status find_period(trial *t) {
-    saltus_spec spec = oscillator_spec(0, 1, 0, 1.4), found;
-    saltus_orbit orbit = {0};
-    const saltus_orbit_options how = saltus_orbit_defaults();
-    add_stop(&spec, 0.5, 1, SALTUS_UPPER);
-    saltus_status status = saltus_orbit_find_period(&spec, 1, near_orbit, &how, &orbit, &found, &t->message);
-    if (status == SALTUS_OK)
-        note_reals(t, orbit.state, 2);
-    saltus_orbit_clear(&orbit);
     return status;
 }
 
@@ -757,7 +742,6 @@ static void fail_each(const char *name, saltus_status (*operation)(trial *)) {
     X(follow_flow)                                                                                           \
     X(step_maps)                                                                                             \
     X(find_orbit)                                                                                            \
-    X(find_period)                                                                                           \
     X(find_rest)                                                                                             \
     X(classify_periodic)                                                                                     \
     X(classify_irregular)                                                                                    \

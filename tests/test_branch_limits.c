@@ -386,23 +386,6 @@ static void the_impacts_of_a_table_die_one_by_one(void **unused) {
     branch_forget(&record);
 }
 
-/* A search for a period that is given too few steps, and a guess from which there is none. */
-static void periods_that_are_not_found(void **unused) {
-    (void)unused;
-    saltus_spec spec = oscillator_spec(0, 0, 0, 1.6), found;
-    saltus_orbit_options options = saltus_orbit_defaults();
-    saltus_message message = {.text = ""};
-    saltus_orbit orbit;
-    const double guess[2] = {0, 2};
-    add_stop(&spec, 1, 1, SALTUS_BOTH);
-    options.iterations = 1;
-    assert_int_equal(saltus_orbit_find_period(&spec, 1, guess, &options, &orbit, &found, &message),
-                     SALTUS_NO_CONVERGENCE);
-    assert_non_null(strstr(message.text, "stops at a residual of"));
-    assert_null(orbit.state);
-    assert_null(orbit.multipliers);
-}
-
 /* A mass that is pulled away from its stop by a steady force, and by nothing held, rests nowhere: from a
  * guess on the stop it is the force that says so, from another the freedom to stand anywhere. */
 static void nothing_to_rest_on(void **unused) {
@@ -486,7 +469,6 @@ int main(void) {
         cmocka_unit_test(long_steps_follow_the_curve),
         cmocka_unit_test(a_dead_mass_leaves_its_table),
         cmocka_unit_test(the_impacts_of_a_table_die_one_by_one),
-        cmocka_unit_test(periods_that_are_not_found),
         cmocka_unit_test(nothing_to_rest_on),
         cmocka_unit_test(straight_pipe_buckles_both_ways),
     };

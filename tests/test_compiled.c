@@ -195,6 +195,7 @@ static void same_bits(void **unused) {
     saltus_system *system[way_count];
     saltus_flow *flow[way_count];
     unsigned kinds = 0;
+    int patience = 60000 / 5; /* pauses until compiling has failed */
     if (!has_compiler())
         skip();
     for (int again = 0; again < 2; again++) {
@@ -206,10 +207,9 @@ static void same_bits(void **unused) {
         }
         for (int left = way_count; left > 0; pause_briefly()) {
             left = way_count;
-            for (int k = 0; k < way_count; k++) {
+            for (int k = 0; k < way_count; k++)
                 left -= saltus_fixed_ask(&flow[k]->fixed, system[k]);
-                assert_false(saltus_compiled_failed(flow[k]->fixed.compiled));
-            }
+            assert_true(left == 0 || --patience > 0);
         }
         for (int k = 0; k < way_count; k++) {
             saltus_compiled_function *function = flow[k]->fixed.function;

@@ -369,41 +369,6 @@ static void inverses_know_their_limits(void **unused) {
     }
 }
 
-/* More equations than unknowns: the residual stands across the columns. Singular values below the threshold
- * do not count. */
-static void least_squares_leave_what_stands_across(void **unused) {
-    (void)unused;
-    enum { m = 6, n = 3 };
-    for (int trial = 0; trial < 10; trial++) {
-        double a[m * n], kept[m * n], b[m], given[m];
-        int rank = -1;
-        random_matrix(m * n, a);
-        random_matrix(m, b);
-        memcpy(kept, a, sizeof a);
-        memcpy(given, b, sizeof b);
-        assert_int_equal(saltus_dense_least_squares(a, m, n, b, 1e-12, trial % 2 ? &rank : NULL), SALTUS_OK);
-        assert_int_equal(rank, trial % 2 ? n : -1);
-        for (int j = 0; j < n; j++) {
-            double across = 0;
-            for (int i = 0; i < m; i++) {
-                double residual = given[i];
-                for (int l = 0; l < n; l++)
-                    residual -= kept[i * n + l] * b[l];
-                across += kept[i * n + j] * residual;
-            }
-            check_near(across, 0, 1e-13);
-        }
-    }
-    for (int side = 0; side < 2; side++) {
-        double a[4] = {2, 0, 0, 2e-5}, b[2] = {4, 6e-5};
-        int rank;
-        assert_int_equal(saltus_dense_least_squares(a, 2, 2, b, side ? 0.9e-5 : 1.1e-5, &rank), SALTUS_OK);
-        assert_int_equal(rank, 1 + side);
-        check_near(b[0], 2, 1e-14);
-        check_near(b[1], side ? 3 : 0, 1e-9);
-    }
-}
-
 /* Zero columns and vectors stay what they are. */
 static void nothing_stays_nothing(void **unused) {
     (void)unused;
@@ -447,7 +412,6 @@ int main(void) {
         cmocka_unit_test(given_eigenvalues_are_found),
         cmocka_unit_test(conditions_are_told),
         cmocka_unit_test(inverses_know_their_limits),
-        cmocka_unit_test(least_squares_leave_what_stands_across),
         cmocka_unit_test(nothing_stays_nothing),
         cmocka_unit_test(vectors_become_orthonormal),
         cmocka_unit_test(arenas_hand_out_what_they_measured),

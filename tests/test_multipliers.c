@@ -77,12 +77,12 @@ static void determinants(void **unused) {
     saltus_dense_lu_close(&lu);
 }
 
-/* The null space of a 3 x 5 matrix of rank 2, smallest value first; shortest least-squares solutions. */
-static void null_vectors_and_least_squares(void **unused) {
+/* The null space of a 3 x 5 matrix of rank 2, smallest value first. */
+static void null_vectors(void **unused) {
     (void)unused;
     enum { m = 3, n = 5, k = 4 };
     unsigned long state = 11;
-    double a[m * n], copy[m * n], vectors[k * n], values[k], b[n], known[n] = {0}, product;
+    double a[m * n], copy[m * n], vectors[k * n], values[k], product;
     fill_random(&state, 2 * n, a);
     for (int j = 0; j < n; j++)
         a[2 * n + j] = a[j] - 2 * a[n + j];
@@ -98,20 +98,6 @@ static void null_vectors_and_least_squares(void **unused) {
             if (v < 3 || i >= m)
                 check_near(product, 0, 1e-14);
         }
-    /* A combination of the rows is its own shortest solution. */
-    for (int j = 0; j < n; j++)
-        known[j] = 0.3 * a[j] + 1.7 * a[n + j];
-    for (int i = 0; i < m; i++) {
-        b[i] = 0;
-        for (int j = 0; j < n; j++)
-            b[i] += a[i * n + j] * known[j];
-    }
-    int rank = 0;
-    memcpy(copy, a, sizeof a);
-    assert_int_equal(saltus_dense_least_squares(copy, m, n, b, 1e-12, &rank), SALTUS_OK);
-    assert_int_equal(rank, 2);
-    for (int j = 0; j < n; j++)
-        check_near(b[j], known[j], 1e-14);
 }
 
 /* out = a b, row-major. */
@@ -690,7 +676,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(factorisation_is_kept),
         cmocka_unit_test(determinants),
-        cmocka_unit_test(null_vectors_and_least_squares),
+        cmocka_unit_test(null_vectors),
         cmocka_unit_test(small_qr),
         cmocka_unit_test(prescribed_multipliers),
         cmocka_unit_test(orbits_in_quadruple_precision),

@@ -646,7 +646,7 @@ static void requests_out_of_range_are_refused(void **unused) {
                 {1, 20, NAN, "phase = "},       {1, 0, 0, NULL},
                 {1, 20, 0.9375, NULL}};
     for (int forced = 0; forced < 2; forced++) {
-        saltus_spec spec = oscillator_spec(forced ? 0.1 : 0, 1, forced ? 0.8 : 0, 1.1), found;
+        saltus_spec spec = oscillator_spec(forced ? 0.1 : 0, 1, forced ? 0.8 : 0, 1.1);
         saltus_system *system = build(&spec);
         const double guess[2] = {0.2, 0.1};
         for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
@@ -655,10 +655,9 @@ static void requests_out_of_range_are_refused(void **unused) {
             saltus_orbit orbit;
             options.iterations = rows[k].iterations;
             options.phase = rows[k].phase;
+            options.free_period = !forced;
             saltus_status status =
-                forced ? saltus_orbit_find(system, rows[k].periods, guess, &options, &orbit, &message)
-                       : saltus_orbit_find_period(&spec, rows[k].periods, guess, &options, &orbit, &found,
-                                                  &message);
+                saltus_orbit_find(system, rows[k].periods, guess, &options, &orbit, &message);
             assert_true((status == SALTUS_BAD_INPUT) == (rows[k].word != NULL));
             if (rows[k].word && !strstr(message.text, rows[k].word))
                 fail_msg("\"%s\" does not say \"%s\"", message.text, rows[k].word);
@@ -671,75 +670,20 @@ static void requests_out_of_range_are_refused(void **unused) {
     }
 }
 
-/* Orbits without forcing whose period is known: a free mass between walls, one on a spring before a wall, one
- * on a spring alone. `found` has the omega that makes the period p of the forcing's. */
-static void period_unknown(void **unused) {
+/* The period of a forced scene's orbits is no unknown. */
+static void forced_periods_are_known(void **unused) {
     (void)unused;
-    static const struct {
-        double k, d, x, v;
-        saltus_sides sides;
-        int periods;
-        double off; /* the guess's error */
-    } rows[] = {{0, 1, 0, 2, SALTUS_BOTH, 1, 1.02},
-                {0, 1, 0, 2, SALTUS_BOTH, 3, 0.99},
-                {4, 0.5, -0.2, 2, SALTUS_UPPER, 1, 1.02},
-                {4, 0.5, -0.2, 2, SALTUS_UPPER, 2, 0.98},
-                {4, 9, -0.2, 2, SALTUS_UPPER, 1, 1.03}};
-    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
-        double w = sqrt(rows[row].k), energy, amplitude, period;
-        saltus_spec spec = oscillator_spec(0, rows[row].k, 0, 1), found;
-        add_stop(&spec, rows[row].d, 1, rows[row].sides);
-        int p = rows[row].periods;
-        for (int pass = 0; pass < 2; pass++) {
-            double x = rows[row].x, v = rows[row].v;
-            saltus_orbit_options options = saltus_orbit_defaults();
-            saltus_message message = {.text = ""};
-            saltus_orbit orbit;
-            double guess[2] = {x, v};
-            history h = {0};
-            options.history = remember;
-            options.context = &h;
-            options.phase = pass ? 0.25 : 0;
-            for (int known = 0; known < 2; known++) {
-                if (known) {
-                    x = orbit.state[0];
-                    v = orbit.state[1];
-                }
-                energy = w * w * x * x + v * v;
-                amplitude = w > 0 ? sqrt(energy) / w : 0;
-                period = w == 0                    ? 4 * rows[row].d / fabs(v)
-                         : amplitude < rows[row].d ? 2 * M_PI / w
-                                                   : 2 * (M_PI - acos(rows[row].d / amplitude)) / w;
-                if (known)
-                    break;
-                set_parameter(&spec, "omega", rows[row].off * 2 * M_PI * p / period);
-                check_ok(saltus_orbit_find_period(&spec, p, guess, &options, &orbit, &found, &message),
-                         &message);
-            }
-            check_near(saltus_spec_get(&found, "omega"), 2 * M_PI * p / period, 1e-9 * p);
-            saltus_spec same = spec;
-            set_parameter(&same, "omega", saltus_spec_get(&found, "omega"));
-            assert_memory_equal(&found, &same, sizeof same);
-            assert_int_equal(orbit.periods, p);
-            assert_true(orbit.residual <= 1e-12);
-            assert_int_equal(h.count, orbit.iterations + 1);
-            assert_true(orbit.iterations >= 1 && orbit.iterations <= 20);
-            /* The shortest steps: the orbit found is near the guess. */
-            assert_true(hypot(orbit.state[0] - guess[0], orbit.state[1] - guess[1]) < 0.3);
-            for (int i = 0; i < 2; i++)
-                check_near(orbit.multipliers[i].log_modulus, 0, 1e-5);
-            saltus_orbit_clear(&orbit);
-        }
-    }
-    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1), found;
+    saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
+    saltus_system *system = build(&spec);
     saltus_orbit_options options = saltus_orbit_defaults();
     saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double guess[2] = {0.1, 0};
-    assert_int_equal(saltus_orbit_find_period(&spec, 1, guess, &options, &orbit, &found, &message),
-                     SALTUS_BAD_INPUT);
+    options.free_period = true;
+    assert_int_equal(saltus_orbit_find(system, 1, guess, &options, &orbit, &message), SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "forced"));
-    assert_null(orbit.state);
+    check_empty(&orbit);
+    saltus_system_free(system);
 }
 
 int main(void) {
@@ -759,7 +703,7 @@ int main(void) {
         cmocka_unit_test(iterations_are_limited),
         cmocka_unit_test(a_step_that_does_not_help_is_taken_back),
         cmocka_unit_test(requests_out_of_range_are_refused),
-        cmocka_unit_test(period_unknown),
+        cmocka_unit_test(forced_periods_are_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -75,12 +75,16 @@ static saltus_sequence sequence_of(const saltus_orbits *orbits, const closed_orb
     return s;
 }
 
+static double unknown_of(const saltus_orbits *orbits, double value) {
+    return (value - orbits->origin) / orbits->family.unit[0];
+}
+
 /* The orbit at a value of the parameter becomes a solution that heads up or down. */
 static void place_closed(family *f, const closed_orbit *orbit, double share, int heading,
                          saltus_solution *out) {
     saltus_message message = {.text = ""};
     closed_oscillator o = orbit->oscillator;
-    double state[2], parameter = saltus_orbits_parameter(&f->orbits, (double)*closed_value(&o, f->key));
+    double state[2], parameter = unknown_of(&f->orbits, (double)*closed_value(&o, f->key));
     saltus_sequence s = sequence_of(&f->orbits, orbit, share, state);
     check_ok(saltus_solution_place(&f->orbits, &s, &parameter, state, true, out, &message), &message);
     if (out->at.tangent[out->at.unknowns - 1] * heading < 0)
@@ -188,7 +192,7 @@ static void solutions_are_the_closed_orbits(void **state) {
     }
 }
 
-/* The parameter unknown gives the value back to the last bit, where it or a neighbour does. */
+/* The parameter unknown of a border gives it back to the last bit, where one does, and never one beyond. */
 static void parameters_give_values_back(void **state) {
     (void)state;
     saltus_orbits o = {.origin = 0};
@@ -205,13 +209,14 @@ static void parameters_give_values_back(void **state) {
         /* Within the range, whose width is the unit, and larger than the parameter's rounding. */
         double value = (o.origin + o.family.unit[0] * (number[2] - 0.5)) * (1 + (k % 7) * 0x1p-50);
         double unit = o.family.unit[0], quotient = (value - o.origin) / unit;
-        double back = o.origin + unit * saltus_orbits_parameter(&o, value), apart = INFINITY;
+        double back = o.origin + unit * saltus_orbits_border(o.origin, unit, value, k % 2), apart = INFINITY;
         for (int way = -1; way <= 1; way++) {
             double near = way ? nextafter(quotient, way * INFINITY) : quotient;
             apart = fmin(apart, fabs(o.origin + unit * near - value));
         }
         /* Where parameters lie wider apart than values there need not be one. */
         assert_int_equal(back == value, apart == 0);
+        assert_true(k % 2 ? back <= value : back >= value);
         given += back == value;
         beside += back == value && o.origin + unit * quotient != value;
     }
@@ -631,7 +636,7 @@ static void changes_are_leapt_over(void **state) {
                 continue;
             step_over(&f, p, &from, &to);
             closed_orbit known = find_known(p, &f.o);
-            double place = saltus_orbits_parameter(&f.orbits, (double)known.oscillator.omega);
+            double place = unknown_of(&f.orbits, (double)known.oscillator.omega);
             const double range[2] = {place - 0.5, place + (ends ? 1e-7 : 0.5)};
             check_ok(saltus_change_leap(&f.orbits, &from, to.at.ahead, SALTUS_LEAP_EVENTS, "made up", range,
                                         &at, &here, &scratch, &change, &message),

@@ -63,15 +63,6 @@ typedef struct saltus_orbit {
 saltus_status saltus_orbit_find(const saltus_system *system, int periods, const double *guess,
                                 const saltus_orbit_options *options, saltus_orbit *orbit,
                                 saltus_message *message);
-/* The same where the period is unknown: for scenes without forcing, in which omega only says in what unit
- * time is counted. The orbit is sought in state and omega together; what is left open, the phase on the orbit
- * and in a conservative system which one of a family, is settled by the shortest of all Newton steps. The
- * guess should close after about `periods` times 2 pi / omega of the specification; `found` becomes it with
- * the omega for which the orbit's period is exactly that. Errors: SALTUS_BAD_INPUT for a forced scene, those
- * of saltus_orbit_find. */
-saltus_status saltus_orbit_find_period(const saltus_spec *spec, int periods, const double *guess,
-                                       const saltus_orbit_options *options, saltus_orbit *orbit,
-                                       saltus_spec *found, saltus_message *message);
 /* "n/p", the impacts and forcing periods of one orbit; "chatter/p" for impacts = -1, infinitely many. */
 void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_MAX]);
 /* Free the arrays; a zeroed orbit is accepted. */

@@ -139,19 +139,6 @@ saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *
     return status;
 }
 
-saltus_status saltus_dense_least_squares(double *a, int m, int n, double *b, double threshold, int *rank) {
-    double *singular = calloc((size_t)(m < n ? m : n) + 1, sizeof *singular);
-    lapack_int found = 0;
-    if (!singular)
-        return SALTUS_NO_MEMORY;
-    saltus_status status =
-        status_of(LAPACKE_dgelsd(LAPACK_ROW_MAJOR, m, n, 1, a, n, b, 1, singular, threshold, &found));
-    if (rank)
-        *rank = (int)found;
-    free(singular);
-    return status;
-}
-
 /* Rows [from, n) of a, from column `from` on, times I - tau v v^T; v = (1, ...) stands in `column` of v. */
 static void reflect(double *a, int n, int from, const double *v, int column, double tau, double *sums) {
     for (int j = from; j < n; j++)

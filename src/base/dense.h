@@ -55,11 +55,6 @@ void saltus_dense_resolve(saltus_dense_lu *lu, bool transposed, int count, doubl
  * Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values);
 
-/* The shortest x that minimises |a x - b| for an m x n matrix (overwritten). `b` has max(m, n) entries, the
- * first m given, and becomes x. Singular values below `threshold` times the largest count as zero; *rank (may
- * be NULL) receives the number of the others. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
-saltus_status saltus_dense_least_squares(double *a, int m, int n, double *b, double threshold, int *rank);
-
 /* QR factorisation of an n x n matrix: a becomes the upper triangle with a diagonal that is not negative, q
  * the orthogonal factor. `work` has 2 n entries. Never allocates: made for the many small matrices around an
  * orbit, at which it takes 0.4 times as long as LAPACK. */

@@ -68,10 +68,6 @@ static double unknown_at(double origin, double unit, double value) {
     return found;
 }
 
-double saltus_orbits_parameter(const saltus_orbits *o, double value) {
-    return unknown_at(o->origin, o->family.unit[0], value);
-}
-
 double saltus_orbits_border(double origin, double unit, double border, int side) {
     double found = unknown_at(origin, unit, border);
     while (side ? origin + unit * found > border : origin + unit * found < border)

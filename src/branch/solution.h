@@ -67,8 +67,6 @@ void saltus_orbits_close(saltus_orbits *orbits);
  * are passed over, that one must not be: the run ends with the step. */
 saltus_status saltus_orbits_noted(saltus_orbits *orbits, saltus_status status);
 
-/* The parameter unknown at which the first parameter has a value, to the last bit. */
-double saltus_orbits_parameter(const saltus_orbits *orbits, double value);
 /* The parameter unknown at which a parameter with this origin and unit meets a border of its range, from
  * within: never beyond it by a rounding, as the parameter's domain may end there. `side`: 0 low, 1 high. */
 double saltus_orbits_border(double origin, double unit, double border, int side);

@@ -136,40 +136,6 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
     return judge(e, status, message);
 }
 
-/* What a decomposition lacked, memory or convergence. */
-static saltus_status dense_failure(saltus_status status, const char *what, saltus_message *message) {
-    return saltus_fail(message, status, "%s", status == SALTUS_NO_MEMORY ? "no memory for shooting" : what);
-}
-
-saltus_status saltus_newton_shortest(saltus_equations *e, double *u, int *iterations,
-                                     saltus_message *message) {
-    /* Relative to the largest singular value: directions that the orbit is free to move in. */
-    const double open_direction = 1e-9;
-    saltus_status status = saltus_equations_evaluate(e, u, message);
-    report(e, 0);
-    for (*iterations = 0; status == SALTUS_OK && *iterations < e->iterations;) {
-        double before = e->size;
-        int rank;
-        bool taken;
-        for (int i = 0; i < e->unknowns; i++)
-            e->step[i] = i < e->count ? -e->residual[i] : 0;
-        memcpy(e->matrix, e->jacobian, (size_t)(e->count * e->unknowns) * sizeof(double));
-        status = saltus_dense_least_squares(e->matrix, e->count, e->unknowns, e->step, open_direction, &rank);
-        if (status != SALTUS_OK)
-            return dense_failure(status, "no shortest Newton step can be computed", message);
-        status = take_step(e, u, true, before, &taken, message);
-        if (status != SALTUS_OK)
-            return status;
-        ++*iterations;
-        report(e, *iterations);
-        if (!taken || e->size >= before) {
-            status = step_back(e, u, message);
-            break;
-        }
-    }
-    return judge(e, status, message);
-}
-
 saltus_status saltus_curve_tangent(saltus_equations *e, const double *guide, double *tangent, int *sign,
                                    double *log_determinant, saltus_message *message) {
     double size = 0;
@@ -191,6 +157,9 @@ saltus_status saltus_null_plane(saltus_equations *e, double *vectors, double val
                                 saltus_message *message) {
     memcpy(e->matrix, e->jacobian, (size_t)(e->count * e->unknowns) * sizeof(double));
     saltus_status status = saltus_dense_null_vectors(e->matrix, e->count, e->unknowns, 2, vectors, values);
-    return status == SALTUS_OK ? status
-                               : dense_failure(status, "no singular values at a branch point", message);
+    return status == SALTUS_OK
+               ? status
+               : saltus_fail(message, status, "%s",
+                             status == SALTUS_NO_MEMORY ? "no memory for shooting"
+                                                        : "no singular values at a branch point");
 }

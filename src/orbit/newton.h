@@ -35,10 +35,6 @@ saltus_status saltus_equations_evaluate(saltus_equations *equations, const doubl
  * the evaluation. */
 saltus_status saltus_newton(saltus_equations *equations, double *u, const double *normal,
                             const double *anchor, bool damped, int *iterations, saltus_message *message);
-/* Newton's iteration in all unknowns by the shortest steps, damped: for equations that leave directions open.
- */
-saltus_status saltus_newton_shortest(saltus_equations *equations, double *u, int *iterations,
-                                     saltus_message *message);
 /* Unit tangent of the curve at the point last evaluated, with tangent . guide > 0; the determinant of the
  * Jacobian bordered by `guide` as sign and log modulus. Errors: SALTUS_SINGULAR. */
 saltus_status saltus_curve_tangent(saltus_equations *equations, const double *guide, double *tangent,

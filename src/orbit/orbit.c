@@ -225,7 +225,9 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
     int passing = -1;
     memcpy(s->state, guess, (size_t)s->n * sizeof *guess);
     if (s->options->free_period) {
-        first = leave_stop(s, message);
+        first = saltus_shooting_shape(s->shooting, &driven, message);
+        if (first == SALTUS_OK)
+            first = leave_stop(s, message);
         if (first == SALTUS_OK)
             first = meet(s, &driven, message);
         if (first != SALTUS_OK)
@@ -269,10 +271,11 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
                                 saltus_message *message) {
     int n = saltus_system_dimension(system);
     search s = {.options = options, .n = n, .periods = periods, .lap.keeps_events = true};
-    *orbit = (saltus_orbit){.dimension = n, .periods = periods};
+    *orbit = (saltus_orbit){0};
     if (options->free_period && saltus_system_forced(system))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "the scene is forced: its orbits have the forcing's period");
+    *orbit = (saltus_orbit){.dimension = n, .periods = periods};
     saltus_status status = saltus_flow_single(system, 0, &options->flow, &s.flow, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_new(&(saltus_family){.spec = *saltus_system_spec(system)}, options,

@@ -42,7 +42,7 @@ typedef struct saltus_cloud {
 size_t saltus_cloud_entry(int which, int dimension);
 
 typedef struct saltus_watch {
-    saltus_lap lap; /* counts and extremes */
+    saltus_lap lap; /* counts, extremes, mean square */
     unsigned keep;  /* of SALTUS_KEEP_... */
     saltus_time begin, touched;
     bool touching;
@@ -50,13 +50,13 @@ typedef struct saltus_watch {
     double contact; /* periods in contact */
     bool counts;    /* its returns are the section points, not what is at phase 0 */
     saltus_crossings returns;
-    double square; /* the flow's integral of the observed displacement's square at the begin */
     double largest_speed;
     saltus_cloud clouds[SALTUS_CLOUDS];
     bool sound; /* no cloud has run out of memory */
 } saltus_watch;
 
-/* Begin at a section point, or where returns to the section are counted. Clouds keep their memory. */
+/* Begin at a section point, or where returns to the section are counted; `square`: the flow's integral of the
+ * observed displacement's square there. Clouds keep their memory. */
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, bool counts,
                         saltus_time time, const double *state, bool touching, double square);
 /* `state` is that of now, for the events of contacts. */
@@ -70,7 +70,7 @@ void saltus_watch_section(saltus_watch *watch, const double *state);
 void saltus_watch_orbit(saltus_watch *watch, const double *points, int periods);
 /* The measures of the recording, from its begin to `end`, where it is at `state`; `square` as at the begin.
  */
-void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,
+void saltus_watch_measure(saltus_watch *watch, saltus_time end, const double *state, double square,
                           saltus_sweep_row *row);
 void saltus_watch_close(saltus_watch *watch);
 

@@ -43,7 +43,6 @@ static int heading_of(const saltus_system *system, const double *state) {
 
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, bool counts,
                         saltus_time time, const double *state, bool touching, double square) {
-    watch->square = square;
     watch->keep = keep;
     watch->begin = watch->touched = time;
     watch->touching = touching;
@@ -55,6 +54,7 @@ void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsign
     for (int k = 0; k < SALTUS_CLOUDS; k++)
         watch->clouds[k].count = 0;
     saltus_lap_begin(&watch->lap, system, state);
+    watch->lap.square = -square;
     saltus_watch_section(watch, state);
 }
 
@@ -111,7 +111,7 @@ void saltus_watch_orbit(saltus_watch *watch, const double *points, int periods) 
         add(watch, SALTUS_CLOUD_STROBES, points + k % periods * saltus_system_dimension(watch->lap.system));
 }
 
-void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const double *state, double square,
+void saltus_watch_measure(saltus_watch *watch, saltus_time end, const double *state, double square,
                           saltus_sweep_row *row) {
     double length = saltus_time_between(watch->begin, end), contact = watch->contact,
            last = saltus_system_observed(watch->lap.system, state);
@@ -120,7 +120,9 @@ void saltus_watch_measure(const saltus_watch *watch, saltus_time end, const doub
     row->recorded = end.cycle - watch->begin.cycle;
     row->largest = fmax(watch->lap.largest, last);
     row->smallest = fmin(watch->lap.smallest, last);
-    row->rms = sqrt(fmax(square - watch->square, 0) / length);
+    watch->lap.square += square;
+    watch->lap.watched = length;
+    row->rms = saltus_lap_rms(&watch->lap);
     row->largest_speed = watch->largest_speed;
     row->impact_rate = (double)watch->lap.impacts / length;
     row->contact_fraction = contact / length;

@@ -351,10 +351,6 @@ saltus_compiled_function *saltus_compiled_get(saltus_compiled *compiled) {
     return atomic_load_explicit(&compiled->function, memory_order_acquire);
 }
 
-bool saltus_compiled_failed(saltus_compiled *compiled) {
-    return atomic_load_explicit(&compiled->progress, memory_order_acquire) == progress_over;
-}
-
 saltus_compiled_function *saltus_compiled_ask(saltus_compiled *compiled, saltus_compile_source *source,
                                               const void *from) {
     const progress now = (progress)atomic_load_explicit(&compiled->progress, memory_order_acquire);

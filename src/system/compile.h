@@ -41,8 +41,6 @@ saltus_compiled *saltus_compiled_hold(saltus_compiled_list *list, const saltus_c
 void saltus_compiled_release(saltus_compiled *compiled);
 /* The function, once it is there; until then NULL. */
 saltus_compiled_function *saltus_compiled_get(saltus_compiled *compiled);
-/* Whether there will be none: what there is to compile with has failed. */
-bool saltus_compiled_failed(saltus_compiled *compiled);
 /* The same, asked now and then while a run goes on, which moves things forward: a kept function is looked for
  * at once, the compiler begins when the asking has gone on for some time. */
 saltus_compiled_function *saltus_compiled_ask(saltus_compiled *compiled, saltus_compile_source *source,
