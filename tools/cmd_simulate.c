@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
+#include "base/progress.h"
 #include "flow/options.h"
 #include "origin.h"
 #include "progress.h"
@@ -19,7 +20,7 @@ static const cli_option *const options[] = {&cli_set,   &cli_section, &cli_from,
 
 static void show(void *context, double periods, double all) {
     static const double pause = 0.1; /* seconds between two lines */
-    double *told = context, now = progress_clock();
+    double *told = context, now = saltus_seconds();
     if (*told == 0 || now - *told > pause) {
         progress_line("%.0f of %.0f periods", periods, all);
         *told = now;

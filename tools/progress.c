@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "progress.h"
 
+#include "base/progress.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -12,14 +14,8 @@
  * forgets. */
 static const double bar_pause = 0.25, line_pause = 2, line_patience = 30, memory = 15;
 
-double progress_clock(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 void progress_begin(progress *p, bool quiet, long long total, long long earlier) {
-    double now = progress_clock();
+    double now = saltus_seconds();
     *p = (progress){.shown = !quiet,
                     .terminal = isatty(STDERR_FILENO) == 1,
                     .total = total,
@@ -84,7 +80,7 @@ static void draw_bar(double part, double rate, const char *left) {
 }
 
 void progress_show(progress *p, long long done) {
-    double now = progress_clock();
+    double now = saltus_seconds();
     if (!p->shown || now - p->looked < bar_pause)
         return;
     double rate = measure(p, done, now), part = p->total > 0 ? (double)done / (double)p->total : 1;

@@ -17,8 +17,6 @@ typedef struct progress {
 /* Put one line in place of the last one, where stderr is a terminal: what comes first counts most, as the
  * line is cut to the terminal's width. An empty one wipes. */
 __attribute__((format(printf, 1, 2))) void progress_line(const char *format, ...);
-/* Seconds that have passed since some time in the past. */
-double progress_clock(void);
 
 void progress_begin(progress *p, bool quiet, long long total, long long earlier);
 /* Tell that `done` points are there, if it is time to. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_sweep.h"
 
+#include "base/progress.h"
 #include "cli.h"
 #include "interrupt.h"
 #include "sweep_exchange.h"
@@ -286,11 +287,11 @@ static int run_exchange(sweep_exchange *exchange, saltus_status status, saltus_m
         status = open_output(exchange, &marks, message);
     int code = CLI_FAILED;
     bool begun = together ? sweep_ranks_begin(exchange, status, &code) : status == SALTUS_OK;
-    double begin = progress_clock();
+    double begin = saltus_seconds();
     progress_begin(&exchange->progress, exchange->order->quiet, exchange->places, exchange->done);
     if (begun)
         status = compute(exchange, message);
-    report->seconds = progress_clock() - begin;
+    report->seconds = saltus_seconds() - begin;
     progress_wipe(&exchange->progress, "writing ...");
     saltus_status written = saltus_sweep_output_close(exchange->output, &closing);
     progress_wipe(&exchange->progress, NULL);

@@ -39,6 +39,8 @@ typedef struct saltus_dense_lu {
 bool saltus_dense_lu_open(saltus_dense_lu *lu, int n);
 /* A zeroed factorisation is accepted. */
 void saltus_dense_lu_close(saltus_dense_lu *lu);
+/* The sum of products, in their order. */
+double saltus_dot(const double *a, const double *b, int n);
 /* Whether no entry is infinite or not a number. */
 bool saltus_dense_finite(const double *a, size_t count);
 /* Equilibrate and factor a, which stays as it is; sign, log_modulus and reciprocal are set in any case. False

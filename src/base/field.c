@@ -10,7 +10,11 @@
 #include <string.h>
 
 const char *saltus_number(double value, char *text) {
-    snprintf(text, SALTUS_NUMBER_MAX, "%.17g", isnan(value) ? NAN : value);
+    return saltus_number_of(value, 17, text);
+}
+
+const char *saltus_number_of(double value, int digits, char *text) {
+    snprintf(text, SALTUS_NUMBER_MAX, "%.*g", digits, isnan(value) ? NAN : value);
     char *comma = strchr(text, ',');
     if (comma)
         *comma = '.';

@@ -85,6 +85,8 @@ enum { SALTUS_NUMBER_MAX = 32, SALTUS_FIELD_TEXT_MAX = 256 };
 /* A number that reads back as the same one, with a '.' whatever the locale; `text` holds SALTUS_NUMBER_MAX
  * bytes. */
 const char *saltus_number(double value, char *text);
+/* The same, rounded to so many digits. */
+const char *saltus_number_of(double value, int digits, char *text);
 /* Text as a string of JSON, in quotation marks. */
 void saltus_put_string(FILE *file, const char *text);
 

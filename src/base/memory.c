@@ -39,3 +39,9 @@ void *saltus_list_add(saltus_list *list, size_t size) {
     }
     return (char *)list->items + (size_t)list->count++ * size;
 }
+
+void *saltus_list_grow(saltus_list *list, size_t size, bool *failed) {
+    void *entry = saltus_list_add(list, size);
+    *failed |= !entry;
+    return entry;
+}

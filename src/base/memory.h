@@ -31,5 +31,7 @@ typedef struct saltus_list {
 
 /* Room for one entry more of `size` bytes, at the end; NULL when there is no memory. */
 void *saltus_list_add(saltus_list *list, size_t size);
+/* The same; then `failed` is raised. */
+void *saltus_list_grow(saltus_list *list, size_t size, bool *failed);
 
 #endif

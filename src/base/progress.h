@@ -7,10 +7,18 @@
 
 #include <signal.h>
 #include <stdbool.h>
+#include <time.h>
 
 /* Whether the flag of saltus_flow_options.stop is raised; NULL is accepted. */
 static inline bool saltus_stop_asked(const volatile sig_atomic_t *stop) {
     return stop && *stop;
+}
+
+/* A clock that is not set, in seconds. */
+static inline double saltus_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 static inline void saltus_progress_show(saltus_progress progress, double done, double all) {

@@ -70,15 +70,8 @@ double saltus_curve_interpolate(const double *x, const double *y, int count) {
     return p[0];
 }
 
-static double product(const double *a, const double *b, int count) {
-    double sum = 0;
-    for (int j = 0; j < count; j++)
-        sum += a[j] * b[j];
-    return sum;
-}
-
 void saltus_curve_align(saltus_curve_point *point, const double *guide) {
-    if (product(guide, point->tangent, point->unknowns) < 0)
+    if (saltus_dot(guide, point->tangent, point->unknowns) < 0)
         saltus_curve_turn(point);
 }
 
@@ -143,7 +136,7 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
     saltus_status status = correct(e, from, normal, to, message);
     free(normal);
     to->u[k] = value; /* Newton's last step may have left a rounding */
-    to->ahead = product(to->u, from->tangent, m) - product(from->u, from->tangent, m);
+    to->ahead = saltus_dot(to->u, from->tangent, m) - saltus_dot(from->u, from->tangent, m);
     return status;
 }
 
@@ -168,7 +161,7 @@ static saltus_status approach(saltus_equations *e, const saltus_curve_point *fro
     if (status != SALTUS_OK)
         return status;
     to->u[k] = value;
-    to->ahead = product(to->u, from->tangent, m) - product(from->u, from->tangent, m);
+    to->ahead = saltus_dot(to->u, from->tangent, m) - saltus_dot(from->u, from->tangent, m);
     to->crossing.mantissa = NAN;
     status = saltus_equations_evaluate(e, to->u, message);
     to->residual = e->size;
@@ -180,7 +173,7 @@ static saltus_status approach(saltus_equations *e, const saltus_curve_point *fro
 /* Whether a step has led on along the curve, without much of a turn. */
 static bool goes_on(const saltus_curve_point *from, double step, const saltus_curve_point *to) {
     return to->ahead > 0 && to->ahead < 2 * step &&
-           product(from->tangent, to->tangent, to->unknowns) > turn_min;
+           saltus_dot(from->tangent, to->tangent, to->unknowns) > turn_min;
 }
 
 /* What no shorter step can mend. */

@@ -80,25 +80,8 @@ static saltus_status tune(saltus_rests *r, const double *parameters, saltus_mess
     bool same = true;
     for (int d = 0; d < r->family.parameters; d++)
         same = same && parameters[d] == r->at[d];
-    if (same)
-        return SALTUS_OK;
-    saltus_spec spec = saltus_family_spec(&r->family, parameters, 0);
-    saltus_system *system = NULL;
-    saltus_status status = SALTUS_OK;
-    for (int d = 0; d < r->family.parameters && status == SALTUS_OK; d++)
-        status = saltus_spec_differentiable(&spec, &r->family.direction[d], message);
-    if (status == SALTUS_OK)
-        status = saltus_system_new(&spec, &system, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_retune(r->flow, 0, system, message);
-    if (status != SALTUS_OK) {
-        saltus_system_free(system);
-        return status;
-    }
-    saltus_system_free(r->system);
-    r->system = system;
-    memcpy(r->at, parameters, (size_t)r->family.parameters * sizeof *parameters);
-    return SALTUS_OK;
+    return same ? SALTUS_OK
+                : saltus_family_tune(&r->family, parameters, 0, r->flow, &r->system, r->at, message);
 }
 
 /* The unknown of a state's entry: its displacement or its further state; that of a velocity is none. */

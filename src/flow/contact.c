@@ -23,6 +23,7 @@
 #include "flow/flow.h"
 
 #include "base/bits.h"
+#include "base/dense.h"
 
 #include <float.h>
 #include <math.h>

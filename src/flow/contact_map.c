@@ -7,13 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-double saltus_dot(const double *a, const double *b, int n) {
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
-
 double saltus_face_normal(const saltus_system *system, int face, const double *vector) {
     saltus_face f = system->faces[face];
     return f.side * saltus_dot(system->stop_normal[f.stop], vector, system->dof);

@@ -9,6 +9,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
+#include "base/dense.h"
+
 #include <math.h>
 
 /* The parameter that a column belongs to; NULL for an ordinary tangent vector. */

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
+#include "base/dense.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>

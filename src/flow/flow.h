@@ -143,7 +143,6 @@ void saltus_lane_gather_all(saltus_flow *flow, int lane);
 void saltus_lane_scatter_all(saltus_flow *flow, int lane);
 
 /* contact_map.c */
-double saltus_dot(const double *a, const double *b, int n);
 /* The map of a set of faces; false if their normals are dependent. Faces in `elastic` rebound with their
  * restitution at the velocity (NULL where `elastic` is 0). */
 bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsigned elastic,

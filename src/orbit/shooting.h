@@ -76,6 +76,11 @@ typedef struct saltus_family {
 /* The specification at values of the parameter unknowns (as many as there are parameters), and with a
  * sequence's omega where that is not 0. */
 saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters, double omega);
+/* A flow's system becomes that one, `*system` is freed and becomes it too, and `at` the parameters. Errors: a
+ * parameter at which there is no derivative, those of saltus_system_new; all is then as it was. */
+saltus_status saltus_family_tune(const saltus_family *family, const double *parameters, double omega,
+                                 saltus_flow *flow, saltus_system **system, double *at,
+                                 saltus_message *message);
 /* How many unknowns the orbits of a sequence in n dimensions have, but for the parameters. */
 int saltus_sequence_unknowns(const saltus_sequence *sequence, int n);
 /* The period of a sequence becomes an unknown, its base lies where the flow now is: on the hyperplane on

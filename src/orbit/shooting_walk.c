@@ -247,32 +247,40 @@ saltus_spec saltus_family_spec(const saltus_family *family, const double *parame
     return spec;
 }
 
+saltus_status saltus_family_tune(const saltus_family *family, const double *parameters, double omega,
+                                 saltus_flow *flow, saltus_system **system, double *at,
+                                 saltus_message *message) {
+    saltus_spec spec = saltus_family_spec(family, parameters, omega);
+    saltus_system *tuned = NULL;
+    saltus_status status = SALTUS_OK;
+    for (int d = 0; d < family->parameters && status == SALTUS_OK; d++)
+        status = saltus_spec_differentiable(&spec, &family->direction[d], message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&spec, &tuned, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_retune(flow, 0, tuned, message);
+    if (status != SALTUS_OK) {
+        saltus_system_free(tuned);
+        return status;
+    }
+    saltus_system_free(*system);
+    *system = tuned;
+    memcpy(at, parameters, (size_t)family->parameters * sizeof *parameters);
+    return SALTUS_OK;
+}
+
 /* Make the system that of the parameters and of omega. */
 static saltus_status tune(saltus_shooting *p, const double *parameters, double omega,
                           saltus_message *message) {
     bool same = omega == p->omega;
     for (int d = 0; d < p->family.parameters; d++)
         same = same && parameters[d] == p->at[d];
-    if (same)
-        return SALTUS_OK;
-    saltus_spec spec = saltus_family_spec(&p->family, parameters, omega);
-    saltus_system *system = NULL;
-    saltus_status status = SALTUS_OK;
-    for (int d = 0; d < p->family.parameters && status == SALTUS_OK; d++)
-        status = saltus_spec_differentiable(&spec, &p->family.direction[d], message);
+    saltus_status status =
+        same ? SALTUS_OK
+             : saltus_family_tune(&p->family, parameters, omega, p->flow, &p->system, p->at, message);
     if (status == SALTUS_OK)
-        status = saltus_system_new(&spec, &system, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_retune(p->flow, 0, system, message);
-    if (status != SALTUS_OK) {
-        saltus_system_free(system);
-        return status;
-    }
-    saltus_system_free(p->system);
-    p->system = system;
-    memcpy(p->at, parameters, (size_t)p->family.parameters * sizeof *parameters);
-    p->omega = omega;
-    return SALTUS_OK;
+        p->omega = omega;
+    return status;
 }
 
 /* No mark may come after the orbit's end, and none before its begin. Newton's method tries times of millions

@@ -7,11 +7,12 @@
  * pause between exchanges grows with their cost, which thus stays a small part of the time.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/options.h"
+
+#include "base/progress.h"
 #include "record/describe.h"
 #include "record/fields.h"
 #include "record/output.h"
 #include "record/rows.h"
-
 #include "system/system.h"
 
 #include <math.h>

@@ -8,15 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A number with so many digits, as saltus_number. */
-static const char *write_number(double value, int digits, char *text) {
-    snprintf(text, SALTUS_NUMBER_MAX, "%.*g", digits, value);
-    char *comma = strchr(text, ',');
-    if (comma)
-        *comma = '.';
-    return text;
-}
-
 void saltus_put_number(FILE *file, double value) {
     char text[SALTUS_NUMBER_MAX];
     fputs(saltus_number(value, text), file);
@@ -133,7 +124,7 @@ void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits)
     }
     fprintf(file, "%s = %s", saltus_model_stop_key(spec->model), count > 1 ? "[" : "");
     for (int k = 0; k < count; k++)
-        fprintf(file, "%s%s", k ? ", " : "", write_number(place[k], digits, text));
+        fprintf(file, "%s%s", k ? ", " : "", saltus_number_of(place[k], digits, text));
     fputs(count > 1 ? "]" : "", file);
 }
 

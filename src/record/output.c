@@ -153,9 +153,3 @@ bool saltus_write_at(int descriptor, const void *data, size_t size, long long pl
     }
     return true;
 }
-
-double saltus_seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}

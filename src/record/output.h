@@ -29,8 +29,6 @@ saltus_status saltus_output_test(const char *path, saltus_message *message);
 size_t saltus_read_at(int descriptor, void *data, size_t size, long long place);
 /* False, with errno, when not everything could be written. */
 bool saltus_write_at(int descriptor, const void *data, size_t size, long long place);
-/* A clock that is not set, in seconds. */
-double saltus_seconds(void);
 
 /* Whether a path ends in `ending` (such as ".csv") and has something before it. */
 bool saltus_path_ends(const char *path, const char *ending);

@@ -6,6 +6,8 @@
  * journal is removed when the file is complete and safe on the disk.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/sweep_output.h"
+
+#include "base/progress.h"
 #include "record/output.h"
 
 #include <errno.h>

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/series.h"
 
+#include "base/dense.h"
+
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -72,15 +74,8 @@ static void find_neighbours(survey *s, long long i, long long *neighbour) {
     }
 }
 
-static double product(const double *a, const double *b, int n) {
-    double sum = 0;
-    for (int d = 0; d < n; d++)
-        sum += a[d] * b[d];
-    return sum;
-}
-
 static void normalise(double *a, int n) {
-    double square = product(a, a, n);
+    double square = saltus_dot(a, a, n);
     for (int d = 0; d < n; d++)
         a[d] = square > 0 ? a[d] / sqrt(square) : d == 0;
 }
@@ -95,7 +90,7 @@ static void find_direction(survey *s, int count) {
     for (int round = 0; round < iterations; round++) {
         memset(s->image, 0, (size_t)n * sizeof *s->image);
         for (int k = 0; k <= count; k++) {
-            double along = product(s->offset + k * n, s->direction, n);
+            double along = saltus_dot(s->offset + k * n, s->direction, n);
             for (int d = 0; d < n; d++)
                 s->image[d] += along * s->offset[k * n + d];
         }
@@ -121,7 +116,7 @@ static double width_over_length(survey *s, long long i, const long long *neighbo
     find_direction(s, count);
     for (int k = 0; k <= count; k++) {
         const double *offset = s->offset + k * n;
-        double along = product(offset, s->direction, n);
+        double along = saltus_dot(offset, s->direction, n);
         length += along * along;
         for (int d = 0; d < n; d++) {
             double across = offset[d] - along * s->direction[d];
@@ -135,9 +130,9 @@ static double width_over_length(survey *s, long long i, const long long *neighbo
  * evenly, 0 on one side. */
 static double balance_of(const survey *s) {
     int n = s->cloud->dimension, before = 0;
-    double own = product(s->offset + many * n, s->direction, n);
+    double own = saltus_dot(s->offset + many * n, s->direction, n);
     for (int k = 0; k < many; k++)
-        before += product(s->offset + k * n, s->direction, n) < own;
+        before += saltus_dot(s->offset + k * n, s->direction, n) < own;
     return 2.0 / many * (before < many - before ? before : many - before);
 }
 

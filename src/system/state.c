@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/state.h"
 
+#include "base/dense.h"
+
 #include <gsl/gsl_randist.h>
 #include <math.h>
 #include <string.h>
@@ -23,13 +25,6 @@ saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, dou
     return status;
 }
 
-static double square_of(const double *normal, int dof) {
-    double square = 0;
-    for (int i = 0; i < dof; i++)
-        square += normal[i] * normal[i];
-    return square;
-}
-
 void saltus_state_admit(const saltus_system *system, double *state) {
     enum { rounds = 8 };
     int dof = saltus_system_dof(system);
@@ -37,7 +32,7 @@ void saltus_state_admit(const saltus_system *system, double *state) {
         for (int f = 0; f < saltus_system_face_count(system); f++) {
             saltus_face face = saltus_system_face(system, f);
             const double *normal = saltus_system_stop_normal(system, face.stop);
-            double gap = saltus_system_gap(system, f, state), square = square_of(normal, dof);
+            double gap = saltus_system_gap(system, f, state), square = saltus_dot(normal, normal, dof);
             for (int i = 0; i < dof && gap > 0; i++)
                 state[i] -= face.side * gap / square * normal[i];
         }
@@ -45,7 +40,7 @@ void saltus_state_admit(const saltus_system *system, double *state) {
 
 /* Take from a displacement or a velocity what it has along a normal. */
 static void project(const double *normal, int dof, double *vector) {
-    double along = 0, square = square_of(normal, dof);
+    double along = 0, square = saltus_dot(normal, normal, dof);
     for (int i = 0; i < dof; i++)
         along += normal[i] * vector[i];
     for (int i = 0; i < dof; i++)

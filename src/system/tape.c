@@ -26,14 +26,8 @@ typedef struct summand {
     int factor, node;
 } summand;
 
-static void *grow(maker *m, saltus_list *l, size_t size) {
-    void *entry = saltus_list_add(l, size);
-    m->failed |= !entry;
-    return entry;
-}
-
 static void add_summand(maker *m, saltus_list *sum, summand s) {
-    summand *entry = grow(m, sum, sizeof *entry);
+    summand *entry = saltus_list_grow(sum, sizeof *entry, &m->failed);
     if (entry)
         *entry = s;
 }
@@ -71,7 +65,7 @@ static int slot_of(maker *m, int node) {
     if (!follow_graph(m))
         return 0;
     if (m->slot_of[node] < 0) {
-        int *slot = grow(m, &m->slots, sizeof *slot);
+        int *slot = saltus_list_grow(&m->slots, sizeof *slot, &m->failed);
         if (!slot)
             return 0;
         *slot = node;
@@ -81,8 +75,8 @@ static int slot_of(maker *m, int node) {
 }
 
 static int new_register(maker *m, unsigned depends, bool linear) {
-    unsigned *entry = grow(m, &m->depends, sizeof *entry);
-    bool *flag = grow(m, &m->linear, sizeof *flag);
+    unsigned *entry = saltus_list_grow(&m->depends, sizeof *entry, &m->failed);
+    bool *flag = saltus_list_grow(&m->linear, sizeof *flag, &m->failed);
     if (!entry || !flag)
         return 0;
     *entry = depends;
@@ -97,7 +91,7 @@ static bool is_linear(const maker *m, int place) {
 static int add_step(maker *m, saltus_tape_step step) {
     if (step.out < 0)
         step.out = new_register(m, step.depends, step.code == SALTUS_TAPE_COMBINE && step.linear);
-    saltus_tape_step *entry = grow(m, &m->steps, sizeof *entry);
+    saltus_tape_step *entry = saltus_list_grow(&m->steps, sizeof *entry, &m->failed);
     if (!entry)
         return 0;
     *entry = step;
@@ -259,7 +253,7 @@ static summand share_sum(maker *m, saltus_list *terms) {
     int node = 0;
     qsort(s, (size_t)count, sizeof *s, by_node);
     for (int k = 0; k < count; k++) {
-        part *own = grow(m, &m->parts, sizeof *own);
+        part *own = saltus_list_grow(&m->parts, sizeof *own, &m->failed);
         if (!own)
             return (summand){0, 0};
         own->node = s[k].node;
@@ -283,7 +277,7 @@ static summand share_sum(maker *m, saltus_list *terms) {
         node = saltus_graph_apply(g, SALTUS_OP_ADD, node,
                                   saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, s[k].node));
     }
-    shared_sum *entry = grow(m, &m->sums, sizeof *entry);
+    shared_sum *entry = saltus_list_grow(&m->sums, sizeof *entry, &m->failed);
     if (entry)
         *entry = (shared_sum){first, count, node};
     return (summand){saltus_graph_constant(g, scale), node};
@@ -392,7 +386,7 @@ static int combine(maker *m, int node) {
                              .linear = true};
     for (int k = 0; k < sum.count && !m->failed; k++) {
         summand s = ((summand *)sum.items)[k];
-        saltus_tape_term *term = grow(m, &m->terms, sizeof *term);
+        saltus_tape_term *term = saltus_list_grow(&m->terms, sizeof *term, &m->failed);
         if (term)
             *term = (saltus_tape_term){slot_of(m, s.factor), s.node < 0 ? -1 : register_of(m, s.node)};
         step.linear = step.linear && (s.node < 0 || (!m->failed && is_linear(m, m->place[s.node])));

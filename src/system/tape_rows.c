@@ -36,20 +36,14 @@ typedef struct arranger {
     bool failed;
 } arranger;
 
-static void *grow(arranger *m, saltus_list *l, size_t size) {
-    void *entry = saltus_list_add(l, size);
-    m->failed |= !entry;
-    return entry;
-}
-
 static void add_slot(arranger *m, int width, int slot) {
-    int *entry = grow(m, &m->weights[width], sizeof *entry);
+    int *entry = saltus_list_grow(&m->weights[width], sizeof *entry, &m->failed);
     if (entry)
         *entry = slot;
 }
 
 static void add_term(arranger *m, saltus_tape_row_term term) {
-    saltus_tape_row_term *entry = grow(m, &m->terms, sizeof *entry);
+    saltus_tape_row_term *entry = saltus_list_grow(&m->terms, sizeof *entry, &m->failed);
     if (entry)
         *entry = term;
 }
@@ -147,7 +141,7 @@ static void order_operands(const arranger *m, saltus_tape_step *s) {
 }
 
 static void add_step(arranger *m, saltus_tape_row row) {
-    saltus_tape_row *entry = grow(m, &m->steps, sizeof *entry);
+    saltus_tape_row *entry = saltus_list_grow(&m->steps, sizeof *entry, &m->failed);
     if (entry)
         *entry = row;
 }
