@@ -665,12 +665,66 @@ static void narrow_axes_have_enough_tics(void **state) {
             double step = 0;
             FILE *file = fmemopen(text, sizeof text, "w");
             const saltus_page page = {.file = file, .width = 600, .height = 600};
-            saltus_page_axis(&page, 'x', "x", (saltus_range){low, low + width});
+            saltus_page_axis(&page, 'x', 450, false, "x", (saltus_range){low, low + width});
             fclose(file);
             assert_int_equal(sscanf(strstr(text, "set xtics "), "set xtics %lf", &step), 1);
             double tics = floor((low + width) / step) - ceil(low / step) + 1;
             assert_true(tics >= 3 && tics <= 6);
         }
+}
+
+/* A sheet in one column or two is no taller than a journal's page, has all its panels beside or below each
+ * other, and no heading that leaves the page or reaches into the next panel. */
+static void a_sheet_fits_a_journal(void **state) {
+    (void)state;
+    static made_up m;
+    const double tallest = 235, mm = 8 * 25.4 / 72 * 3 / 52, letter = 7.2; /* of a unit of the page */
+    saltus_spectra spectra = made_spectra(true);
+    saltus_flow_options options = saltus_flow_defaults();
+    for (int kind = 0; kind < 3; kind++)
+        for (int width = 85; width <= 175; width += 90)
+            for (int bare = 0; bare < 2; bare++) {
+                saltus_system *system = structure_of(kind);
+                saltus_motion motion = orbit_of(2);
+                saltus_scene scene = scene_of(system);
+                saltus_message message = {.text = ""};
+                char picture[path_size];
+                make_record(&m, system, 3, two_impacts, 5);
+                const saltus_diagnosis diagnosis = {
+                    .motion = &motion, .record = &m.record, .spectra = &spectra};
+                const saltus_figure_options look = {.width = width, .no_heading = bare};
+                check_ok(saltus_write_sheet(path_in("sheet.svg", picture), &scene, system, &options,
+                                            &diagnosis, &look, NULL, &message),
+                         &message);
+                figure f = figure_taken(folder);
+                double page[2] = {0};
+                assert_int_equal(sscanf(f.terminal, "svg size %lf,%lf", &page[0], &page[1]), 2);
+                check_near(page[0] * mm, width, 0.2);
+                assert_true(page[1] * mm <= tallest + 0.2 && f.panel_count >= 4);
+                for (int p = 0; p < f.panel_count; p++) {
+                    const double *own = f.panel[p].frame;
+                    assert_true(own[0] > 0 && own[0] < own[1] && own[1] < 1 && own[2] > 0 && own[2] < own[3]);
+                    assert_true((own[1] - own[0]) * page[0] > 70 && (own[3] - own[2]) * page[1] > 90);
+                    for (int o = 0; o < f.panel_count; o++) {
+                        const double *other = f.panel[o].frame;
+                        bool apart = own[1] < other[0] || other[1] < own[0] || own[3] < other[2] ||
+                                     other[3]<own[2], beside = other[0]> own[1] && other[2] < own[3] + 1e-6 &&
+                                         own[2] < other[3];
+                        assert_true(o == p || apart);
+                        const figure_mark *line;
+                        for (int k = 0; k < f.panel[p].mark_count && width == 85; k++) {
+                            line = &f.panel[p].mark[k];
+                            if (line->kind != 'l' || line->tag < 90)
+                                continue;
+                            double end =
+                                line->place[0][0] * page[0] + letter * saltus_line_letters(line->text);
+                            assert_true(end < page[0] && (!beside || end < other[0] * page[0]));
+                        }
+                    }
+                }
+                figure_free(&f);
+                saltus_system_free(system);
+            }
 }
 
 int main(void) {
@@ -690,6 +744,7 @@ int main(void) {
         cmocka_unit_test(an_orbit_is_shown_by_itself),
         cmocka_unit_test(small_exponents_have_room_for_their_digits),
         cmocka_unit_test(narrow_axes_have_enough_tics),
+        cmocka_unit_test(a_sheet_fits_a_journal),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

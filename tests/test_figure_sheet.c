@@ -1,6 +1,7 @@
 /* What the page of a motion draws is what its record and its verdict say. The records are made up, so that
  * every kind of event is there and the numbers are known.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/caption.h"
 #include "made_record.h"
 
 static bool is_struck(const saltus_trajectory *r, long long row) {
@@ -705,7 +706,14 @@ static void a_rest_has_room_about_it(void **state) {
     saltus_system_free(system);
 }
 
-/* Beside the impacts there is room for the names of their stops' sides, on a page of one column too. */
+static double page_height(const figure *f) {
+    double height = 0;
+    assert_int_equal(sscanf(f->terminal, "svg size %*f,%lf", &height), 1);
+    return height;
+}
+
+/* Beside the impacts, on a page of one column above them, there is room for the names of their stops' sides.
+ */
 static void names_of_sides_stay_on_the_page(void **state) {
     (void)state;
     static made_up m;
@@ -725,10 +733,58 @@ static void names_of_sides_stay_on_the_page(void **state) {
                  &message);
         figure f = figure_taken(folder);
         const figure_panel *panel = figure_panel_of(&f, "(mod 1)");
-        const figure_element *side = figure_element_of(panel, "lower side", 0);
+        const figure_element *side = figure_element_of(panel, column ? "1, lower" : "lower side", 0);
         double page = strtod(f.terminal + strlen("svg size "), NULL);
         assert_true(side && panel->key && page > 400);
-        assert_true((1 - panel->frame[1]) * page > sign + letter * (double)strlen("stop 1, upper side"));
+        assert_true((1 - panel->frame[!column]) * page >
+                    sign + letter * (double)strlen(column ? "stop 1, upper" : "stop 1, upper side"));
+        const figure_mark *heading = figure_mark_of(panel, 'l', "{/:Bold (", 0);
+        double above = (heading->place[0][1] - panel->frame[3]) * page_height(&f);
+        assert_true(column ? above > 2 * 17 && above < 2 * 30 : fabs(above) < 0.1);
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
+/* A trajectory is drawn from its file with stops, jumps and impacts as on a sheet, on a page of one column
+ * too, which its headings do not leave. */
+static void a_trajectory_has_its_stops(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_system *system = between_stops(0.033);
+    saltus_scene scene = scene_of(system);
+    saltus_flow_options options = saltus_flow_defaults();
+    char data[path_size], picture[path_size];
+    saltus_message message = {.text = ""};
+    make_record(&m, system, 3, two_impacts, 5);
+    check_ok(
+        saltus_write_trajectory(path_in("run.h5", data), &scene, system, &options, &m.record, NULL, &message),
+        &message);
+    for (int column = 0; column < 2; column++) {
+        const saltus_figure_options look = {.width = column ? 85 : 0};
+        check_ok(saltus_plot_trajectory(path_in("run.svg", picture), data, &look, &message), &message);
+        figure f = figure_taken(folder);
+        const figure_panel *portrait = figure_panel_of(&f, "phase portrait"),
+                           *history = figure_panel_of(&f, "time history; dots: impacts");
+        check_trajectory(figure_element_of(portrait, "$orbit", 0), &m.record, m.record.samples);
+        check_jumps(figure_element_of(portrait, "$jumps", 0), &m.record, m.record.samples);
+        assert_int_equal(figure_element_of(portrait, "$strobe", 0)->values.count, m.record.strobes);
+        for (int k = 0; k < 2; k++) {
+            const double d = k ? -0.033 : 0.033;
+            check_stop(portrait, k, 0, d, portrait->range[0][!k]);
+            check_stop(history, k, 1, d, history->range[1][!k]);
+        }
+        int struck = 0;
+        for (long long row = 0; row < m.record.samples; row++)
+            struck += is_struck(&m.record, row);
+        assert_int_equal(figure_element_of(history, "$impacts", 0)->values.count, struck);
+        assert_true(column ? portrait->frame[2] > history->frame[3] : portrait->frame[1] < history->frame[0]);
+        for (int p = 0; p < f.panel_count; p++)
+            for (int k = 0; k < f.panel[p].mark_count && column; k++) {
+                const figure_mark *mark = &f.panel[p].mark[k];
+                assert_true(mark->kind != 'l' ||
+                            mark->place[0][0] * 522 + 8.2 * saltus_line_letters(mark->text) < 560);
+            }
         figure_free(&f);
     }
     saltus_system_free(system);
@@ -751,6 +807,7 @@ int main(void) {
         cmocka_unit_test(long_captions_are_broken_between_words),
         cmocka_unit_test(a_rest_has_room_about_it),
         cmocka_unit_test(names_of_sides_stay_on_the_page),
+        cmocka_unit_test(a_trajectory_has_its_stops),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

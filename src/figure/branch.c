@@ -64,11 +64,9 @@ static void put_axes(const saltus_plot_page *page) {
         name_measure(page, &name[!page->swap]);
     for (int axis = 0; axis < 2; axis++) {
         saltus_range range = axis ? page->y : page->x;
-        saltus_page_axis(page->page, "xy"[axis], name[axis].text, range);
-        if (!page->logarithmic[axis])
-            continue;
-        fprintf(page->file, "set logscale %c\n", "xy"[axis]);
-        saltus_page_log_tics(page->page, axis ? "y" : "x", range);
+        const saltus_frame *f = &page->frame;
+        saltus_page_axis(page->page, "xy"[axis], axis ? f->top - f->bottom : f->right - f->left,
+                         page->logarithmic[axis], name[axis].text, range);
     }
 }
 

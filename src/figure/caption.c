@@ -158,26 +158,40 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
         saltus_line_add(l, ";  no stop");
 }
 
+/* Pass a letter of a text, or what only sets it: a brace with what it asks for, an index, an escape. Whether
+ * it is shown. */
+static bool pass_letter(const char **text, int *depth) {
+    const char c = *(*text)++;
+    if (c == '{' || c == '}')
+        *depth += c == '{' ? 1 : -1;
+    if (c == '{' && **text == '/')
+        *text += strcspn(*text, " ") + 1;
+    return !strchr("{}_^\\", c) && ((unsigned char)c & 0xc0) != 0x80;
+}
+
 size_t saltus_line_piece(const char *text, int letters) {
     size_t fits = 0, word = 0;
     int depth = 0, shown = 0;
-    for (size_t k = 0; text[k]; k++) {
-        if (strncmp(text + k, "{/:Italic ", 10) == 0) {
-            k += 9;
-            depth++;
-        } else if (text[k] == '{' || text[k] == '}')
-            depth += text[k] == '{' ? 1 : -1;
-        else if (text[k] == ' ' && depth == 0) {
+    for (const char *c = text; *c;) {
+        const size_t k = (size_t)(c - text);
+        if (!pass_letter(&c, &depth))
+            continue;
+        if (text[k] == ' ' && depth == 0) {
             word = k;
             if (k && shown > letters / 2 && strchr(",;", text[k - 1]))
                 fits = k;
-            shown++;
-        } else if (text[k] != '_' && text[k] != '\\' && ((unsigned char)text[k] & 0xc0) != 0x80)
-            shown++;
-        if (shown > letters && word)
+        }
+        if (++shown > letters && word)
             return fits ? fits : word;
     }
     return strlen(text);
+}
+
+int saltus_line_letters(const char *text) {
+    int depth = 0, shown = 0;
+    while (*text)
+        shown += pass_letter(&text, &depth);
+    return shown;
 }
 
 void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room) {

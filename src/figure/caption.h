@@ -38,5 +38,7 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
 /* How many bytes of enhanced text fit into a line of so many letters: up to a blank outside braces, after a
  * comma or semicolon where there is one in the second half of the line. */
 size_t saltus_line_piece(const char *text, int letters);
+/* How many letters of a text are shown. */
+int saltus_line_letters(const char *text);
 
 #endif

@@ -62,17 +62,21 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     /* Values that differ so little that all tics would show the same number are drawn less the final one. */
     double origin = range.high - range.low < alike * fabs(c->exponent) ? c->exponent : 0;
     range = (saltus_range){range.low - origin, range.high - origin};
-    bool narrow = frame.right - frame.left < 600;
+    bool narrow = frame.right - frame.left < 600, tight = frame.right - frame.left < 200;
     saltus_line_add(&time_name, "time {/:Italic %s}%s", saltus_notation_of(system)->time,
                     narrow ? " measured" : " measured, all trajectories together");
-    saltus_page_axis(page, 'x', time_name.text, time);
-    saltus_page_log_tics(page, "x", time);
-    saltus_page_axis(page, 'y',
-                     origin == 0 ? "largest Lyapunov exponent" : "largest Lyapunov exponent − final value",
+    saltus_page_axis(page, 'x', frame.right - frame.left, true, time_name.text, time);
+    saltus_page_axis(page, 'y', frame.top - frame.bottom, false,
+                     origin == 0 ? (tight ? "largest exponent" : "largest Lyapunov exponent")
+                     : tight     ? "exponent − final value"
+                                 : "largest Lyapunov exponent − final value",
                      range);
-    saltus_line_add(&result, "final value ");
+    saltus_line_add(&result, tight ? "" : "final value ");
     saltus_line_uncertain(&result, saltus_uncertain_text(c->exponent, c->standard_error));
     saltus_page_text(page, "Result", result.text);
+    saltus_page_text(page, "KeyPlace",
+                     tight ? "-0.3, graph 1.02 left bottom vertical"
+                           : "1, graph 1.02 right bottom horizontal");
     saltus_page_number(page, "Origin", origin);
     saltus_page_number(page, "Final", c->exponent - origin);
     saltus_page_number(page, "Low", range.low);

@@ -1,11 +1,10 @@
 # How an estimate converged: its error band, itself and the value that it ended at. Values are less Origin. The band is
 # cut off at the panel's edges by hand: gnuplot lets filled areas run out of a panel at its left.
-set logscale x
 if (Zero) {
 set arrow from graph 0, first 0 to graph 1, first 0 nohead front lc rgb '#707070' lw 1.4
 }
 set arrow from graph 0, first Final to graph 1, first Final nohead front lc rgb '#c44e2a' dt (12,9) lw 1.6
-set key at graph 1, graph 1.02 right bottom horizontal Left reverse samplen 1.8 width -1 font ',11' textcolor rgb '#303030'
+set key at graph @KeyPlace Left reverse samplen 1.8 width -1 font ',11' textcolor rgb '#303030'
 cut(x) = x < Low ? Low : x > High ? High : x
 Marks = ""
 if (Points < 30) {

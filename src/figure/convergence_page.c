@@ -70,9 +70,8 @@ static void add_measurement(saltus_line *line, saltus_line *doubt, const saltus_
                         doubt->length ? ";  " : "");
 }
 
-static void put_figure(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
-                       const saltus_lyapunov *l, double precision) {
-    saltus_course course = saltus_lyapunov_course(l);
+static void put_caption(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
+                        const saltus_lyapunov *l, double precision) {
     saltus_line head = {.length = 0}, measurement = {.length = 0}, doubt = {.length = 0};
     saltus_line_plain(&head, scene->name);
     saltus_line_add(&head, ":  largest Lyapunov exponent  ");
@@ -81,12 +80,20 @@ static void put_figure(saltus_page *page, const saltus_scene *scene, const saltu
     else
         saltus_line_add(&head, "−∞");
     add_measurement(&measurement, &doubt, l, precision);
-    saltus_page_begin(page);
-    saltus_course_data(page, &course);
-    saltus_page_scene(page, &head, scene, system);
+    saltus_page_scene(page, &head, scene->title, system);
     saltus_page_words(page, &measurement, "#202020");
     saltus_page_words(page, &doubt, "#c44e2a");
-    saltus_course_panel(page, system, &course, saltus_page_rest(page, page->width < 1000 ? 76 : 36));
+}
+
+static void put_figure(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
+                       const saltus_lyapunov *l, double precision) {
+    saltus_course course = saltus_lyapunov_course(l);
+    put_caption(page, scene, system, l, precision);
+    saltus_page_fit_caption(page);
+    saltus_page_begin(page);
+    saltus_course_data(page, &course);
+    put_caption(page, scene, system, l, precision);
+    saltus_course_panel(page, system, &course, saltus_page_rest(page, saltus_page_narrow(page) ? 76 : 36));
 }
 
 saltus_status saltus_convergence_check(const char *path, saltus_message *message) {

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 /* A page whose size is asked for has type of eight points, of which the usual letter has 52/3 units. */
+static const double tallest = 235; /* of a journal's page, in millimetres */
 static const double mm_per_unit = 8 * 25.4 / 72 / (13 * 96 / 72.0), usual_width = 1600, usual_height = 1200;
 
 saltus_figure_options saltus_figure_defaults(void) {
@@ -148,8 +149,12 @@ saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_
 
 /* Words */
 
+bool saltus_page_narrow(const saltus_page *page) {
+    return page->width < 1000;
+}
+
 static double margin_of(const saltus_page *page) {
-    return page->width < 1000 ? 12 : 48;
+    return saltus_page_narrow(page) ? 12 : 48;
 }
 
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style) {
@@ -181,34 +186,42 @@ void saltus_page_heading(saltus_page *page, const saltus_line *own) {
     if (page->look.no_heading)
         return;
     const char *text = page->look.title ? asked.text : own->text;
-    page->top = page->width < 1000
+    page->top = saltus_page_narrow(page)
                     ? put_lines(page, text, "{/=16:Bold ", "}", 118, "", page->height - 26, 34)
                     : put_lines(page, text, "{/=20:Bold ", "}", 96, "", page->height - 39.6, 42);
-    if (page->width >= 1000)
+    if (!saltus_page_narrow(page))
         saltus_page_label(page, "Saltus " SALTUS_VERSION, page->width - 24, 14.4,
                           "right tc rgb '#909090' font ',9' front");
 }
 
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour) {
     char style[64];
-    snprintf(style, sizeof style, " tc rgb '%s'", colour);
+    snprintf(style, sizeof style, " tc rgb '%s'%s", colour, saltus_page_narrow(page) ? " font ',11.5'" : "");
     if (!page->look.no_heading)
-        page->top = put_lines(page, line->text, "", "", 151, style, page->top, 30.6);
+        page->top = saltus_page_narrow(page)
+                        ? put_lines(page, line->text, "", "", 184, style, page->top, 26)
+                        : put_lines(page, line->text, "", "", 151, style, page->top, 30.6);
 }
 
-void saltus_page_scene(saltus_page *page, const saltus_line *own, const saltus_scene *scene,
+void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *words,
                        const saltus_system *system) {
     saltus_line title = {.length = 0}, parameters = {.length = 0};
-    saltus_line_plain(&title, scene->title);
+    saltus_line_plain(&title, words);
     saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
     saltus_page_heading(page, own);
     saltus_page_words(page, &title, "#606060");
     saltus_page_words(page, &parameters, "#202020");
 }
 
+double saltus_page_room(const saltus_page *page) {
+    return (page->free_height ? tallest / mm_per_unit : page->height) - (page->height - page->top);
+}
+
 void saltus_page_fit_caption(saltus_page *page) {
-    if (page->free_height && page->width < 1000)
+    if (page->free_height && saltus_page_narrow(page))
         page->height += page->height - page->top;
+    if (page->free_height)
+        page->height = fmin(page->height, tallest / mm_per_unit);
     fflush(page->file);
     rewind(page->file);
     /* Should it fail, what is put later stands over it: a script is longer than its caption. */
@@ -219,15 +232,27 @@ void saltus_page_fit_caption(saltus_page *page) {
 /* Panels */
 
 saltus_frame saltus_page_rest(const saltus_page *page, double below) {
-    bool narrow = page->width < 1000;
+    bool narrow = saltus_page_narrow(page);
     return (saltus_frame){narrow ? 124 : 144, page->width - (narrow ? 24 : 43.2), narrow ? 74 : 93.6,
                           page->top - below};
 }
 
 saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows) {
-    bool narrow = page->width < 1000;
-    const double left = narrow ? 124 : 128, right = narrow ? 24 : 43.2, beside = columns > 2 ? 140.8 : 156,
-                 below = narrow ? 125 : 153.6, bottom = narrow ? 76 : 100, above = 60;
+    bool narrow = saltus_page_narrow(page);
+    bool tight = narrow && columns > 1; /* headings have two lines */
+    const double left = tight    ? 102
+                        : narrow ? 124
+                                 : 128,
+                 right = tight    ? 10
+                         : narrow ? 24
+                                  : 43.2,
+                 beside = tight         ? 112
+                          : columns > 2 ? 140.8
+                                        : 156,
+                 below = tight    ? 145
+                         : narrow ? 125
+                                  : 153.6,
+                 bottom = narrow ? 76 : 100, above = tight ? 70 : 60;
     int column = cell % columns, row = rows - 1 - cell / columns;
     double width = (page->width - left - right - (columns - 1) * beside) / columns,
            height = (page->top - above - bottom - (rows - 1) * below) / rows;
@@ -236,11 +261,27 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
 }
 
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading) {
+    bool narrow = saltus_page_narrow(page);
+    const double left = narrow ? 62 : 0, wide = narrow ? 8.2 : 9.5, /* a letter */
+        room = fmin(frame.right + (narrow ? 14 : 90), page->width - 6) - frame.left + left;
+    saltus_line line = {.length = 0};
     saltus_page_frame(page, frame);
-    fprintf(page->file,
-            "set label 99 '{/:Bold (%c)}  %s' at screen %.6g, screen %.6g offset 0,1.1 left front tc rgb "
-            "'#202020'\n",
-            'a' + letter, heading, frame.left / page->width, frame.top / page->height);
+    saltus_line_add(&line, "{/:Bold (%c)}  %s", 'a' + letter, heading);
+    enum { most = 4 };
+    const char *rest = line.text, *from[most];
+    size_t length[most];
+    int lines = 0;
+    for (; *rest && lines < most; lines++) {
+        from[lines] = rest;
+        length[lines] = saltus_line_piece(rest, (int)(room / wide));
+        rest += length[lines];
+        rest += strspn(rest, " ");
+    }
+    for (int k = 0; k < lines; k++)
+        fprintf(page->file,
+                "set label %d '%.*s' at screen %.6g, screen %.6g offset 0,%g left front tc rgb '#202020'%s\n",
+                99 - k, (int)length[k], from[k], (frame.left - left) / page->width, frame.top / page->height,
+                1.1 * (lines - k), narrow ? " font ',11'" : "");
 }
 
 void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
@@ -258,20 +299,33 @@ void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t col
             "border lc rgb '#909090' lw 0.6\n",
             x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)colour);
     saltus_page_label(page, text, x + size + 12, y + 0.5 * size,
-                      page->width < 1000 ? "left front font ',10.5' tc rgb '#202020'"
-                                         : "left front font ',12' tc rgb '#202020'");
+                      saltus_page_narrow(page) ? "left front font ',10.5' tc rgb '#202020'"
+                                               : "left front font ',12' tc rgb '#202020'");
 }
 
-void saltus_page_axis(const saltus_page *page, char axis, const char *name, saltus_range range) {
-    fprintf(page->file, "set %clabel '%s'%s\nset %crange [%.12g:%.12g]\n", axis, name,
-            axis == 'y' ? " offset -0.6,0" : "", axis, range.low, range.high);
-    if (page->width >= 1000)
-        return;
-    /* Long numbers need room beside each other; but a scale needs three of them. */
-    double step = saltus_page_tic_step(range, 5);
-    if (floor(range.high / step) - ceil(range.low / step) < 2)
-        step /= 2;
-    fprintf(page->file, "set %ctics %.9g\n", axis, step);
+void saltus_page_axis(const saltus_page *page, char axis, double length, bool logarithmic, const char *name,
+                      saltus_range range) {
+    const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* over the axis's ends */
+    const double size = usual * (length + over) / (letter * saltus_line_letters(name));
+    const bool narrow = saltus_page_narrow(page);
+    fprintf(page->file, "set %clabel '%s'%s", axis, name,
+            axis == 'x' ? ""
+            : narrow    ? " offset -0.2,0"
+                        : " offset -0.6,0");
+    if (page->look.width > 0 && size < usual)
+        fprintf(page->file, " font ',%.3g'", fmax(size, smallest));
+    fprintf(page->file, "\nset %crange [%.12g:%.12g]\n", axis, range.low, range.high);
+    if (logarithmic) {
+        fprintf(page->file, "set logscale %c\n", axis);
+        saltus_page_log_tics(page, axis == 'x' ? "x" : "y", length, range);
+    } else if (narrow || length < 220) {
+        /* Long numbers need room beside each other; but a scale needs three of them, or two. */
+        double tics = axis == 'x' ? fmin(fmax(length / 45, 2), 5) : 5,
+               step = saltus_page_tic_step(range, tics);
+        if (floor(range.high / step) - ceil(range.low / step) < (tics < 5 ? 1 : 2))
+            step /= 2;
+        fprintf(page->file, "set %ctics %.9g\n", axis, step);
+    }
 }
 
 double saltus_page_tic_step(saltus_range range, double tics) {
@@ -284,28 +338,48 @@ double saltus_page_tic_step(saltus_range range, double tics) {
     return round[k] * power;
 }
 
-void saltus_page_log_tics(const saltus_page *page, const char *axis, saltus_range range) {
+/* Tics of a logarithmic axis that is being laid out. */
+typedef struct log_tics {
+    const saltus_page *page;
+    const char *axis;
+    double length;
+    saltus_range range;
+    double taken; /* up to where along the axis there are numbers */
+    int count;
+} log_tics;
+
+/* A tic, where there is room for its number beside the one before and on the page. */
+static void put_log_tic(log_tics *tics, double value) {
+    const double letter = 9.5, apart = 8, beyond = 20;
+    char number[32];
+    snprintf(number, sizeof number, "%.9g", value);
+    double place = tics->length * log(value / tics->range.low) / log(tics->range.high / tics->range.low),
+           half = *tics->axis == 'x' ? 0.5 * letter * (double)strlen(number) : letter;
+    if (place < -1e-6 || place > tics->length + 1e-6 || place - half < tics->taken ||
+        place + half > tics->length + beyond)
+        return;
+    fprintf(tics->page->file, "%s%s", tics->count++ ? ", " : "", number);
+    tics->taken = place + half + apart;
+}
+
+void saltus_page_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range) {
     static const double parts[] = {1, 2, 5};
     double ratio = range.high / range.low, width = range.high - range.low;
-    bool within = ratio < 4; /* a decade at 1, 2 and 5 would leave few tics, or none */
-    double decade = pow(10, floor(log10(within ? width / 6 : range.low)));
-    const char *separator = "";
+    log_tics tics = {.page = page, .axis = axis, .length = length, .range = range, .taken = -INFINITY};
     if (ratio > 3000) {
         fprintf(page->file, "set %stics auto\nset format %s '10^{%%T}'\n", axis, axis);
         return;
     }
     fprintf(page->file, "set %stics (", axis);
-    if (within) {
+    if (ratio < 4) { /* a decade at 1, 2 and 5 would leave few tics, or none */
+        double decade = pow(10, floor(log10(width / 6)));
         double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
-        for (double k = ceil(range.low / step); k * step <= range.high; k++, separator = ", ")
-            fprintf(page->file, "%s%.12g", separator, k * step);
-    }
-    for (; !within && decade <= range.high; decade *= 10)
-        for (int k = 0; k < 3; k++)
-            if (parts[k] * decade >= range.low && parts[k] * decade <= range.high) {
-                fprintf(page->file, "%s%.9g", separator, parts[k] * decade);
-                separator = ", ";
-            }
+        for (double k = ceil(range.low / step); k * step <= range.high; k++)
+            put_log_tic(&tics, k * step);
+    } else
+        for (double decade = pow(10, floor(log10(range.low))); decade <= range.high; decade *= 10)
+            for (int k = 0; k < 3; k++)
+                put_log_tic(&tics, parts[k] * decade);
     fputs(")\n", page->file);
 }
 

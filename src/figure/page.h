@@ -47,20 +47,27 @@ saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_
  * where no heading is wanted; a title that was asked for stands in place of the figure's own. */
 void saltus_page_heading(saltus_page *page, const saltus_line *own);
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour);
-/* The heading, and below it the scene's title, parameters and stops. */
-void saltus_page_scene(saltus_page *page, const saltus_line *own, const saltus_scene *scene,
+/* The heading, and below it a scene's title, parameters and stops. */
+void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *title,
                        const saltus_system *system);
 
-/* Before the page begins: take back a caption that was put on trial, and where the height is free and the
- * page narrow, so that a caption has many lines, give the page room for it. */
+/* Before the page begins: take back a caption that was put on trial, and where the height is free give a
+ * narrow page, on which a caption has many lines, room for it, and no page more than a journal has. */
 void saltus_page_fit_caption(saltus_page *page);
+
+/* Whether a page is too narrow for panels beside each other in the usual type: a column of a journal. */
+bool saltus_page_narrow(const saltus_page *page);
+/* The height for panels below a caption that was put on trial: of the page asked for, or of a journal's. */
+double saltus_page_room(const saltus_page *page);
 
 /* What is left of the page for a panel that stays that far below the caption. */
 saltus_frame saltus_page_rest(const saltus_page *page, double below);
 /* The frame of a panel in a grid of so many columns and rows, from a cell (from the upper left, row by row)
  * on over so many columns. */
 saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows);
-/* Place the panel, with a heading behind the letter ('a' + letter). */
+/* Place the panel, with a heading behind the letter ('a' + letter), in several lines where the page is
+ * narrow.
+ */
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading);
 /* Place the panel. */
 void saltus_page_frame(const saltus_page *page, saltus_frame frame);
@@ -68,13 +75,16 @@ void saltus_page_frame(const saltus_page *page, saltus_frame frame);
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
 /* A rectangle of colour with words beside it, as an entry of a legend. */
 void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t colour, const char *text);
-/* Name and range of an axis ('x' or 'y'). */
-void saltus_page_axis(const saltus_page *page, char axis, const char *name, saltus_range range);
+/* Name and range of an axis ('x' or 'y') of that length, perhaps a logarithmic one; on a narrow page a long
+ * name is put in small type. */
+void saltus_page_axis(const saltus_page *page, char axis, double length, bool logarithmic, const char *name,
+                      saltus_range range);
 /* A round distance of tics of which there are so many at most. */
 double saltus_page_tic_step(saltus_range range, double tics);
-/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis ("x", "y" or "y2"), at powers of ten alone
- * over many decades, equally spaced over less than one. */
-void saltus_page_log_tics(const saltus_page *page, const char *axis, saltus_range range);
+/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis ("x", "y" or "y2") of that length, as far as
+ * there is room for their numbers; at powers of ten alone over many decades, equally spaced over less than
+ * one. */
+void saltus_page_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range);
 /* Variables of the script, for the templates: a number, and a text without single quotes around it. */
 void saltus_page_number(const saltus_page *page, const char *name, double value);
 void saltus_page_text(const saltus_page *page, const char *name, const char *text);

@@ -18,10 +18,11 @@ enum { panels_most = 6 };
 
 static void put_axes(const saltus_sheet *sheet, saltus_frame frame, const char *x, saltus_range across,
                      const char *y, saltus_range up) {
-    saltus_page_axis(sheet->page, 'x', x, across);
-    saltus_page_axis(sheet->page, 'y', y, up);
-    fprintf(sheet->file, "set xtics %.9g\n",
-            saltus_page_tic_step(across, (frame.right - frame.left) / 100 + 1.5));
+    saltus_page_axis(sheet->page, 'x', frame.right - frame.left, false, x, across);
+    saltus_page_axis(sheet->page, 'y', frame.top - frame.bottom, false, y, up);
+    if (!saltus_page_narrow(sheet->page))
+        fprintf(sheet->file, "set xtics %.9g\n",
+                saltus_page_tic_step(across, (frame.right - frame.left) / 100 + 1.5));
 }
 
 /* The stops of the observed coordinate that lie in its range: grey beyond the clearance, a line at it.
@@ -53,8 +54,9 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
 static void put_facts(const saltus_sheet *sheet, long long events) {
     saltus_page_number(sheet->page, "Impacts", (double)saltus_sheet_impacts(sheet->record, events));
     saltus_page_number(sheet->page, "Contacts", (double)sheet->contacts);
-    saltus_page_number(sheet->page, "Orbit", sheet->orbit);
-    saltus_page_number(sheet->page, "Settled", saltus_verdict_settled(sheet->motion->verdict));
+    saltus_page_number(sheet->page, "Orbit", sheet->strong);
+    saltus_page_number(sheet->page, "Settled",
+                       sheet->motion ? saltus_verdict_settled(sheet->motion->verdict) : sheet->strong);
 }
 
 static void put_template(const saltus_sheet *sheet, const char *name) {
@@ -62,25 +64,28 @@ static void put_template(const saltus_sheet *sheet, const char *name) {
     saltus_page_template(sheet->page, "close");
 }
 
-static void put_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    char x[160], y[160];
+void saltus_sheet_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter) {
+    char x[160], y[160], heading[96];
     saltus_observed_name(sheet->system, false, x, sizeof x);
     saltus_observed_name(sheet->system, true, y, sizeof y);
-    saltus_page_panel(sheet->page, frame, letter,
-                      "phase portrait, dots at {/:Italic τ} = 0 (mod {/:Italic T})");
+    snprintf(heading, sizeof heading, "phase portrait, dots at {/:Italic %s} = 0 (mod {/:Italic T})",
+             saltus_notation_of(sheet->system)->time);
+    saltus_page_panel(sheet->page, frame, letter, sheet->timed ? heading : "phase portrait");
     put_axes(sheet, frame, x, sheet->displacement, y, sheet->velocity);
     put_stops(sheet, true);
     put_facts(sheet, sheet->events);
     put_template(sheet, "portrait");
 }
 
-static void put_history(const saltus_sheet *sheet, saltus_frame frame, int letter) {
+void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->record;
     saltus_range time = {r->time[0], r->time[sheet->history_rows - 1]};
-    char name[160];
+    char name[160], elapsed[64];
     saltus_observed_name(sheet->system, false, name, sizeof name);
     saltus_page_panel(sheet->page, frame, letter, saltus_sheet_history_heading(sheet));
-    put_axes(sheet, frame, "time {/:Italic τ}/{/:Italic T}", time, name, sheet->displacement);
+    snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}%s", saltus_notation_of(sheet->system)->time,
+             sheet->timed ? "/{/:Italic T}" : "");
+    put_axes(sheet, frame, elapsed, time, name, sheet->displacement);
     put_stops(sheet, false);
     put_facts(sheet, sheet->history_events);
     put_template(sheet, "history");
@@ -117,26 +122,39 @@ static bool is_hit(const saltus_sheet *sheet, int face) {
     return k < sheet->mapped;
 }
 
-/* Marks of the impact map: each side of a stop has its colour and its sign. Of many only those that are hit
- * are shown; when the colours have all been used they come again with open signs. */
+/* The marks' colours; of more faces than there are colours only those that are hit are shown. */
+enum { mark_colours = 8 };
+
+static bool is_shown(const saltus_sheet *sheet, int face) {
+    return saltus_system_face_count(sheet->system) <= mark_colours || is_hit(sheet, face);
+}
+
+static int count_marks(const saltus_sheet *sheet) {
+    int count = 0;
+    for (int f = 0; f < saltus_system_face_count(sheet->system); f++)
+        count += is_shown(sheet, f);
+    return count;
+}
+
+/* Marks of the impact map: each side of a stop has its colour and its sign; when the colours have all been
+ * used they come again with open signs. */
 static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
-    static const char *const colours[] = {"c44e2a", "2c5f8a", "2f8f6f", "8a5aa0",
-                                          "b08a00", "1c1c1c", "4aa3c7", "a03060"};
-    enum { colour_count = sizeof colours / sizeof colours[0] };
-    const bool many = saltus_system_face_count(sheet->system) > colour_count;
+    static const char *const colours[mark_colours] = {"c44e2a", "2c5f8a", "2f8f6f", "8a5aa0",
+                                                      "b08a00", "1c1c1c", "4aa3c7", "a03060"};
     int shown = 0;
     const char *separator = "plot ", *value = logarithmic ? "abs($2)" : "$2";
     const char *size = sheet->mapped > 400 ? "0.5" : sheet->mapped > 60 ? "0.8" : "1.3";
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
-        if (many && !is_hit(sheet, f))
+        if (!is_shown(sheet, f))
             continue;
         fprintf(sheet->file,
                 "%s$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc rgb "
-                "'%s%s' title 'stop %d, %s side'",
+                "'%s%s' title 'stop %d, %s%s'",
                 separator, face.side, face.stop + 1, value,
-                (face.side > 0 ? 9 : 11) - shown / colour_count % 2, size, sheet->mapped > 400 ? "#60" : "#",
-                colours[shown % colour_count], face.stop + 1, saltus_side_word(face.side));
+                (face.side > 0 ? 9 : 11) - shown / mark_colours % 2, size, sheet->mapped > 400 ? "#60" : "#",
+                colours[shown % mark_colours], face.stop + 1, saltus_side_word(face.side),
+                saltus_page_narrow(sheet->page) ? "" : " side");
         shown++;
         separator = ", \\\n     ";
     }
@@ -146,7 +164,7 @@ static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
 /* Chatter spans decades of speed, which a logarithmic axis shows. */
 static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->section;
-    char heading[96];
+    char heading[96], phase_name[64];
     saltus_range size = {INFINITY, 0}, signed_range = {0, 0}, phase = {0, 1};
     for (long long k = 0; k < sheet->mapped; k++) {
         double velocity = r->events[k].velocity_before;
@@ -158,21 +176,29 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     bool logarithmic = size.high > 1e3 * size.low;
     saltus_range_pad(&signed_range, 0.08, 1);
     int faces = saltus_system_face_count(sheet->system);
-    if (faces > 1) /* the legend stands beside the panel */
-        frame.right -= 156;
+    bool narrow = saltus_page_narrow(sheet->page);
     saltus_sheet_impacts_heading(sheet, heading, sizeof heading);
+    if (faces > 1 && !narrow) /* the legend stands beside the panel, or above it */
+        frame.right -= 156;
     saltus_page_panel(sheet->page, frame, letter, heading);
+    if (faces > 1 && narrow) {
+        frame.top -= 8 + 19 * count_marks(sheet);
+        saltus_page_frame(sheet->page, frame);
+    }
     if (logarithmic) {
         size = (saltus_range){size.low / 3, size.high * 3};
         fputs("set logscale y\nset format y '10^{%T}'\n", sheet->file);
     }
-    put_axes(sheet, frame, "phase {/:Italic τ}/{/:Italic T} (mod 1)", phase,
+    snprintf(phase_name, sizeof phase_name, "phase {/:Italic %s}/{/:Italic T} (mod 1)",
+             saltus_notation_of(sheet->system)->time);
+    put_axes(sheet, frame, phase_name, phase,
              logarithmic ? "impact speed |{/:Bold n·q′}|" : "velocity before impact, {/:Bold n·q′}",
              logarithmic ? size : signed_range);
     if (faces > 1)
-        fputs("set key at graph 1.02, graph 1.02 left top vertical Left reverse samplen 0.5 width -2 font "
-              "',11' textcolor rgb '#303030'\n",
-              sheet->file);
+        fprintf(sheet->file,
+                "set key at graph %s left %s vertical Left reverse samplen 0.5 width -2 font "
+                "',11' textcolor rgb '#303030'\n",
+                narrow ? "0, graph 1.01" : "1.02, graph 1.02", narrow ? "bottom" : "top");
     put_impact_marks(sheet, logarithmic);
     saltus_page_template(sheet->page, "close");
 }
@@ -222,8 +248,9 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     snprintf(heading, sizeof heading, "shapes of the %.40s; grey: all swept",
              saltus_model_name(saltus_system_spec(sheet->system)->model));
     snprintf(displacement, sizeof displacement, "displacement {/:Italic %s}", n->displacement);
-    frame.right -= 80; /* for the scale of times */
     saltus_page_panel(sheet->page, frame, letter, heading);
+    frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of times */
+    saltus_page_frame(sheet->page, frame);
     put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
@@ -239,6 +266,15 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     fprintf(sheet->file, "set cbrange [0:%g]\nset cbtics %g scale 0.4 offset -0.6,0\n", time.high,
             saltus_page_tic_step(time, 5));
     put_template(sheet, "shapes");
+}
+
+/* Whether a face is a line in the plane of the first two displacements. */
+static bool in_plane(const saltus_sheet *sheet, int face) {
+    const double *w = saltus_system_stop_normal(sheet->system, saltus_system_face(sheet->system, face).stop);
+    int i = 2;
+    while (i < saltus_system_dof(sheet->system) && w[i] == 0)
+        i++;
+    return i >= saltus_system_dof(sheet->system);
 }
 
 static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter) {
@@ -260,17 +296,19 @@ static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter
         else
             saltus_line_add(&name[k], "{/:Italic %s}_%d", n->displacement, k + 1);
     }
+    bool stops = false;
+    for (int f = 0; f < saltus_system_face_count(sheet->system); f++)
+        stops = stops || in_plane(sheet, f);
     saltus_page_panel(sheet->page, frame, letter,
-                      named ? "two displacements; grey: stops" : "both masses; grey: stops");
+                      !stops  ? "two displacements"
+                      : named ? "two displacements; grey: stops"
+                              : "both masses; grey: stops");
     put_axes(sheet, frame, name[0].text, x1, name[1].text, x2);
     fputs("set parametric\nset trange [-1:1]\nplot ", sheet->file);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         const double *w = saltus_system_stop_normal(sheet->system, face.stop);
-        bool within = true; /* the plane of these two */
-        for (int i = 2; i < saltus_system_dof(sheet->system); i++)
-            within = within && w[i] == 0;
-        if (!within)
+        if (!in_plane(sheet, f))
             continue;
         double square = w[0] * w[0] + w[1] * w[1], d = face.side * face.d / square;
         double far = (fabs(d) * sqrt(square) + fabs(x1.high) + fabs(x1.low) + fabs(x2.high) + fabs(x2.low)) /
@@ -310,8 +348,8 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
          settled = saltus_verdict_settled(sheet->motion->verdict);
     bool multipliers = settled && sheet->motion->multiplier_count > 0;
     int count = 0, last = (sheet->spectrum != NULL) + (sheet->course.count > 0);
-    chosen[count++] = put_portrait;
-    chosen[count++] = put_history;
+    chosen[count++] = saltus_sheet_portrait;
+    chosen[count++] = saltus_sheet_history;
     if (!settled)
         chosen[count++] = put_section;
     if (saltus_sheet_impacts(sheet->section, sheet->mapped) > 0)
@@ -327,10 +365,12 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
     return count;
 }
 
-/* Columns of the grid: panels must be wide enough to be read. With an odd number of panels the time history
- * takes two columns. */
+/* Columns of the grid: panels must be wide enough to be read, and on a narrow page high enough below the
+ * caption. With an odd number of panels the time history takes two columns. */
 static int choose_columns(const saltus_page *page, int count) {
-    int most = page->width >= 1500 ? 3 : page->width >= 900 ? 2 : 1;
+    const double low = 300; /* with heading and axis */
+    bool high = saltus_page_room(page) / count >= low;
+    int most = page->width >= 1500 ? 3 : saltus_page_narrow(page) && high ? 1 : 2;
     int wanted = count > 4 ? 3 : count > 1 ? 2 : 1;
     return wanted < most ? wanted : most;
 }
@@ -343,10 +383,10 @@ static int choose_rows(int count, int columns) {
 static void put_panels(const saltus_sheet *sheet, panel *chosen[panels_most], int count, int columns) {
     if (columns == 2 && count % 2) { /* the time history, which takes two cells, begins a row */
         chosen[1] = chosen[2];
-        chosen[2] = put_history;
+        chosen[2] = saltus_sheet_history;
     }
     for (int k = 0, cell = 0; k < count; k++) {
-        int span = chosen[k] == put_history && columns > 1 && count % 2 ? 2 : 1;
+        int span = chosen[k] == saltus_sheet_history && columns > 1 && count % 2 ? 2 : 1;
         chosen[k](sheet, saltus_page_cell(sheet->page, cell, span, columns, choose_rows(count, columns)), k);
         cell += span;
     }
@@ -354,17 +394,21 @@ static void put_panels(const saltus_sheet *sheet, panel *chosen[panels_most], in
 
 static void put_script(saltus_sheet *sheet, saltus_page *page) {
     panel *chosen[panels_most];
-    int count = choose_panels(sheet, chosen), columns = choose_columns(page, count);
-    if (page->free_height)
-        page->height = choose_rows(count, columns) * (page->width / columns * 0.62 + 110) + 60 +
-                       (page->look.no_heading || page->width < 1000 ? 0 : 240);
     sheet->page = page;
     sheet->file = page->file;
     saltus_sheet_caption(sheet, page);
+    int count = choose_panels(sheet, chosen), columns = choose_columns(page, count);
+    double words = page->height - page->top;
+    bool narrow = saltus_page_narrow(page);
+    if (page->free_height)
+        page->height = choose_rows(count, columns) *
+                           (page->width / columns * 0.62 + (narrow && columns > 1 ? 190 : 110)) +
+                       60 + (narrow ? 0 : words);
+    page->top = page->height - words;
     saltus_page_fit_caption(page);
     saltus_page_begin(page);
     saltus_sheet_data(sheet);
-    fputs("set multiplot\n", page->file);
+    fprintf(page->file, "set multiplot\n%s", narrow && columns > 1 ? "set tics font ',11'\n" : "");
     saltus_sheet_caption(sheet, page);
     put_panels(sheet, chosen, count, columns);
     fputs("unset multiplot\n", page->file);

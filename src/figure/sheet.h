@@ -19,6 +19,8 @@ typedef struct saltus_sheet {
     const saltus_spectra *spectra;    /* where it comes from */
     saltus_course course;     /* of the largest exponent, finite numbers only; count 0: not measured */
     bool orbit;               /* one closed orbit is shown; otherwise a stretch of trajectory */
+    bool strong;              /* curves are so few that they are told apart, and drawn so */
+    bool timed;               /* time is counted in periods, at whose begins there are points */
     long long rows;           /* rows of the record that are shown, ... */
     long long events;         /* ... events among them, ... */
     long long history_rows;   /* ... rows of the time history, from the first one on, ... */
@@ -28,10 +30,16 @@ typedef struct saltus_sheet {
     saltus_range displacement, velocity;
 } saltus_sheet;
 
-/* sheet_data.c: choose what is shown. */
+/* sheet.c: the first two panels, as they stand in figures of trajectories too. */
+void saltus_sheet_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter);
+void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int letter);
+/* sheet_data.c: choose what is shown: of a motion, or all of a record. */
 void saltus_sheet_choose(saltus_sheet *sheet);
+void saltus_sheet_choose_all(saltus_sheet *sheet);
 /* Write it as datablocks of the script; counts the contacts. */
 void saltus_sheet_data(saltus_sheet *sheet);
+/* That of portrait and history alone. */
+void saltus_sheet_record_data(saltus_sheet *sheet);
 /* Impacts among the first events of a record. */
 long long saltus_sheet_impacts(const saltus_trajectory *record, long long events);
 /* Observed displacement and velocity of stroboscopic point k of a record. */

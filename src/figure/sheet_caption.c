@@ -186,7 +186,7 @@ void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
     add_evidence(&evidence, sheet->motion);
     add_intermittency(&phases, sheet->motion);
     add_stretch(&shown, sheet);
-    saltus_page_scene(page, &head, sheet->scene, sheet->system);
+    saltus_page_scene(page, &head, sheet->scene->title, sheet->system);
     saltus_page_words(page, &motion, "#202020");
     saltus_page_words(page, &evidence, "#202020");
     saltus_page_words(page, &phases, "#202020");

@@ -99,7 +99,19 @@ void saltus_sheet_choose(saltus_sheet *sheet) {
     sheet->mapped = sheet->section == r ? sheet->events : sheet->section->event_count;
     if (sheet->mapped > mapped_most)
         sheet->mapped = mapped_most;
+    sheet->strong = sheet->orbit;
+    sheet->timed = true;
     choose_course(sheet);
+    find_ranges(sheet);
+}
+
+void saltus_sheet_choose_all(saltus_sheet *sheet) {
+    enum { few = 50 }; /* periods whose curve and points are still told apart */
+    const saltus_trajectory *r = sheet->record;
+    sheet->rows = sheet->history_rows = r->samples;
+    sheet->events = sheet->history_events = r->event_count;
+    sheet->strong = r->time[r->samples - 1] - r->time[0] <= few;
+    sheet->timed = saltus_system_forced(sheet->system);
     find_ranges(sheet);
 }
 
@@ -195,7 +207,7 @@ static void put_strobes(const saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     double point[2];
     fputs("$strobe << EOD\n# displacement velocity tau/T\n", sheet->file);
-    for (long long k = 0; k < r->strobes && (double)k < r->time[sheet->rows - 1]; k++) {
+    for (long long k = 0; k < r->strobes && sheet->timed && (double)k < r->time[sheet->rows - 1]; k++) {
         saltus_sheet_strobe(sheet, r, k, point);
         fprintf(sheet->file, "%.9g %.9g %lld\n", point[0], point[1], k);
     }
@@ -285,11 +297,15 @@ static void put_masses(const saltus_sheet *sheet) {
     fputs("EOD\n", sheet->file);
 }
 
-void saltus_sheet_data(saltus_sheet *sheet) {
+void saltus_sheet_record_data(saltus_sheet *sheet) {
     put_rows(sheet);
     put_impacts(sheet);
     put_contacts(sheet);
     put_strobes(sheet);
+}
+
+void saltus_sheet_data(saltus_sheet *sheet) {
+    saltus_sheet_record_data(sheet);
     if (saltus_verdict_settled(sheet->motion->verdict))
         put_multipliers(sheet);
     else

@@ -6,6 +6,7 @@
 #include "record/output.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { cells_per_octave = 96 };
 
@@ -148,14 +149,11 @@ static row make_row(const saltus_spectra_source *source, int k, int number, cons
 /* Panels */
 
 static void open_panel(const row *r, saltus_frame frame, int letter, const saltus_line *heading,
-                       saltus_range across, double floor) {
+                       saltus_range across, bool logarithmic, double floor) {
     double step = floor < -240 ? 60 : floor < -120 ? 40 : floor < -60 ? 20 : 10;
-    saltus_page_frame(r->page, frame);
-    fprintf(r->page->file,
-            "set label 99 '{/:Bold (%c)}  %s' at graph 0, graph 1 offset 0,1.1 left front tc rgb '#202020'\n",
-            'a' + letter, heading->text);
-    saltus_page_axis(r->page, 'x', "frequency / {/:Italic ω}", across);
-    saltus_page_axis(r->page, 'y',
+    saltus_page_panel(r->page, frame, letter, heading->text);
+    saltus_page_axis(r->page, 'x', frame.right - frame.left, logarithmic, "frequency / {/:Italic ω}", across);
+    saltus_page_axis(r->page, 'y', frame.top - frame.bottom, false,
                      r->s->kind == SALTUS_SPECTRUM_LINES ? "amplitude, dB of the highest"
                                                          : "power density, dB of its peak",
                      (saltus_range){floor, -0.04 * floor});
@@ -181,6 +179,10 @@ static void plot(const row *r, const char *block, double end, double floor, doub
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
         saltus_page_number(r->page, numbers[k].name, numbers[k].value);
     saltus_page_text(r->page, "EdgeName", edge);
+    /* Beside the edge, on the side where there is room. */
+    const double beside = strcmp(block, "low") == 0 ? 1 - r->s->trustworthy / end
+                                                    : log(end / r->s->trustworthy) / log(end / r->begin);
+    saltus_page_text(r->page, "EdgeSide", beside < 0.25 ? "right offset -0.5,0" : "left offset 0.5,0");
     saltus_page_template(r->page, "spectrum");
     if (r->s->kind == SALTUS_SPECTRUM_LINES)
         fprintf(r->page->file, "plot %s @Stems0, %s @Dots0, %s @Stems1, %s @Dots1\n", name, name, name, name);
@@ -212,9 +214,12 @@ static void put_line_marks(const row *r, double end) {
 
 static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_line *heading) {
     double floor = fmax(r->floor, shallow);
-    open_panel(r, frame, letter, heading, (saltus_range){0, r->low_end}, floor);
-    bool few = r->low_end <= 10 && frame.right - frame.left > 200;
-    fprintf(r->page->file, "set xtics %g\nset mxtics 2\n", few ? 1.0 : 2.0);
+    open_panel(r, frame, letter, heading, (saltus_range){0, r->low_end}, false, floor);
+    double width = frame.right - frame.left;
+    fprintf(r->page->file, "set xtics %g\nset mxtics 2\n",
+            width < 200        ? fmax(1, saltus_page_tic_step((saltus_range){0, r->low_end}, 5))
+            : r->low_end <= 10 ? 1.0
+                               : 2.0);
     put_line_marks(r, r->low_end);
     plot(r, "low", r->low_end, floor, r->end, 0.7);
 }
@@ -248,8 +253,7 @@ static void put_whole(const row *r, saltus_frame frame, int letter) {
         saltus_line_add(&heading, "; between them below −%.0f dB", floor(-between));
     if (s->trustworthy < r->end)
         saltus_line_add(&heading, "; grey: not trustworthy");
-    open_panel(r, frame, letter, &heading, (saltus_range){r->begin, r->end}, r->floor);
-    fputs("set logscale x\n", r->page->file);
+    open_panel(r, frame, letter, &heading, (saltus_range){r->begin, r->end}, true, r->floor);
     if (dashed)
         fprintf(r->page->file,
                 "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead front dt (6,5) lc rgb "
@@ -284,7 +288,7 @@ static void put_caption(const saltus_spectra_source *source, saltus_page *page) 
     saltus_line_plain(&head, verdict);
     saltus_line_plain(&analysed, method);
     add_findings(source, &findings);
-    saltus_page_scene(page, &head, source->scene, source->system);
+    saltus_page_scene(page, &head, source->scene->title, source->system);
     saltus_page_words(page, &analysed, "#202020");
     saltus_page_words(page, &findings, "#202020");
 }
@@ -292,7 +296,7 @@ static void put_caption(const saltus_spectra_source *source, saltus_page *page) 
 /* Two quantities take a row of the page each; one takes both, the low frequencies above. On a narrow page
  * each panel has a row. */
 static void put_panels(const row *rows, int count, const saltus_page *page) {
-    int columns = count > 1 && page->width >= 1000 ? 2 : 1, cells = 2 * count;
+    int columns = count > 1 && !saltus_page_narrow(page) ? 2 : 1, cells = 2 * count;
     for (int cell = 0; cell < cells; cell++) {
         saltus_frame frame = saltus_page_cell(page, cell, 1, columns, (cells + columns - 1) / columns);
         (cell % 2 ? put_whole : put_low)(&rows[cell / 2], frame, cell);
@@ -307,9 +311,11 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
             rows[count] = make_row(source, k, count + 1, page);
             count++;
         }
-    if (page->free_height && count)
-        page->height = page->width * (page->width >= 1000 ? 0.75 : 1.3 * count);
     put_caption(source, page);
+    double words = page->height - page->top;
+    if (page->free_height && count)
+        page->height = saltus_page_narrow(page) ? page->width * 1.3 * count : page->width * 0.7 + words;
+    page->top = page->height - words;
     saltus_page_fit_caption(page);
     saltus_page_begin(page);
     for (int k = 0; k < count; k++) {

@@ -5,7 +5,7 @@ set object rectangle from Grey, graph 0 to End, graph 1 back fc rgb '#ececec' fs
 }
 if (Edge < End && Edge > Begin) {
 set arrow from Edge, graph 0 to Edge, graph 1 nohead back lc rgb '#808080' lw 1.5
-set label EdgeName at Edge, graph 0.94 left offset 0.5,0 front tc rgb '#505050'
+set label EdgeName at Edge, graph 0.94 @EdgeSide front tc rgb '#505050'
 }
 Stems0 = "using ($3 == 0 && $2 > Floor && $1 <= Stems ? $1 : NaN):(Floor):(0):($2 - Floor) with vectors nohead lc rgb '#2c5f8a' lw 1.3"
 Dots0 = "using ($3 == 0 ? $1 : NaN):2 with points pt 7 ps Dot lc rgb '#2c5f8a'"

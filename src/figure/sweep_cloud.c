@@ -467,12 +467,9 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         saltus_page_frame(&page->paper, page->frame);
         saltus_sweep_put_axis(page, 'x', &page->x);
         saltus_sweep_name_measure(page, &name);
-        saltus_page_axis(&page->paper, 'y', name.text, page->up);
+        saltus_page_axis(&page->paper, 'y', page->frame.top - page->frame.bottom, page->logarithmic,
+                         name.text, page->up);
         fputs("unset xlabel\nset format x ''\n", file);
-        if (page->logarithmic) {
-            fputs("set logscale y\n", file);
-            saltus_page_log_tics(&page->paper, "y", page->up);
-        }
         if (page->branches)
             saltus_plot_labels(page->branches);
         put_plot(page, rasters, dense);

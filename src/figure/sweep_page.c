@@ -164,11 +164,9 @@ void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltu
         add_symbol(page->system, key, &name);
     } else
         saltus_line_parameter(&name, &page->sweep->spec, key);
-    saltus_page_axis(&page->paper, axis, name.text, cells->range);
-    if (!cells->logarithmic)
-        return;
-    fprintf(page->file, "set logscale %c\n", axis);
-    saltus_page_log_tics(&page->paper, axis == 'x' ? "x" : "y", cells->range);
+    const saltus_frame *f = &page->frame;
+    saltus_page_axis(&page->paper, axis, axis == 'x' ? f->right - f->left : f->top - f->bottom,
+                     cells->logarithmic, name.text, cells->range);
 }
 
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,

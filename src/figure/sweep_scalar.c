@@ -100,7 +100,7 @@ bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
             "set y2label '%s' offset 0.8,0\n",
             columns, steps, map->logarithmic ? "set logscale y2\n" : "", low, high, name.text);
     if (map->logarithmic)
-        saltus_page_log_tics(&page->paper, "y2", map->range);
+        saltus_page_log_tics(&page->paper, "y2", page->frame.top - page->frame.bottom, map->range);
     fputs("plot ", page->file);
     saltus_raster_element(page->file, &raster, "x1y1");
     fputs(", NaN notitle axes x1y2\n", page->file);
