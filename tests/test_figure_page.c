@@ -112,8 +112,8 @@ static void check_apart(const figure *f, const part *there) {
              pipe = strstr(part_words[structure], "pipe");
         for (int k = 0; k < panel->mark_count; k++) {
             const figure_mark *mark = &panel->mark[k];
-            bool heading = strstr(mark->text, "{/:Bold (") != NULL;
-            own += mark->kind == 'l' && (heading || mark->system[0][0] != 's' || mark->system[0][1] != 's');
+            bool begins = strstr(mark->text, "{/:Bold (") != NULL, heading = begins || mark->tag > 90;
+            own += mark->kind == 'l' && (begins || mark->system[0][0] != 's' || mark->system[0][1] != 's');
             pages += mark->kind == 'l' && !heading && mark->system[0][0] == 's' && mark->system[0][1] == 's';
             objects += mark->kind == 'o';
             arrows += mark->kind == 'a';
