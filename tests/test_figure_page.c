@@ -665,7 +665,7 @@ static void narrow_axes_have_enough_tics(void **state) {
             double step = 0;
             FILE *file = fmemopen(text, sizeof text, "w");
             const saltus_page page = {.file = file, .width = 600, .height = 600};
-            saltus_page_axis(&page, 'x', 450, false, "x", (saltus_range){low, low + width});
+            saltus_page_axis(&page, "x", (saltus_frame){.right = 450}, false, "x", (saltus_range){low, low + width});
             fclose(file);
             assert_int_equal(sscanf(strstr(text, "set xtics "), "set xtics %lf", &step), 1);
             double tics = floor((low + width) / step) - ceil(low / step) + 1;

@@ -64,9 +64,8 @@ static void put_axes(const saltus_plot_page *page) {
         name_measure(page, &name[!page->swap]);
     for (int axis = 0; axis < 2; axis++) {
         saltus_range range = axis ? page->y : page->x;
-        const saltus_frame *f = &page->frame;
-        saltus_page_axis(page->page, "xy"[axis], axis ? f->top - f->bottom : f->right - f->left,
-                         page->logarithmic[axis], name[axis].text, range);
+        saltus_page_axis(page->page, axis ? "y" : "x", page->frame, page->logarithmic[axis], name[axis].text,
+                         range);
     }
 }
 

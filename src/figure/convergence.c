@@ -65,8 +65,8 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     bool narrow = frame.right - frame.left < 600, tight = frame.right - frame.left < 200;
     saltus_line_add(&time_name, "time {/:Italic %s}%s", saltus_notation_of(system)->time,
                     narrow ? " measured" : " measured, all trajectories together");
-    saltus_page_axis(page, 'x', frame.right - frame.left, true, time_name.text, time);
-    saltus_page_axis(page, 'y', frame.top - frame.bottom, false,
+    saltus_page_axis(page, "x", frame, true, time_name.text, time);
+    saltus_page_axis(page, "y", frame, false,
                      origin == 0 ? (tight ? "largest exponent" : "largest Lyapunov exponent")
                      : tight     ? "exponent − final value"
                                  : "largest Lyapunov exponent − final value",

@@ -303,28 +303,29 @@ void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t col
                                                : "left front font ',12' tc rgb '#202020'");
 }
 
-void saltus_page_axis(const saltus_page *page, char axis, double length, bool logarithmic, const char *name,
-                      saltus_range range) {
+void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
+                      const char *name, saltus_range range) {
     const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* over the axis's ends */
-    const double size = usual * (length + over) / (letter * saltus_line_letters(name));
-    const bool narrow = saltus_page_narrow(page);
-    fprintf(page->file, "set %clabel '%s'%s", axis, name,
-            axis == 'x' ? ""
-            : narrow    ? " offset -0.2,0"
-                        : " offset -0.6,0");
+    const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
+    const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
+                 size = usual * (length + over) / (letter * saltus_line_letters(name));
+    fprintf(page->file, "set %slabel '%s'%s", axis, name,
+            across                    ? ""
+            : strcmp(axis, "y2") == 0 ? " offset 0.8,0"
+            : narrow                  ? " offset -0.2,0"
+                                      : " offset -0.6,0");
     if (page->look.width > 0 && size < usual)
         fprintf(page->file, " font ',%.3g'", fmax(size, smallest));
-    fprintf(page->file, "\nset %crange [%.12g:%.12g]\n", axis, range.low, range.high);
+    fprintf(page->file, "\nset %srange [%.12g:%.12g]\n", axis, range.low, range.high);
     if (logarithmic) {
-        fprintf(page->file, "set logscale %c\n", axis);
-        saltus_page_log_tics(page, axis == 'x' ? "x" : "y", length, range);
+        fprintf(page->file, "set logscale %s\n", axis);
+        saltus_page_log_tics(page, axis, length, range);
     } else if (narrow || length < 220) {
         /* Long numbers need room beside each other; but a scale needs three of them, or two. */
-        double tics = axis == 'x' ? fmin(fmax(length / 45, 2), 5) : 5,
-               step = saltus_page_tic_step(range, tics);
+        double tics = across ? fmin(fmax(length / 45, 2), 5) : 5, step = saltus_page_tic_step(range, tics);
         if (floor(range.high / step) - ceil(range.low / step) < (tics < 5 ? 1 : 2))
             step /= 2;
-        fprintf(page->file, "set %ctics %.9g\n", axis, step);
+        fprintf(page->file, "set %stics %.9g\n", axis, step);
     }
 }
 

@@ -75,10 +75,10 @@ void saltus_page_frame(const saltus_page *page, saltus_frame frame);
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
 /* A rectangle of colour with words beside it, as an entry of a legend. */
 void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t colour, const char *text);
-/* Name and range of an axis ('x' or 'y') of that length, perhaps a logarithmic one; on a narrow page a long
- * name is put in small type. */
-void saltus_page_axis(const saltus_page *page, char axis, double length, bool logarithmic, const char *name,
-                      saltus_range range);
+/* Name and range of an axis ("x", "y" or "y2") of a panel, perhaps a logarithmic one; on a page of a size
+ * asked for a long name is put in small type. */
+void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
+                      const char *name, saltus_range range);
 /* A round distance of tics of which there are so many at most. */
 double saltus_page_tic_step(saltus_range range, double tics);
 /* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis ("x", "y" or "y2") of that length, as far as

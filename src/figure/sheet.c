@@ -18,8 +18,8 @@ enum { panels_most = 6 };
 
 static void put_axes(const saltus_sheet *sheet, saltus_frame frame, const char *x, saltus_range across,
                      const char *y, saltus_range up) {
-    saltus_page_axis(sheet->page, 'x', frame.right - frame.left, false, x, across);
-    saltus_page_axis(sheet->page, 'y', frame.top - frame.bottom, false, y, up);
+    saltus_page_axis(sheet->page, "x", frame, false, x, across);
+    saltus_page_axis(sheet->page, "y", frame, false, y, up);
     if (!saltus_page_narrow(sheet->page))
         fprintf(sheet->file, "set xtics %.9g\n",
                 saltus_page_tic_step(across, (frame.right - frame.left) / 100 + 1.5));

@@ -152,8 +152,8 @@ static void open_panel(const row *r, saltus_frame frame, int letter, const saltu
                        saltus_range across, bool logarithmic, double floor) {
     double step = floor < -240 ? 60 : floor < -120 ? 40 : floor < -60 ? 20 : 10;
     saltus_page_panel(r->page, frame, letter, heading->text);
-    saltus_page_axis(r->page, 'x', frame.right - frame.left, logarithmic, "frequency / {/:Italic ω}", across);
-    saltus_page_axis(r->page, 'y', frame.top - frame.bottom, false,
+    saltus_page_axis(r->page, "x", frame, logarithmic, "frequency / {/:Italic ω}", across);
+    saltus_page_axis(r->page, "y", frame, false,
                      r->s->kind == SALTUS_SPECTRUM_LINES ? "amplitude, dB of the highest"
                                                          : "power density, dB of its peak",
                      (saltus_range){floor, -0.04 * floor});

@@ -25,6 +25,8 @@ double saltus_cells_part(const saltus_cells *cells, double value);
 double saltus_cells_value(const saltus_cells *cells, double part);
 /* The edge k as a part of the range shown. */
 double saltus_cells_edge(const saltus_cells *cells, int k);
+/* How much of cell k is in the range shown, from 0 to 1; of a sliver that no page shows, nothing. */
+double saltus_cells_shown(const saltus_cells *cells, int k);
 /* The cells that a pixel out of `pixels` shows: those with their middle in it, or the one that it lies in.
  * False when there is none. */
 bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *first, int *last);
@@ -103,8 +105,8 @@ void saltus_sweep_caption(saltus_sweep_page *page);
 void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line);
 /* Ranges of the second axes for a raster of that size. */
 void saltus_sweep_put_raster_ranges(FILE *file, int width, int height);
-/* Range, scale, tics and name of an axis ('x' or 'y'). */
-void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells);
+/* Range, scale, tics and name of an axis ("x" or "y"). */
+void saltus_sweep_put_axis(const saltus_sweep_page *page, const char *axis, const saltus_cells *cells);
 /* A square of paint with words beside it, as an entry of a legend, and figures at its right end; hatched with
  * lines where asked for. The entry's width in units goes to the figures' end. */
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,
@@ -135,7 +137,7 @@ typedef struct saltus_map_kind {
     char label[64], figures[48];
     char name[32]; /* written into its regions; "" for none */
     saltus_paint paint;
-    long long count;
+    double count; /* of its points, as far as their cells are shown */
 } saltus_map_kind;
 
 /* Names into the regions of a map. `kind` has that many columns and rows, the lowest row first, each of

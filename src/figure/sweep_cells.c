@@ -78,6 +78,13 @@ double saltus_cells_edge(const saltus_cells *cells, int k) {
     return saltus_cells_part(cells, cells->logarithmic ? exp(cells->edge[k]) : cells->edge[k]);
 }
 
+double saltus_cells_shown(const saltus_cells *cells, int k) {
+    const double sliver = 5e-4; /* of the range */
+    double low = saltus_cells_edge(cells, k), high = saltus_cells_edge(cells, k + 1),
+           shown = fmin(high, 1) - fmax(low, 0), part = shown / (high - low);
+    return part > 1 - 1e-6 ? 1 : shown > sliver ? part : 0;
+}
+
 /* The last cell that begins at or before a place. */
 static int cell_before(const saltus_cells *cells, double place) {
     int low = 0, high = cells->count - 1;

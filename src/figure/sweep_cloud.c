@@ -465,10 +465,9 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         sound = sound && paint(page, rasters);
     if (sound) {
         saltus_page_frame(&page->paper, page->frame);
-        saltus_sweep_put_axis(page, 'x', &page->x);
+        saltus_sweep_put_axis(page, "x", &page->x);
         saltus_sweep_name_measure(page, &name);
-        saltus_page_axis(&page->paper, 'y', page->frame.top - page->frame.bottom, page->logarithmic,
-                         name.text, page->up);
+        saltus_page_axis(&page->paper, "y", page->frame, page->logarithmic, name.text, page->up);
         fputs("unset xlabel\nset format x ''\n", file);
         if (page->branches)
             saltus_plot_labels(page->branches);

@@ -23,30 +23,24 @@ static bool open_kinds(saltus_sweep_map *map, int count) {
     return map->kinds && map->kind;
 }
 
-static void name_kind(saltus_map_kind *kind, const char *label, uint32_t colour) {
+static void name_kind(saltus_map_kind *kind, const char *label, saltus_paint paint) {
     snprintf(kind->label, sizeof kind->label, "%s", label);
-    kind->paint = (saltus_paint){colour, 0};
-}
-
-bool saltus_sweep_map_shows(const saltus_sweep_map *map, long long point) {
-    const saltus_sweep_page *page = map->page;
-    const saltus_axis *axes = page->sweep->axes;
-    double value[2] = {axes[0].list[point % axes[0].count], axes[1].list[point / axes[0].count]};
-    bool swap = page->wish->look.swap;
-    return value[swap] >= page->x.range.low && value[swap] <= page->x.range.high &&
-           value[!swap] >= page->y.range.low && value[!swap] <= page->y.range.high;
+    kind->paint = paint;
 }
 
 /* Count the points of each kind that are shown and put the shares into the legend. */
 static void add_shares(saltus_sweep_map *map) {
-    long long points = map->page->sweep->points, shown = 0;
-    for (long long p = 0; p < points; p++)
-        if (saltus_sweep_map_shows(map, p)) {
-            map->kinds[map->kind[p]].count++;
-            shown++;
+    double all = 0;
+    for (int row = 0; row < map->page->y.count; row++)
+        for (int column = 0; column < map->page->x.count; column++) {
+            long long point = saltus_sweep_map_point(map, column, row);
+            double shown = saltus_sweep_map_shown(map, column, row);
+            map->kinds[map->kind[point]].count += shown;
+            map->any_several |= map->several && map->several[point] && shown > 0;
+            all += shown;
         }
     for (int k = 0; k < map->kind_count; k++) {
-        double share = 100 * (double)map->kinds[k].count / (double)(shown ? shown : 1);
+        double share = all > 0 ? 100 * map->kinds[k].count / all : 0;
         size_t used = strlen(map->kinds[k].figures);
         snprintf(map->kinds[k].figures + used, sizeof map->kinds[k].figures - used, "%s%.*f %%",
                  used ? ",  " : "", share < 9.95 ? 1 : 0, share);
@@ -128,7 +122,7 @@ bool saltus_sweep_map_counts(saltus_sweep_map *map) {
     for (int k = 0; k <= most; k++) {
         char label[32];
         snprintf(label, sizeof label, "%d%s attractor%s", k, k == most ? " or more" : "", k == 1 ? "" : "s");
-        name_kind(&map->kinds[k], k ? label : "none found", colours[k]);
+        name_kind(&map->kinds[k], k ? label : "none found", (saltus_paint){colours[k], 0});
     }
     for (long long p = 0; p < map->page->sweep->points; p++) {
         int count = count_attractors(map->page, p);
@@ -138,10 +132,23 @@ bool saltus_sweep_map_counts(saltus_sweep_map *map) {
     return true;
 }
 
-static uint32_t basin_colour(int attractor) {
-    static const double hues[] = {250, 60, 160, 305, 95, 20, 205, 345, 130};
-    enum { own = sizeof hues / sizeof hues[0] };
-    return saltus_colour(attractor % 2 ? 0.66 : 0.56, attractor < own ? 0.12 : 0.06, hues[attractor % own]);
+/* How an attractor's basin is painted: as its motion is everywhere; of several attractors of one motion the
+ * later ones are darker, with other textures. */
+static saltus_paint basin_paint(const saltus_sweep_map *map, int attractor) {
+    const saltus_sweep_file *sweep = map->page->sweep;
+    const saltus_sweep_class *own = NULL;
+    int twins = 0;
+    for (long long p = 0; p < sweep->points && !own; p++) {
+        long long row = saltus_sweep_visit(sweep, p, 0);
+        if (sweep->rows[row].attractor == attractor)
+            own = &map->page->classes.list[map->page->classes.of_row[row]];
+    }
+    saltus_paint paint = own ? own->paint : saltus_class_paint(SALTUS_UNDECIDED, 0, 0);
+    for (int k = 0; k < attractor; k++)
+        twins += strcmp(sweep->attractor_label[k], sweep->attractor_label[attractor]) == 0;
+    paint.colour = saltus_colour_mix(paint.colour, 0x000000, twins / (twins + 1.5));
+    paint.texture ^= twins % 2 ? SALTUS_POSTS : twins ? SALTUS_BARS : 0;
+    return paint;
 }
 
 /* How pale a settled point is: the longer it took, the darker. */
@@ -168,16 +175,20 @@ bool saltus_sweep_map_basins(saltus_sweep_map *map) {
     if (!map->number || !open_kinds(map, n + plain_kinds))
         return false;
     for (int k = 0; k < n; k++) {
-        name_kind(&map->kinds[k], sweep->attractor_label[k], basin_colour(k));
+        name_kind(&map->kinds[k], sweep->attractor_label[k], basin_paint(map, k));
         if (isfinite(sweep->attractor_multiplier[k]))
             snprintf(map->kinds[k].figures, sizeof map->kinds[k].figures, "|{/:Italic μ}| = %.3g",
                      sweep->attractor_multiplier[k]);
     }
-    name_kind(&map->kinds[n + plain_irregular], "irregular", 0xc6c6c6);
-    name_kind(&map->kinds[n + plain_failed], "failed", 0xff2d78);
-    name_kind(&map->kinds[n + plain_beyond], "beyond a stop", 0xffffff);
-    map->kinds[n + plain_beyond].paint = saltus_class_paint(SALTUS_BEYOND, 0, 0);
-    name_kind(&map->kinds[n + plain_pending], "not computed yet", 0xffffff);
+    static const struct {
+        const char *label;
+        int verdict;
+    } plain[plain_kinds] = {[plain_irregular] = {"irregular", SALTUS_IRREGULAR},
+                            [plain_failed] = {"failed", SALTUS_FAILED},
+                            [plain_beyond] = {"beyond a stop", SALTUS_BEYOND},
+                            [plain_pending] = {"not computed yet", SALTUS_PENDING}};
+    for (int k = 0; k < plain_kinds; k++)
+        name_kind(&map->kinds[n + k], plain[k].label, saltus_class_paint(plain[k].verdict, 0, 0));
     for (long long p = 0; p < sweep->points; p++) {
         const saltus_sweep_row *row = &sweep->rows[saltus_sweep_visit(sweep, p, 0)];
         int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, p, 0));

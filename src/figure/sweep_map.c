@@ -6,10 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Point of the grid at a cell of each axis. */
-static long long point_of(const saltus_sweep_map *map, int column, int row) {
+long long saltus_sweep_map_point(const saltus_sweep_map *map, int column, int row) {
     long long across = map->page->x.order[column], up = map->page->y.order[row];
     return map->page->wish->look.swap ? up + across * map->page->y.count : across + up * map->page->x.count;
+}
+
+double saltus_sweep_map_shown(const saltus_sweep_map *map, int column, int row) {
+    return saltus_cells_shown(&map->page->x, column) * saltus_cells_shown(&map->page->y, row);
 }
 
 /* Step between the cells that are looked at for a pixel along one axis: about `looks` of them. */
@@ -28,7 +31,7 @@ static int kind_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltu
         return -1;
     for (int j = row.first; j <= row.last; j += stride(row))
         for (int i = column.first; i <= column.last; i += stride(column)) {
-            long long own = point_of(map, i, j);
+            long long own = saltus_sweep_map_point(map, i, j);
             int k = 0;
             while (k < distinct && seen[k] != map->kind[own])
                 k++;
@@ -53,7 +56,7 @@ static double number_at(const saltus_sweep_map *map, saltus_pixel_cells column, 
     *point = -1;
     for (int j = row.first; column.first >= 0 && row.first >= 0 && j <= row.last; j += stride(row))
         for (int i = column.first; i <= column.last; i += stride(column)) {
-            double number = map->number[ *point = point_of(map, i, j)];
+            double number = map->number[ *point = saltus_sweep_map_point(map, i, j)];
             if (isnan(number))
                 continue;
             sum += number;
@@ -78,22 +81,24 @@ static void paint_kind(saltus_sweep_map *map, int x, int y, int fineness) {
     saltus_raster_set(&map->raster, x, y, colour, 1);
 }
 
-/* Colour of a point that has no number: not computed, failed, or nothing to tell. */
-static uint32_t without_number(const saltus_sweep_map *map, long long point) {
+/* What a point is that has no number: not computed, failed, or nothing that tells. */
+static int without_number(const saltus_sweep_map *map, long long point) {
     const saltus_sweep_file *sweep = map->page->sweep;
     int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, point, 0));
-    return verdict == SALTUS_BEYOND    ? 0xf4f4f4
-           : verdict == SALTUS_PENDING ? 0xffffff
-           : verdict == SALTUS_FAILED  ? 0xff2d78
-                                       : 0xc6c6c6;
+    return verdict == SALTUS_BEYOND || verdict == SALTUS_PENDING || verdict == SALTUS_FAILED
+               ? verdict
+               : SALTUS_UNDECIDED;
 }
 
-static void paint_number(saltus_sweep_map *map, int x, int y) {
+static void paint_number(saltus_sweep_map *map, int x, int y, int fineness) {
     long long point;
     double number = number_at(map, map->columns[x], map->rows[y], &point);
     if (point >= 0)
         saltus_raster_set(&map->raster, x, y,
-                          isnan(number) ? without_number(map, point) : saltus_sweep_map_colour(map, number),
+                          isnan(number)
+                              ? saltus_paint_at(saltus_class_paint(without_number(map, point), 0, 0),
+                                                x / fineness, y / fineness)
+                              : saltus_sweep_map_colour(map, number),
                           1);
 }
 
@@ -117,7 +122,7 @@ static bool paint(saltus_sweep_map *map) {
             if (map->kind)
                 paint_kind(map, x, y, fineness);
             else
-                paint_number(map, x, y);
+                paint_number(map, x, y, fineness);
         }
     return true;
 }
@@ -137,11 +142,6 @@ static bool put_names(const saltus_sweep_map *map) {
     bool sound = kind && saltus_sweep_name_regions(map->page, map->kinds, kind, columns, rows, step);
     free(kind);
     return sound;
-}
-
-/* Whether any point shown has more than one attractor. */
-static bool any_several(const saltus_sweep_map *map) {
-    return map->several && memchr(map->several, 1, (size_t)map->page->sweep->points);
 }
 
 /* Whether one kind comes before another in the legend: it has more points. */
@@ -199,10 +199,10 @@ static void put_legend(const saltus_sweep_map *map) {
            top = below ? (map->legend_rows - 0.6) * row_height : page->frame.top - 18;
     double width = (page->paper.width - 12) / 3;
     int most = below ? 3 * map->legend_rows : (int)((top - bottom) / row_height), rest = 0, rows = 0;
-    int entries = any_several(map);
+    int entries = map->any_several;
     for (int k = 0; k < map->kind_count; k++)
         entries += map->kinds[k].count > 0;
-    most -= any_several(map) + (entries > most);
+    most -= map->any_several + (entries > most);
     double share = 0;
     for (int k = 0; k < map->kind_count; k++) {
         int rank = place_in_legend(map, k, most);
@@ -210,7 +210,7 @@ static void put_legend(const saltus_sweep_map *map) {
             continue;
         if (rank < 0) {
             rest++;
-            share += (double)map->kinds[k].count;
+            share += map->kinds[k].count;
             continue;
         }
         saltus_sweep_put_entry(page, below ? x + rank % 3 * width : x,
@@ -220,7 +220,7 @@ static void put_legend(const saltus_sweep_map *map) {
     }
     if (!below)
         put_heading(map, x, top + 46);
-    if (any_several(map)) {
+    if (map->any_several) {
         saltus_sweep_put_entry(page, below ? x + rows % 3 * width : x,
                                below ? top - rows / 3 * row_height : top - rows * row_height - row_height / 4,
                                (saltus_paint){0xffffff, 0}, true,
@@ -229,10 +229,10 @@ static void put_legend(const saltus_sweep_map *map) {
     }
     if (rest) {
         char text[64];
-        long long shown = 0;
+        double shown = 0;
         for (int k = 0; k < map->kind_count; k++)
             shown += map->kinds[k].count;
-        share *= 100 / (double)shown;
+        share *= 100 / shown;
         snprintf(text, sizeof text, "%d more motions, %.*f %%", rest, share < 9.95 ? 1 : 0, share);
         put_note(map, below ? x + rows % 3 * width : x,
                  below ? top - rows / 3 * row_height + 9 : top - rows * row_height, text);
@@ -244,17 +244,21 @@ static void put_exceptions(const saltus_sweep_map *map) {
     bool measured = map->page->view == SALTUS_VIEW_LYAPUNOV;
     const char *const words[] = {"not computed yet", "failed", "beyond a stop",
                                  measured ? "not measured" : "no period found"};
-    static const uint32_t colours[] = {0xffffff, 0xff2d78, 0xf4f4f4, 0xc6c6c6};
-    bool narrow = map->page->paper.width < 1000;
-    double x = narrow ? 12 : 48, y = map->page->paper.top - 8;
+    static const int verdicts[] = {SALTUS_PENDING, SALTUS_FAILED, SALTUS_BEYOND, SALTUS_UNDECIDED};
+    const saltus_sweep_page *page = map->page;
+    bool narrow = saltus_page_narrow(&page->paper);
+    double x = narrow ? 12 : 48, y = page->paper.top - 8;
     for (int k = 0; k < 4; k++) {
         bool occurs = false;
-        for (long long p = 0; p < map->page->sweep->points && !occurs; p++)
-            occurs = isnan(map->number[p]) && saltus_sweep_map_shows(map, p) &&
-                     without_number(map, p) == colours[k];
+        for (int row = 0; row < page->y.count && !occurs; row++)
+            for (int column = 0; column < page->x.count && !occurs; column++) {
+                long long point = saltus_sweep_map_point(map, column, row);
+                occurs = isnan(map->number[point]) && saltus_sweep_map_shown(map, column, row) > 0 &&
+                         without_number(map, point) == verdicts[k];
+            }
         if (!occurs)
             continue;
-        saltus_page_entry(&map->page->paper, x, y, colours[k], words[k]);
+        saltus_sweep_put_entry(page, x, y, saltus_class_paint(verdicts[k], 0, 0), false, words[k], "");
         x += narrow ? 165 : 240;
     }
 }
@@ -264,8 +268,8 @@ static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     FILE *file = page->file;
     saltus_page_frame(&page->paper, page->frame);
-    saltus_sweep_put_axis(page, 'x', &page->x);
-    saltus_sweep_put_axis(page, 'y', &page->y);
+    saltus_sweep_put_axis(page, "x", &page->x);
+    saltus_sweep_put_axis(page, "y", &page->y);
     saltus_sweep_put_raster_ranges(file, map->raster.width, map->raster.height);
     if (map->kind)
         put_legend(map);
@@ -301,8 +305,8 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     saltus_page *paper = &page->paper;
     saltus_plot_page curves;
     bool sound = fill(&map), basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins,
-         narrow = paper->width < 1000;
-    for (int k = 0, entries = sound && any_several(&map); sound && narrow && map.kind && k < map.kind_count;
+         narrow = saltus_page_narrow(paper);
+    for (int k = 0, entries = sound && map.any_several; sound && narrow && map.kind && k < map.kind_count;
          k++) {
         entries += map.kinds[k].count > 0;
         map.legend_rows = (entries < 18 ? entries + 2 : 18) / 3;
@@ -318,7 +322,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     saltus_sweep_caption(page);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
     page->frame.left = narrow ? 124 : 150;
-    page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 130)
+    page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 150)
                         : map.kind ? paper->width - 410
                                    : paper->width - 180;
     page->frame.bottom += narrow ? 32 * map.legend_rows : 2.4;

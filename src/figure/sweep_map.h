@@ -18,6 +18,7 @@ typedef struct saltus_sweep_map {
     int *kind;              /* discrete: index into `kinds` */
     float *number;          /* scalar: what is shown, NAN for nothing; basins: how pale, 0 to 1 */
     unsigned char *several; /* more than one attractor */
+    bool any_several;       /* of a point that is shown */
     saltus_map_kind *kinds;
     int kind_count;
     int legend_rows;    /* of a legend below the map; 0: it stands beside it */
@@ -27,8 +28,9 @@ typedef struct saltus_sweep_map {
 
 /* Whether a kind is a periodic motion of a map of classes. */
 bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind);
-/* Whether a point of the grid is in the ranges shown. */
-bool saltus_sweep_map_shows(const saltus_sweep_map *map, long long point);
+/* The point of the grid at a cell of each axis, and how much of its cell is shown, from 0 to 1. */
+long long saltus_sweep_map_point(const saltus_sweep_map *map, int column, int row);
+double saltus_sweep_map_shown(const saltus_sweep_map *map, int column, int row);
 
 /* sweep_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
 bool saltus_sweep_map_classes(saltus_sweep_map *map);

@@ -150,7 +150,7 @@ void saltus_sweep_put_raster_ranges(FILE *file, int width, int height) {
     fprintf(file, "set x2range [0:%d]\nset y2range [0:%d]\n", width, height);
 }
 
-void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltus_cells *cells) {
+void saltus_sweep_put_axis(const saltus_sweep_page *page, const char *axis, const saltus_cells *cells) {
     saltus_line name = {.length = 0};
     const char *key = cells->key;
     const int entry = saltus_system_state_index(page->system, key), dof = saltus_system_dof(page->system);
@@ -164,9 +164,7 @@ void saltus_sweep_put_axis(const saltus_sweep_page *page, char axis, const saltu
         add_symbol(page->system, key, &name);
     } else
         saltus_line_parameter(&name, &page->sweep->spec, key);
-    const saltus_frame *f = &page->frame;
-    saltus_page_axis(&page->paper, axis, axis == 'x' ? f->right - f->left : f->top - f->bottom,
-                     cells->logarithmic, name.text, cells->range);
+    saltus_page_axis(&page->paper, axis, page->frame, cells->logarithmic, name.text, cells->range);
 }
 
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,

@@ -96,11 +96,9 @@ bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
                                      page->frame.bottom, page->frame.top});
     fprintf(page->file,
             "unset logscale\nunset xtics\nunset ytics\nunset xlabel\nunset ylabel\nset xrange [0:%d]\n"
-            "set yrange [0:%d]\n%sset y2range [%.9g:%.9g]\nset y2tics out nomirror scale 0.5 offset -0.4,0\n"
-            "set y2label '%s' offset 0.8,0\n",
-            columns, steps, map->logarithmic ? "set logscale y2\n" : "", low, high, name.text);
-    if (map->logarithmic)
-        saltus_page_log_tics(&page->paper, "y2", page->frame.top - page->frame.bottom, map->range);
+            "set yrange [0:%d]\nset y2tics out nomirror scale 0.5 offset -0.4,0\n",
+            columns, steps);
+    saltus_page_axis(&page->paper, "y2", page->frame, map->logarithmic, name.text, map->range);
     fputs("plot ", page->file);
     saltus_raster_element(page->file, &raster, "x1y1");
     fputs(", NaN notitle axes x1y2\n", page->file);

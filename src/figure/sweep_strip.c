@@ -150,7 +150,7 @@ bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
                             (int)(fineness * (frame.top - frame.bottom))))
         return false;
     saltus_page_frame(&page->paper, frame);
-    saltus_sweep_put_axis(page, 'x', &page->x);
+    saltus_sweep_put_axis(page, "x", &page->x);
     saltus_sweep_put_raster_ranges(file, raster.width, raster.height);
     fputs("set format x '% h'\nunset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\n", file);
     bool sound = paint(page, &raster);
