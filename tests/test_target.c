@@ -19,6 +19,8 @@ static int prepare(void **state) {
     free(told(*state, "sweep impact-oscillator --over omega=0.9:1.1:2 --quiet -o sweep.h5"));
     free(told(*state, "simulate impact-oscillator --periods 1 -o run.h5"));
     free(told(*state, "export sweep.h5 -o table.csv"));
+    free(told(*state, "export run.h5 -o samples.csv"));
+    free(told(*state, "spectrum impact-oscillator --quiet -o lines.csv"));
     put_text(*state, "notes.csv", "a,b\n1,2\n");
     put_text(*state, "notes.h5", "not HDF5\n");
     put_text(*state, "notes.svg", "no picture\n");
@@ -54,8 +56,8 @@ static void check_refused(fixture *f, const char *line, int status, const char *
 
 /* The files of the folder that may not change: their bytes, one after the other. */
 static char *kept(fixture *f, size_t *length) {
-    static const char *const names[] = {"scene.yaml", "branch.h5", "sweep.h5", "run.h5",
-                                        "table.csv",  "notes.csv", "notes.h5", "data.gp"};
+    static const char *const names[] = {"scene.yaml",  "branch.h5", "sweep.h5",  "run.h5",   "table.csv",
+                                        "samples.csv", "lines.csv", "notes.csv", "notes.h5", "data.gp"};
     char *all = NULL;
     *length = 0;
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
@@ -107,6 +109,19 @@ static void what_is_there_is_kept(void **state) {
         {"plot sweep.h5 -o notes.svg", 2, "-o notes.svg: ", kind},
         {"diagnose impact-oscillator -o x.png --data sweep.h5", 2, "--data sweep.h5: ", kind},
         {"diagnose impact-oscillator -o x.png --data data.h5", 2, "--data data.gp: ", kind},
+        /* tables of another kind, by their first line */
+        {"sweep impact-oscillator --over d=1,2 -o samples.csv", 2,
+         "-o samples.csv: ", "(trajectory table, not sweep table)"},
+        {"basins impact-oscillator --over q1=0,0.1 --over v1=0,1 -o table.csv", 2,
+         "-o table.csv: ", "(sweep table, not basins table)"},
+        {"simulate impact-oscillator --periods 1 -o table.csv", 2, "-o table.csv: ", kind},
+        {"simulate impact-oscillator --periods 1 -o lines.csv", 2, "-o lines.csv: ", kind},
+        {"spectrum impact-oscillator -o table.csv", 2, "-o table.csv: ", kind},
+        {"lyapunov impact-oscillator -o lines.csv", 2,
+         "-o lines.csv: ", "(spectrum table, not largest Lyapunov exponent table)"},
+        {"export sweep.h5 -o samples.csv", 2, "-o samples.csv: ", "(trajectory table, not sweep table)"},
+        {"export run.h5 -o table.csv", 2, "-o table.csv: ", kind},
+        {"export nothere.h5 -o table.csv", 2, "nothere.h5: ", "cannot be opened"},
         /* what was interrupted */
         {"sweep impact-oscillator --over d=1,2 --what max -o left.csv", 2, "-o left.csv: ", interrupted},
         {"export sweep.h5 -o left.csv", 2, "-o left.csv: ", interrupted},
@@ -163,7 +178,13 @@ static void the_same_kind_is_replaced(void **state) {
         "simulate impact-oscillator --periods 1 -o again.h5 --force",
         "export sweep.h5 -o empty.csv",
         "export sweep.h5 -o empty.csv",
+        "simulate impact-oscillator --periods 1 -o empty.csv --force",
         "simulate impact-oscillator --periods 1 -o empty.csv",
+        "export run.h5 -o empty.csv",
+        "lyapunov impact-oscillator -o empty.csv --force",
+        "lyapunov impact-oscillator -o empty.csv",
+        "diagnose impact-oscillator -o x.svg --data again.h5 --quiet --force",
+        "diagnose impact-oscillator -o x.svg --data again.h5 --quiet",
         "sweep impact-oscillator --over d=1,2 --what max --quiet -o left.csv --force",
         "sweep impact-oscillator --over d=1,2 --what max --quiet -o left.csv"};
     for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++)

@@ -111,7 +111,8 @@ struct cli_command {
     bool together;                    /* several ranks share its work */
     int inputs;                       /* how many files it takes; 0: one */
     const char *const *endings;       /* that the file of -o may have, NULL-terminated; NULL: no such file */
-    const char *kind;                 /* of its HDF5 files, as saltus_file_identify tells it */
+    const char *kind;                 /* of its HDF5 files and tables, as saltus_file_identify tells it;
+                                         NULL: that of the first input */
     bool resumes;                     /* goes on with an interrupted run */
     const cli_table *tables;          /* the last without options; NULL: none */
     const cli_option *const *options; /* its own; NULL-terminated; --quiet, and with -o --force and --format,

@@ -110,6 +110,7 @@ const cli_command cmd_lyapunov = {
             "multipliers, stable or not.",
     .needs_scene = true,
     .endings = cli_figures_or_table,
+    .kind = "largest Lyapunov exponent",
     .tables = tables,
     .options = options,
     .notes =

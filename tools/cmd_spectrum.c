@@ -77,6 +77,7 @@ const cli_command cmd_spectrum = {
         "the lines that stand out. Says up to which frequency aliasing leaves it trustworthy.",
     .needs_scene = true,
     .endings = cli_figures_or_table,
+    .kind = "spectrum",
     .tables = tables,
     .options = options,
     .notes = "Spectra of periodic motion are taken over whole orbits, so that the lines at multiples of "

@@ -89,11 +89,16 @@ static const char *input_that_is(const cli_request *request, const struct stat *
     return request->from && is_file(request->from, file) ? request->from : NULL;
 }
 
-/* The kind of file that a command writes under a name of this ending, as saltus_file_identify tells it. */
-static const char *kind_of(const cli_command *command, const char *path) {
-    return cli_ends_in(path, ".h5")                                ? command->kind
-           : cli_ends_in(path, ".csv") || cli_ends_in(path, ".gp") ? "table"
-                                                                   : "picture";
+/* The kind of file that a command writes under a name of this ending, as saltus_file_identify tells it; what
+ * is exported is of its input's kind. "": it will write nothing, and say why. */
+static void kind_of(const cli_command *command, const cli_request *request, const char *path, char kind[64]) {
+    const bool table = cli_ends_in(path, ".csv");
+    const saltus_file_facts input = saltus_file_identify(request->input_count ? request->inputs[0] : "");
+    const char *data = command->kind ? command->kind : input.hdf5 ? input.kind : "";
+    if (table || cli_ends_in(path, ".h5"))
+        snprintf(kind, 64, "%s%s", data, table && *data ? " table" : "");
+    else
+        strcpy(kind, cli_ends_in(path, ".gp") ? "script" : "picture");
 }
 
 static bool has_journal(const char *path) {
@@ -105,12 +110,13 @@ static bool has_journal(const char *path) {
 /* What is there already may be replaced if it is of the kind that is written, and finished. */
 static int check_earlier(const cli_command *command, const cli_request *request, const place *p, bool there) {
     saltus_file_facts facts = {.kind = "empty", .complete = true};
+    char kind[64];
     if (request->resume || request->force)
         return CLI_DONE;
     if (there)
         facts = saltus_file_identify(p->path);
-    const char *kind = kind_of(command, p->path);
-    if (strcmp(facts.kind, "empty") != 0 && strcmp(facts.kind, kind) != 0)
+    kind_of(command, request, p->path, kind);
+    if (strcmp(facts.kind, "empty") != 0 && kind[0] && strcmp(facts.kind, kind) != 0)
         return refuse(
             CLI_BAD_INPUT, p,
             "is there and another kind of file (%s, not %s); another name, or --force to replace it",

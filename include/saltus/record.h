@@ -72,9 +72,9 @@ saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scen
 
 /* What a file is, as its beginning tells. */
 typedef struct saltus_file_facts {
-    /* "branch", "sweep", "basins" or "trajectory" (HDF5 files of Saltus), "table" (CSV of Saltus, and scripts
-     * for gnuplot), "picture" (PNG, PDF, SVG), "empty"; "" for any other file, and where it cannot be read.
-     */
+    /* "branch", "sweep", "basins" or "trajectory" (HDF5 files of Saltus), the same with " table" behind it,
+     * "spectrum table" and "largest Lyapunov exponent table" (CSV of Saltus), "script" (of Saltus, for
+     * gnuplot), "picture" (PNG, PDF, SVG), "empty"; "" for any other file, and where it cannot be read. */
     char kind[32];
     bool hdf5;
     bool complete; /* false: an interrupted run left it */

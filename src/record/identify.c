@@ -18,23 +18,39 @@ static void look_into(const char *path, saltus_file_facts *facts) {
     saltus_h5_reader_close(&reader);
 }
 
+/* A text of Saltus says what it is behind the version: "# Saltus 0.1.0 sweep" is the table of one, "# Saltus
+ * 0.1.0: a figure" gnuplot's script. */
+static void read_kind(const char *head, saltus_file_facts *facts) {
+    char version[16] = "", kind[26] = "";
+    if (sscanf(head, "# Saltus %15s %25[A-Za-z ]", version, kind) < 2)
+        return;
+    if (strchr(version, ':'))
+        strcpy(facts->kind, "script");
+    else
+        snprintf(facts->kind, sizeof facts->kind, "%s table", kind);
+}
+
 saltus_file_facts saltus_file_identify(const char *path) {
     static const struct {
         const char *begin, *kind;
-    } known[] = {{"\x89HDF\r\n\x1a\n", "hdf5"}, {"\x89PNG\r\n", "picture"}, {"%PDF-", "picture"},
-                 {"<?xml", "picture"},          {"<svg", "picture"},        {"# Saltus ", "table"}};
+    } known[] = {{"\x89HDF\r\n\x1a\n", "hdf5"},
+                 {"\x89PNG\r\n", "picture"},
+                 {"%PDF-", "picture"},
+                 {"<?xml", "picture"},
+                 {"<svg", "picture"}};
     saltus_file_facts facts = {.kind = "", .complete = true};
-    char head[16] = "";
+    char head[48] = "";
     FILE *file = fopen(path, "rb");
     if (!file)
         return facts;
-    size_t length = fread(head, 1, sizeof head, file);
+    size_t length = fread(head, 1, sizeof head - 1, file);
     fclose(file);
     if (length == 0)
         strcpy(facts.kind, "empty");
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
         if (length >= strlen(known[k].begin) && memcmp(head, known[k].begin, strlen(known[k].begin)) == 0)
             strcpy(facts.kind, known[k].kind);
+    read_kind(head, &facts);
     facts.hdf5 = strcmp(facts.kind, "hdf5") == 0;
     if (facts.hdf5)
         look_into(path, &facts);

@@ -15,7 +15,8 @@
 #include <string.h>
 
 static void put_head(const saltus_sweep_file *head, FILE *file) {
-    fprintf(file, "# Saltus %s sweep\n# scene: %s\n", head->version, head->scene);
+    fprintf(file, "# Saltus %s %s\n# scene: %s\n", head->version, head->basins ? "basins" : "sweep",
+            head->scene);
     if (head->title[0])
         fprintf(file, "# title: %s\n", head->title);
     saltus_sweep_identity_put(file, head, "# ");
