@@ -363,9 +363,12 @@ static void faults_end_a_motion(void **state) {
         check_near(when, k == 5 ? 0 : ends, 1e-12 * ends);
         free(text);
     }
-    char *text = told(f, "sweep empty.yaml --over omega=1:1.2:9 -o sweep.csv");
+    assert_int_equal(run(f, "sweep empty.yaml --over omega=1:1.2:9 --quiet -o sweep.csv"), 1);
+    char *text = said(f, "out"), *why = said(f, "err");
     assert_non_null(strstr(text, "failed                      9  100.00 %"));
+    assert_non_null(strstr(why, "saltus: no trajectory could be followed; the first: the motion ends at "));
     free(text);
+    free(why);
 }
 
 static void put_text(fixture *f, const char *name, const char *text) {

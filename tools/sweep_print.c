@@ -211,6 +211,33 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     return status;
 }
 
+/* Where no trajectory has come to anything, the sentence of a failure: what classification says of the first.
+ */
+static saltus_status tell_failure(const saltus_sweep *sweep, const sweep_report *report,
+                                  saltus_message *message) {
+    saltus_message reason = {.text = ""};
+    saltus_scene scene;
+    saltus_system *system = NULL;
+    saltus_motion motion = {0};
+    double state[SALTUS_STATE_MAX];
+    saltus_classify_options how = saltus_classify_defaults();
+    if (report->tally.count != 1 || strcmp(report->tally.classes[0].label, "failed") != 0)
+        return SALTUS_OK;
+    how.flow = saltus_sweep_choices(sweep)->flow;
+    how.measure = 0;
+    saltus_status status = saltus_sweep_scene_at(sweep, 0, &scene, &reason);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene.spec, &system, &reason);
+    if (status == SALTUS_OK)
+        status = saltus_scene_state(&scene, system, state, &reason);
+    if (status == SALTUS_OK)
+        status = saltus_classify(system, state, &how, &motion, &reason);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    return saltus_fail(message, SALTUS_STALLED, "no trajectory could be followed%s%.400s",
+                       status == SALTUS_OK ? "" : "; the first: ", reason.text);
+}
+
 static saltus_status make_sweep(const cli_request *request, const saltus_scene *scene,
                                 const saltus_sweep_options *options, saltus_sweep **sweep,
                                 saltus_message *message) {
@@ -261,6 +288,8 @@ int sweep_command(const cli_request *request, bool basins, saltus_status status,
     int code = run_sweep(&order, status, message, &report);
     if (code == CLI_DONE && report.first)
         code = cli_report(print_report(&order, &report, request->json, message), message);
+    if (code == CLI_DONE && report.first)
+        code = cli_report(tell_failure(sweep, &report, message), message);
     sweep_tally_clear(&report.tally);
     saltus_sweep_free(sweep);
     cli_origin_clear(&origin);

@@ -49,6 +49,10 @@ typedef struct saltus_flow_options {
      * no further step is made: the call under way returns SALTUS_INTERRUPTED, or what it has so far where its
      * description says so. NULL: nobody will ask to stop. */
     const volatile sig_atomic_t *stop; /* default NULL */
+    /* What the flows of one question cost together. Searches of which nobody can say how long they take
+     * (saltus_classify, saltus_lyapunov_run, ...) keep one where this is NULL, and end with SALTUS_STALLED
+     * where the scene takes far too many steps in each of its periods. */
+    struct saltus_effort *effort; /* default NULL */
 } saltus_flow_options;
 
 /* As told beside the options. */
@@ -125,7 +129,7 @@ saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, c
  * passes impacts, sticking and release with the derivatives of the impact law and of the stop's place. */
 void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *directions);
 /* A run through a period that would take more steps of the integrator than this, as the first of them show,
- * ends with SALTUS_STALLED; 0: the usual 1e8. */
+ * ends with SALTUS_STALLED; 0: the usual 1e8, with an effort 8e4. */
 void saltus_flow_limit_steps(saltus_flow *flow, double per_period);
 /* Tangent vectors that are set anew at short intervals never leave the transients of the fastest modes, where
  * accuracy bounds the steps and stability does not: series of the order that suits the tolerance are faster

@@ -172,7 +172,8 @@ saltus_status saltus_motion_exponents(const saltus_system *system, const saltus_
  * shift. Errors: SALTUS_BAD_INPUT where the scene has no mirror symmetry, those of the flow. */
 saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flow_options *options,
                                    double *state, saltus_message *message);
-/* Follow the flow from a state at phase 0 over whole periods. Errors: those of the flow. */
+/* Follow the flow from a state at phase 0 over whole periods. Errors: those of the flow, SALTUS_STALLED where
+ * a stop holds the system far beyond the scale of its motion. */
 saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flow_options *options,
                                    long long periods, double *state, saltus_message *message);
 /* Free the arrays; a zeroed motion is accepted. */

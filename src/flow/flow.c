@@ -140,6 +140,20 @@ static saltus_status fail_here(saltus_flow *flow, int lane, saltus_message *why)
     return SALTUS_STALLED;
 }
 
+/* The same on the way, of a lane that has said why: it stays where it is. */
+static void give_up(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
+    self->failure = fail_here(flow, lane, &self->why);
+    flow->work.lane->advance[lane] = flow->work.lane->passing[lane] = 0;
+}
+
+/* Steps that a period of a lane may take; of one that is counted by another time than the effort as much as
+ * in that. */
+static double steps_most(const saltus_flow *flow, const saltus_lane *self) {
+    const saltus_effort *effort = flow->options.effort;
+    return flow->period_steps_max * (effort ? fmax(1, self->system->period / effort->period) : 1);
+}
+
 /* The state of a lane at a time within its step, from the step's series; at its begin also where these have
  * no value. */
 static void state_since(const saltus_flow *flow, int lane, double since, double *state) {
@@ -228,6 +242,7 @@ static bool nothing_near(saltus_lane *self, double near) {
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
 static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
+    const saltus_effort *effort = flow->options.effort;
     bool turning = false;
     for (int l = 0; l < flow->lanes; l++) {
         const saltus_lane *self = &flow->lane[l];
@@ -255,18 +270,22 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         if (!self->target.aimed)
             continue;
         const double planned = w->lane->advance[l];
-        if ((self->cycle_steps >= first_steps || self->cycle_steps >= flow->period_steps_max) &&
-            self->cycle_steps > flow->period_steps_max * (self->now.phase - self->cycle_from)) {
-            const bool timed = self->system->spec.model->forcing >= 0;
-            saltus_fail(
-                &self->why, SALTUS_STALLED,
-                "%s, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over %.3g T): %s a "
-                "load too great",
-                timed ? "a forcing period" : "a unit of time", self->system->period, flow->period_steps_max,
-                self->cycle_steps, planned, self->now.phase - self->cycle_from,
-                timed ? "omega is too small, or" : "there is");
-            self->failure = fail_here(flow, l, &self->why);
-            w->lane->advance[l] = w->lane->passing[l] = 0;
+        const double most = steps_most(flow, self);
+        if (effort && effort->spent > SALTUS_EFFORT_MOST) {
+            saltus_effort_check(effort, self->system, &self->why);
+            give_up(flow, l);
+            continue;
+        }
+        if ((self->cycle_steps >= first_steps || self->cycle_steps >= most) &&
+            self->cycle_steps > most * (self->now.phase - self->cycle_from)) {
+            char cause[SALTUS_CAUSE_MAX];
+            saltus_fail(&self->why, SALTUS_STALLED,
+                        "%s, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over %.3g "
+                        "T): %s",
+                        self->system->spec.model->forcing >= 0 ? "a forcing period" : "a unit of time",
+                        self->system->period, most, self->cycle_steps, planned,
+                        self->now.phase - self->cycle_from, saltus_effort_cause(self->system, cause));
+            give_up(flow, l);
             continue;
         }
         bool moves = planned > 0 && self->now.phase + w->lane->passing[l] != self->now.phase;
@@ -274,8 +293,7 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
             saltus_fail(&self->why, SALTUS_STALLED,
                         "the step falls to %.3g at %.15g periods: the motion grows without bound", planned,
                         saltus_time_periods(self->now));
-            self->failure = fail_here(flow, l, &self->why);
-            w->lane->advance[l] = w->lane->passing[l] = 0;
+            give_up(flow, l);
             continue;
         }
         self->pending.kind = SALTUS_STEP;
@@ -365,6 +383,8 @@ static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
     else
         self->now = saltus_time_after(self->now, flow->work.lane->passing[lane]);
     self->info.steps++;
+    if (flow->options.effort)
+        saltus_effort_add(flow->options.effort, self->step.length, flow->options.columns);
     self->flight = self->flight > self->step.length ? self->flight - self->step.length : INFINITY;
     if (!flow->radau)
         self->info.field_evaluations += (long long)flow->work.lane->degree[lane];

@@ -3,6 +3,7 @@
 #ifndef SALTUS_FLOW_PRIVATE_H
 #define SALTUS_FLOW_PRIVATE_H
 
+#include "flow/effort.h"
 #include "flow/fixed.h"
 #include "flow/isolate.h"
 #include "flow/kernel.h"

@@ -21,7 +21,9 @@ saltus_flow_options saltus_flow_defaults(void) {
 }
 
 /* A period of more steps than this is not followed to its end. */
-static const double steps_usual = 1e8;
+static double steps_usual(const saltus_flow_options *options) {
+    return options->effort ? SALTUS_EFFORT_IN_PERIOD : 1e8;
+}
 
 /* Where the tolerance bounds the steps, near the fastest by measurement on reference orbits alone and on
  * sweeps side by side: about six orders for five digits. At tight tolerances what a higher order costs buys a
@@ -196,7 +198,7 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                           .extra = first->extra,
                           .lane = lane,
                           .probe = probe,
-                          .period_steps_max = steps_usual};
+                          .period_steps_max = steps_usual(options)};
     /* Lanes beyond those asked for idle at rest with the first lane's system. */
     for (int l = 0; l < made->lanes; l++)
         lane[l].system = systems[l < lanes ? l : 0];
@@ -242,7 +244,7 @@ void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *direc
 }
 
 void saltus_flow_limit_steps(saltus_flow *flow, double per_period) {
-    flow->period_steps_max = per_period > 0 ? per_period : steps_usual;
+    flow->period_steps_max = per_period > 0 ? per_period : steps_usual(&flow->options);
 }
 
 void saltus_flow_expect_transients(saltus_flow *flow) {

@@ -1,6 +1,7 @@
 /* Classification of a motion (model.md, section 4): what its trajectory settles on, or else what it is
  * without a period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/effort.h"
 #include "motion/options.h"
 #include "motion/search.h"
 
@@ -93,6 +94,8 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
         status = saltus_visits_count(&s->visits, s->system, &counted, message);
     if (status != SALTUS_OK)
         return status;
+    if (counted)
+        o->flow.effort->period = saltus_system_period(counted);
     status = saltus_motion_judge(counted ? counted : s->system, o, motion, &outcome, message);
     saltus_system_free(counted);
     bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
@@ -138,12 +141,15 @@ static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
 saltus_status saltus_motion_classify(const saltus_system *system, const double *state,
                                      const saltus_classify_options *options, saltus_motion *motion,
                                      bool *stopped, saltus_message *message) {
-    saltus_search s = {.system = system, .options = options};
+    saltus_classify_options own = *options;
+    saltus_effort effort;
+    saltus_search s = {.system = system, .options = &own};
     *motion = (saltus_motion){0};
     *stopped = false;
     saltus_status status = saltus_options_check(&saltus_classify_table, options, message);
     if (status != SALTUS_OK)
         return status;
+    own.flow = saltus_effort_begin(&options->flow, system, &effort);
     long long early = options->measure && options->transient > patience * SALTUS_FIRST_BLOCK
                           ? options->transient / patience
                           : options->transient;
@@ -175,6 +181,9 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
         explain_unforced(&s, motion);
     *stopped = s.stopped;
     saltus_search_close(&s);
+    /* What was given up on the way may have been what would have decided. */
+    if (status == SALTUS_OK && !*stopped)
+        status = saltus_effort_check(own.flow.effort, system, message);
     if (status != SALTUS_OK)
         saltus_motion_clear(motion);
     return status;

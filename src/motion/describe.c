@@ -1,6 +1,7 @@
 /* What is said of an orbit or a rest: its contact events, section points and extremes once around, its label,
  * its symmetry.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/effort.h"
 #include "motion/motion.h"
 #include "orbit/returns.h"
 
@@ -158,13 +159,17 @@ saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flo
                                    long long periods, double *state, saltus_message *message) {
     saltus_flow *flow = NULL;
     saltus_event event;
-    saltus_status status = saltus_flow_single(system, 0, options, &flow, message);
+    saltus_effort effort;
+    const saltus_flow_options own = saltus_effort_begin(options, system, &effort);
+    saltus_status status = saltus_flow_single(system, 0, &own, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
     if (status == SALTUS_OK && periods > 0)
         status = saltus_flow_advance(flow, (saltus_time){periods, 0}, 0, &event, message);
     if (status == SALTUS_OK)
         saltus_flow_state(flow, 0, state);
+    if (status == SALTUS_OK && periods > 0)
+        status = saltus_state_load(system, state, saltus_flow_contacts(flow, 0), message);
     saltus_flow_free(flow);
     return status;
 }

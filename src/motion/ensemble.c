@@ -99,7 +99,7 @@ static saltus_status follow(saltus_ensemble *e, saltus_flow *flow, long long cyc
         status = saltus_flow_advance(flow, (saltus_time){now + 1, 0}, 0, &event, message);
         saltus_flow_state(flow, 0, state);
         if (status == SALTUS_OK)
-            status = saltus_state_bounded(e->system, state, now + 1, message);
+            status = saltus_state_bounded(e->system, state, saltus_flow_contacts(flow, 0), now + 1, message);
     }
     return status;
 }
@@ -174,8 +174,8 @@ static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *mess
         memcpy(e->points + place * e->n, self->state, (size_t)e->n * sizeof *self->state);
         e->growths[place] = self->growth.sample[0];
     }
-    return saltus_state_bounded(e->system, self->state, saltus_flow_time(self->flow, self->lane).cycle,
-                                message);
+    return saltus_state_bounded(e->system, self->state, saltus_flow_contacts(self->flow, self->lane),
+                                saltus_flow_time(self->flow, self->lane).cycle, message);
 }
 
 /* All lanes of one flow to their goals. */

@@ -4,6 +4,7 @@
 #include "saltus/lyapunov.h"
 
 #include "base/progress.h"
+#include "flow/effort.h"
 #include "motion/ensemble.h"
 #include "motion/options.h"
 #include "saltus/motion.h"
@@ -215,8 +216,10 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
                                   saltus_message *message) {
     saltus_ensemble ensemble = {0};
     saltus_lyapunov_options how = *options;
+    saltus_effort effort;
     *lyapunov = (saltus_lyapunov){0};
     saltus_status status = check(system, options, message);
+    how.flow = saltus_effort_begin(&options->flow, system, &effort);
     how.flow.stop = NULL; /* stretches are measured to their ends, or what was measured could not be told */
     if (status == SALTUS_OK)
         status = saltus_ensemble_open(&ensemble, system, &how, message);

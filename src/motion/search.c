@@ -48,7 +48,8 @@ static saltus_status advance_period(saltus_search *s, saltus_message *message) {
     }
     saltus_flow_info info = saltus_flow_information(s->flow, 0);
     saltus_settling_add(&s->settling, state, info.impacts, info.sticks + info.releases);
-    return saltus_state_bounded(s->system, state, s->settling.count, message);
+    return saltus_state_bounded(s->system, state, saltus_flow_contacts(s->flow, 0), s->settling.count,
+                                message);
 }
 
 /* Whether the system is at rest: without forcing, no event and no motion over the last periods, and no
@@ -227,34 +228,15 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     return status;
 }
 
-/* A pre-load that holds the system far beyond the scale of its motion excites modes so fast that their
- * rounding hides how it settles, after very many steps. */
-static saltus_status check_load(const saltus_search *s, saltus_message *message) {
-    static const double far_beyond = 100;
-    const double *scale = saltus_system_scale(s->system), *state = saltus_settling_point(&s->settling, 0);
-    for (int i = 0; i < saltus_system_dof(s->system) && saltus_flow_contacts(s->flow, 0); i++)
-        if (fabs(state[i]) > far_beyond * scale[i])
-            return saltus_fail(
-                message, SALTUS_STALLED,
-                "a stop holds the system at q%d = %.4g, where %.2g is the scale of its motion: "
-                "a pre-load of this size is too much",
-                i + 1, state[i], scale[i]);
-    return SALTUS_OK;
-}
-
 saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_motion *motion,
                                 saltus_message *message) {
     const saltus_classify_options *o = s->options;
-    enum { at_once = 8 }; /* periods after which what holds the system is looked at */
     long long block = SALTUS_FIRST_BLOCK;
     saltus_status status = SALTUS_OK;
     while (status == SALTUS_OK && !s->found && !s->stopped && s->settling.count < at_most) {
         long long until = s->settling.count + block < at_most ? s->settling.count + block : at_most;
-        while (status == SALTUS_OK && s->settling.count < until) {
+        while (status == SALTUS_OK && s->settling.count < until)
             status = advance_period(s, message);
-            if (status == SALTUS_OK && s->settling.count == at_once)
-                status = check_load(s, message);
-        }
         s->stopped = saltus_stop_asked(o->flow.stop);
         if (s->stopped)
             status = SALTUS_OK; /* the flow's interruption is no error here */

@@ -4,6 +4,7 @@
 #include "saltus/harvest.h"
 
 #include "base/progress.h"
+#include "flow/effort.h"
 #include "orbit/options.h"
 #include "orbit/returns.h"
 #include "system/state.h"
@@ -59,7 +60,7 @@ static saltus_status run_trajectory(search *s, saltus_message *message) {
         if (status != SALTUS_OK)
             break;
         saltus_flow_state(s->flow, 0, state);
-        status = saltus_state_bounded(s->system, state, k + 1, message);
+        status = saltus_state_bounded(s->system, state, saltus_flow_contacts(s->flow, 0), k + 1, message);
         s->harvest->periods = k + 1;
         if (k >= transient)
             saltus_returns_add(s->returns, state, 0);
@@ -217,13 +218,15 @@ static saltus_status check_options(const saltus_system *system, const saltus_har
 saltus_status saltus_harvest_run(const saltus_system *system, const saltus_harvest_options *options,
                                  saltus_harvest *harvest, saltus_message *message) {
     search s = {.system = system, .options = options, .harvest = harvest};
+    saltus_effort effort;
+    const saltus_flow_options flow = saltus_effort_begin(&options->flow, system, &effort);
     const saltus_returns_wanted wanted = {1, options->longest, options->tries, options->recurrence,
                                           1, INFINITY};
     *harvest = (saltus_harvest){.face_count = saltus_system_face_count(system),
                                 .dimension = saltus_system_dimension(system)};
     saltus_status status = check_options(system, options, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_single(system, 0, &options->flow, &s.flow, message);
+        status = saltus_flow_single(system, 0, &flow, &s.flow, message);
     if (status == SALTUS_OK)
         status = saltus_returns_new(system, &wanted, &s.returns, message);
     if (status == SALTUS_OK)

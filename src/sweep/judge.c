@@ -48,6 +48,7 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     saltus_judgement judgement = goes_on;
     saltus_motion motion = {0};
     options.flow.integrator = t->sweep->options.flow.integrator;
+    options.flow.effort = &t->effort;
     options.transient = polish_periods;
     options.measure = 0;
     options.longest = t->sweep->options.longest;

@@ -123,6 +123,7 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     t->lane = lane;
     t->active = NULL;
     t->before = (saltus_flow_info){0};
+    t->effort = (saltus_effort){.period = saltus_system_period(t->system)};
     t->proof.disturbed = false;
     saltus_settling_reset(&t->proof.settling, t->system);
     if (!saltus_system_forced(t->system))
@@ -229,11 +230,23 @@ static saltus_next recorded(saltus_sweep_trajectory *t) {
     return settling_on(t);
 }
 
+/* What ends a classification, too: a state without bounds, a pre-load that is too much, far more steps than
+ * the periods gone through may take. A transient that nobody looks at is not seen after eight periods. */
+static bool gives_up(const saltus_sweep_trajectory *t) {
+    const long long cycle = saltus_sweep_trajectory_cycle(t);
+    const unsigned contacts = saltus_flow_contacts(t->flow, t->lane);
+    return saltus_state_bounded(t->system, t->state, contacts, cycle, NULL) != SALTUS_OK ||
+           (t->stage == SALTUS_STAGE_TRANSIENT &&
+            saltus_state_load(t->system, t->state, contacts, NULL) != SALTUS_OK) ||
+           t->effort.spent > SALTUS_EFFORT_MOST ||
+           saltus_sweep_trajectory_information(t).steps - SALTUS_EFFORT_USUAL * cycle > SALTUS_EFFORT_MOST;
+}
+
 /* A section point has been reached. */
 static saltus_next at_section(saltus_sweep_trajectory *t) {
     const bool ends = stage_ends(t);
     saltus_flow_state(t->flow, t->lane, t->state);
-    if (saltus_state_bounded(t->system, t->state, saltus_sweep_trajectory_cycle(t), NULL) != SALTUS_OK) {
+    if (gives_up(t)) {
         saltus_sweep_trajectory_fail(t);
         return SALTUS_NEXT_DONE;
     }

@@ -5,6 +5,7 @@
 
 #include "saltus/sweep.h"
 
+#include "flow/effort.h"
 #include "motion/growth.h"
 #include "motion/motion.h"
 #include "motion/visits.h"
@@ -158,6 +159,7 @@ typedef struct saltus_sweep_trajectory {
     saltus_flow *flow;
     int lane;
     saltus_flow_info before; /* of the flow before it was last started anew */
+    saltus_effort effort;    /* of what Newton's method is asked on the way */
     double *state;           /* now */
     gsl_rng *rng;
     saltus_stage stage;

@@ -93,7 +93,9 @@ static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flo
     for (int l = 0; l < lanes; l++)
         systems[l] = w->sweep->system;
     saltus_status status = saltus_flow_new(systems, lanes, &options, flow, &message);
-    if (status != SALTUS_OK)
+    if (status == SALTUS_OK)
+        saltus_flow_limit_steps(*flow, SALTUS_EFFORT_IN_PERIOD);
+    else
         end_run(w->schedule, status, message.text);
     return status == SALTUS_OK;
 }

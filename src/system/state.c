@@ -70,9 +70,28 @@ void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size
     memcpy(state, moved, (size_t)n * sizeof *state);
 }
 
-saltus_status saltus_state_bounded(const saltus_system *system, const double *state, long long periods,
-                                   saltus_message *message) {
+/* A pre-load that holds the system far beyond the scale of its motion excites modes so fast that their
+ * rounding hides how it settles, after very many steps. */
+saltus_status saltus_state_load(const saltus_system *system, const double *state, unsigned contacts,
+                                saltus_message *message) {
+    static const double far_beyond = 100;
     const double *scale = saltus_system_scale(system);
+    for (int i = 0; i < saltus_system_dof(system) && contacts; i++)
+        if (fabs(state[i]) > far_beyond * scale[i])
+            return saltus_fail(
+                message, SALTUS_STALLED,
+                "a stop holds the system at q%d = %.4g, where %.2g is the scale of its motion: "
+                "a pre-load of this size is too much",
+                i + 1, state[i], scale[i]);
+    return SALTUS_OK;
+}
+
+saltus_status saltus_state_bounded(const saltus_system *system, const double *state, unsigned contacts,
+                                   long long periods, saltus_message *message) {
+    enum { at_once = 8 }; /* periods after which what holds the system is looked at */
+    const double *scale = saltus_system_scale(system);
+    if (periods == at_once && saltus_state_load(system, state, contacts, message) != SALTUS_OK)
+        return SALTUS_STALLED;
     for (int i = 0; i < saltus_system_dimension(system); i++)
         if (!(fabs(state[i]) < 1e8 * scale[i]))
             return saltus_fail(message, SALTUS_STALLED,

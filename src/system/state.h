@@ -20,8 +20,13 @@ void saltus_state_admit(const saltus_system *system, double *state);
  * one way, or the other way where only that leads beyond no stop. Where both do it is brought back. */
 void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, unsigned contacts,
                           double *state);
-/* Whether a state is within 1e8 of the scales. Errors: SALTUS_STALLED, with the entry and the period. */
-saltus_status saltus_state_bounded(const saltus_system *system, const double *state, long long periods,
-                                   saltus_message *message);
+/* Whether no pre-load holds a state, in contact with faces of bits in `contacts`, at more than 100 of the
+ * scales. Errors: SALTUS_STALLED, with the entry. */
+saltus_status saltus_state_load(const saltus_system *system, const double *state, unsigned contacts,
+                                saltus_message *message);
+/* Whether a state after so many periods is within 1e8 of the scales; the load is looked at once. Errors:
+ * SALTUS_STALLED, with the entry and the period. */
+saltus_status saltus_state_bounded(const saltus_system *system, const double *state, unsigned contacts,
+                                   long long periods, saltus_message *message);
 
 #endif

@@ -1,0 +1,44 @@
+/* Private: how many steps a question may take before it is given up.
+ *
+ * Searches follow as many periods as it takes to know. Scenes that are not extreme take 5 to 200 steps in a
+ * period, whatever is asked. What goes beyond SALTUS_EFFORT_USUAL a period is added up over all flows of the
+ * question, each step once for every column that it carries; what falls below is taken off again.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FLOW_EFFORT_H
+#define SALTUS_FLOW_EFFORT_H
+
+#include "saltus/flow.h"
+
+#include <math.h>
+
+enum {
+    SALTUS_EFFORT_USUAL = 1000,
+    SALTUS_EFFORT_MOST = 5000000,
+    SALTUS_EFFORT_IN_PERIOD = SALTUS_EFFORT_MOST / 64 /* no more periods are followed before a first look */
+};
+
+typedef struct saltus_effort {
+    double period; /* that steps are counted by, in units of time */
+    double spent;
+} saltus_effort;
+
+/* The options for a question about a system: with a new effort in `own` where they have none. */
+saltus_flow_options saltus_effort_begin(const saltus_flow_options *options, const saltus_system *system,
+                                        saltus_effort *own);
+/* Errors: SALTUS_STALLED where it is used up, in whatever flow that was. */
+saltus_status saltus_effort_check(const saltus_effort *effort, const saltus_system *system,
+                                  saltus_message *message);
+
+/* What may be the cause of very many steps: the parameter that is farthest from its default, or a pre-load,
+ * with its value.
+ */
+enum { SALTUS_CAUSE_MAX = 120 };
+const char *saltus_effort_cause(const saltus_system *system, char cause[SALTUS_CAUSE_MAX]);
+
+/* A step of so many units of time, with so many tangent vectors. */
+static inline void saltus_effort_add(saltus_effort *effort, double time, int columns) {
+    const double beyond = 1 - SALTUS_EFFORT_USUAL * time / effort->period;
+    effort->spent = fmax(0, effort->spent + (1 + columns) * beyond);
+}
+
+#endif

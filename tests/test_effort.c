@@ -1,0 +1,139 @@
+/* How many steps a question may take: scenes that are not extreme never come near, extreme ones end soon and
+ * say what was too much.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command.h"
+
+#include "flow/effort.h"
+
+static saltus_scene built_in(const char *name) {
+    saltus_scene scene;
+    saltus_message message;
+    check_ok(saltus_scene_load(name, &scene, &message), &message);
+    return scene;
+}
+
+/* What the classification of a scene takes beyond the usual, and how it ends. */
+static saltus_status classify(const saltus_scene *scene, const saltus_classify_options *options,
+                              double *spent, saltus_message *message) {
+    saltus_system *system = NULL;
+    saltus_motion motion = {0};
+    saltus_effort effort;
+    double state[SALTUS_STATE_MAX];
+    saltus_classify_options how = *options;
+    saltus_status status = saltus_system_new(&scene->spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_scene_state(scene, system, state, message);
+    check_ok(status, message);
+    how.flow = saltus_effort_begin(&options->flow, system, &effort);
+    status = saltus_classify(system, state, &how, &motion, message);
+    *spent = effort.spent;
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    return status;
+}
+
+/* The built-in scenes, whatever they come to, leave a hundredth of it at most. */
+static void healthy_scenes_spend_next_to_nothing(void **state) {
+    (void)state;
+    saltus_classify_options how = saltus_classify_defaults();
+    how.transient = 1000;
+    how.measure = 4000;
+    for (int k = 0; k < saltus_scene_builtin_count(); k++) {
+        saltus_message message = {.text = ""};
+        saltus_scene scene = built_in(saltus_scene_builtin_name(k));
+        double spent;
+        check_ok(classify(&scene, &how, &spent, &message), &message);
+        if (!(spent < 0.01 * SALTUS_EFFORT_MOST))
+            fail_msg("%s: %.3g steps beyond the usual", saltus_scene_builtin_name(k), spent);
+        saltus_scene_clear(&scene);
+    }
+}
+
+/* Slower and slower forcing: an answer, or, from some frequency on, the sentence that names it, and never
+ * more than the effort. */
+static void slow_forcing_is_named(void **state) {
+    static const char *const names[] = {"pipe", "impact-oscillator", "duffing", "chain"};
+    (void)state;
+    skip_where_slow();
+    saltus_classify_options how = saltus_classify_defaults();
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        bool given_up = false;
+        for (int e = 2; e <= 6; e += 2) {
+            saltus_message message = {.text = ""};
+            saltus_scene scene = built_in(names[k]);
+            char setting[32], words[40];
+            double spent, omega = pow(10, -e);
+            snprintf(setting, sizeof setting, "omega=%g", omega);
+            snprintf(words, sizeof words, "omega = %.6g is too small", omega);
+            check_ok(saltus_scene_set(&scene, setting, &message), &message);
+            const saltus_status status = classify(&scene, &how, &spent, &message);
+            if (status == SALTUS_OK ? given_up : !strstr(message.text, words))
+                fail_msg("%s, %s: %s", names[k], setting, message.text);
+            assert_true(spent <= SALTUS_EFFORT_MOST + 100);
+            given_up |= status != SALTUS_OK;
+            saltus_scene_clear(&scene);
+        }
+        assert_true(given_up);
+    }
+}
+
+/* A flow that shares a used-up effort goes no further, whoever used it up; without one it does. */
+static void a_used_up_effort_ends_all_flows(void **state) {
+    (void)state;
+    saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1);
+    saltus_system *system = NULL;
+    saltus_message message = {.text = ""};
+    saltus_effort effort;
+    double start[2] = {0, 0};
+    check_ok(saltus_system_new(&spec, &system, &message), &message);
+    saltus_flow_options none = saltus_flow_defaults(), options = saltus_effort_begin(&none, system, &effort);
+    check_ok(saltus_motion_settle(system, &options, 10, start, &message), &message);
+    assert_true(effort.spent < 100);
+    check_near(saltus_effort_begin(&options, system, &(saltus_effort){0}).effort->spent, effort.spent, 0);
+    effort.spent = SALTUS_EFFORT_MOST + 1;
+    assert_int_equal(saltus_motion_settle(system, &options, 1, start, &message), SALTUS_STALLED);
+    assert_non_null(strstr(message.text, "given up: "));
+    check_ok(saltus_motion_settle(system, &none, 1, start, &message), &message);
+    /* What a step costs: its columns, too, less what its time may take. */
+    effort = (saltus_effort){.period = 2};
+    saltus_effort_add(&effort, 0, 0);
+    check_near(effort.spent, 1, 0);
+    saltus_effort_add(&effort, 0, 3);
+    check_near(effort.spent, 5, 0);
+    saltus_effort_add(&effort, 2.0 / SALTUS_EFFORT_USUAL, 7);
+    check_near(effort.spent, 5, 1e-12);
+    saltus_effort_add(&effort, 2, 0);
+    check_near(effort.spent, 0, 0);
+    saltus_system_free(system);
+}
+
+/* Sweeps and basins of which no trajectory could be followed end as classification does; one that could is
+ * enough for another ending. */
+static void sweeps_say_why_all_have_failed(void **state) {
+    static const struct {
+        const char *line, *part;
+    } cases[] = {
+        {"sweep pipe --over d=-5,-6 --quiet -o x.h5", "a pre-load of this size is too much"},
+        {"sweep pipe --over d=-5,-6 --transient 100 --quiet --json -o x.csv", "a pre-load of this size "},
+        {"basins pipe --set d=-5 --over q1=-6,-7 --over v1=0,1 --quiet -o x.csv --force", "a pre-load of "},
+        {"sweep relief-valve --over q=1e10,2e10 --quiet -o x.h5 --force", "q = 1e+10 is too great"},
+        {"sweep impact-oscillator --over omega=1e-7,2e-7 --quiet -o x.h5 --force", "omega = 1e-07 is too "}};
+    fixture *f = *state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        const int status = run(f, cases[k].line);
+        char *err = said(f, "err");
+        if (status != 1 || strncmp(err, "saltus: no trajectory could be followed; the first: ", 52) != 0 ||
+            !strstr(err, cases[k].part))
+            fail_msg("%s: exit status %d: %s", cases[k].line, status, err);
+        free(err);
+    }
+    free(told(f, "sweep impact-oscillator --over omega=1e-7,1 --quiet -o x.h5 --force"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(healthy_scenes_spend_next_to_nothing), cmocka_unit_test(slow_forcing_is_named),
+        cmocka_unit_test(a_used_up_effort_ends_all_flows),
+        cmocka_unit_test_setup_teardown(sweeps_say_why_all_have_failed, open_fixture, close_fixture)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
