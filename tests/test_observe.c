@@ -50,9 +50,17 @@ static void choices_are_rows(void **unused) {
 static void wrong_choices_are_refused(void **unused) {
     (void)unused;
     static const char *const wrong[][3] = {
-        {"fig7d", "q6", "q1 to q5"},   {"fig7d", "v1", "q1 to q5"},      {"fig7d", "stop2", "a stop (stop1"},
-        {"fig7d", "0", "0 < xi < 1"},  {"fig7d", "1", "0 < xi < 1"},     {"fig7d", "nan", "0 < xi < 1"},
-        {"two-stops", "0.3", "q1 to"}, {"two-stops", "stop3", "a stop"}, {"impact-damper", "x'", "x to y"},
+        {"fig7d", "q6", "q1 to q5"},
+        {"fig7d", "v1", "q1 to q5"},
+        {"fig7d", "stop2", "stops (stop1), places on the line ("},
+        {"fig7d", "0", "0 < xi < 1"},
+        {"fig7d", "1", "0 < xi < 1"},
+        {"fig7d", "nan", "0 < xi < 1"},
+        {"two-stops", "0.3", "(q1), stops (stop1 to stop2)"},
+        {"two-stops", "stop3", "stops (stop1 to stop2)"},
+        {"impact-damper", "x'", "(x, y)"},
+        {"fig2", "stop1", "(q1 to q5), places"},
+        {"relief-valve", "p", "(x), stops (stop1), quantities of the scene (lift)"},
     };
     for (size_t k = 0; k < sizeof wrong / sizeof wrong[0]; k++) {
         saltus_scene scene = scene_with(wrong[k][0], wrong[k][1]);

@@ -81,9 +81,17 @@ static bool is_hidden(const cli_command *command, const saltus_option *option) {
     return false;
 }
 
+/* Whether -o can have an ending of which the file can be written from begin to end. */
+static bool can_be_piped(const cli_command *command) {
+    int k = 0;
+    while (command->endings && command->endings[k] && strcmp(command->endings[k], ".h5") == 0)
+        k++;
+    return command->endings && command->endings[k];
+}
+
 bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
     const cli_option *const common[] = {&quiet, command->endings ? &cli_force : NULL,
-                                        command->endings ? &format : NULL, NULL};
+                                        can_be_piped(command) ? &format : NULL, NULL};
     const cli_option *own = NULL;
     for (int k = 0; !own && command->options[k]; k++)
         own = number-- == 0 ? command->options[k] : NULL;
@@ -607,7 +615,7 @@ bool cli_shows_progress(const cli_request *request) {
 
 static void show_periods(void *context, double periods, double at_most) {
     (void)context;
-    progress_line("%.0f of at most %.0f periods", periods, at_most);
+    progress_line("%.0f %% of at most %.0f periods", 100 * periods / at_most, at_most);
 }
 
 void cli_progress_end(const cli_request *request) {

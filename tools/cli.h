@@ -115,8 +115,8 @@ struct cli_command {
                                          NULL: that of the first input */
     bool resumes;                     /* goes on with an interrupted run */
     const cli_table *tables;          /* the last without options; NULL: none */
-    const cli_option *const *options; /* its own; NULL-terminated; --quiet, and with -o --force and --format,
-                                         go without saying */
+    const cli_option *const *options; /* its own; NULL-terminated; --quiet, with -o --force, and
+                                         --format where it need not be HDF5, go without saying */
     const cli_example *examples;      /* the last without a line */
     const char *see;                  /* commands that go with it: "plot export" */
     int (*run)(const cli_request *request);

@@ -211,8 +211,8 @@ static void show_progress(const run_state *run, const saltus_branch_point *point
     if (!cli_shows_progress(run->request))
         return;
     const double leading = point->multiplier_count ? point->multipliers[0].log_modulus : -INFINITY;
-    progress_line("branch %d  step %d  %s = %.9g  %s  largest %s %.4g%s%s", point->branch, point->step,
-                  run->options.key[0], point->value[0], point->label,
+    progress_line("%s = %.9g  branch %d  step %d  %s  largest %s %.4g%s%s", run->options.key[0],
+                  point->value[0], point->branch, point->step, point->label,
                   point->periods ? "multiplier" : "real part", point->periods ? exp(leading) : leading,
                   point->kind == SALTUS_POINT_REGULAR ? "" : "  ", saltus_point_word(point->kind));
 }

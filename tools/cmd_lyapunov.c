@@ -18,7 +18,7 @@ static void show(void *context, double done, double at_most) {
     if (l->history_count > 0)
         snprintf(found, sizeof found, ", exponent %.5g +- %.2g", l->history[l->history_count - 1].exponent,
                  l->history[l->history_count - 1].standard_error);
-    progress_line("measuring: %.0f of at most %.0f periods%s", done, at_most, found);
+    progress_line("%.0f %% of at most %.0f periods%s", 100 * done / at_most, at_most, found);
 }
 
 static saltus_status choose(const cli_request *request, const saltus_system *system,

@@ -4,6 +4,7 @@
 #include "saltus/spectrum.h"
 
 #include "signal/spectrum.h"
+#include "system/system.h"
 
 #include <gsl/gsl_integration.h>
 #include <stdio.h>
@@ -52,14 +53,14 @@ typedef struct sampler {
 saltus_status saltus_quantity_parse(const saltus_system *system, const char *word, saltus_quantity *quantity,
                                     saltus_message *message) {
     int dof = saltus_system_dof(system);
+    char names[SALTUS_NAMES_MAX];
     *quantity = (saltus_quantity){0, strcmp(word, "velocity") == 0};
     if (quantity->velocity || strcmp(word, "displacement") == 0)
         return SALTUS_OK;
     int entry = saltus_system_state_index(system, word);
     if (entry < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.40s: must be displacement, velocity, or %s to %s",
-                           word, saltus_system_state_name(system, 0).text,
-                           saltus_system_state_name(system, saltus_system_dimension(system) - 1).text);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.40s: must be displacement, velocity, or one of %s",
+                           word, saltus_system_list_names(system, saltus_system_dimension(system), names));
     *quantity = (saltus_quantity){(entry < dof ? entry : entry - dof) + 1, entry >= dof && entry < 2 * dof};
     return SALTUS_OK;
 }

@@ -146,12 +146,11 @@ saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *
 }
 
 /* Collect the lines `# name = value` before the table. */
-static bool collect(FILE *file, FILE *text, bool *ours, bool *complete) {
+static bool collect(FILE *file, FILE *text, bool *complete) {
     char *line = NULL;
     size_t room = 0;
-    *ours = *complete = false;
+    *complete = false;
     while (getline(&line, &room, file) > 0 && line[0] == '#') {
-        *ours = *ours || strncmp(line, "# Saltus ", 9) == 0;
         *complete = *complete || strcmp(line, "# complete: 1\n") == 0;
         if (strncmp(line, "# title: ", 9) != 0 && strncmp(line, "# scene: ", 9) != 0 && strstr(line, " = "))
             fputs(line + 2, text);
@@ -163,14 +162,16 @@ static bool collect(FILE *file, FILE *text, bool *ours, bool *complete) {
 saltus_status saltus_sweep_identity_csv(const char *path, char **identity, bool *complete,
                                         saltus_message *message) {
     size_t length = 0;
-    bool ours = false, sound = false;
+    bool sound = false;
     *identity = NULL;
+    const saltus_file_facts facts = saltus_file_identify(path);
+    const bool ours = strcmp(facts.kind, "sweep table") == 0 || strcmp(facts.kind, "basins table") == 0;
     FILE *file = fopen(path, "rb");
     if (!file)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: cannot be opened (%s)", path, strerror(errno));
     FILE *text = open_memstream(identity, &length);
     if (text) {
-        sound = collect(file, text, &ours, complete);
+        sound = collect(file, text, complete);
         sound = fclose(text) == 0 && sound;
     }
     fclose(file);

@@ -264,6 +264,26 @@ static void observe_default(saltus_system *system) {
         observe_entry(system, 0);
 }
 
+/* What could be observed, by name. */
+static saltus_status refuse_observer(const saltus_system *system, saltus_fault fault,
+                                     saltus_message *message) {
+    const int stops = system->spec.stop_count, quantities = saltus_system_observable_count(system);
+    char names[SALTUS_NAMES_MAX], stop[48] = "", observed[200] = "";
+    if (stops)
+        snprintf(stop, sizeof stop, ", stops (%s%d)", stops > 1 ? "stop1 to stop" : "stop", stops);
+    for (int k = 0; k < quantities; k++) {
+        const size_t used = strlen(observed);
+        snprintf(observed + used, sizeof observed - used, "%s%s", k ? ", " : ", quantities of the scene (",
+                 saltus_system_observable_name(system, k));
+    }
+    return saltus_fail_at(
+        message, SALTUS_BAD_INPUT, fault, "observe = %s: must be one of the displacements (%s)%s%s%s%s",
+        system->spec.observe, saltus_system_list_names(system, system->dof, names), stop, observed,
+        quantities ? ")" : "",
+        system->spec.model->notation.structure == SALTUS_STRUCTURE_LINE ? ", places on the line (0 < xi < 1)"
+                                                                        : "");
+}
+
 /* The observed displacement: an observed quantity of a text, stop2, a displacement by its name, or a place on
  * a line. */
 static saltus_status choose_observer(saltus_system *system, saltus_message *message) {
@@ -300,12 +320,7 @@ static saltus_status choose_observer(saltus_system *system, saltus_message *mess
         observe_place(system, xi);
         return SALTUS_OK;
     }
-    return saltus_fail_at(
-        message, SALTUS_BAD_INPUT, fault, "observe = %s: must be a displacement (%s to %s)%s%s%s", name,
-        saltus_system_state_name(system, 0).text, saltus_system_state_name(system, system->dof - 1).text,
-        spec->stop_count ? ", a stop (stop1, stop2, ...)" : "",
-        saltus_system_observable_count(system) ? ", a quantity that the scene observes" : "",
-        line ? ", or a place on the line, 0 < xi < 1" : "");
+    return refuse_observer(system, fault, message);
 }
 
 /* Whether every face has its mirror image among the faces. */
@@ -598,6 +613,19 @@ static int state_index(const saltus_spec *spec, int dof, int dimension, const ch
 
 saltus_state_name saltus_system_state_name(const saltus_system *system, int entry) {
     return state_name(&system->spec, system->dof, entry);
+}
+
+const char *saltus_system_list_names(const saltus_system *system, int count, char names[SALTUS_NAMES_MAX]) {
+    enum { few = 3 };
+    size_t used = 0;
+    names[0] = '\0';
+    for (int k = 0; k<count; k += count> few && k == 0 ? count - 1 : 1)
+        used += (size_t)snprintf(names + used, SALTUS_NAMES_MAX - used, "%s%s",
+                                 k == 0        ? ""
+                                 : count > few ? " to "
+                                               : ", ",
+                                 saltus_system_state_name(system, k).text);
+    return names;
 }
 
 int saltus_system_state_index(const saltus_system *system, const char *name) {

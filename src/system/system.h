@@ -203,6 +203,10 @@ bool saltus_system_defined(const saltus_system *system, const double *state, dou
 bool saltus_system_fault(const saltus_system *system, const double *state, double phase,
                          saltus_message *what);
 
+/* The first entries of a state by name: "x, y" or, of many, "q1 to q5". */
+enum { SALTUS_NAMES_MAX = 128 };
+const char *saltus_system_list_names(const saltus_system *system, int count, char names[SALTUS_NAMES_MAX]);
+
 extern const saltus_model saltus_pipe;
 extern const saltus_model saltus_oscillator;
 
