@@ -168,6 +168,8 @@ static void sentences_name_what_is_wrong(void **state) {
         {"continue pipe --set d=-5 --in omega=41:43 -o never.h5", 1,
          "a stop holds the system at q1 = -4.344"},
         {"classify relief-valve --set q=1e10", 1, "a unit of time, |: q = 1e+10 is too great"},
+        {"classify chain --set c=1e9", 1, "a forcing period, |: c = 1e+09 is too great"},
+        {"classify impact-oscillator --set c=1e9", 1, "a forcing period, |: c = 1e+09 is too great"},
         {"lyapunov relief-valve --set q=1e10", 1, "a unit of time, |: q = 1e+10 is too great"},
         {"orbit relief-valve --set q=1e10 --periods 1", 1, "a unit of time, |: q = 1e+10 is too great"},
         {"classify pipe --set d=-1e6", 1, "the step falls to 0 "},

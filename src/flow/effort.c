@@ -42,8 +42,10 @@ const char *saltus_effort_cause(const saltus_system *system, char cause[SALTUS_C
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     double most = log(far);
     for (int k = 0; k < count; k++) {
-        const double away = fabs(log(fabs(spec->parameters[k] / p[k].fallback)));
-        if (!p[k].integer && p[k].fallback != 0 && spec->parameters[k] != 0 && away > most) {
+        const double value = spec->parameters[k], usual = p[k].fallback;
+        /* What is usually not there is only ever too great. */
+        const double away = usual == 0 ? log(fabs(value)) : fabs(log(fabs(value / usual)));
+        if (!p[k].integer && value != 0 && away > most) {
             farthest = k;
             most = away;
         }

@@ -463,6 +463,7 @@ saltus_status saltus_motion_judge(const saltus_system *system, const saltus_clas
     *outcome = SALTUS_OUTCOME_OPEN;
     j.how.flow.integrator = options->flow.integrator;
     j.how.flow.stop = options->flow.stop;
+    j.how.flow.effort = options->flow.effort;
     j.how.flow.rtol = fmax(j.how.flow.rtol, options->flow.rtol);
     j.how.flow.atol = fmax(j.how.flow.atol, options->flow.atol);
     j.how.members = trajectories;
