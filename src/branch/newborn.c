@@ -156,13 +156,11 @@ static double settled(newborn *b, double *state) {
             begin = k;
         }
     }
-    saltus_event event;
     saltus_message ignored;
-    saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0},
-                                             d->state + (size_t)begin * (size_t)b->rests->n, &ignored);
-    if (status == SALTUS_OK)
-        status = saltus_flow_advance(b->flow, saltus_time_of(0.5 * flight), 0, &event, &ignored);
-    saltus_flow_state(b->flow, 0, state);
+    const size_t n = (size_t)b->rests->n;
+    memcpy(state, d->state + (size_t)begin * n, n * sizeof *state);
+    saltus_status status =
+        saltus_state_carry(b->flow, (saltus_time){0, 0}, saltus_time_of(0.5 * flight), state, &ignored);
     const double time = saltus_time_periods(d->event[last].time) - saltus_time_periods(d->event[first].time);
     return status == SALTUS_OK ? time * unit : 0;
 }

@@ -158,16 +158,11 @@ saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flo
 saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flow_options *options,
                                    long long periods, double *state, saltus_message *message) {
     saltus_flow *flow = NULL;
-    saltus_event event;
     saltus_effort effort;
     const saltus_flow_options own = saltus_effort_begin(options, system, &effort);
     saltus_status status = saltus_flow_single(system, 0, &own, &flow, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    if (status == SALTUS_OK && periods > 0)
-        status = saltus_flow_advance(flow, (saltus_time){periods, 0}, 0, &event, message);
-    if (status == SALTUS_OK)
-        saltus_flow_state(flow, 0, state);
+        status = saltus_state_carry(flow, (saltus_time){0, 0}, (saltus_time){periods, 0}, state, message);
     if (status == SALTUS_OK && periods > 0)
         status = saltus_state_load(system, state, saltus_flow_contacts(flow, 0), message);
     saltus_flow_free(flow);

@@ -57,12 +57,8 @@ typedef struct search {
 
 /* One more period, or several, from a state at phase 0. */
 static bool advance(const search *s, int periods, double *state) {
-    saltus_event event;
-    bool sound = saltus_flow_start(s->plain, 0, (saltus_time){0, 0}, state, NULL) == SALTUS_OK &&
-                 saltus_flow_advance(s->plain, (saltus_time){periods, 0}, 0, &event, NULL) == SALTUS_OK;
-    if (sound)
-        saltus_flow_state(s->plain, 0, state);
-    return sound;
+    return saltus_state_carry(s->plain, (saltus_time){0, 0}, (saltus_time){periods, 0}, state, NULL) ==
+           SALTUS_OK;
 }
 
 /* Whether a state lies on an orbit that has been tried, to within a distance. */

@@ -101,6 +101,17 @@ bool saltus_lap_reserve(saltus_lap *lap, int periods, int n) {
     return lap->points;
 }
 
+saltus_status saltus_state_carry(saltus_flow *flow, saltus_time from, saltus_time until, double *state,
+                                 saltus_message *message) {
+    saltus_event event;
+    saltus_status status = saltus_flow_start(flow, 0, from, state, message);
+    if (status == SALTUS_OK && saltus_time_periods(until) > saltus_time_periods(from))
+        status = saltus_flow_advance(flow, until, 0, &event, message);
+    if (status == SALTUS_OK)
+        saltus_flow_state(flow, 0, state);
+    return status;
+}
+
 saltus_status saltus_lap_around(saltus_lap *lap, saltus_flow *flow, const double *state, int periods,
                                 saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);
@@ -179,14 +190,11 @@ bool saltus_orbit_passes(const saltus_system *system, const double *points, int 
 
 saltus_status saltus_mirror_image(saltus_flow *flow, const double *state, saltus_time later, double *image,
                                   saltus_message *message) {
-    saltus_event event;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    if (status == SALTUS_OK && saltus_time_periods(later) > 0)
-        status = saltus_flow_advance(flow, later, 0, &event, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_flow_state(flow, 0, image);
-    for (int i = 0; i < saltus_system_dimension(saltus_flow_system(flow, 0)); i++)
+    const int n = saltus_system_dimension(saltus_flow_system(flow, 0));
+    if (image != state)
+        memcpy(image, state, (size_t)n * sizeof *image);
+    saltus_status status = saltus_state_carry(flow, (saltus_time){0, 0}, later, image, message);
+    for (int i = 0; i < n && status == SALTUS_OK; i++)
         image[i] = -image[i];
-    return SALTUS_OK;
+    return status;
 }

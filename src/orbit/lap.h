@@ -45,6 +45,10 @@ bool saltus_lap_add(saltus_lap *lap, const saltus_event *event, const double *st
  * turning points of the observed displacement if `turnings`. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_lap_run(saltus_lap *lap, saltus_flow *flow, saltus_time until, bool turnings,
                              saltus_message *message);
+/* A state at one time becomes the one at another, by lane 0 of a flow. Errors: those of the flow; the state
+ * is then as it was. */
+saltus_status saltus_state_carry(saltus_flow *flow, saltus_time from, saltus_time until, double *state,
+                                 saltus_message *message);
 /* Once around an orbit of so many periods, or along a trajectory for as many, from a state at section phase
  * 0. The flow has no columns. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_lap_around(saltus_lap *lap, saltus_flow *flow, const double *state, int periods,

@@ -115,18 +115,13 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_me
 /* Bring the state from the sequence's base to a phase. */
 static saltus_status to_section(search *s, double phase, saltus_message *message) {
     double base = s->sequence.base, whole = floor(base), ahead = phase - (base - whole);
-    saltus_event event;
     if (ahead == 0)
         return SALTUS_OK;
     saltus_time start = {(long long)whole, base - whole};
     saltus_time until = {start.cycle + (ahead < 0), phase};
     /* The base lies within the orbit: to the section point that is a whole number of orbits away. */
     until.cycle += (s->periods - until.cycle % s->periods) % s->periods;
-    saltus_status status = saltus_flow_start(s->flow, 0, start, s->state, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_advance(s->flow, until, 0, &event, message);
-    saltus_flow_state(s->flow, 0, s->state);
-    return status;
+    return saltus_state_carry(s->flow, start, until, s->state, message);
 }
 
 /* One sequence from the state at its base, accepted if the event-driven flow follows the orbit found. Where
@@ -205,14 +200,9 @@ static saltus_status leave_stop(search *s, saltus_message *message) {
     if (status != SALTUS_OK || !(touches & ~saltus_flow_contacts(s->flow, 0)))
         return status;
     status = saltus_flow_advance(s->flow, (saltus_time){1, 0}, watched, &event, message);
-    const double half = 0.5 * saltus_time_periods(event.time);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, s->state, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_advance(s->flow, saltus_time_of(half), 0, &event, message);
-    if (status == SALTUS_OK)
-        saltus_flow_state(s->flow, 0, s->state);
-    return status;
+    const saltus_time half = saltus_time_of(0.5 * saltus_time_periods(event.time));
+    return status == SALTUS_OK ? saltus_state_carry(s->flow, (saltus_time){0, 0}, half, s->state, message)
+                               : status;
 }
 
 /* The two formulations in turn, each from where the other has come to. The cause that a failure names: an

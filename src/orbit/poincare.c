@@ -355,13 +355,10 @@ saltus_status saltus_cycle_leave(saltus_flow *flow, double *state, double *later
         if (status == SALTUS_OK)
             next = coming(&returns, flow, &event);
     }
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_advance(flow, saltus_time_of(0.5 * next), 0, &event, message);
     *later = 0.5 * next;
-    saltus_flow_state(flow, 0, state);
-    return status;
+    return status == SALTUS_OK
+               ? saltus_state_carry(flow, (saltus_time){0, 0}, saltus_time_of(*later), state, message)
+               : status;
 }
 
 /* From a state on the orbit for a time, at most a period: its events, which go to the lap if there is one,

@@ -201,17 +201,6 @@ bool saltus_orbit_turning(saltus_flow *flow, int periods, double *time, double *
     return best > 0;
 }
 
-/* From a state at section phase 0 to the sequence's base. */
-static saltus_status go_to_base(saltus_flow *flow, const saltus_sequence *s, double *state,
-                                saltus_message *message) {
-    saltus_event event;
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_advance(flow, saltus_time_of(s->base), 0, &event, message);
-    saltus_flow_state(flow, 0, state);
-    return status;
-}
-
 saltus_status saltus_sequence_make(saltus_flow *flow, int periods, bool free_period, double *state,
                                    saltus_lap *lap, saltus_sequence *s, saltus_message *message) {
     double time = 0;
@@ -224,7 +213,7 @@ saltus_status saltus_sequence_make(saltus_flow *flow, int periods, bool free_per
         turning || (lap->event_count == 0 && !lap->contacts) ? fmod(time, periods) : longest_flight(lap);
     if (s->base > 0) {
         if (!turning)
-            status = go_to_base(flow, s, state, message);
+            status = saltus_state_carry(flow, (saltus_time){0, 0}, saltus_time_of(s->base), state, message);
         else
             status = saltus_flow_start(flow, 0, saltus_time_of(s->base), state, message);
         s->contacts = saltus_flow_contacts(flow, 0);
