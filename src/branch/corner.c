@@ -29,7 +29,7 @@ static bool is_own(const saltus_extended *x, const saltus_solution *s, const sal
     return touch || image || (breach->mark == x->mark && breach->kind == SALTUS_BREACH_SPEED);
 }
 
-const saltus_breach *saltus_corner_worst(const saltus_extended *x, const saltus_solution *s) {
+static const saltus_breach *worst_of(const saltus_extended *x, const saltus_solution *s) {
     const saltus_breach *worst = NULL;
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].value > (worst ? worst->value : -1) &&
@@ -40,7 +40,7 @@ const saltus_breach *saltus_corner_worst(const saltus_extended *x, const saltus_
 
 const saltus_breach *saltus_corner_touch(const saltus_extended *x, const saltus_solution *s) {
     const double near = 1e-4, slow = 1e-5;
-    const saltus_breach *worst = saltus_corner_worst(x, s);
+    const saltus_breach *worst = worst_of(x, s);
     for (int k = 0; worst && worst->kind == SALTUS_BREACH_GAP && k < s->breach_count; k++) {
         const saltus_breach *impact = &s->breaches[k];
         if (impact->kind == SALTUS_BREACH_SPEED && impact->face == worst->face &&
@@ -51,7 +51,7 @@ const saltus_breach *saltus_corner_touch(const saltus_extended *x, const saltus_
 }
 
 double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) {
-    const saltus_breach *worst = saltus_corner_worst(x, s);
+    const saltus_breach *worst = worst_of(x, s);
     return worst ? worst->value : -1;
 }
 
@@ -348,7 +348,7 @@ bool saltus_corner_ends_chatter(const saltus_solution *s, const saltus_breach *b
 
 saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_locus_test *corner,
                                  const saltus_solution *s, saltus_point_kind *kind, saltus_message *message) {
-    const saltus_breach *worst = saltus_corner_worst(x, s);
+    const saltus_breach *worst = worst_of(x, s);
     saltus_status status = SALTUS_OK;
     bool breaks = false;
     *kind = corner->kind;

@@ -29,9 +29,8 @@ typedef struct saltus_locus_test {
     saltus_close single, product;
 } saltus_locus_test;
 
-/* The worst breach of an orbit but for the grazing impact that is followed; NULL: there is no other. */
-const saltus_breach *saltus_corner_worst(const saltus_extended *extended, const saltus_solution *orbit);
-/* The same, but where that is a maximum of the gap at an impact that has lost its speed, the impact. */
+/* The worst breach of an orbit but for the grazing impact that is followed, NULL: there is no other; where
+ * that is a maximum of the gap at an impact that has lost its speed, the impact. */
 const saltus_breach *saltus_corner_touch(const saltus_extended *extended, const saltus_solution *orbit);
 /* The value of the worst, -1 for none. */
 double saltus_corner_breach(const saltus_extended *extended, const saltus_solution *orbit);

@@ -239,10 +239,38 @@ static bool nothing_near(saltus_lane *self, double near) {
     return self->step.calm && near < 0 && !(self->target.watch & SALTUS_WATCH_TURNING && self->step.turns);
 }
 
+/* Whether a planned step leads on: where a period or the whole question would take too many, or time does not
+ * pass, the lane fails where it is. */
+static bool leads_on(saltus_flow *flow, int lane, double planned) {
+    saltus_lane *self = &flow->lane[lane];
+    const saltus_work *w = &flow->work;
+    const saltus_effort *effort = flow->options.effort;
+    const double gone = self->now.phase - self->cycle_from, most = steps_most(flow, self);
+    const bool many = self->cycle_steps >= first_steps || self->cycle_steps >= most,
+               moves = planned > 0 && self->now.phase + w->lane->passing[lane] != self->now.phase;
+    char cause[SALTUS_CAUSE_MAX];
+    if (effort && effort->spent > SALTUS_EFFORT_MOST)
+        saltus_effort_check(effort, self->system, &self->why);
+    else if (many && self->cycle_steps > most * gone)
+        saltus_fail(
+            &self->why, SALTUS_STALLED,
+            "%s, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over %.3g T): %s",
+            self->system->spec.model->forcing >= 0 ? "a forcing period" : "a unit of time",
+            self->system->period, most, self->cycle_steps, planned, gone,
+            saltus_effort_cause(self->system, cause));
+    else if (!moves && w->lane->left[lane] > 0)
+        saltus_fail(&self->why, SALTUS_STALLED,
+                    "the step falls to %.3g at %.15g periods: the motion grows without bound", planned,
+                    saltus_time_periods(self->now));
+    else
+        return true;
+    give_up(flow, lane);
+    return false;
+}
+
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
 static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
-    const saltus_effort *effort = flow->options.effort;
     bool turning = false;
     for (int l = 0; l < flow->lanes; l++) {
         const saltus_lane *self = &flow->lane[l];
@@ -270,32 +298,8 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         if (!self->target.aimed)
             continue;
         const double planned = w->lane->advance[l];
-        const double most = steps_most(flow, self);
-        if (effort && effort->spent > SALTUS_EFFORT_MOST) {
-            saltus_effort_check(effort, self->system, &self->why);
-            give_up(flow, l);
+        if (!leads_on(flow, l, planned))
             continue;
-        }
-        if ((self->cycle_steps >= first_steps || self->cycle_steps >= most) &&
-            self->cycle_steps > most * (self->now.phase - self->cycle_from)) {
-            char cause[SALTUS_CAUSE_MAX];
-            saltus_fail(&self->why, SALTUS_STALLED,
-                        "%s, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over %.3g "
-                        "T): %s",
-                        self->system->spec.model->forcing >= 0 ? "a forcing period" : "a unit of time",
-                        self->system->period, most, self->cycle_steps, planned,
-                        self->now.phase - self->cycle_from, saltus_effort_cause(self->system, cause));
-            give_up(flow, l);
-            continue;
-        }
-        bool moves = planned > 0 && self->now.phase + w->lane->passing[l] != self->now.phase;
-        if (!moves && w->lane->left[l] > 0) {
-            saltus_fail(&self->why, SALTUS_STALLED,
-                        "the step falls to %.3g at %.15g periods: the motion grows without bound", planned,
-                        saltus_time_periods(self->now));
-            give_up(flow, l);
-            continue;
-        }
         self->pending.kind = SALTUS_STEP;
         self->step.lands = planned == w->lane->left[l];
         if (nothing_near(self, w->lane->near[l]))

@@ -290,6 +290,16 @@ static saltus_status read_stops(reading *r, const saltus_node *root, const saltu
     return status;
 }
 
+/* One of two words, for 1 and -1. */
+static saltus_status read_way(reading *r, const saltus_node *node, const char *one, const char *other,
+                              int *way) {
+    *way = strcmp(node->text, one) == 0 ? 1 : -1;
+    return *way > 0 || strcmp(node->text, other) == 0
+               ? SALTUS_OK
+               : saltus_node_fail(r->source, node, "section: %s = %.40s: must be %s or %s", node->key,
+                                  node->text, one, other);
+}
+
 static saltus_status read_section_key(reading *r, const saltus_node *node) {
     static const char *const keys[] = {"zero", "direction", "impact", "side"};
     saltus_poincare *section = &r->text.poincare;
@@ -299,12 +309,8 @@ static saltus_status read_section_key(reading *r, const saltus_node *node) {
     if (strcmp(node->key, "zero") == 0) {
         section->kind = SALTUS_POINCARE_ZERO;
         r->text.zero = (saltus_equation){"section: zero", node->text, node->key_line};
-    } else if (strcmp(node->key, "direction") == 0 &&
-               (strcmp(node->text, "up") == 0 || strcmp(node->text, "down") == 0))
-        section->direction = strcmp(node->text, "up") == 0 ? 1 : -1;
-    else if (strcmp(node->key, "direction") == 0)
-        return saltus_node_fail(r->source, node, "section: direction = %.40s: must be up or down",
-                                node->text);
+    } else if (strcmp(node->key, "direction") == 0)
+        return read_way(r, node, "up", "down", &section->direction);
     else if (strcmp(node->key, "impact") == 0) {
         if (saltus_read_number(node->text, &number) || number != floor(number) || number < 1 ||
             number > SALTUS_STOPS_MAX)
@@ -312,11 +318,8 @@ static saltus_status read_section_key(reading *r, const saltus_node *node) {
                                     node->text);
         section->kind = SALTUS_POINCARE_IMPACT;
         section->stop = (int)number - 1;
-    } else if (strcmp(node->key, "side") == 0 &&
-               (strcmp(node->text, "upper") == 0 || strcmp(node->text, "lower") == 0))
-        section->side = strcmp(node->text, "upper") == 0 ? 1 : -1;
-    else if (strcmp(node->key, "side") == 0)
-        return saltus_node_fail(r->source, node, "section: side = %.40s: must be upper or lower", node->text);
+    } else if (strcmp(node->key, "side") == 0)
+        return read_way(r, node, "upper", "lower", &section->side);
     else
         return saltus_unknown_key(r->source, node->key_line, node->key, keys, 4);
     return SALTUS_OK;
