@@ -72,6 +72,33 @@ static void grazing_is_met_from_everywhere(void **unused) {
     }
 }
 
+/* Where a cycle touches the seat its one impact counts, be it on this side or that of where the flow sees it:
+ * the label says what is counted. */
+static void labels_on_a_curve_of_grazing_say_what_is_counted(void **unused) {
+    (void)unused;
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    check_ok(saltus_scene_load("relief-valve", &scene, &message), &message);
+    check_ok(saltus_scene_set(&scene, "q=7.6", &message), &message);
+    saltus_branch_options options = branch_along("q", 7.4, 7.7);
+    snprintf(options.key[1], sizeof options.key[1], "delta");
+    options.low[1] = 9.9;
+    options.high[1] = 10.1;
+    options.locus = SALTUS_POINT_GR;
+    options.direction = -1;
+    options.points = 60;
+    branch_record record = branch_of(&scene, options, NULL);
+    assert_true(record.count >= 20);
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        assert_int_equal(p->impacts, 1);
+        assert_int_equal(p->event_count, 1);
+        assert_string_equal(p->label, "1/1");
+    }
+    branch_forget(&record);
+    saltus_scene_clear(&scene);
+}
+
 /* Van der Pol's cycle between stops: it meets them where they are as far as it reaches. Its perturbations die
  * in one direction, in which each impact of no speed takes the factor r^2: so much smaller is the multiplier
  * beyond, and the cycle neither folds nor flips there. */
@@ -663,6 +690,7 @@ static void cycles_end_where_equilibria_are_born_on_them(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(grazing_is_met_from_everywhere),
+        cmocka_unit_test(labels_on_a_curve_of_grazing_say_what_is_counted),
         cmocka_unit_test(a_planar_cycle_keeps_stable_through_grazing),
         cmocka_unit_test(symmetric_cycles_pass_grazing),
         cmocka_unit_test(impacts_of_planar_cycles_die_together),
