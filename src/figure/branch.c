@@ -114,7 +114,7 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     bool sound = saltus_plot_data(page);
     saltus_page_frame(paper, page->frame);
     put_axes(page);
-    saltus_plot_labels(page);
+    saltus_plot_labels(page, NULL, NULL);
     fputs("plot \\\n", page->file);
     saltus_plot_elements(page);
     return sound;

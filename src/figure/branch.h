@@ -68,6 +68,9 @@ typedef enum saltus_stroke {
 } saltus_stroke;
 enum { SALTUS_STROKES = 3, SALTUS_HUES = 7 };
 
+/* The visit of a file's point k + 1 that goes on from visit v of point k; -1: none. */
+int saltus_plot_partner(const saltus_plot_page *page, int file, int k, int v);
+
 /* How a curve goes on from a point to the next one of its branch. */
 saltus_stroke saltus_plot_stroke(const saltus_branch_file *file, int from, int to);
 
@@ -92,9 +95,10 @@ double saltus_plot_legend_place(const saltus_plot_page *page, double top);
  * $signs_HUE. */
 bool saltus_plot_data(const saltus_plot_page *page);
 /* branch_labels.c: names of regions, n/p along the branches and the names of special points, as gnuplot
- * labels.
- */
-void saltus_plot_labels(const saltus_plot_page *page);
+ * labels. Where names, marks and curves are is told to `block`, unless that is NULL, in units from the
+ * panel's lower left corner. */
+typedef void saltus_plot_block(void *context, saltus_frame taken);
+void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context);
 /* The rank-th parameter (from 0) in which the files differ, other than those of the axes, as a key of --set;
  * "" where there are not so many. */
 void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]);

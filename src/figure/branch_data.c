@@ -563,8 +563,8 @@ static int nearest_visit(const saltus_plot_visit *from, const saltus_plot_visits
     return nearest;
 }
 
-/* The same visit at the next point of a branch: each must be the other's nearest. */
-static int partner(const saltus_plot_page *page, int file, int k, int v) {
+/* Each must be the other's nearest. */
+int saltus_plot_partner(const saltus_plot_page *page, int file, int k, int v) {
     const saltus_branch_point *points = page->files[file].points;
     const saltus_plot_visits *a = &page->visits[file][k], *b = &page->visits[file][k + 1];
     if (page->amplitude)
@@ -585,14 +585,14 @@ static void put_visits(const saltus_plot_page *page, int file, int first, int la
             /* It begins here where no visit of the point before leads to it. */
             bool begins = true;
             for (int w = 0; k > first && begins && w < page->visits[file][k - 1].count; w++)
-                begins = partner(page, file, k - 1, w) != v;
+                begins = saltus_plot_partner(page, file, k - 1, w) != v;
             c->count = 0;
             for (int at = k, visit = v; begins && visit >= 0 && at <= last; at++) {
                 double value = page->visits[file][at].list[visit].value;
                 c->points[c->count][page->swap] = f->points[at].value[0];
                 c->points[c->count][!page->swap] = value;
                 c->corners[c->count] = corner(&f->points[at]);
-                visit = at < last ? partner(page, file, at, visit) : -1;
+                visit = at < last ? saltus_plot_partner(page, file, at, visit) : -1;
                 c->drawn[c->count++] = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
             }
             put_curve(page, c);

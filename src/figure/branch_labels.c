@@ -4,6 +4,7 @@
 #include "figure/branch.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { places_max = 400 };
@@ -19,6 +20,8 @@ typedef struct place {
 typedef struct places {
     place taken[places_max];
     int count;
+    double (*lines)[2][2]; /* the pieces of all curves, in heights of a word too */
+    int line_count;
 } places;
 
 static double wide(const saltus_plot_page *page) {
@@ -61,22 +64,44 @@ static void put_label(const saltus_plot_page *page, const saltus_line *line, pla
             where.y / high(page), style);
 }
 
-/* How far a place is from the chord between two others. */
-static double from_chord(place at, place a, place b) {
-    return saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y});
+/* The pieces of one curve from row k of a file to the next: of what a branch shows, or of each visit. */
+static void add_lines(const saltus_plot_page *page, int file, int k, places *all) {
+    const saltus_branch_point *p = &page->files[file].points[k];
+    const saltus_visits *visits = page->visits ? &page->visits[file][k] : NULL;
+    for (int v = 0; p[0].branch == p[1].branch && v < (visits ? visits->count : 1); v++) {
+        int next = visits ? saltus_plot_partner(page, file, k, v) : 0;
+        for (int end = 0; end < 2 && next >= 0; end++) {
+            double *at = all->lines[all->line_count][end], x = saltus_plot_x(page, &p[end]),
+                   y = saltus_plot_y(page, &p[end]);
+            if (visits)
+                *(page->swap ? &x : &y) = end ? visits[1].list[next].value : visits->list[v].value;
+            saltus_plot_place(page, x, y, at);
+            for (int i = 0; i < 2; i++)
+                at[i] /= word_height;
+        }
+        all->line_count += next >= 0;
+    }
+}
+
+/* All curves. Without memory for them names are placed as if there were none. */
+static void find_lines(const saltus_plot_page *page, places *all) {
+    size_t most = 1;
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++)
+            most += page->visits ? (size_t)page->visits[i][k].count : 1;
+    all->lines = calloc(most, sizeof *all->lines);
+    for (int i = 0; i < page->count && all->lines; i++)
+        for (int k = 0; k + 1 < page->files[i].point_count; k++)
+            add_lines(page, i, k, all);
 }
 
 /* How far the curves stay away from a place, as far as it matters. */
-static double clearance(const saltus_plot_page *page, place wanted) {
+static double clearance(const places *all, place wanted) {
     const double enough = 1.3;
     double least = enough;
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k + 1 < page->files[i].point_count; k++) {
-            const saltus_branch_point *points = page->files[i].points;
-            place a = place_of(page, &points[k], 0), b = place_of(page, &points[k + 1], 0);
-            if (points[k].branch == points[k + 1].branch)
-                least = fmin(least, from_chord(wanted, a, b));
-        }
+    for (int k = 0; k < all->line_count; k++)
+        least = fmin(
+            least, saltus_plot_distance((double[2]){wanted.x, wanted.y}, all->lines[k][0], all->lines[k][1]));
     return least;
 }
 
@@ -100,6 +125,22 @@ static bool named_already(const saltus_plot_page *page, const saltus_branch_poin
     return false;
 }
 
+/* Whether a name there would be nearer to the mark of a point of another kind than to its own. */
+static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted) {
+    const double same = 0.3;
+    place own = place_of(page, point, 0);
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *other = &page->files[i].points[k];
+            place its = place_of(page, other, 0);
+            if (other->kind != point->kind && saltus_plot_marked(&page->files[i], other) &&
+                saltus_plot_shown(page, other) && hypot(its.x - own.x, its.y - own.y) > same &&
+                hypot(its.x - wanted.x, its.y - wanted.y) < hypot(own.x - wanted.x, own.y - wanted.y))
+                return true;
+        }
+    return false;
+}
+
 /* A special point's name beside it, as near as the curves allow. */
 static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, places *all) {
     static const double shift[][2] = {{0, 1.2},    {1.7, 0.6},   {-1.7, 0.6}, {1.8, 0}, {-1.8, 0},
@@ -118,7 +159,8 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
         if (shift[k][0] == 0)
             wanted.x = fmin(fmax(wanted.x, wanted.half_width), wide(page) - wanted.half_width);
         wanted.y += shift[k][1];
-        double away = is_free(page, all, wanted) ? clearance(page, wanted) : 0;
+        double away =
+            is_free(page, all, wanted) && !misleads(page, point, wanted) ? clearance(all, wanted) : 0;
         if (away <= widest + 0.1)
             continue;
         widest = away;
@@ -180,8 +222,7 @@ static int stretch_name(const saltus_plot_page *page, int file, stretch s, saltu
 
 /* Whether a curve is drawn at a row of a file: the row's own visits may have none. */
 static bool has_curve(const saltus_plot_page *page, int file, int k) {
-    const saltus_branch_point *point = &page->files[file].points[k];
-    return !page->visits || page->visits[file][k].count > 0 || !(fabs(saltus_plot_y(page, point)) > 0);
+    return !page->visits || page->visits[file][k].count > 0;
 }
 
 /* Whether the row of a stretch lies on an earlier curve of the same motion, which has the name. */
@@ -193,7 +234,8 @@ static bool named_below(const saltus_plot_page *page, int file, int row) {
         place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
         if (strcmp(f->points[k].label, f->points[row].label) == 0 &&
             f->points[k].branch == f->points[k + 1].branch && f->points[k].stable == f->points[row].stable &&
-            from_chord(own, a, b) < near)
+            saltus_plot_distance((double[2]){own.x, own.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y}) <
+                near)
             return true;
     }
     return false;
@@ -226,7 +268,7 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                                             fmax(0, 0.5 * letter_width * (letters - 3));
             wanted.y += shift[way][1];
             if (!has_curve(page, file, row) || !is_free(page, all, wanted) ||
-                (way > 0 && clearance(page, wanted) < 0.75))
+                (way > 0 && clearance(all, wanted) < 0.75))
                 continue;
             snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'", way ? "" : "boxed ",
                      page->locus ? "#202020" : colour[hue]);
@@ -270,21 +312,20 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
     }
 }
 
-/* The special points of all files: their marks are taken before any name looks for its place. */
-static void name_points(const saltus_plot_page *page, places *all) {
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < page->count; i++)
-            for (int k = 0; k < page->files[i].point_count; k++) {
-                const saltus_branch_point *point = &page->files[i].points[k];
-                if (!saltus_plot_marked(&page->files[i], point) || !saltus_plot_shown(page, point))
-                    continue;
-                place mark = place_of(page, point, 0);
-                mark.half_width = mark.half_height = 0.42;
-                if (pass == 0)
-                    take_place(all, mark);
-                else
-                    name_point(page, point, all);
-            }
+/* The special points of all files: the places of their marks are taken, or they get their names. */
+static void name_points(const saltus_plot_page *page, bool marks, places *all) {
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->files[i].points[k];
+            if (!saltus_plot_marked(&page->files[i], point) || !saltus_plot_shown(page, point))
+                continue;
+            place mark = place_of(page, point, 0);
+            mark.half_width = mark.half_height = 0.42;
+            if (marks)
+                take_place(all, mark);
+            else
+                name_point(page, point, all);
+        }
 }
 
 /* The names asked for, in letters that stand out from the curves' own. */
@@ -365,12 +406,30 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
     }
 }
 
-void saltus_plot_labels(const saltus_plot_page *page) {
+void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context) {
+    const double h = word_height, step = 0.2, rim = 0.2; /* in heights of a word */
     places all = {.count = 0};
+    find_lines(page, &all);
     name_regions(page, &all);
-    name_points(page, &all);
-    if (page->over_map) /* which tells the motions by colours */
-        return;
-    name_stretches(page, true, &all);
-    name_stretches(page, false, &all);
+    name_points(page, true, &all);
+    /* A map tells the motions by colours. */
+    if (!page->over_map)
+        name_stretches(page, true, &all);
+    name_points(page, false, &all);
+    if (!page->over_map)
+        name_stretches(page, false, &all);
+    for (int k = 0; k < all.count && block; k++) {
+        const place *p = &all.taken[k];
+        block(context, (saltus_frame){h * (p->x - p->half_width), h * (p->x + p->half_width),
+                                      h * (p->y - p->half_height), h * (p->y + p->half_height)});
+    }
+    for (int k = 0; k < all.line_count && block; k++) {
+        const double *a = all.lines[k][0], *b = all.lines[k][1];
+        int steps = 1 + (int)fmin(hypot(b[0] - a[0], b[1] - a[1]) / step, 1e5);
+        for (int n = 0; n <= steps; n++) {
+            double x = a[0] + n * (b[0] - a[0]) / steps, y = a[1] + n * (b[1] - a[1]) / steps;
+            block(context, (saltus_frame){h * (x - rim), h * (x + rim), h * (y - rim), h * (y + rim)});
+        }
+    }
+    free(all.lines);
 }

@@ -470,7 +470,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         saltus_page_axis(&page->paper, "y", page->frame, page->logarithmic, name.text, page->up);
         fputs("unset xlabel\nset format x ''\n", file);
         if (page->branches)
-            saltus_plot_labels(page->branches);
+            saltus_plot_labels(page->branches, NULL, NULL);
         put_plot(page, rasters, dense);
         saltus_page_template(&page->paper, "close");
         sound = saltus_sweep_put_strip(page, strip);

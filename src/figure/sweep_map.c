@@ -127,20 +127,39 @@ static bool paint(saltus_sweep_map *map) {
     return true;
 }
 
-/* The names of regions, looked for at a few pixels' distance. */
+enum { step = 4 }; /* pixels between the places where room for names is looked for */
+
+/* A grid of such places, with what is there. */
+typedef struct lookout {
+    int *kind, columns, rows;
+} lookout;
+
+/* Nothing is written where something else is. */
+static void block(void *context, saltus_frame taken) {
+    const lookout *at = context;
+    int left = (int)fmax(taken.left / step, 0), bottom = (int)fmax(taken.bottom / step, 0);
+    for (int y = bottom; y < at->rows && y * step < taken.top; y++)
+        for (int x = left; x < at->columns && x * step < taken.right; x++)
+            at->kind[y * at->columns + x] = -1;
+}
+
+/* The names of regions, beside those of the curves over them. */
 static bool put_names(const saltus_sweep_map *map) {
-    enum { step = 4 };
     int fineness = saltus_sweep_fineness(map->page), columns = map->raster.width / (step * fineness),
         rows = map->raster.height / (step * fineness);
-    int *kind = calloc((size_t)columns * (size_t)rows, sizeof *kind);
-    for (int y = 0; y < rows && kind; y++)
+    const bool named = map->page->view == SALTUS_VIEW_CLASS;
+    lookout at = {named ? calloc((size_t)columns * (size_t)rows, sizeof *at.kind) : NULL, columns, rows};
+    for (int y = 0; y < rows && at.kind; y++)
         for (int x = 0; x < columns; x++) {
             long long point;
             int column = (2 * x + 1) * step * fineness / 2, row = (2 * y + 1) * step * fineness / 2;
-            kind[y * columns + x] = kind_at(map, map->columns[column], map->rows[row], &point);
+            at.kind[y * columns + x] = kind_at(map, map->columns[column], map->rows[row], &point);
         }
-    bool sound = kind && saltus_sweep_name_regions(map->page, map->kinds, kind, columns, rows, step);
-    free(kind);
+    if (map->page->branches)
+        saltus_plot_labels(map->page->branches, at.kind ? block : NULL, &at);
+    bool sound =
+        !named || (at.kind && saltus_sweep_name_regions(map->page, map->kinds, at.kind, columns, rows, step));
+    free(at.kind);
     return sound;
 }
 
@@ -275,9 +294,7 @@ static bool put_panel(saltus_sweep_map *map) {
         put_legend(map);
     else
         put_exceptions(map);
-    bool sound = page->view != SALTUS_VIEW_CLASS || put_names(map);
-    if (page->branches)
-        saltus_plot_labels(page->branches);
+    bool sound = put_names(map);
     fputs("unset grid\nset border 15\nplot ", file);
     saltus_raster_element(file, &map->raster, "x2y2");
     if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
