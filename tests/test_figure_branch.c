@@ -483,6 +483,48 @@ static void names_stand_on_their_stretches(void **state) {
     figure_free(&f);
 }
 
+/* However near special points are to each other, no name is nearer to the mark of another kind. */
+static void names_are_nearest_to_their_own_marks(void **state) {
+    (void)state;
+    static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_GR,
+                                             SALTUS_POINT_NS};
+    saltus_plot_options how = saltus_plot_defaults();
+    int names = 0;
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    for (int apart = 1; apart <= 3; apart++)
+        for (int column = 0; column < 2; column++) {
+            make_branch();
+            for (int k = 2, n = 0; k < points - 1; k += k % 30 < 20 ? apart : 11, n++)
+                made.point[k].kind = list[n % 4];
+            write_branch("b.h5");
+            how.look.width = column ? 85 : 0;
+            figure f = draw(&how);
+            const figure_panel *panel = &f.panel[0];
+            for (int m = 0; m < panel->mark_count; m++) {
+                const figure_mark *label = &panel->mark[m];
+                if (label->kind != 'l' || label->system[0][0] != 'g' || strlen(label->text) != 2)
+                    continue;
+                double least[2] = {INFINITY, INFINITY}, at[2];
+                place_of(panel, label, at);
+                for (int k = 0; k < points; k++) {
+                    double away =
+                        hypot((made.point[k].value[0] - at[0]) * (panel->frame[1] - panel->frame[0]) * 4 /
+                                  (panel->range[0][1] - panel->range[0][0]),
+                              (made.state[k][0] - at[1]) * (panel->frame[3] - panel->frame[2]) * 3 /
+                                  (panel->range[1][1] - panel->range[1][0]));
+                    bool own = strcmp(saltus_point_word(made.point[k].kind), label->text) == 0;
+                    if (made.point[k].kind != SALTUS_POINT_REGULAR && made.point[k].kind != SALTUS_POINT_EP)
+                        least[own] = fmin(least[own], away);
+                }
+                if (!(least[1] < least[0] * (column ? 1.2 : 1.02)))
+                    fail_msg("%s stands by another mark: %g, %g", label->text, least[1], least[0]);
+                names++;
+            }
+            figure_free(&f);
+        }
+    assert_true(names > 20);
+}
+
 /* Two files with the same curves do not have their names on each other. */
 static void names_do_not_lie_on_each_other(void **state) {
     (void)state;
@@ -971,6 +1013,40 @@ static figure draw_over(const char *const *names, int count, const saltus_figure
     return figure_taken(folder);
 }
 
+/* No curve runs through the name of a region. */
+static void check_names_are_clear(const figure_panel *panel) {
+    const double page[2] = {1600, 1200}, letter = 0.6, high = 0.7; /* of the type's size */
+    double size[2];
+    int names = 0;
+    for (int i = 0; i < 2; i++)
+        size[i] = page[i] * (panel->frame[2 * i + 1] - panel->frame[2 * i]);
+    for (int m = 0; m < panel->mark_count; m++) {
+        const figure_mark *name = &panel->mark[m];
+        const char *type = name->kind == 'l' ? strstr(name->style, "Bold,") : NULL;
+        if (!type || name->system[0][0] != 'g')
+            continue;
+        names++;
+        double pixels = strtod(type + 5, NULL) * 4 / 3,
+               half[2] = {0.5 * letter * pixels * (double)strlen(name->text), 0.5 * high * pixels};
+        for (int e = 0; e < panel->element_count; e++) {
+            const figure_rows *rows = &panel->element[e].values;
+            for (int k = 1; k < rows->count && strstr(panel->element[e].text, "$curve_"); k++)
+                for (int n = 0; n <= 50 && rows->joined[k]; n++) {
+                    bool through = true;
+                    for (int i = 0; i < 2; i++) {
+                        double value = rows->at[k - 1][i] + n * (rows->at[k][i] - rows->at[k - 1][i]) / 50,
+                               part =
+                                   (value - panel->range[i][0]) / (panel->range[i][1] - panel->range[i][0]);
+                        through = through && fabs(part - name->place[0][i]) * size[i] < half[i];
+                    }
+                    if (through)
+                        fail_msg("a curve runs through %s", name->text);
+                }
+        }
+    }
+    assert_true(names > 3);
+}
+
 /* Curves of special points lie over a map of their two parameters, whichever of these came first, in the
  * map's axes, above its colours, with a rim; and the map keeps its legend. */
 static void special_points_lie_over_maps(void **state) {
@@ -1018,6 +1094,7 @@ static void special_points_lie_over_maps(void **state) {
         assert_non_null(figure_element_of(panel, kinds[SALTUS_POINT_PD].meaning, 0));
         assert_non_null(figure_element_of(panel, kinds[SALTUS_POINT_GR].meaning, 0));
         assert_non_null(figure_mark_of(panel, 'l', "1/1", 0));
+        check_names_are_clear(panel);
         figure_free(&f);
     }
     /* What has other parameters is refused, and so is a branch of orbits. */
@@ -1259,6 +1336,7 @@ int main(void) {
         cmocka_unit_test(the_legend_explains_what_there_is),
         cmocka_unit_test(names_stand_on_their_stretches),
         cmocka_unit_test(names_do_not_lie_on_each_other),
+        cmocka_unit_test(names_are_nearest_to_their_own_marks),
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),

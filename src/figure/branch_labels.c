@@ -96,8 +96,7 @@ static void find_lines(const saltus_plot_page *page, places *all) {
 }
 
 /* How far the curves stay away from a place, as far as it matters. */
-static double clearance(const places *all, place wanted) {
-    const double enough = 1.3;
+static double clearance(const places *all, place wanted, double enough) {
     double least = enough;
     for (int k = 0; k < all->line_count; k++)
         least = fmin(
@@ -160,7 +159,7 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
             wanted.x = fmin(fmax(wanted.x, wanted.half_width), wide(page) - wanted.half_width);
         wanted.y += shift[k][1];
         double away =
-            is_free(page, all, wanted) && !misleads(page, point, wanted) ? clearance(all, wanted) : 0;
+            is_free(page, all, wanted) && !misleads(page, point, wanted) ? clearance(all, wanted, 1.3) : 0;
         if (away <= widest + 0.1)
             continue;
         widest = away;
@@ -241,6 +240,19 @@ static bool named_below(const saltus_plot_page *page, int file, int row) {
     return false;
 }
 
+/* Whether a name there would be nearer to another curve than to its own stretch. */
+static bool strays(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, place wanted,
+                   const places *all) {
+    const double slack = 0.1;
+    double own = INFINITY;
+    for (int k = s.first; k < s.last; k++) {
+        place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
+        own = fmin(own, saltus_plot_distance((double[2]){wanted.x, wanted.y}, (double[2]){a.x, a.y},
+                                             (double[2]){b.x, b.y}));
+    }
+    return clearance(all, wanted, own) < own - slack;
+}
+
 /* The name of a stretch on its curve where that is long enough, otherwise beside it; whether there was a
  * place. */
 static bool name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
@@ -268,7 +280,7 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                                             fmax(0, 0.5 * letter_width * (letters - 3));
             wanted.y += shift[way][1];
             if (!has_curve(page, file, row) || !is_free(page, all, wanted) ||
-                (way > 0 && clearance(all, wanted) < 0.75))
+                (way > 0 && (clearance(all, wanted, 1.3) < 0.75 || strays(page, f, s, wanted, all))))
                 continue;
             snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'", way ? "" : "boxed ",
                      page->locus ? "#202020" : colour[hue]);

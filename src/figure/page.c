@@ -311,7 +311,7 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
                  size = usual * (length + over) / (letter * saltus_line_letters(name));
     fprintf(page->file, "set %slabel '%s'%s", axis, name,
             across                    ? ""
-            : strcmp(axis, "y2") == 0 ? " offset 0.8,0"
+            : strcmp(axis, "y2") == 0 ? (narrow ? " offset -1,0" : " offset 0.8,0")
             : narrow                  ? " offset -0.2,0"
                                       : " offset -0.6,0");
     if (page->look.width > 0 && size < usual)

@@ -339,7 +339,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     saltus_sweep_caption(page);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
     page->frame.left = narrow ? 124 : 150;
-    page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 150)
+    page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 160)
                         : map.kind ? paper->width - 410
                                    : paper->width - 180;
     page->frame.bottom += narrow ? 32 * map.legend_rows : 2.4;
