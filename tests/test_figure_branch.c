@@ -1285,7 +1285,17 @@ static void axes_are_laid_out_as_asked(void **state) {
         count_pieces(panel, from, to, pieces);
         assert_int_equal(pieces[solid] + pieces[dashed], 1);
     }
+    double least = panel->range[0][0], largest = panel->range[0][1];
     figure_free(&f);
+    /* A speed that is but rounding does not stretch its axis. */
+    for (int k = 0; k < made.point[3].event_count; k++)
+        made.point[3].events[k].velocity_before = 1e-17;
+    write_branch("b.h5");
+    f = draw(&how);
+    assert_true(f.panel[0].range[0][0] < least && f.panel[0].range[0][0] > 1e-12 * largest);
+    figure_free(&f);
+    make_branch();
+    write_branch("b.h5");
     how.look.logarithmic = keys + 2;
     how.look.logarithmic_count = 1;
     assert_int_equal(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), SALTUS_BAD_INPUT);

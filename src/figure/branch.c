@@ -194,6 +194,8 @@ static void find_ranges(saltus_plot_page *page) {
     if (part[1])
         return;
     *measure = find_range(page, true);
+    if (log_measure && !page->locus)
+        saltus_range_floor(measure);
     if (speeds && !log_measure && measure->low < 0.4 * measure->high)
         saltus_range_add(measure, 0);
     pad(measure, log_measure, 0.07,

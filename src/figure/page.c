@@ -416,3 +416,7 @@ void saltus_range_pad(saltus_range *range, double part, double scale) {
     range->low -= part * width;
     range->high += part * width;
 }
+
+void saltus_range_floor(saltus_range *range) {
+    range->low = fmax(range->low, 1e-10 * range->high);
+}

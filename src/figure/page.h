@@ -33,6 +33,8 @@ typedef struct saltus_range {
 /* Widen a range to hold a value, or by a part of its width; an empty range gets a width from `scale`. */
 void saltus_range_add(saltus_range *range, double value);
 void saltus_range_pad(saltus_range *range, double part, double scale);
+/* The range of a logarithmic axis of measured values ends ten decades below the largest: less is rounding. */
+void saltus_range_floor(saltus_range *range);
 
 /* A page without anything on it; `look` NULL: the usual one. Errors: those of the check, SALTUS_IO. */
 saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus_figure_options *look,

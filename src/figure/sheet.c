@@ -186,6 +186,7 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
         saltus_page_frame(sheet->page, frame);
     }
     if (logarithmic) {
+        saltus_range_floor(&size);
         size = (saltus_range){size.low / 3, size.high * 3};
         fputs("set logscale y\nset format y '10^{%T}'\n", sheet->file);
     }

@@ -25,7 +25,9 @@ static saltus_view choose_view(const saltus_sweep_file *sweep, saltus_view wante
     saltus_view view = SALTUS_VIEW_TURNING;
     while (saltus_view_is_cloud(view) && !holds(sweep, view))
         view++;
-    return saltus_view_is_cloud(view) ? view : SALTUS_VIEW_LARGEST;
+    return saltus_view_is_cloud(view)                   ? view
+           : sweep->options.keep & SALTUS_KEEP_LYAPUNOV ? SALTUS_VIEW_LYAPUNOV
+                                                        : SALTUS_VIEW_LARGEST;
 }
 
 /* Whether the file holds what the view needs. */

@@ -185,9 +185,10 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
     if (page->asked)
         return SALTUS_OK;
     page->up = found;
-    if (page->logarithmic)
-        page->up = (saltus_range){found.low / 1.3, found.high * 1.3};
-    else
+    if (page->logarithmic) {
+        saltus_range_floor(&page->up);
+        page->up = (saltus_range){page->up.low / 1.3, page->up.high * 1.3};
+    } else
         pad_range(page, &page->up);
     return SALTUS_OK;
 }

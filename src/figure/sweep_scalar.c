@@ -20,6 +20,8 @@ static void choose_range(saltus_sweep_map *map, const float *sorted, long long c
         map->range.low = inner_low;
     if (!map->logarithmic && high > inner_high + far * width)
         map->range.high = inner_high;
+    if (map->logarithmic)
+        saltus_range_floor(&map->range);
     bool counted = map->logarithmic && map->page->view == SALTUS_VIEW_SETTLED;
     if (counted)
         map->range.low = fmax(low, 1);
