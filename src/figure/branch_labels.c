@@ -104,6 +104,15 @@ static double clearance(const places *all, place wanted, double enough) {
     return least;
 }
 
+/* The same of the whole width of a word there. */
+static double clearance_of_word(const places *all, place wanted) {
+    const double enough = 1.3, half = wanted.half_width - 0.5;
+    double least = enough;
+    for (int k = -1; k <= 1; k++)
+        least = fmin(least, clearance(all, (place){wanted.x + k * half, wanted.y, 0, 0}, enough));
+    return least;
+}
+
 static void take_place(places *all, place taken) {
     if (all->count < places_max)
         all->taken[all->count++] = taken;
@@ -142,12 +151,13 @@ static bool misleads(const saltus_plot_page *page, const saltus_branch_point *po
 
 /* A special point's name beside it, as near as the curves allow. */
 static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, places *all) {
-    static const double shift[][2] = {{0, 1.2},    {1.7, 0.6},   {-1.7, 0.6}, {1.8, 0}, {-1.8, 0},
-                                      {1.7, -0.6}, {-1.7, -0.6}, {0, -1.2},   {0, 1.9}, {0, -1.9}};
-    const double enough = 0.75;
+    static const double shift[][2] = {
+        {0, 1.2}, {1.7, 0.6}, {-1.7, 0.6}, {1.8, 0},    {-1.8, 0},   {1.7, -0.6},  {-1.7, -0.6}, {0, -1.2},
+        {0, 1.9}, {0, -1.9},  {1.9, 1.5},  {-1.9, 1.5}, {1.9, -1.5}, {-1.9, -1.5}, {2.7, 0.4},   {-2.7, 0.4}};
+    const double enough = 0.75, least = 0.3; /* nearer a curve strikes the name through */
     const char *word = saltus_point_word(point->kind);
     place best = {0, 0, 0, 0};
-    double widest = 0;
+    double widest = least;
     if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
         return;
     for (size_t k = 0; k < sizeof shift / sizeof shift[0] && widest < enough; k++) {
@@ -159,13 +169,13 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
             wanted.x = fmin(fmax(wanted.x, wanted.half_width), wide(page) - wanted.half_width);
         wanted.y += shift[k][1];
         double away =
-            is_free(page, all, wanted) && !misleads(page, point, wanted) ? clearance(all, wanted, 1.3) : 0;
+            is_free(page, all, wanted) && !misleads(page, point, wanted) ? clearance_of_word(all, wanted) : 0;
         if (away <= widest + 0.1)
             continue;
         widest = away;
         best = wanted;
     }
-    if (widest == 0)
+    if (widest == least)
         return;
     saltus_line line = {.length = 0};
     saltus_line_plain(&line, word);
@@ -280,7 +290,7 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                                             fmax(0, 0.5 * letter_width * (letters - 3));
             wanted.y += shift[way][1];
             if (!has_curve(page, file, row) || !is_free(page, all, wanted) ||
-                (way > 0 && (clearance(all, wanted, 1.3) < 0.75 || strays(page, f, s, wanted, all))))
+                (way > 0 && (clearance_of_word(all, wanted) < 0.75 || strays(page, f, s, wanted, all))))
                 continue;
             snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'", way ? "" : "boxed ",
                      page->locus ? "#202020" : colour[hue]);
