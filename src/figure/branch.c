@@ -133,17 +133,20 @@ static saltus_show choose_measure(const saltus_plot_page *page, saltus_show want
     return SALTUS_SHOW_DISPLACEMENT;
 }
 
+const saltus_plot_part *saltus_plot_part_of(const saltus_plot_part *parts, int count, const char *key) {
+    for (int k = 0; k < count; k++)
+        if (strcmp(parts[k].key, key) == 0)
+            return &parts[k];
+    return NULL;
+}
+
 /* The part of a parameter's range that was asked for; false where none was. */
 static bool asked_for(const saltus_plot_page *page, int axis, saltus_range *range) {
-    const char *key = page->files[0].options.key[axis];
-    for (int k = 0; k < page->options->part_count; k++) {
-        const saltus_plot_part *part = &page->options->parts[k];
-        if (strcmp(part->key, key) == 0) {
-            *range = (saltus_range){part->low, part->high};
-            return true;
-        }
-    }
-    return false;
+    const saltus_plot_part *part = saltus_plot_part_of(page->options->parts, page->options->part_count,
+                                                       page->files[0].options.key[axis]);
+    if (part)
+        *range = (saltus_range){part->low, part->high};
+    return part != NULL;
 }
 
 /* Widen a range by a point's value, or by all that it shows; a logarithmic axis has positive ones only. */

@@ -52,6 +52,8 @@ saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *me
 void saltus_plot_free_visits(saltus_plot_page *page);
 /* Whether an axis with that key is to be logarithmic. */
 bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key);
+/* What was asked for of a key's range; NULL: nothing. */
+const saltus_plot_part *saltus_plot_part_of(const saltus_plot_part *parts, int count, const char *key);
 /* Exchange the two parameters of a curve of special points. */
 void saltus_plot_turn(saltus_branch_file *file);
 

@@ -292,17 +292,6 @@ void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
             frame.top / page->height);
 }
 
-void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t colour, const char *text) {
-    const double size = 18, w = page->width, h = page->height;
-    fprintf(page->file,
-            "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
-            "border lc rgb '#909090' lw 0.6\n",
-            x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)colour);
-    saltus_page_label(page, text, x + size + 12, y + 0.5 * size,
-                      saltus_page_narrow(page) ? "left front font ',10.5' tc rgb '#202020'"
-                                               : "left front font ',12' tc rgb '#202020'");
-}
-
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
                       const char *name, saltus_range range) {
     const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* over the axis's ends */

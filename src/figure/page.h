@@ -75,8 +75,6 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
 void saltus_page_frame(const saltus_page *page, saltus_frame frame);
 /* A label at a place of the page, as text and style of `set label`. */
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
-/* A rectangle of colour with words beside it, as an entry of a legend. */
-void saltus_page_entry(const saltus_page *page, double x, double y, uint32_t colour, const char *text);
 /* Name and range of an axis ("x", "y" or "y2") of a panel, perhaps a logarithmic one; on a page of a size
  * asked for a long name is put in small type. */
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,

@@ -29,24 +29,18 @@ static void put_axes(const saltus_sheet *sheet, saltus_frame frame, const char *
  * `vertical`: the displacement is drawn across the page. */
 static void put_stops(const saltus_sheet *sheet, bool vertical) {
     saltus_range range = sheet->displacement;
+    const char *place =
+        vertical ? "from %.9g, graph 0 to %.9g, graph 1" : "from graph 0, first %.9g to graph 1, first %.9g";
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         double d = face.side * face.d, end = face.side > 0 ? range.high : range.low;
         if (!saltus_system_stop_observed(sheet->system, face.stop) || !(d > range.low && d < range.high))
             continue;
-        if (vertical)
-            fprintf(sheet->file,
-                    "set object rectangle from %.9g, graph 0 to %.9g, graph 1 back fc rgb '#e2e2e2' fs solid "
-                    "noborder\n"
-                    "set arrow from %.9g, graph 0 to %.9g, graph 1 nohead back lc rgb '#808080' lw 1.5\n",
-                    d, end, d, d);
-        else
-            fprintf(sheet->file,
-                    "set object rectangle from graph 0, first %.9g to graph 1, first %.9g back fc rgb "
-                    "'#e2e2e2' fs solid noborder\n"
-                    "set arrow from graph 0, first %.9g to graph 1, first %.9g nohead back lc rgb '#808080' "
-                    "lw 1.5\n",
-                    d, end, d, d);
+        fputs("set object rectangle ", sheet->file);
+        fprintf(sheet->file, place, d, end);
+        fputs(" back fc rgb '#e2e2e2' fs solid noborder\nset arrow ", sheet->file);
+        fprintf(sheet->file, place, d, d);
+        fputs(" nohead back lc rgb '#808080' lw 1.5\n", sheet->file);
     }
 }
 

@@ -51,14 +51,6 @@ static saltus_status check_view(const saltus_sweep_page *page, saltus_message *m
     return SALTUS_OK;
 }
 
-/* What was asked for of a key's range; NULL where nothing was. */
-static const saltus_plot_part *part_of(const saltus_sweep_page *page, const char *key) {
-    for (int k = 0; k < page->wish->part_count; k++)
-        if (strcmp(page->wish->parts[k].key, key) == 0)
-            return &page->wish->parts[k];
-    return NULL;
-}
-
 static saltus_status check_parts(const saltus_sweep_page *page, saltus_message *message) {
     const saltus_axis *axes = page->sweep->axes;
     bool two = page->sweep->axis_count > 1;
@@ -75,7 +67,7 @@ static saltus_status check_parts(const saltus_sweep_page *page, saltus_message *
 
 /* Restrict an axis to what was asked for. */
 static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells, saltus_message *message) {
-    const saltus_plot_part *part = part_of(page, cells->key);
+    const saltus_plot_part *part = saltus_plot_part_of(page->wish->parts, page->wish->part_count, cells->key);
     double low = cells->range.low, high = cells->range.high;
     int axis = strcmp(cells->key, page->sweep->axes[0].key) != 0;
     const double *list = page->sweep->axes[axis].list;
@@ -135,7 +127,8 @@ static saltus_status open_axes(saltus_sweep_page *page, saltus_message *message)
     saltus_status status = cut_axis(page, &page->x, message);
     if (status == SALTUS_OK && page->sweep->axis_count > 1)
         status = cut_axis(page, &page->y, message);
-    const saltus_plot_part *part = part_of(page, saltus_view_word(page->view));
+    const saltus_plot_part *part =
+        saltus_plot_part_of(page->wish->parts, page->wish->part_count, saltus_view_word(page->view));
     page->asked = part != NULL;
     if (part)
         page->up = (saltus_range){part->low, part->high};

@@ -170,7 +170,13 @@ void saltus_sweep_put_axis(const saltus_sweep_page *page, const char *axis, cons
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,
                             bool hatched, const char *text, const char *figures) {
     const double size = 18, reach = 344, w = page->paper.width, h = page->paper.height;
-    saltus_page_entry(&page->paper, x, y, paint.colour, text);
+    fprintf(page->file,
+            "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
+            "border lc rgb '#909090' lw 0.6\n",
+            x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)paint.colour);
+    saltus_page_label(&page->paper, text, x + size + 12, y + 0.5 * size,
+                      saltus_page_narrow(&page->paper) ? "left front font ',10.5' tc rgb '#202020'"
+                                                       : "left front font ',12' tc rgb '#202020'");
     for (int k = 0; k < 7; k++) {
         double a = fmax(0, 2 * k - 6) * size / 6, b = fmin(6, 2 * k) * size / 6, c = (k + 0.5) * size / 3;
         unsigned texture = k < 3 ? paint.texture : 0;

@@ -6,34 +6,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Shares of the classes among the rows of one pass that a pixel shows. */
-static void count_classes(const saltus_sweep_page *page, int pass, int first, int last, int *counts) {
+/* Count the classes among the rows of one pass that a pixel shows; the number of these rows. *winner: the
+ * class of more than half of them, or -1. */
+static int count_classes(const saltus_sweep_page *page, int pass, int width, int pixel, int *counts,
+                         int *winner) {
     const saltus_sweep_file *sweep = page->sweep;
-    int seeds = sweep->options.seeds;
+    int seeds = sweep->options.seeds, first, last;
+    *winner = -1;
     memset(counts, 0, (size_t)page->classes.count * sizeof *counts);
+    if (!saltus_cells_at(&page->x, width, pixel, &first, &last))
+        return 0;
     for (int cell = first; cell <= last; cell++) {
         long long row = (pass * sweep->points + page->x.order[cell]) * seeds;
         for (int seed = 0; seed < seeds; seed++)
             counts[page->classes.of_row[row + seed]]++;
     }
+    int total = (last - first + 1) * seeds;
+    for (int k = 0; k < page->classes.count; k++)
+        *winner = 2 * counts[k] > total ? k : *winner;
+    return total;
 }
 
-/* A column of a pass's band: the classes one above the other, each as high as its share. The class with more
- * than half of it, or -1. */
-static int paint_column(const saltus_sweep_page *page, const int *counts, int total, saltus_raster *raster,
-                        int x, int bottom, int height) {
-    int winner = -1, passed = 0, fineness = saltus_sweep_fineness(page);
+/* A column of a pass's band: the classes one above the other, each as high as its share. */
+static void paint_column(const saltus_sweep_page *page, const int *counts, int total, saltus_raster *raster,
+                         int x, int bottom, int height) {
+    int passed = 0, fineness = saltus_sweep_fineness(page);
     for (int k = 0; k < page->classes.count; k++) {
         int from = height * passed / total;
         passed += counts[k];
-        if (2 * counts[k] > total)
-            winner = k;
         for (int y = from; y < height * passed / total; y++)
             saltus_raster_set(
                 raster, x, bottom + y,
                 saltus_paint_at(page->classes.list[k].paint, x / fineness, (bottom + y) / fineness), 1);
     }
-    return winner;
 }
 
 /* Whether a stretch of the band is wide enough for the name of its class. */
@@ -71,13 +76,9 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     for (int pass = 0; pass < passes && counts && winners; pass++) {
         int bottom = (passes - 1 - pass) * height;
         for (int x = 0; x < raster->width; x++) {
-            int first, last;
-            winners[x] = -1;
-            if (!saltus_cells_at(&page->x, raster->width, x, &first, &last))
-                continue;
-            count_classes(page, pass, first, last, counts);
-            winners[x] = paint_column(page, counts, (last - first + 1) * page->sweep->options.seeds, raster,
-                                      x, bottom, height - (passes > 1));
+            int total = count_classes(page, pass, raster->width, x, counts, &winners[x]);
+            if (total)
+                paint_column(page, counts, total, raster, x, bottom, height - (passes > 1));
         }
         put_names(page, winners, raster->width, (bottom + 0.5 * height) / raster->height);
     }
@@ -89,19 +90,14 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
 
 /* Which classes occur in what is shown, and whether each has a name in the strip. */
 static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, bool *named) {
-    int seeds = page->sweep->options.seeds;
     int *counts = calloc((size_t)page->classes.count, sizeof *counts);
     for (int pass = 0; pass < page->sweep->pass_count && counts; pass++) {
-        int first, last, run = -1, from = 0;
+        int run = -1, from = 0;
         for (int x = 0; x <= width; x++) {
             int winner = -1;
-            if (x < width && saltus_cells_at(&page->x, width, x, &first, &last)) {
-                count_classes(page, pass, first, last, counts);
-                for (int k = 0; k < page->classes.count; k++) {
+            if (x < width && count_classes(page, pass, width, x, counts, &winner))
+                for (int k = 0; k < page->classes.count; k++)
                     occurs[k] = occurs[k] || counts[k] > 0;
-                    winner = 2 * counts[k] > (last - first + 1) * seeds ? k : winner;
-                }
-            }
             if (winner == run)
                 continue;
             if (run >= 0 && has_room(page, &page->classes.list[run], (double)from / width, (double)x / width))
