@@ -101,6 +101,13 @@ bool saltus_plot_data(const saltus_plot_page *page);
  * panel's lower left corner. */
 typedef void saltus_plot_block(void *context, saltus_frame taken);
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context);
+/* The k-th value of a system, of the parameters first, then of each stop; false beyond the last. */
+typedef struct saltus_plot_value {
+    char key[SALTUS_KEY_MAX]; /* of --set */
+    double value;
+    bool on_axis; /* it is what one of the axes ("": none) goes over */
+} saltus_plot_value;
+bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v);
 /* The rank-th parameter (from 0) in which the files differ, other than those of the axes, as a key of --set;
  * "" where there are not so many. */
 void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]);

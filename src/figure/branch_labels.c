@@ -3,6 +3,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
+#include "record/describe.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -367,64 +369,60 @@ static void name_regions(const saltus_plot_page *page, places *all) {
     }
 }
 
-/* Values of the k-th parameter or key of a stop, and its key; false beyond the last. */
-static bool value_of(const saltus_spec *spec, int k, char key[SALTUS_KEY_MAX], double *value) {
+bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v) {
     int count, keys;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     const saltus_parameter *s = saltus_stop_parameters(&keys);
-    int stop = k < count ? 0 : (k - count) / keys;
-    if (k < count) {
-        snprintf(key, SALTUS_KEY_MAX, "%s", p[k].name);
-        *value = spec->parameters[k];
-    } else if (stop < spec->stop_count) {
-        snprintf(key, SALTUS_KEY_MAX, "%s", s[(k - count) % keys].name);
-        if (spec->stop_count > 1)
-            snprintf(key, SALTUS_KEY_MAX, "%s%d", s[(k - count) % keys].name, stop + 1);
-        const double values[] = {spec->stops[stop].xi, spec->stops[stop].d, spec->stops[stop].r};
-        *value = values[(k - count) % keys];
-    }
-    return k < count || stop < spec->stop_count;
+    const int stop = k < count ? -1 : (k - count) / keys, own = k < count ? k : (k - count) % keys;
+    const char *name = stop < 0 ? p[own].name : s[own].name;
+    if (stop >= spec->stop_count)
+        return false;
+    if (stop < 0 || spec->stop_count == 1)
+        snprintf(v->key, sizeof v->key, "%s", name);
+    else
+        snprintf(v->key, sizeof v->key, "%s%d", name, stop + 1);
+    if (stop < 0)
+        v->value = spec->parameters[own];
+    else
+        v->value = (const double[]){spec->stops[stop].xi, spec->stops[stop].d, spec->stops[stop].r}[own];
+    v->on_axis = false;
+    for (int a = 0; a < 2; a++)
+        v->on_axis = v->on_axis || (stop < 0 ? strcmp(axes[a], name) == 0
+                                             : *axes[a] && saltus_key_means(axes[a], name, stop));
+    return true;
 }
 
-/* Whether a key names an axis, perhaps of all stops at once. */
-static bool on_axis(const saltus_plot_page *page, const char *key) {
-    for (int axis = 0; axis < 2; axis++) {
-        const char *own = page->files[0].options.key[axis];
-        size_t length = strlen(own);
-        if (length && strncmp(key, own, length) == 0 &&
-            strspn(key + length, "0123456789") == strlen(key + length))
-            return true;
-    }
-    return false;
-}
-
-static bool differs(const saltus_plot_page *page, int k, const char *key, double value) {
-    char other_key[SALTUS_KEY_MAX];
-    double other = NAN;
-    for (int i = 1; i < page->count && !on_axis(page, key); i++)
-        if (value_of(&page->files[i].spec, k, other_key, &other) && other != value)
-            return true;
-    return false;
+/* The k-th value of a file; false beyond the last. *differs: the files do not share it. */
+static bool value_in(const saltus_plot_page *page, int file, int k, saltus_plot_value *v, bool *differs) {
+    const saltus_branch_options *o = &page->files[0].options;
+    const char *const axes[2] = {o->key[0], o->key[1]};
+    saltus_plot_value first;
+    *differs = false;
+    for (int i = 1; i < page->count && saltus_plot_value_of(&page->files[0].spec, k, axes, &first); i++)
+        *differs = *differs || (saltus_plot_value_of(&page->files[i].spec, k, axes, v) && !v->on_axis &&
+                                v->value != first.value);
+    return saltus_plot_value_of(&page->files[file].spec, k, axes, v);
 }
 
 void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]) {
-    double value = NAN;
-    for (int k = 0; value_of(&page->files[0].spec, k, key, &value); k++)
-        if (differs(page, k, key, value) && rank-- == 0)
-            return;
+    saltus_plot_value v;
+    bool differs;
     key[0] = '\0';
+    for (int k = 0; rank >= 0 && value_in(page, 0, k, &v, &differs); k++)
+        if (differs && rank-- == 0)
+            memcpy(key, v.key, sizeof v.key);
 }
 
 void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line) {
-    char key[SALTUS_KEY_MAX];
-    double value = NAN, own = NAN;
-    for (int k = 0; value_of(&page->files[0].spec, k, key, &value); k++) {
-        if (!differs(page, k, key, value) || !value_of(&page->files[file].spec, k, key, &own))
+    saltus_plot_value v;
+    bool differs;
+    for (int k = 0; value_in(page, file, k, &v, &differs); k++) {
+        if (!differs)
             continue;
         saltus_line_add(line, ", ");
-        saltus_line_symbol(line, key);
+        saltus_line_symbol(line, v.key);
         saltus_line_add(line, " = ");
-        saltus_line_number(line, "%.6g", own);
+        saltus_line_number(line, "%.6g", v.value);
     }
 }
 

@@ -202,34 +202,21 @@ static bool same(double a, double b) {
     return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
 }
 
-/* Whether one of the sweep's axes is the property `name` of stop s, or for s < 0 a parameter. */
-static bool swept(const saltus_sweep_file *sweep, const char *name, int s) {
-    for (int k = 0; k < sweep->axis_count; k++)
-        if (s < 0 ? strcmp(sweep->axes[k].key, name) == 0 : saltus_key_means(sweep->axes[k].key, name, s))
+/* Whether two systems of one structure differ in something that is on no axis: in `key`. */
+static bool differ(const saltus_spec *a, const saltus_sweep_file *sweep, char key[SALTUS_KEY_MAX]) {
+    const saltus_spec *b = &sweep->spec;
+    const char *const axes[2] = {sweep->axes[0].key, sweep->axis_count > 1 ? sweep->axes[1].key : ""};
+    saltus_plot_value own, other;
+    for (int k = 0; saltus_plot_value_of(a, k, axes, &own) && saltus_plot_value_of(b, k, axes, &other); k++)
+        if (!own.on_axis && !same(own.value, other.value)) {
+            memcpy(key, own.key, sizeof own.key);
+            return true;
+        }
+    strcpy(key, "sides");
+    for (int s = 0; s < a->stop_count; s++)
+        if (a->stops[s].sides != b->stops[s].sides)
             return true;
     return false;
-}
-
-/* The first parameter that is on no axis in which two systems of one structure differ; NULL: none. */
-static const char *difference(const saltus_spec *a, const saltus_sweep_file *sweep) {
-    const saltus_spec *b = &sweep->spec;
-    int count;
-    const saltus_parameter *p = saltus_model_parameters(a->model, &count);
-    for (int k = 0; k < count; k++)
-        if (!swept(sweep, p[k].name, -1) && !same(a->parameters[k], b->parameters[k]))
-            return p[k].name;
-    for (int s = 0; s < a->stop_count; s++) {
-        const saltus_stop *stop = &a->stops[s], *other = &b->stops[s];
-        if (!swept(sweep, "d", s) && !same(stop->d, other->d))
-            return "d";
-        if (!swept(sweep, "r", s) && !same(stop->r, other->r))
-            return "r";
-        if (!swept(sweep, "xi", s) && !same(stop->xi, other->xi))
-            return "xi";
-        if (stop->sides != other->sides)
-            return "sides";
-    }
-    return NULL;
 }
 
 /* Whether a file is of periodic orbits over the axis, or of special points over both axes, which may come in
@@ -250,9 +237,9 @@ static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_f
     if (!saltus_model_same(file->spec.model, spec->model) || file->spec.stop_count != spec->stop_count)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is of another structure than the sweep (model or stops differ)", path);
-    const char *name = difference(&file->spec, page->sweep);
-    if (name)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: has another %s than the sweep", path, name);
+    char key[SALTUS_KEY_MAX];
+    if (differ(&file->spec, page->sweep, key))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: has another %s than the sweep", path, key);
     return SALTUS_OK;
 }
 
