@@ -601,6 +601,24 @@ static void files_over_each_other_have_their_own_colour(void **state) {
     figure_free(&f);
 }
 
+/* A parameter whose name goes on from the axis's is none of its stops' and tells files apart. */
+static void longer_names_are_other_parameters(void **state) {
+    (void)state;
+    const char *const names[] = {"a.h5", "b.h5"};
+    saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    strcpy(made.options.key[0], "c");
+    write_branch("a.h5");
+    set_parameter(&made.scene.spec, "c2", 0.375);
+    set_parameter(&made.scene.spec, "c", 0.25);
+    write_branch("b.h5");
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    figure f = draw_files(names, 2, &how);
+    assert_non_null(figure_element_of(&f.panel[0], "{/:Italic c}_{2} = 0.375", 0));
+    assert_null(figure_element_of(&f.panel[0], "{/:Italic c} = ", 0));
+    figure_free(&f);
+}
+
 /* Curves of special points */
 
 static void make_locus(saltus_point_kind kind) {
@@ -1348,6 +1366,7 @@ int main(void) {
         cmocka_unit_test(names_do_not_lie_on_each_other),
         cmocka_unit_test(names_are_nearest_to_their_own_marks),
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
+        cmocka_unit_test(longer_names_are_other_parameters),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),
         cmocka_unit_test(long_names_leave_room_for_fewer),
