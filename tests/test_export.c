@@ -145,18 +145,24 @@ static void a_record_is_drawn(void **state) {
     int begins = 0;
     for (int row = 0; row < samples->rows - 1; row++, at = strchr(at, '\n') + 1) {
         double time, x, v;
+        while (*at == '#' || *at == '\n') /* an empty line where the velocity jumps */
+            at = strchr(at, '\n') + 1;
         assert_int_equal(sscanf(at, "%lf %lf %lf", &time, &x, &v), 3);
-        assert_true(time == number_at(samples, row, "time"));
+        assert_true(fabs(time - number_at(samples, row, "time")) <= 1e-8);
         assert_true(fabs(x - number_at(samples, row, "displacement")) <= 1e-8);
         assert_true(fabs(v - number_at(samples, row, "velocity")) <= 1e-8);
     }
-    assert_int_equal(strncmp(at, "EOD\n$strobe << EOD\n", 19), 0);
-    for (at += 19; strncmp(at, "EOD\n", 4) != 0; at = strchr(at, '\n') + 1, begins++) {
+    at += strspn(at, "\n");
+    assert_int_equal(strncmp(at, "EOD\n", 4), 0);
+    at = strstr(at, "$strobe << EOD\n");
+    assert_non_null(at);
+    for (at = strchr(strchr(at, '\n') + 1, '\n') + 1; strncmp(at, "EOD\n", 4) != 0;
+         at = strchr(at, '\n') + 1, begins++) {
         double time;
         assert_int_equal(sscanf(at, "%*f %*f %lf", &time), 1);
         assert_true(time == begins);
     }
-    assert_int_equal(begins, 4); /* of three periods and the end */
+    assert_int_equal(begins, 3);
     free(script);
     free_csv(samples);
 }

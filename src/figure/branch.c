@@ -133,13 +133,6 @@ static saltus_show choose_measure(const saltus_plot_page *page, saltus_show want
     return SALTUS_SHOW_DISPLACEMENT;
 }
 
-const saltus_plot_part *saltus_plot_part_of(const saltus_plot_part *parts, int count, const char *key) {
-    for (int k = 0; k < count; k++)
-        if (strcmp(parts[k].key, key) == 0)
-            return &parts[k];
-    return NULL;
-}
-
 /* The part of a parameter's range that was asked for; false where none was. */
 static bool asked_for(const saltus_plot_page *page, int axis, saltus_range *range) {
     const saltus_plot_part *part = saltus_plot_part_of(page->options->parts, page->options->part_count,

@@ -33,6 +33,13 @@ bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key)
     return false;
 }
 
+const saltus_plot_part *saltus_plot_part_of(const saltus_plot_part *parts, int count, const char *key) {
+    for (int k = 0; k < count; k++)
+        if (strcmp(parts[k].key, key) == 0)
+            return &parts[k];
+    return NULL;
+}
+
 void saltus_plot_turn(saltus_branch_file *file) {
     saltus_branch_options *o = &file->options;
     char key[SALTUS_KEY_MAX];

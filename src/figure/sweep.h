@@ -93,6 +93,9 @@ bool saltus_view_is_cloud(saltus_view view);
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row);
 /* The verdict of a row; SALTUS_BEYOND where it failed because the scene's start is beyond a stop there. */
 int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row);
+/* The point at a cell of each axis of a map, and how much of its cell is shown, from 0 to 1. */
+long long saltus_sweep_point(const saltus_sweep_page *page, int column, int row);
+double saltus_sweep_shown(const saltus_sweep_page *page, int column, int row);
 /* The rows of a point: the k-th of passes times seeds. */
 int saltus_sweep_visits(const saltus_sweep_file *sweep);
 long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k);

@@ -339,6 +339,15 @@ double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
     }
 }
 
+long long saltus_sweep_point(const saltus_sweep_page *page, int column, int row) {
+    long long across = page->x.order[column], up = page->y.order[row];
+    return page->wish->look.swap ? up + across * page->y.count : across + up * page->x.count;
+}
+
+double saltus_sweep_shown(const saltus_sweep_page *page, int column, int row) {
+    return saltus_cells_shown(&page->x, column) * saltus_cells_shown(&page->y, row);
+}
+
 int saltus_sweep_visits(const saltus_sweep_file *sweep) {
     return sweep->pass_count * sweep->options.seeds;
 }

@@ -33,8 +33,8 @@ static void add_shares(saltus_sweep_map *map) {
     double all = 0;
     for (int row = 0; row < map->page->y.count; row++)
         for (int column = 0; column < map->page->x.count; column++) {
-            long long point = saltus_sweep_map_point(map, column, row);
-            double shown = saltus_sweep_map_shown(map, column, row);
+            long long point = saltus_sweep_point(map->page, column, row);
+            double shown = saltus_sweep_shown(map->page, column, row);
             map->kinds[map->kind[point]].count += shown;
             map->any_several |= map->several && map->several[point] && shown > 0;
             all += shown;

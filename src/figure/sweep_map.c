@@ -6,15 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-long long saltus_sweep_map_point(const saltus_sweep_map *map, int column, int row) {
-    long long across = map->page->x.order[column], up = map->page->y.order[row];
-    return map->page->wish->look.swap ? up + across * map->page->y.count : across + up * map->page->x.count;
-}
-
-double saltus_sweep_map_shown(const saltus_sweep_map *map, int column, int row) {
-    return saltus_cells_shown(&map->page->x, column) * saltus_cells_shown(&map->page->y, row);
-}
-
 /* Step between the cells that are looked at for a pixel along one axis: about `looks` of them. */
 static int stride(saltus_pixel_cells span) {
     enum { looks = 6 };
@@ -31,7 +22,7 @@ static int kind_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltu
         return -1;
     for (int j = row.first; j <= row.last; j += stride(row))
         for (int i = column.first; i <= column.last; i += stride(column)) {
-            long long own = saltus_sweep_map_point(map, i, j);
+            long long own = saltus_sweep_point(map->page, i, j);
             int k = 0;
             while (k < distinct && seen[k] != map->kind[own])
                 k++;
@@ -56,7 +47,7 @@ static double number_at(const saltus_sweep_map *map, saltus_pixel_cells column, 
     *point = -1;
     for (int j = row.first; column.first >= 0 && row.first >= 0 && j <= row.last; j += stride(row))
         for (int i = column.first; i <= column.last; i += stride(column)) {
-            double number = map->number[ *point = saltus_sweep_map_point(map, i, j)];
+            double number = map->number[ *point = saltus_sweep_point(map->page, i, j)];
             if (isnan(number))
                 continue;
             sum += number;
@@ -271,8 +262,8 @@ static void put_exceptions(const saltus_sweep_map *map) {
         bool occurs = false;
         for (int row = 0; row < page->y.count && !occurs; row++)
             for (int column = 0; column < page->x.count && !occurs; column++) {
-                long long point = saltus_sweep_map_point(map, column, row);
-                occurs = isnan(map->number[point]) && saltus_sweep_map_shown(map, column, row) > 0 &&
+                long long point = saltus_sweep_point(map->page, column, row);
+                occurs = isnan(map->number[point]) && saltus_sweep_shown(map->page, column, row) > 0 &&
                          without_number(map, point) == verdicts[k];
             }
         if (!occurs)

@@ -28,10 +28,6 @@ typedef struct saltus_sweep_map {
 
 /* Whether a kind is a periodic motion of a map of classes. */
 bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind);
-/* The point of the grid at a cell of each axis, and how much of its cell is shown, from 0 to 1. */
-long long saltus_sweep_map_point(const saltus_sweep_map *map, int column, int row);
-double saltus_sweep_map_shown(const saltus_sweep_map *map, int column, int row);
-
 /* sweep_kinds.c: fill `kinds`, `kind`, `number` and `several`. False when there is no memory. */
 bool saltus_sweep_map_classes(saltus_sweep_map *map);
 bool saltus_sweep_map_counts(saltus_sweep_map *map);
