@@ -62,7 +62,8 @@ static saltus_status read_events(record *r) {
             saltus_fail(r->h5.message, SALTUS_NO_MEMORY, "no memory for the events of %.300s", r->h5.path);
     for (long long k = 0; k < count && status == SALTUS_OK; k++) {
         const saltus_event_row *row = (const saltus_event_row *)rows + k;
-        if (!saltus_event_of_row(r->system, row, &r->made.events[k]) || row->row + 1 >= r->made.samples ||
+        if (!saltus_event_of_row(r->system, row, &r->made.events[k]) ||
+            row->row >= r->made.samples - (row->kind != SALTUS_RELEASE) ||
             row->row < (k ? r->made.event_rows[k - 1] : 0))
             status = saltus_h5_refuse_part(&r->h5, "events", "row");
         r->made.event_rows[k] = row->row;
