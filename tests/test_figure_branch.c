@@ -619,6 +619,24 @@ static void longer_names_are_other_parameters(void **state) {
     figure_free(&f);
 }
 
+/* A branch that shows nothing but zero has axes about it, in one column too. */
+static void zero_has_an_axis(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    make_branch();
+    for (int k = 0; k < points; k++)
+        made.state[k][0] = 0;
+    write_branch("b.h5");
+    for (int column = 0; column < 2; column++) {
+        how.look.width = column ? 85 : 0;
+        figure f = draw(&how);
+        const double *range = f.panel[0].range[1];
+        assert_true(range[0] < 0 && range[1] > 0 && (!column || f.panel[0].tic[1] > 0));
+        figure_free(&f);
+    }
+}
+
 /* Curves of special points */
 
 static void make_locus(saltus_point_kind kind) {
@@ -1367,6 +1385,7 @@ int main(void) {
         cmocka_unit_test(names_are_nearest_to_their_own_marks),
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(longer_names_are_other_parameters),
+        cmocka_unit_test(zero_has_an_axis),
         cmocka_unit_test(loci_are_solid_where_they_bound_stable_orbits),
         cmocka_unit_test(planes_turn_and_clip),
         cmocka_unit_test(long_names_leave_room_for_fewer),

@@ -397,6 +397,7 @@ void saltus_range_add(saltus_range *range, double value) {
 void saltus_range_pad(saltus_range *range, double part, double scale) {
     double width = range->high - range->low, middle = 0.5 * (range->low + range->high);
     double size = fmax(scale, fabs(middle));
+    size = size > 0 ? size : 1;
     if (!(width > 1e-6 * size)) {
         range->low = middle - size;
         range->high = middle + size;

@@ -380,6 +380,11 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
         saltus_raster_bytes(file, &rasters[pass_drawn(page, k)]);
 }
 
+/* Rows of the legend that tells the passes apart: their names are long. */
+static int pass_rows(const saltus_sweep_page *page) {
+    return saltus_page_narrow(&page->paper) ? page->sweep->pass_count : 1;
+}
+
 static void set_sides(saltus_sweep_page *page) {
     bool narrow = page->paper.width < 1000;
     page->frame.left = narrow ? 124 : 150;
@@ -398,10 +403,11 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
         page->frame.top -= saltus_plot_legend_place(curves, paper->top);
     } else if (page->sweep->pass_count > 1) {
         fprintf(page->file,
-                "set key at screen 0.03, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
-                "maxrows 1 font ',11' textcolor rgb '#303030'\n",
-                fmin(paper->top + 9.6, paper->height - 4) / paper->height);
-        page->frame.top -= 22;
+                "set key at screen %.4f, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
+                "maxrows %d font ',11' textcolor rgb '#303030'\n",
+                saltus_page_narrow(paper) ? 0.01 : 0.03,
+                fmin(paper->top + 9.6, paper->height - 4) / paper->height, pass_rows(page));
+        page->frame.top -= 3 + 19 * pass_rows(page);
     }
     set_sides(page);
     if (!saltus_sweep_put_strip_legend(page, page->frame, page->frame.top + 22, true, &height))
@@ -422,7 +428,8 @@ static bool choose_height(saltus_sweep_page *page) {
     set_sides(page);
     bool sound = saltus_sweep_put_strip_legend(page, page->frame, 0, false, &height);
     page->paper.height +=
-        height + (page->branches ? saltus_plot_legend_height(page->branches, page->paper.width, &rows) : 0);
+        height + 19 * (pass_rows(page) - 1) +
+        (page->branches ? saltus_plot_legend_height(page->branches, page->paper.width, &rows) : 0);
     return sound;
 }
 

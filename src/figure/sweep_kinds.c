@@ -132,17 +132,34 @@ bool saltus_sweep_map_counts(saltus_sweep_map *map) {
     return true;
 }
 
+/* The class of an attractor's motion; NULL where no point goes to it. */
+static const saltus_sweep_class *class_of(const saltus_map *map, int attractor) {
+    const saltus_sweep_file *sweep = map->page->sweep;
+    for (long long p = 0; p < sweep->points; p++) {
+        long long row = saltus_sweep_visit(sweep, p, 0);
+        if (sweep->rows[row].attractor == attractor)
+            return &map->page->classes.list[map->page->classes.of_row[row]];
+    }
+    return NULL;
+}
+
+/* Whether motions of two attractors have colours so near that shades of them are not told apart. */
+static bool any_alike(const saltus_map *map) {
+    for (int k = 0; k < map->page->sweep->attractor_count; k++)
+        for (int j = 0; j < k; j++) {
+            const saltus_sweep_class *a = class_of(map, k), *b = class_of(map, j);
+            if (a && b && a->verdict == b->verdict && a->periods == b->periods)
+                return true;
+        }
+    return false;
+}
+
 /* How an attractor's basin is painted: as its motion is everywhere; of several attractors of one motion the
  * later ones are darker, with other textures. */
 static saltus_paint basin_paint(const saltus_sweep_map *map, int attractor) {
     const saltus_sweep_file *sweep = map->page->sweep;
-    const saltus_sweep_class *own = NULL;
+    const saltus_sweep_class *own = class_of(map, attractor);
     int twins = 0;
-    for (long long p = 0; p < sweep->points && !own; p++) {
-        long long row = saltus_sweep_visit(sweep, p, 0);
-        if (sweep->rows[row].attractor == attractor)
-            own = &map->page->classes.list[map->page->classes.of_row[row]];
-    }
     saltus_paint paint = own ? own->paint : saltus_class_paint(SALTUS_UNDECIDED, 0, 0);
     for (int k = 0; k < attractor; k++)
         twins += strcmp(sweep->attractor_label[k], sweep->attractor_label[attractor]) == 0;
@@ -198,7 +215,9 @@ bool saltus_sweep_map_basins(saltus_sweep_map *map) {
                        : verdict == SALTUS_PENDING ? n + (int)plain_pending
                                                    : n + (int)plain_irregular;
     }
-    shade_basins(map);
+    map->shaded = !any_alike(map);
+    if (map->shaded)
+        shade_basins(map);
     add_shares(map);
     return true;
 }
@@ -222,7 +241,8 @@ void saltus_sweep_map_put_orbits(const saltus_sweep_map *map) {
 void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map) {
     for (int k = 0; k < map->page->sweep->attractor_count; k++)
         fprintf(map->page->file,
-                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#ffffff' notitle"
+                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#%s' notitle"
                 ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.2 lc rgb '#%06x' notitle",
-                k, k, (unsigned)map->kinds[k].paint.colour);
+                k, saltus_colour_light(map->kinds[k].paint.colour) ? "101010" : "ffffff", k,
+                (unsigned)map->kinds[k].paint.colour);
 }

@@ -195,7 +195,8 @@ static void put_heading(const saltus_sweep_map *map, double x, double y) {
         put_note(map, x, y + line_height,
                  page->sweep->dimension > 2 ? "dots: the orbits at phase 0, projected"
                                             : "dots: the orbits at phase 0");
-        put_note(map, x, y, "pale: soon settled");
+        if (map->shaded)
+            put_note(map, x, y, "pale: soon settled");
     }
 }
 

@@ -21,6 +21,7 @@ typedef struct saltus_sweep_map {
     bool any_several;       /* of a point that is shown */
     saltus_map_kind *kinds;
     int kind_count;
+    bool shaded;        /* basins are paler where the motion settles soon */
     int legend_rows;    /* of a legend below the map; 0: it stands beside it */
     saltus_range range; /* of the colours */
     bool logarithmic, clipped;
