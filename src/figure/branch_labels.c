@@ -156,7 +156,8 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
     static const double shift[][2] = {
         {0, 1.2}, {1.7, 0.6}, {-1.7, 0.6}, {1.8, 0},    {-1.8, 0},   {1.7, -0.6},  {-1.7, -0.6}, {0, -1.2},
         {0, 1.9}, {0, -1.9},  {1.9, 1.5},  {-1.9, 1.5}, {1.9, -1.5}, {-1.9, -1.5}, {2.7, 0.4},   {-2.7, 0.4}};
-    const double enough = 0.75, least = 0.3; /* nearer a curve strikes the name through */
+    /* Nearer a curve strikes the name through; one that no mark tells is written all the same. */
+    const double enough = 0.75, least = point->kind >= SALTUS_POINT_CP ? 0 : 0.3;
     const char *word = saltus_point_word(point->kind);
     place best = {0, 0, 0, 0};
     double widest = least;
@@ -432,10 +433,12 @@ void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, 
     find_lines(page, &all);
     name_regions(page, &all);
     name_points(page, true, &all);
-    /* A map tells the motions by colours. */
-    if (!page->over_map)
+    /* A map tells the motions by colours; on curves of special points what is on them comes first. */
+    if (!page->over_map && !page->locus)
         name_stretches(page, true, &all);
     name_points(page, false, &all);
+    if (!page->over_map && page->locus)
+        name_stretches(page, true, &all);
     if (!page->over_map)
         name_stretches(page, false, &all);
     for (int k = 0; k < all.count && block; k++) {
