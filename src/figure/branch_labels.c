@@ -69,7 +69,7 @@ static void put_label(const saltus_plot_page *page, const saltus_line *line, pla
 /* The pieces of one curve from row k of a file to the next: of what a branch shows, or of each visit. */
 static void add_lines(const saltus_plot_page *page, int file, int k, places *all) {
     const saltus_branch_point *p = &page->files[file].points[k];
-    const saltus_visits *visits = page->visits ? &page->visits[file][k] : NULL;
+    const saltus_plot_visits *visits = page->visits ? &page->visits[file][k] : NULL;
     for (int v = 0; p[0].branch == p[1].branch && v < (visits ? visits->count : 1); v++) {
         int next = visits ? saltus_plot_partner(page, file, k, v) : 0;
         for (int end = 0; end < 2 && next >= 0; end++) {

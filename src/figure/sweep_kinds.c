@@ -133,7 +133,7 @@ bool saltus_sweep_map_counts(saltus_sweep_map *map) {
 }
 
 /* The class of an attractor's motion; NULL where no point goes to it. */
-static const saltus_sweep_class *class_of(const saltus_map *map, int attractor) {
+static const saltus_sweep_class *class_of(const saltus_sweep_map *map, int attractor) {
     const saltus_sweep_file *sweep = map->page->sweep;
     for (long long p = 0; p < sweep->points; p++) {
         long long row = saltus_sweep_visit(sweep, p, 0);
@@ -144,7 +144,7 @@ static const saltus_sweep_class *class_of(const saltus_map *map, int attractor) 
 }
 
 /* Whether motions of two attractors have colours so near that shades of them are not told apart. */
-static bool any_alike(const saltus_map *map) {
+static bool any_alike(const saltus_sweep_map *map) {
     for (int k = 0; k < map->page->sweep->attractor_count; k++)
         for (int j = 0; j < k; j++) {
             const saltus_sweep_class *a = class_of(map, k), *b = class_of(map, j);
