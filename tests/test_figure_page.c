@@ -729,6 +729,32 @@ static void a_sheet_fits_a_journal(void **state) {
             }
 }
 
+/* A page with no room for its panels below its words is not drawn but says so. */
+static void a_page_too_small_says_so(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_system *system = structure_of(0);
+    saltus_motion motion = orbit_of(2);
+    saltus_scene scene = scene_of(system);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_message message = {.text = ""};
+    make_record(&m, system, 3, two_impacts, 5);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    for (int height = 30; height <= 240; height += 210) {
+        const saltus_figure_options look = {.width = 85, .height = height};
+        char path[path_size];
+        size_t length;
+        check_ok(saltus_write_sheet(path_in("sheet.svg", path), &scene, system, &options, &diagnosis, &look,
+                                    NULL, &message),
+                 &message);
+        char *script = read_all(path_in("script", path), &length),
+             *words = strstr(script, "exit error 'the page");
+        assert_true((words != NULL) == (height == 30) && (!words || words < strstr(script, "set xlabel")));
+        free(script);
+    }
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_page_has_all_there_is),
@@ -747,6 +773,7 @@ int main(void) {
         cmocka_unit_test(small_exponents_have_room_for_their_digits),
         cmocka_unit_test(narrow_axes_have_enough_tics),
         cmocka_unit_test(a_sheet_fits_a_journal),
+        cmocka_unit_test(a_page_too_small_says_so),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

@@ -260,11 +260,19 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
     return (saltus_frame){x, x + span * width + (span - 1) * beside, y, y + height};
 }
 
+/* End the script with a sentence where a frame is not so large. */
+static void demand_room(const saltus_page *page, saltus_frame frame, double least) {
+    if (!(frame.right - frame.left >= least && frame.top - frame.bottom >= least))
+        fputs("exit error 'the page has no room for its panels: make it larger, or leave the words out'\n",
+              page->file);
+}
+
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading) {
     bool narrow = saltus_page_narrow(page);
     const double left = narrow ? 62 : 0, wide = narrow ? 8.2 : 9.5, /* a letter */
         room = fmin(frame.right + (narrow ? 14 : 90), page->width - 6) - frame.left + left;
     saltus_line line = {.length = 0};
+    demand_room(page, frame, 60);
     saltus_page_frame(page, frame);
     saltus_line_add(&line, "{/:Bold (%c)}  %s", 'a' + letter, heading);
     enum { most = 4 };
@@ -285,6 +293,7 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
 }
 
 void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
+    demand_room(page, frame, 10);
     fprintf(page->file,
             "set lmargin at screen %.8f\nset rmargin at screen %.8f\nset bmargin at screen %.8f\n"
             "set tmargin at screen %.8f\n",

@@ -71,7 +71,7 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
  * narrow.
  */
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading);
-/* Place the panel. */
+/* Place the panel; where there is no room for it the script ends with a sentence that says so. */
 void saltus_page_frame(const saltus_page *page, saltus_frame frame);
 /* A label at a place of the page, as text and style of `set label`. */
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);

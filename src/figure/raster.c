@@ -8,6 +8,8 @@
 #include <string.h>
 
 bool saltus_raster_open(saltus_raster *raster, int width, int height) {
+    width = width > 0 ? width : 1;
+    height = height > 0 ? height : 1;
     *raster = (saltus_raster){.width = width, .height = height};
     raster->pixels = calloc((size_t)width * (size_t)height, 4);
     return raster->pixels != NULL;

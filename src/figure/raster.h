@@ -13,7 +13,7 @@ typedef struct saltus_raster {
     unsigned char *pixels;
 } saltus_raster;
 
-/* A transparent raster; false when there is no memory. */
+/* A transparent raster of a pixel at least; false when there is no memory. */
 bool saltus_raster_open(saltus_raster *raster, int width, int height);
 void saltus_raster_close(saltus_raster *raster);
 /* A colour is 0xRRGGBB. */

@@ -96,8 +96,8 @@ static void paint_number(saltus_sweep_map *map, int x, int y, int fineness) {
 static bool paint(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     int fineness = saltus_sweep_fineness(page),
-        width = (int)(fineness * (page->frame.right - page->frame.left)),
-        height = (int)(fineness * (page->frame.top - page->frame.bottom));
+        width = (int)fmax(1, fineness * (page->frame.right - page->frame.left)),
+        height = (int)fmax(1, fineness * (page->frame.top - page->frame.bottom));
     map->columns = calloc((size_t)width, sizeof *map->columns);
     map->rows = calloc((size_t)height, sizeof *map->rows);
     if (!map->columns || !map->rows || !saltus_raster_open(&map->raster, width, height))
