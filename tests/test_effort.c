@@ -96,13 +96,15 @@ static void a_used_up_effort_ends_all_flows(void **state) {
     check_ok(saltus_motion_settle(system, &none, 1, start, &message), &message);
     /* What a step costs: its columns, too, less what its time may take. */
     effort = (saltus_effort){.period = 2};
-    saltus_effort_add(&effort, 0, 0);
+    saltus_effort_add(&effort, 0, 0, false);
     check_near(effort.spent, 1, 0);
-    saltus_effort_add(&effort, 0, 3);
+    saltus_effort_add(&effort, 0, 3, false);
     check_near(effort.spent, 5, 0);
-    saltus_effort_add(&effort, 2.0 / SALTUS_EFFORT_USUAL, 7);
+    saltus_effort_add(&effort, 2.0 / SALTUS_EFFORT_USUAL, 7, false);
     check_near(effort.spent, 5, 1e-12);
-    saltus_effort_add(&effort, 2, 0);
+    saltus_effort_add(&effort, 0, 0, true);
+    check_near(effort.spent, 15, 1e-12);
+    saltus_effort_add(&effort, 2, 0, false);
     check_near(effort.spent, 0, 0);
     saltus_system_free(system);
 }

@@ -35,9 +35,9 @@ saltus_status saltus_effort_check(const saltus_effort *effort, const saltus_syst
 enum { SALTUS_CAUSE_MAX = 120 };
 const char *saltus_effort_cause(const saltus_system *system, char cause[SALTUS_CAUSE_MAX]);
 
-/* A step of so many units of time, with so many tangent vectors. */
-static inline void saltus_effort_add(saltus_effort *effort, double time, int columns) {
-    const double beyond = 1 - SALTUS_EFFORT_USUAL * time / effort->period;
+/* A step of so many units of time, with so many tangent vectors; one of the stiff integrator costs more. */
+static inline void saltus_effort_add(saltus_effort *effort, double time, int columns, bool stiff) {
+    const double cost = stiff ? 10 : 1, beyond = cost - SALTUS_EFFORT_USUAL * time / effort->period;
     effort->spent = fmax(0, effort->spent + (1 + columns) * beyond);
 }
 

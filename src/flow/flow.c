@@ -388,7 +388,8 @@ static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
         self->now = saltus_time_after(self->now, flow->work.lane->passing[lane]);
     self->info.steps++;
     if (flow->options.effort)
-        saltus_effort_add(flow->options.effort, self->step.length, flow->options.columns);
+        saltus_effort_add(flow->options.effort, self->step.length, flow->options.columns,
+                          flow->radau != NULL);
     self->flight = self->flight > self->step.length ? self->flight - self->step.length : INFINITY;
     if (!flow->radau)
         self->info.field_evaluations += (long long)flow->work.lane->degree[lane];
