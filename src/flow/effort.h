@@ -37,7 +37,7 @@ const char *saltus_effort_cause(const saltus_system *system, char cause[SALTUS_C
 
 /* A step of so many units of time, with so many tangent vectors; one of the stiff integrator costs more. */
 static inline void saltus_effort_add(saltus_effort *effort, double time, int columns, bool stiff) {
-    const double cost = stiff ? 10 : 1, beyond = cost - SALTUS_EFFORT_USUAL * time / effort->period;
+    const double cost = stiff ? 3 : 1, beyond = cost - SALTUS_EFFORT_USUAL * time / effort->period;
     effort->spent = fmax(0, effort->spent + (1 + columns) * beyond);
 }
 
