@@ -129,6 +129,8 @@ static void sentences_name_what_is_wrong(void **state) {
         {"basins pipe --over q0=0:1:3 --over q1=0:0.01:2 -o never.h5", 2, "--over q0=0:1:3: "},
         {"basins pipe --over qx=0:1:3 --over q1=0:0.01:2 -o never.h5", 2, "--over qx=0:1:3: "},
 
+        {"export . -o never.csv", 2, ".: is a folder, not a file"},
+        {"plot / -o never.png", 2, "/: is a folder, not a file"},
         {"export sweep.h5", 2, "export: needs a file and -o "},
         {"export sweep.h5 --table all -o never.csv", 2,
          "--table all: |rows, turning, impacts, stroboscopic, points, events, samples or strobe"},

@@ -247,12 +247,16 @@ static hid_t read_file(const char *path, saltus_message *message) {
         return -1;
     }
     bool sound = undamaged(plain);
+    struct stat facts;
+    const bool folder = fstat(fileno(plain), &facts) == 0 && S_ISDIR(facts.st_mode);
     fclose(plain);
     bool known = sound && H5Fis_hdf5(path) > 0;
     hid_t file = known ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
     if (file < 0)
         saltus_fail(message, SALTUS_BAD_INPUT, "%s: %s", path,
-                    sound && !known ? "is no HDF5 file" : "is damaged or cut off");
+                    folder            ? "is a folder, not a file"
+                    : sound && !known ? "is no HDF5 file"
+                                      : "is damaged or cut off");
     return file;
 }
 
