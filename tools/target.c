@@ -93,7 +93,9 @@ static const char *input_that_is(const cli_request *request, const struct stat *
  * is exported is of its input's kind. "": it will write nothing, and say why. */
 static void kind_of(const cli_command *command, const cli_request *request, const char *path, char kind[64]) {
     const bool table = cli_ends_in(path, ".csv");
-    const saltus_file_facts input = saltus_file_identify(request->input_count ? request->inputs[0] : "");
+    saltus_file_facts input = {.kind = ""};
+    if (!command->kind && request->input_count)
+        input = saltus_file_identify(request->inputs[0]);
     const char *data = command->kind ? command->kind : input.hdf5 ? input.kind : "";
     if (table || cli_ends_in(path, ".h5"))
         snprintf(kind, 64, "%s%s", data, table && *data ? " table" : "");

@@ -4,6 +4,7 @@
 #include "saltus/record.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 /* Kind and completeness of an HDF5 file; what has no `complete` is written in one piece. */
 static void look_into(const char *path, saltus_file_facts *facts) {
@@ -40,7 +41,9 @@ saltus_file_facts saltus_file_identify(const char *path) {
                  {"<svg", "picture"}};
     saltus_file_facts facts = {.kind = "", .complete = true};
     char head[48] = "";
-    FILE *file = fopen(path, "rb");
+    struct stat there;
+    /* What a pipe gives can be read once. */
+    FILE *file = stat(path, &there) == 0 && S_ISREG(there.st_mode) ? fopen(path, "rb") : NULL;
     if (!file)
         return facts;
     size_t length = fread(head, 1, sizeof head - 1, file);
