@@ -839,6 +839,30 @@ static saltus_spec hitting_masses(void) {
     return spec;
 }
 
+/* Such masses under a force, and their orbit of one period that grazes. */
+typedef struct grazing_masses {
+    double F, c, m2, c2, k2, r, omega, d, state[4];
+} grazing_masses;
+
+/* The curve of grazing through it, in steps of two lengths. */
+static void follow_twice(const grazing_masses *row, const saltus_branch_options *options,
+                         const double step_max[2], branch_record record[2]) {
+    saltus_spec spec = hitting_masses();
+    set_parameter(&spec, "F", row->F);
+    set_parameter(&spec, "c", row->c);
+    set_parameter(&spec, "m2", row->m2);
+    set_parameter(&spec, "c2", row->c2);
+    set_parameter(&spec, "k2", row->k2);
+    set_parameter(&spec, "omega", row->omega);
+    spec.stops[0].d = row->d;
+    spec.stops[0].r = row->r;
+    for (int run = 0; run < 2; run++) {
+        saltus_branch_options own = *options;
+        own.step_max = step_max[run];
+        record[run] = branch_run(&spec, 1, row->state, &own);
+    }
+}
+
 /* Along a curve of grazing multipliers change fast, and pairs that leave the unit circle come back: however
  * long the steps are, those of short ones are found, and no others. */
 static void long_steps_pass_no_torus(void **unused) {
@@ -846,37 +870,29 @@ static void long_steps_pass_no_torus(void **unused) {
     skip_where_slow();
     static const char *const key[2] = {"omega", "d"};
     static const double low[2] = {0.3, 0.02}, high[2] = {2, 4}, step_max[2] = {0.02, 0.1};
-    static const struct {
-        double c, m2, c2, k2, r, at[2], state[4];
-    } rows[] = {{0.12282240196421325,
-                 2.2628832070365767,
-                 0.022996186046293284,
-                 1.9636738144529202,
-                 0.58107855495315452,
-                 {0.65068374448158339, 0.80766701245276507},
-                 {-0.84560997562796314, -1.6519539252958104, 0.039754100857746784, 0.069822715841760627}},
-                {0.020621213386250187,
-                 2.3052456796017129,
-                 0.13206690301425605,
-                 3.5340886291285512,
-                 0.57975317882570443,
-                 {0.63285477755059782, 0.59781987679158877},
-                 {-1.6902923313345002, -2.2881071161722111, 0.038664332862463367, 0.040225845638947932}}};
+    static const grazing_masses rows[] = {
+        {1.1,
+         0.12282240196421325,
+         2.2628832070365767,
+         0.022996186046293284,
+         1.9636738144529202,
+         0.58107855495315452,
+         0.65068374448158339,
+         0.80766701245276507,
+         {-0.84560997562796314, -1.6519539252958104, 0.039754100857746784, 0.069822715841760627}},
+        {1.1,
+         0.020621213386250187,
+         2.3052456796017129,
+         0.13206690301425605,
+         3.5340886291285512,
+         0.57975317882570443,
+         0.63285477755059782,
+         0.59781987679158877,
+         {-1.6902923313345002, -2.2881071161722111, 0.038664332862463367, 0.040225845638947932}}};
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
-        saltus_spec spec = hitting_masses();
         branch_record record[2];
-        set_parameter(&spec, "c", rows[row].c);
-        set_parameter(&spec, "m2", rows[row].m2);
-        set_parameter(&spec, "c2", rows[row].c2);
-        set_parameter(&spec, "k2", rows[row].k2);
-        set_parameter(&spec, "omega", rows[row].at[0]);
-        spec.stops[0].d = rows[row].at[1];
-        spec.stops[0].r = rows[row].r;
-        for (int run = 0; run < 2; run++) {
-            saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
-            options.step_max = step_max[run];
-            record[run] = branch_run(&spec, 1, rows[row].state, &options);
-        }
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        follow_twice(&rows[row], &options, step_max, record);
         int found = 0;
         for (int run = 0; run < 2; run++)
             for (int k = 0; k < record[run].count; k++) {
@@ -899,39 +915,30 @@ static void slow_forcing_hides_no_corner(void **unused) {
     (void)unused;
     static const char *const key[2] = {"d", "omega"};
     static const double low[2] = {-0.5, 0.3}, high[2] = {4, 2}, step_max[2] = {0.01, 0.02};
-    static const struct {
-        double c, m2, c2, k2, r, at[2], state[4];
-    } rows[] = {{0.19374358547938214,
-                 1.0291367344803528,
-                 0.11567891057359382,
-                 1.4740381742942446,
-                 0.8945357806651293,
-                 {0.22612320869874986, 0.42025678504957154},
-                 {1.5946182613467028, 1.817461515241145, 0.08961065190426751, 0.10573772721283964}},
-                {0.19247768836710913,
-                 1.350921475190987,
-                 0.02307009912804732,
-                 3.9958919610187436,
-                 0.5737014582811413,
-                 {0.4005766420013232, 0.54471047585839},
-                 {3.3273370595495124, 3.697785696689828, 0.738285497003844, 0.8213059736912839}}};
+    static const grazing_masses rows[] = {
+        {1,
+         0.19374358547938214,
+         1.0291367344803528,
+         0.11567891057359382,
+         1.4740381742942446,
+         0.8945357806651293,
+         0.42025678504957154,
+         0.22612320869874986,
+         {1.5946182613467028, 1.817461515241145, 0.08961065190426751, 0.10573772721283964}},
+        {1,
+         0.19247768836710913,
+         1.350921475190987,
+         0.02307009912804732,
+         3.9958919610187436,
+         0.5737014582811413,
+         0.54471047585839,
+         0.4005766420013232,
+         {3.3273370595495124, 3.697785696689828, 0.738285497003844, 0.8213059736912839}}};
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
-        saltus_spec spec = hitting_masses();
         branch_record record[2];
-        set_parameter(&spec, "F", 1);
-        set_parameter(&spec, "c", rows[row].c);
-        set_parameter(&spec, "m2", rows[row].m2);
-        set_parameter(&spec, "c2", rows[row].c2);
-        set_parameter(&spec, "k2", rows[row].k2);
-        set_parameter(&spec, "omega", rows[row].at[1]);
-        spec.stops[0].d = rows[row].at[0];
-        spec.stops[0].r = rows[row].r;
-        for (int run = 0; run < 2; run++) {
-            saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
-            options.direction = -1;
-            options.step_max = step_max[run];
-            record[run] = branch_run(&spec, 1, rows[row].state, &options);
-        }
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        options.direction = -1;
+        follow_twice(&rows[row], &options, step_max, record);
         int corners = 0;
         for (int run = 0; run < 2; run++)
             for (int k = 0; k < record[run].count; k++) {

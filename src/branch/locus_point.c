@@ -419,7 +419,7 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     saltus_status status = SALTUS_OK;
     *found = false;
     /* A little speed at grazing moves the place by as much. */
-    x->equations.tolerance = sharp;
+    x->equations.tolerance = fmin(usual, sharp);
     for (int k = 0; k <= halvings; k++) {
         double middle = k < halvings ? 0.5 * (low + high) : low;
         status = saltus_curve_visit(&x->equations, &here->at, middle, &at->at, &ignored);
@@ -434,11 +434,6 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     if (*found && saltus_corner_breach(x, &at->orbit) > -nothing)
         status = saltus_corner_tell(x, &contact, &at->orbit, &contact.kind, message);
     *found = contact.kind == SALTUS_POINT_CH_GR;
-    /* In the very place the flow meets complete chatter by chance. */
-    if (*found) {
-        at->orbit.survey.impacts = here->orbit.survey.impacts;
-        memcpy(at->orbit.survey.label, here->orbit.survey.label, sizeof at->orbit.survey.label);
-    }
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
