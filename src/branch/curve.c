@@ -9,6 +9,10 @@
 
 static const double step_min = 1e-7, turn_min = 0.92; /* least cosine between tangents a step apart */
 
+saltus_status saltus_branch_no_memory(saltus_message *message) {
+    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+}
+
 double saltus_scaled_in(saltus_scaled number, double exponent) {
     return number.mantissa * exp(fmin(number.exponent - exponent, 600));
 }
@@ -81,8 +85,7 @@ saltus_status saltus_curve_orient(saltus_equations *e, const double *guide, salt
     double values[2], *plane = guide ? NULL : calloc(2 * (size_t)m, sizeof *plane);
     saltus_status status = SALTUS_OK;
     if (!guide)
-        status = plane ? saltus_null_plane(e, plane, values, message)
-                       : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        status = plane ? saltus_null_plane(e, plane, values, message) : saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_curve_tangent(e, guide ? guide : plane, point->tangent, &sign,
                                       &point->crossing.exponent, message);
@@ -115,7 +118,7 @@ static saltus_status correct(saltus_equations *e, const saltus_curve_point *from
 saltus_status saltus_curve_visit(saltus_equations *e, const saltus_curve_point *from, double ahead,
                                  saltus_curve_point *to, saltus_message *message) {
     if (!saltus_curve_reserve(to, from->unknowns))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     predict(from, ahead, to);
     return correct(e, from, from->tangent, to, message);
 }
@@ -127,7 +130,7 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
     double *normal = calloc((size_t)m, sizeof *normal);
     if (!normal || !saltus_curve_reserve(to, m)) {
         free(normal);
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+        return saltus_branch_no_memory(message);
     }
     normal[k] = 1;
     predict(from, ahead, to);
@@ -147,7 +150,7 @@ static saltus_status approach(saltus_equations *e, const saltus_curve_point *fro
     enum { samples = 6 };
     int m = from->unknowns;
     double apart = 1e-2 * (from->u[k] - value), place[samples], *u = calloc((size_t)(m * samples), sizeof *u);
-    saltus_status status = u ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
+    saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
     for (int j = 0; j < samples && status == SALTUS_OK; j++) {
         place[j] = (samples - j) * apart;
         status = saltus_curve_meet(e, from, k, value + place[j], to, message);
@@ -287,4 +290,29 @@ bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function
                        double end, double far, double *place, double *width) {
     const double ends[] = {0, end}, values[] = {near, far};
     return saltus_curve_zero_between(solver, function, context, ends, values, place, width);
+}
+
+bool saltus_curve_cross(saltus_curve_function *function, void *context, const saltus_curve_point *from,
+                        const saltus_curve_point *at, double middle, double apart, bool straddles,
+                        double *work, double *ahead, double *spread) {
+    enum { samples = 6 };
+    static const double place[samples] = {-1, 1, -2, 2, -3, 3};
+    const int m = from->unknowns;
+    double test[samples], *u = work + m;
+    for (int k = 0; k < samples; k++) {
+        if (!function(context, middle + place[k] * apart, &test[k]))
+            return false;
+        for (int j = 0; j < m; j++)
+            u[j * samples + k] = at->u[j];
+        if (straddles && k % 2 && !(test[k] * test[k - 1] < 0))
+            return false;
+    }
+    *ahead = 0;
+    for (int j = 0; j < m; j++) {
+        work[j] = saltus_curve_interpolate(test, u + (ptrdiff_t)j * samples, samples);
+        *ahead += (work[j] - from->u[j]) * from->tangent[j];
+    }
+    *spread =
+        fabs(work[m - 1] - saltus_curve_interpolate(test, u + (ptrdiff_t)(m - 1) * samples, samples - 2));
+    return true;
 }

@@ -18,6 +18,9 @@ typedef struct saltus_scaled {
 /* In units of e^exponent, cut where that would overflow. */
 double saltus_scaled_in(saltus_scaled number, double exponent);
 
+/* SALTUS_NO_MEMORY, and its sentence. */
+saltus_status saltus_branch_no_memory(saltus_message *message);
+
 typedef struct saltus_curve_point {
     int unknowns, room;
     double *u;
@@ -85,5 +88,12 @@ bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function
 /* The same between any two places, with the values there. */
 bool saltus_curve_zero_between(gsl_root_fsolver *solver, saltus_curve_function *function, void *context,
                                const double ends[2], const double values[2], double *place, double *width);
+/* The unknowns, to `work` (7 x unknowns), at a zero in whose very place the equations are singular: from
+ * points at up to three times `apart` on both sides of `middle`, which the function leaves in `at`; how far
+ * *ahead of `from` it is, and what the parameter may be off by. False where a point cannot be had, or the
+ * signs on both sides are not different though it `straddles` the zero. */
+bool saltus_curve_cross(saltus_curve_function *function, void *context, const saltus_curve_point *from,
+                        const saltus_curve_point *at, double middle, double apart, bool straddles,
+                        double *work, double *ahead, double *spread);
 
 #endif

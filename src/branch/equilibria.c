@@ -122,31 +122,36 @@ void saltus_equilibria_free(saltus_equilibria *e) {
     free(e);
 }
 
-/* An equilibrium is given out; `face` that is met or left there (BE). */
-static saltus_status give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what, int face,
+static saltus_status give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what,
                           saltus_message *message) {
     saltus_branch_point *point = saltus_trail_place(e->trail, message);
     if (!point)
         return SALTUS_NO_MEMORY;
     saltus_status status = saltus_rest_point(&e->rests, s, point, message);
-    if (status == SALTUS_OK)
-        status = saltus_trail_give(e->trail, e->rests.system, &what, message);
-    if (status == SALTUS_OK && point->kind == SALTUS_POINT_BE)
-        saltus_rest_touch(&e->rests, face, point);
-    return status;
+    return status == SALTUS_OK ? saltus_trail_give(e->trail, e->rests.system, &what, message) : status;
 }
 
 static saltus_status end(saltus_equilibria *e, const saltus_rest *s, double ahead, const char *reason,
                          saltus_message *message) {
     return give(e, s,
                 (saltus_notice){.kind = SALTUS_POINT_EP, .ahead = ahead, .accuracy = NAN, .reason = reason},
-                -1, message);
+                message);
 }
 
 static void swap(saltus_rest **a, saltus_rest **b) {
     saltus_rest *kept = *a;
     *a = *b;
     *b = kept;
+}
+
+/* What branches that leave the one under way have in common. */
+static saltus_branch_start leaving(const saltus_equilibria *e) {
+    return (saltus_branch_start){.parent = e->trail->number, .depth = e->trail->depth + 1};
+}
+
+/* Whether branches that leave the one under way are followed, too. */
+static bool switches(const saltus_equilibria *e) {
+    return e->trail->following && e->trail->depth < e->trail->options->switches;
 }
 
 /* All special points between `here` and `next`, in order. */
@@ -183,37 +188,34 @@ static int find_places(saltus_equilibria *e, saltus_special *places) {
     return count;
 }
 
-/* What is left of the equations along the left null vector, aside of `at` by parts of two directions. */
-static double project(saltus_equilibria *e, const saltus_rest *at, const double *across, double by,
-                      const double *up, double high) {
-    saltus_equations *q = &e->rests.equations;
-    const double *left = e->rests.border[0];
-    double sum = 0, u[SALTUS_STATE_MAX + SALTUS_FACES_MAX + 1];
+/* What is left of the equations along their left null vector, aside of `at` by parts of two directions. */
+static double project(saltus_rests *r, const double *left, const saltus_rest *at, const double *across,
+                      double by, const double *up, double high) {
+    double u[SALTUS_REST_UNKNOWNS_MAX];
     saltus_message ignored;
-    for (int j = 0; j < q->unknowns; j++)
+    for (int j = 0; j < at->at.unknowns; j++)
         u[j] = at->at.u[j] + by * across[j] + high * up[j];
-    if (saltus_rests_noted(&e->rests, saltus_equations_evaluate(q, u, &ignored)) != SALTUS_OK)
-        return NAN;
-    for (int i = 0; i < q->count; i++)
-        sum += left[i] * q->residual[i];
-    return sum;
+    saltus_status status = saltus_equations_evaluate(&r->equations, u, &ignored);
+    return saltus_rests_noted(r, status) == SALTUS_OK ? saltus_dot(left, r->equations.residual, r->size)
+                                                      : NAN;
 }
 
 /* At a branch point two directions in the null plane make the terms of second order vanish: `old`, and the
  * one that becomes `leaving` (Keller 1977). `aside`: across the old one in the plane. */
-static saltus_status find_leaving(saltus_equilibria *e, const saltus_rest *at, const double *old,
+static saltus_status find_leaving(saltus_rests *r, const saltus_rest *at, const double *old,
                                   const double *aside, double *leaving, saltus_message *message) {
     const double apart = 1e-3;
     const int m = at->at.unknowns;
-    double mixed = 0, size = 0;
-    saltus_status status = saltus_rests_border(&e->rests, at->at.u, message);
+    double mixed = 0, size = 0, right[SALTUS_REST_UNKNOWNS_MAX], left[SALTUS_REST_UNKNOWNS_MAX];
+    saltus_status status = saltus_rests_null_vectors(r, at->at.u, right, left, message);
     if (status != SALTUS_OK)
         return status;
     for (int k = 0; k < 4; k++)
         mixed += (k == 0 || k == 3 ? 0.25 : -0.25) *
-                 project(e, at, old, k & 1 ? apart : -apart, aside, k & 2 ? apart : -apart);
-    const double square = project(e, at, old, 0, aside, apart) + project(e, at, old, 0, aside, -apart) -
-                          2 * project(e, at, old, 0, aside, 0);
+                 project(r, left, at, old, k & 1 ? apart : -apart, aside, k & 2 ? apart : -apart);
+    const double square = project(r, left, at, old, 0, aside, apart) +
+                          project(r, left, at, old, 0, aside, -apart) -
+                          2 * project(r, left, at, old, 0, aside, 0);
     const bool known = fabs(mixed) > 1e-6 * apart * apart;
     for (int j = 0; j < m; j++) {
         leaving[j] = known ? 2 * mixed * aside[j] - square * old[j] : aside[j];
@@ -227,40 +229,37 @@ static saltus_status find_leaving(saltus_equilibria *e, const saltus_rest *at, c
 /* The branches that leave at a branch point `at`; one of them where `at` is its own mirror image and they are
  * those of each other. */
 static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_message *message) {
+    saltus_rests *r = &e->rests;
     const int m = at->at.unknowns;
-    saltus_branch_start start = {
-        .parent = e->trail->number, .depth = e->trail->depth + 1, .origin = SALTUS_POINT_BP};
-    double values[2], share[2] = {0, 0};
-    double *plane = calloc(4 * (size_t)m + (size_t)e->rests.n + 1, sizeof *plane);
-    double *old = plane + 2 * (ptrdiff_t)m, *aside = old + m;
     const double nothing[SALTUS_STATE_MAX] = {0};
-    bool shift, mirrored = saltus_system_mirror_symmetric(e->rests.system, &shift) &&
-                           saltus_system_distance(e->rests.system, at->state, nothing) < 1e-7;
-    saltus_status status = plane ? saltus_equations_evaluate(&e->rests.equations, at->at.u, message)
-                                 : saltus_branch_no_memory(message);
+    double values[2], share[2] = {0, 0}, plane[2 * SALTUS_REST_UNKNOWNS_MAX], old[SALTUS_REST_UNKNOWNS_MAX],
+                      aside[SALTUS_REST_UNKNOWNS_MAX], tangent[SALTUS_REST_UNKNOWNS_MAX] = {0};
+    bool shift, mirrored = saltus_system_mirror_symmetric(r->system, &shift) &&
+                           saltus_system_distance(r->system, at->state, nothing) < 1e-7;
+    saltus_status status = saltus_equations_evaluate(&r->equations, at->at.u, message);
     if (status == SALTUS_OK)
-        status = saltus_null_plane(&e->rests.equations, plane, values, message);
-    for (int j = 0; j < m && status == SALTUS_OK; j++)
-        for (int k = 0; k < 2; k++)
-            share[k] += plane[k * m + j] * e->here->at.tangent[j];
+        status = saltus_null_plane(&r->equations, plane, values, message);
+    for (int k = 0; k < 2 && status == SALTUS_OK; k++)
+        share[k] = saltus_dot(plane + (ptrdiff_t)k * m, e->here->at.tangent, m);
     const double length = hypot(share[0], share[1]);
     for (int j = 0; j < m && status == SALTUS_OK; j++) {
         old[j] = (share[0] * plane[j] + share[1] * plane[m + j]) / length;
         aside[j] = (share[1] * plane[j] - share[0] * plane[m + j]) / length;
     }
-    start.tangent = aside + m;
     if (status == SALTUS_OK)
-        status = find_leaving(e, at, old, aside, start.tangent, message);
+        status = find_leaving(r, at, old, aside, tangent, message);
+    saltus_branch_start start = leaving(e);
+    start.origin = SALTUS_POINT_BP;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};
     start.parameter = at->parameter[0];
     start.state = at->state;
-    start.unknowns = e->rests.n + 1; /* as many as an orbit's; those beyond m are none */
+    start.tangent = tangent;
+    start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are none */
     for (int way = 0; way < (mirrored ? 1 : 2) && status == SALTUS_OK; way++) {
-        status = saltus_starts_add(&e->starts, e->rests.n, &start, message);
+        status = saltus_starts_add(&e->starts, r->n, &start, message);
         for (int j = 0; j < m; j++)
-            start.tangent[j] = -start.tangent[j];
+            tangent[j] = -tangent[j];
     }
-    free(plane);
     return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
 }
 
@@ -278,16 +277,8 @@ const saltus_rest_start *saltus_equilibria_found(const saltus_equilibria *e) {
     return e->found ? &e->place : NULL;
 }
 
-/* What a Hopf point says of the cycles that are born there. */
-static void tell_hopf(const saltus_hopf *hopf, char *text, size_t room) {
-    const char *what = !(fabs(hopf->coefficient) > hopf->error) ? "criticality not decided"
-                       : hopf->coefficient < 0                  ? "supercritical"
-                                                                : "subcritical";
-    snprintf(text, room, "%s: omega = %.12g, first Lyapunov coefficient %.9g +- %.0e", what, hopf->omega,
-             hopf->coefficient, hopf->error);
-}
-
-/* A Hopf point at `at`; two real eigenvalues of opposite signs are none. */
+/* A Hopf point at `at`, and what it says of the cycles that are born there; two real eigenvalues of opposite
+ * signs are none. */
 static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice what,
                                saltus_message *message) {
     const double on_axis = 1e-6;
@@ -303,21 +294,25 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
-        return give(e, at, what, -1, message);
+        return give(e, at, what, message);
     if (e->trail->options->locus == SALTUS_POINT_HB) {
         free(hopf.vector);
         return find(e, at, -1, hopf.omega);
     }
-    tell_hopf(&hopf, reason, sizeof reason);
+    const char *criticality = !(fabs(hopf.coefficient) > hopf.error) ? "criticality not decided"
+                              : hopf.coefficient < 0                 ? "supercritical"
+                                                                     : "subcritical";
+    snprintf(reason, sizeof reason, "%s: omega = %.12g, first Lyapunov coefficient %.9g +- %.0e", criticality,
+             hopf.omega, hopf.coefficient, hopf.error);
     what.reason = reason;
-    status = give(e, at, what, -1, message);
+    status = give(e, at, what, message);
     if (status == SALTUS_OK) {
         saltus_branch_point *point = saltus_trail_last(e->trail);
         point->period = 2 * M_PI / hopf.omega;
         point->lyapunov_coefficient = hopf.coefficient;
     }
-    const saltus_branch_start like = {.parent = e->trail->number, .depth = e->trail->depth + 1};
-    if (status == SALTUS_OK && e->trail->following && e->trail->depth < e->trail->options->switches)
+    const saltus_branch_start like = leaving(e);
+    if (status == SALTUS_OK && switches(e))
         status = saltus_hopf_leave(&e->rests, at, &hopf, &like, e->cycles, message);
     free(hopf.vector);
     return status;
@@ -326,31 +321,30 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
 /* All special points of the step from `here` to `next`. */
 static saltus_status give_specials(saltus_equilibria *e, saltus_message *message) {
     saltus_special places[SALTUS_BRANCH_VALUES_MAX + 3];
+    const saltus_point_kind locus = e->trail->options->locus;
     int count = find_places(e, places);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK && e->trail->following; k++) {
         const saltus_special *p = &places[k];
-        saltus_notice what = {.kind = p->kind, .ahead = p->ahead, .accuracy = p->accuracy};
+        saltus_rest *at = e->trial;
+        const saltus_notice what = {.kind = p->kind, .ahead = p->ahead, .accuracy = p->accuracy};
         saltus_message ignored;
-        if (p->kind == SALTUS_POINT_BP) {
-            saltus_zero there =
-                saltus_rest_crossing(&e->rests, e->here, p->ahead, e->next->at.ahead, e->trial);
-            if (!there.found)
-                continue;
-        } else if (saltus_rest_visit(&e->rests, e->here, p->ahead, e->trial, &ignored) != SALTUS_OK) {
+        const bool there =
+            p->kind == SALTUS_POINT_BP
+                ? saltus_rest_crossing(&e->rests, e->here, p->ahead, e->next->at.ahead, at).found
+                : saltus_rest_visit(&e->rests, e->here, p->ahead, at, &ignored) == SALTUS_OK;
+        if (!there)
             continue;
-        }
         if (p->kind == SALTUS_POINT_UZ)
-            e->trial->value[0] = p->target;
+            at->value[0] = p->target;
         if (p->kind == SALTUS_POINT_HB)
-            status = give_hopf(e, e->trial, what, message);
-        else if (p->kind == SALTUS_POINT_LP && e->trail->options->locus == SALTUS_POINT_LP)
-            status = find(e, e->trial, -1, 0);
+            status = give_hopf(e, at, what, message);
+        else if (p->kind == SALTUS_POINT_LP && locus == SALTUS_POINT_LP)
+            status = find(e, at, -1, 0);
         else
-            status = give(e, e->trial, what, -1, message);
-        if (status == SALTUS_OK && p->kind == SALTUS_POINT_BP && e->trail->following &&
-            e->trail->depth < e->trail->options->switches)
-            status = leave(e, e->trial, message);
+            status = give(e, at, what, message);
+        if (status == SALTUS_OK && p->kind == SALTUS_POINT_BP && switches(e))
+            status = leave(e, at, message);
     }
     return status;
 }
@@ -392,7 +386,7 @@ static bool change_contact(saltus_equilibria *e, const saltus_rest *at, int face
 /* The cycles that begin where `next` touches a face, beyond which the equilibria go on at `spare`. */
 static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, saltus_starts *born,
                                saltus_message *message) {
-    const saltus_branch_start like = {.parent = e->trail->number, .depth = e->trail->depth + 1};
+    const saltus_branch_start like = leaving(e);
     const saltus_rest *free_one = leaves ? e->spare : e->next;
     saltus_rests *r = &e->rests;
     saltus_status status =
@@ -430,26 +424,26 @@ static int tell_born(const saltus_branch_start *born, bool first, const char *ke
                     meets, 2 * M_PI / s->omega, first ? "begins " : "", side, key);
 }
 
-/* The equilibrium `at` on the way meets a stop or leaves it: the branch goes on with other contacts. */
+/* The equilibrium `next` on the way meets a stop or leaves it: the branch goes on with other contacts. */
 static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, saltus_message *message) {
+    saltus_trail *trail = e->trail;
     const saltus_face f = e->rests.system->faces[face];
     saltus_message why = {.text = ""};
     char reason[SALTUS_REASON_MAX];
-    const double heading = e->next->at.tangent[e->next->at.unknowns - 1];
     const bool leaves = e->next->contacts >> face & 1;
-    if (e->trail->options->locus == SALTUS_POINT_BE)
+    if (trail->options->locus == SALTUS_POINT_BE)
         return find(e, e->next, face, 0);
-    bool goes_on = change_contact(e, e->next, face, &why);
-    const double onward = goes_on ? e->spare->at.tangent[e->spare->at.unknowns - 1] : 0;
+    const bool goes_on = change_contact(e, e->next, face, &why);
+    const bool turns = goes_on && saltus_rest_heading(e->next) * saltus_rest_heading(e->spare) < 0;
     saltus_starts born = {.count = 0};
     saltus_status status = goes_on ? find_born(e, face, leaves, &born, message) : SALTUS_OK;
     int length = snprintf(reason, sizeof reason, "%s stop %d %s%s", leaves ? "leaves" : "meets", f.stop + 1,
                           f.side > 0 ? "upper" : "lower",
-                          !goes_on               ? "; beyond it no equilibrium was found"
-                          : heading * onward < 0 ? "; the branch turns back (non-smooth fold)"
-                                                 : "");
+                          !goes_on ? "; beyond it no equilibrium was found"
+                          : turns  ? "; the branch turns back (non-smooth fold)"
+                                   : "");
     for (int k = 0; k < born.count && length < (int)sizeof reason; k++)
-        length += tell_born(&born.start[k], k == 0, e->trail->options->key[0], reason + length,
+        length += tell_born(&born.start[k], k == 0, trail->options->key[0], reason + length,
                             sizeof reason - (size_t)length);
     if (status == SALTUS_OK)
         status = give(e, e->next,
@@ -458,18 +452,19 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
                                       .accuracy = zero.accuracy,
                                       .reason = reason,
                                       .after = goes_on ? saltus_rest_label(e->spare->contacts) : NULL},
-                      face, message);
-    for (int k = 0; k < born.count && status == SALTUS_OK && e->trail->following; k++)
-        if (e->trail->depth < e->trail->options->switches)
-            status = saltus_starts_add(e->cycles, e->rests.n, &born.start[k], message);
+                      message);
+    if (status == SALTUS_OK && saltus_trail_last(trail)->kind == SALTUS_POINT_BE)
+        saltus_rest_touch(&e->rests, face, saltus_trail_last(trail));
+    for (int k = 0; k < born.count && status == SALTUS_OK && switches(e); k++)
+        status = saltus_starts_add(e->cycles, e->rests.n, &born.start[k], message);
     saltus_starts_clear(&born);
-    if (status != SALTUS_OK || !e->trail->following)
+    if (status != SALTUS_OK || !trail->following)
         return status;
     if (!goes_on)
         return end(e, e->next, zero.ahead, why.text, message);
-    e->trail->arclength += zero.ahead;
-    e->trail->shown = e->trail->arclength;
-    e->trail->step = fmin(e->trail->step, e->trail->options->step);
+    trail->arclength += zero.ahead;
+    trail->shown = trail->arclength;
+    trail->step = fmin(trail->step, trail->options->step);
     swap(&e->here, &e->spare);
     return status;
 }
@@ -488,12 +483,13 @@ static bool hides_pairs(const saltus_equilibria *e) {
 static saltus_status advance(saltus_equilibria *e, saltus_message *message) {
     const double finest = 1e-4;
     saltus_rests *r = &e->rests;
-    const saltus_curve_bound bound = {r->equations.count, e->range[0], e->range[1]};
+    saltus_trail *trail = e->trail;
+    const saltus_curve_bound bound = {r->size, e->range[0], e->range[1]};
     saltus_zero zero = {.accuracy = NAN};
     saltus_message why = {.text = ""};
     int reached;
-    saltus_status status = saltus_curve_step(&r->equations, &e->here->at, &e->trail->step, &bound, 1,
-                                             &e->next->at, &reached, &why);
+    saltus_status status =
+        saltus_curve_step(&r->equations, &e->here->at, &trail->step, &bound, 1, &e->next->at, &reached, &why);
     if (status == SALTUS_OK)
         status = saltus_rest_see(r, e->next, &why);
     if (status == SALTUS_NO_MEMORY)
@@ -501,66 +497,59 @@ static saltus_status advance(saltus_equilibria *e, saltus_message *message) {
     if (status != SALTUS_OK)
         return end(e, e->here, 0, why.text, message);
     if (hides_pairs(e) && e->next->at.ahead > finest) {
-        e->trail->step = 0.5 * e->next->at.ahead;
+        trail->step = 0.5 * e->next->at.ahead;
         return SALTUS_OK;
     }
     int face = find_breach(e, &zero);
-    if (face >= 0) {
-        if (saltus_rest_visit(r, e->here, zero.ahead, e->next, &why) != SALTUS_OK)
-            return end(e, e->here, 0, why.text, message);
-        reached = -1;
-    }
+    if (face >= 0 && saltus_rest_visit(r, e->here, zero.ahead, e->next, &why) != SALTUS_OK)
+        return end(e, e->here, 0, why.text, message);
     status = give_specials(e, message);
-    if (status != SALTUS_OK || !e->trail->following)
+    if (status != SALTUS_OK || !trail->following)
         return status;
-    e->trail->fresh = false;
+    trail->fresh = false;
     if (face >= 0)
         return meet(e, face, zero, message);
-    e->trail->step =
-        saltus_curve_next_step(e->trail->step, e->next->at.iterations, e->trail->options->step_max);
+    const double ahead = e->next->at.ahead;
+    trail->step = saltus_curve_next_step(trail->step, e->next->at.iterations, trail->options->step_max);
     if (reached >= 0) {
-        e->next->value[0] =
-            e->next->parameter[0] == e->range[1] ? e->trail->options->high[0] : e->trail->options->low[0];
-        return end(e, e->next, e->next->at.ahead, saltus_range_ends, message);
+        const bool upper = e->next->parameter[0] == e->range[1];
+        e->next->value[0] = upper ? trail->options->high[0] : trail->options->low[0];
+        return end(e, e->next, ahead, saltus_range_ends, message);
     }
-    if (saltus_trail_wants(e->trail, e->next->at.ahead)) {
-        const saltus_notice what = {.ahead = e->next->at.ahead, .accuracy = NAN};
-        status = give(e, e->next, what, -1, message);
-        saltus_trail_shown(e->trail, what.ahead);
+    if (saltus_trail_wants(trail, ahead)) {
+        status = give(e, e->next, (saltus_notice){.ahead = ahead, .accuracy = NAN}, message);
+        saltus_trail_shown(trail, ahead);
     }
-    e->trail->arclength += e->next->at.ahead;
+    trail->arclength += ahead;
     swap(&e->here, &e->next);
     saltus_curve_bend(&e->next->at, &e->here->at);
     return status;
 }
 
 /* The first point of a branch: regular, with what was asked for at its value. */
-static saltus_status give_first(saltus_equilibria *e, int heading, saltus_message *message) {
-    saltus_status status = give(e, e->here, (saltus_notice){.accuracy = NAN}, -1, message);
-    e->trail->regular = 1;
-    for (int k = 0; k < e->trail->options->value_count && status == SALTUS_OK && e->trail->following; k++)
-        if (e->trail->options->values[k] == e->here->value[0])
-            status = give(e, e->here, (saltus_notice){.kind = SALTUS_POINT_UZ}, -1, message);
-    if (status == SALTUS_OK && heading && e->trail->following &&
-        e->here->parameter[0] == e->range[heading > 0])
-        status = end(e, e->here, 0, saltus_range_ends, message);
-    return status;
-}
-
 static saltus_status begin_at(saltus_equilibria *e, const saltus_branch_start *start,
                               saltus_message *message) {
-    saltus_curve_point *at = &e->here->at;
+    saltus_trail *trail = e->trail;
+    saltus_rest *here = e->here;
     saltus_message why = {.text = ""};
-    saltus_trail_begin(e->trail, e->cycles->begun++, start->parent, start->depth, start->tangent != NULL);
-    saltus_status status =
-        saltus_rest_place(&e->rests, start->sequence.contacts, start->state, &start->parameter,
-                          !start->tangent, start->tangent, e->here, &why);
-    if (status == SALTUS_OK && !start->tangent && at->tangent[at->unknowns - 1] * start->heading < 0)
-        saltus_curve_turn(at);
-    if (status == SALTUS_OK)
-        return give_first(e, start->tangent ? 0 : start->heading, message);
-    e->trail->following = false;
-    return saltus_fail(message, status, "no branch of equilibria can be begun: %.300s", why.text);
+    saltus_trail_begin(trail, e->cycles->begun++, start->parent, start->depth, start->tangent != NULL);
+    saltus_status status = saltus_rest_place(&e->rests, start->sequence.contacts, start->state,
+                                             &start->parameter, !start->tangent, start->tangent, here, &why);
+    if (status != SALTUS_OK) {
+        trail->following = false;
+        return saltus_fail(message, status, "no branch of equilibria can be begun: %.300s", why.text);
+    }
+    const int heading = start->tangent ? 0 : start->heading;
+    if (saltus_rest_heading(here) * heading < 0)
+        saltus_curve_turn(&here->at);
+    status = give(e, here, (saltus_notice){.accuracy = NAN}, message);
+    trail->regular = 1;
+    for (int k = 0; k < trail->options->value_count && status == SALTUS_OK && trail->following; k++)
+        if (trail->options->values[k] == here->value[0])
+            status = give(e, here, (saltus_notice){.kind = SALTUS_POINT_UZ}, message);
+    if (status == SALTUS_OK && heading && trail->following && here->parameter[0] == e->range[heading > 0])
+        status = end(e, here, 0, saltus_range_ends, message);
+    return status;
 }
 
 saltus_status saltus_equilibria_step(saltus_equilibria *e, bool *more, saltus_message *message) {

@@ -52,22 +52,21 @@ static void clear(found *f) {
 }
 
 static double apart(const newborn *b, const double *p, const double *q) {
-    double most = 0;
-    for (int i = 0; i < b->rests->n; i++)
-        most = fmax(most, fabs(p[i] - q[i]) / b->rests->state_scale[i]);
-    return most;
+    return saltus_system_distance(b->rests->first, p, q);
 }
 
 /* A state of the size of the distance from the equilibrium beyond, which `rest` is. */
 static void begin_aside(const newborn *b, const saltus_rest *rest, int trial, double *state) {
     static const double reach[] = {1, 0.3, 3};
     const int n = b->rests->n, count = rest->rate_count;
-    double vector[SALTUS_STATE_MAX];
+    double vector[SALTUS_STATE_MAX], unit[SALTUS_STATE_MAX] = {0};
     for (int k = 0; k < count; k++) {
-        const double *column = b->rests->basis + (size_t)k * (size_t)n;
         double weight = 0;
+        unit[k] = 1;
+        saltus_rests_lift(b->rests, count, unit, state);
+        unit[k] = 0;
         for (int i = 0; i < n; i++)
-            weight = fmax(weight, fabs(column[i]) * b->rests->state_scale[i]);
+            weight = fmax(weight, fabs(state[i]) * b->rests->state_scale[i]);
         vector[k] = reach[trial] * b->size * weight * sin(1 + 2.4 * (k + count * trial));
     }
     saltus_rests_lift(b->rests, count, vector, state);

@@ -17,27 +17,36 @@
 #include "saltus/equilibrium.h"
 #include "system/system.h"
 
-/* The equations of equilibria with given contacts. */
-typedef struct saltus_rests {
-    saltus_family family; /* one or two parameters */
-    double origin[2];     /* their values at the specification */
-    saltus_system *system;
-    double at[2]; /* the parameters that `system` has */
-    saltus_flow *flow;
-    saltus_variation varied[2];
-    int n, dof, width;      /* states; displacements; unknowns that are states */
-    saltus_point_kind kind; /* of two parameters: HB, BE or LP; of one: REGULAR */
+enum { SALTUS_REST_UNKNOWNS_MAX = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2 };
+
+/* What makes the equilibria of a curve in two parameters special. Who follows the curve renews it from point
+ * to point. */
+typedef struct saltus_rest_special {
+    saltus_point_kind kind; /* HB, BE or LP */
     int face;               /* BE: that is touched */
     double square;          /* HB: product of the two eigenvalues, which tells them from others */
+    /* LP: borders of the Jacobian, below and to its right: its null vectors at a point near by. */
+    double right[SALTUS_REST_UNKNOWNS_MAX], left[SALTUS_REST_UNKNOWNS_MAX];
+} saltus_rest_special;
+
+/* The equations of equilibria; all but the first three members are rest.c's to write. */
+typedef struct saltus_rests {
+    saltus_family family;               /* one or two parameters */
+    double origin[2];                   /* their values at the specification */
+    const saltus_rest_special *special; /* of two parameters, the caller's; of one: NULL */
+    int n, dof, width;                  /* states; displacements; unknowns that are states */
+    saltus_system *first; /* at the specification: the metric stays its, however the parameters change */
+    const double *state_scale;
+    double force_scale, rate_scale;
+    /* Of the contacts that the equations have been shaped for. */
     unsigned contacts;
-    int held, held_face[SALTUS_FACES_MAX];
+    int size; /* equations of an equilibrium that need not be special: the unknowns from there on are the
+                 parameters' */
     saltus_equations equations;
-    double *state_scale, *row_scale, force_scale, rate_scale; /* row_scale: of the equations */
-    double *border[2]; /* LP: of the Jacobian, to its right and below */
-    saltus_arena arena, shape_arena;
-    double *state, *field, *jacobian, *basis, *matrix, *product, *real, *imaginary, *aside, *moved;
-    saltus_dense_lu lu; /* LP: of the bordered Jacobian */
-    bool starved;       /* memory was lacking, be it for something that was only tried */
+    double *row_scale;     /* width */
+    saltus_system *system; /* at the parameters last asked for */
+    struct saltus_rest_work *work;
+    bool starved; /* memory was lacking, be it for something that was only tried */
 } saltus_rests;
 
 /* An equilibrium: a point of the curve. */
@@ -55,7 +64,8 @@ typedef struct saltus_rest {
     saltus_scaled pairs; /* product of the sums of all two of them */
 } saltus_rest;
 
-/* With family, origin and kind filled in; close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
+/* With family, origin and special filled in; close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT.
+ */
 saltus_status saltus_rests_open(saltus_rests *rests, saltus_message *message);
 void saltus_rests_close(saltus_rests *rests);
 /* The equations become those of other contacts; rows are scaled anew by the Jacobian at a state and
@@ -65,10 +75,9 @@ saltus_status saltus_rests_shape(saltus_rests *rests, unsigned contacts, const d
 /* The unknowns of a state, parameters, and forces that follow from them. Errors: those of the evaluation. */
 saltus_status saltus_rests_fill(saltus_rests *rests, const double *parameters, const double *state, double *u,
                                 saltus_message *message);
-/* Borders of the Jacobian: its null vectors at u, to the left and right. Errors: SALTUS_NO_MEMORY,
- * SALTUS_NO_CONVERGENCE.
- */
-saltus_status saltus_rests_border(saltus_rests *rests, const double *u, saltus_message *message);
+/* The Jacobian's null vectors at u, `size` numbers each. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_rests_null_vectors(saltus_rests *rests, const double *u, double *right, double *left,
+                                        saltus_message *message);
 /* Which two eigenvalues of the equilibrium at u a Hopf point is made of, from the product that they are near:
  * half their sum, and their product. NAN where there are not two. */
 double saltus_rests_pair(saltus_rests *rests, const double *u, double near, double *square);
@@ -79,7 +88,7 @@ saltus_status saltus_rests_linear(saltus_rests *rests, const double *u, const do
 /* Note whether a status tells that memory was lacking, and return it: where failures of what is only tried
  * are passed over, that one must not be. */
 saltus_status saltus_rests_noted(saltus_rests *rests, saltus_status status);
-/* Unit vector of the motion's coordinates as one of states (n). After saltus_rests_linear. */
+/* A vector of the motion's coordinates as one of states (n). After saltus_rests_linear. */
 void saltus_rests_lift(const saltus_rests *rests, int count, const double *vector, double *state);
 
 /* An equilibrium with contacts at one parameter, polished or only evaluated, becomes `out`; `tangent`: where

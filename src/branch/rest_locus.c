@@ -31,17 +31,22 @@ typedef struct passage {
     bool done;         /* it has been followed there */
 } passage;
 
+/* A point of the curve, and its tests. */
+typedef struct spot {
+    saltus_rest rest;
+    test tests[tests_max];
+} spot;
+
 struct saltus_rest_locus {
     saltus_trail *trail; /* the caller's */
     passage *passages;
     int passage_count;
     bool switched; /* the curve under way begins at such a place */
     saltus_rests rests;
+    saltus_rest_special special; /* what the equilibria are, renewed from point to point */
     gsl_root_fsolver *solver;
-    saltus_rest here, next, trial;
-    test tests[tests_max], ahead[tests_max], there[tests_max]; /* of `here`, of `next`, of `trial` */
-    double square;                                             /* HB: of `here` */
-    double *beginning;                                         /* unknowns and tangent of the first point */
+    spot here, next, trial;
+    double *beginning; /* unknowns and tangent of the first point, */
     double first_square;
     double border[2][2]; /* of both parameter unknowns: low, high */
     int ways[2], way_count, way;
@@ -63,57 +68,43 @@ static double product_of_others(const saltus_rest *s) {
 }
 
 /* The tests at a point that the equations have just been evaluated at. Errors: SALTUS_NO_MEMORY. */
-static saltus_status measure(saltus_rest_locus *l, const saltus_rest *s, test *tests,
-                             saltus_message *message) {
+static saltus_status measure(saltus_rest_locus *l, spot *s, saltus_message *message) {
     saltus_rests *r = &l->rests;
     const saltus_equations *e = &r->equations;
     saltus_message ignored;
-    tests[0] = tests[1] = (test){.value = NAN};
-    if (r->kind == SALTUS_POINT_HB) {
+    s->tests[0] = s->tests[1] = (test){.value = NAN};
+    if (l->special.kind == SALTUS_POINT_HB) {
         saltus_hopf hopf = {.coefficient = NAN};
         double square;
-        saltus_rests_pair(r, s->at.u, r->square, &square);
-        tests[0] = (test){SALTUS_POINT_BT, true, square / (r->rate_scale * r->rate_scale)};
-        saltus_status status = square > 0 ? saltus_hopf_find(r, s, &hopf, &ignored) : SALTUS_OK;
-        tests[1] = (test){SALTUS_POINT_GH, false, status == SALTUS_OK ? hopf.coefficient : NAN};
-        if (status == SALTUS_OK)
-            free(hopf.vector);
+        saltus_rests_pair(r, s->rest.at.u, l->special.square, &square);
+        s->tests[0] = (test){SALTUS_POINT_BT, true, square / (r->rate_scale * r->rate_scale)};
+        saltus_status status = square > 0 ? saltus_hopf_find(r, &s->rest, &hopf, &ignored) : SALTUS_OK;
+        s->tests[1] = (test){SALTUS_POINT_GH, false, status == SALTUS_OK ? hopf.coefficient : NAN};
+        free(hopf.vector);
         return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     }
-    if (r->kind == SALTUS_POINT_LP) {
+    if (l->special.kind == SALTUS_POINT_LP) {
         const double *row = e->jacobian + (ptrdiff_t)(e->count - 1) * e->unknowns;
-        double bend = 0;
-        for (int j = 0; j < r->width + r->held; j++)
-            bend += row[j] * r->border[1][j];
-        tests[0] = (test){SALTUS_POINT_CP, false, bend};
-        tests[1] = (test){SALTUS_POINT_BT, false, product_of_others(s)};
+        s->tests[0] = (test){SALTUS_POINT_CP, false, saltus_dot(row, l->special.right, r->size)};
+        s->tests[1] = (test){SALTUS_POINT_BT, false, product_of_others(&s->rest)};
     }
     return SALTUS_OK;
 }
 
-/* What the equations tell the special point by follows the curve, too. */
+/* What the equations tell the special point by follows the curve, too. Where the left null vector turns
+ * round, so does the sign of the test for cusps. */
 static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message *message) {
     saltus_rests *r = &l->rests;
-    double square;
-    if (r->kind == SALTUS_POINT_LP)
-        return saltus_rests_border(r, u, message);
-    if (r->kind == SALTUS_POINT_HB && isfinite(saltus_rests_pair(r, u, r->square, &square)))
-        l->square = r->square = square;
-    return SALTUS_OK;
-}
-
-/* The same at a point further on: where the left null vector turns round, so does the sign of the test for
- * cusps. */
-static saltus_status renew_ahead(saltus_rest_locus *l, const double *u, saltus_message *message) {
-    saltus_rests *r = &l->rests;
-    const size_t size = (size_t)(r->width + r->held);
-    double before[SALTUS_STATE_MAX + SALTUS_FACES_MAX], along = 0;
-    memcpy(before, r->border[0], size * sizeof *before);
-    saltus_status status = renew(l, u, message);
-    for (size_t i = 0; i < size && r->kind == SALTUS_POINT_LP; i++)
-        along += before[i] * r->border[0][i];
-    if (along < 0)
-        l->tests[0].value = -l->tests[0].value;
+    saltus_rest_special *special = &l->special;
+    double square, before[SALTUS_REST_UNKNOWNS_MAX];
+    if (special->kind == SALTUS_POINT_HB && isfinite(saltus_rests_pair(r, u, special->square, &square)))
+        special->square = square;
+    if (special->kind != SALTUS_POINT_LP)
+        return SALTUS_OK;
+    memcpy(before, special->left, sizeof before);
+    saltus_status status = saltus_rests_null_vectors(r, u, special->right, special->left, message);
+    if (saltus_dot(before, special->left, r->size) < 0)
+        l->here.tests[0].value = -l->here.tests[0].value;
     return status;
 }
 
@@ -121,13 +112,14 @@ static saltus_status renew_ahead(saltus_rest_locus *l, const double *u, saltus_m
 static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const double *state,
                                 const double parameters[2], saltus_message *message) {
     saltus_rests *r = &l->rests;
-    saltus_curve_point *at = &l->here.at;
+    saltus_curve_point *at = &l->here.rest.at;
+    double normal[SALTUS_REST_UNKNOWNS_MAX] = {0}, anchor[SALTUS_REST_UNKNOWNS_MAX];
     saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
     const int m = r->equations.unknowns;
-    double *normal = calloc(2 * (size_t)m, sizeof *normal), *anchor = normal ? normal + m : NULL;
+    const size_t bytes = (size_t)m * sizeof *at->u;
     free(l->beginning);
     l->beginning = calloc(2 * (size_t)m, sizeof *l->beginning);
-    if (status == SALTUS_OK && (!normal || !l->beginning || !saltus_curve_reserve(at, m)))
+    if (status == SALTUS_OK && (!l->beginning || !saltus_curve_reserve(at, m)))
         status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_rests_fill(r, parameters, state, at->u, message);
@@ -135,7 +127,7 @@ static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const d
         status = renew(l, at->u, message);
     if (status == SALTUS_OK) {
         normal[m - 1] = 1;
-        memcpy(anchor, at->u, (size_t)m * sizeof *anchor);
+        memcpy(anchor, at->u, bytes);
         status = saltus_newton(&r->equations, at->u, normal, anchor, true, &at->iterations, message);
     }
     if (status == SALTUS_OK)
@@ -144,16 +136,15 @@ static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const d
         status = saltus_equations_evaluate(&r->equations, at->u, message);
     if (status == SALTUS_OK)
         status = saltus_curve_orient(&r->equations, NULL, at, message);
-    if (status == SALTUS_OK) {
-        const double across = at->tangent[m - 2], up = at->tangent[m - 1];
-        if ((fabs(across) > 1e-6 ? across : up) < 0)
-            saltus_curve_turn(at);
-        memcpy(l->beginning, at->u, (size_t)m * sizeof *at->u);
-        memcpy(l->beginning + m, at->tangent, (size_t)m * sizeof *at->u);
-        l->first_square = r->square;
-    }
-    free(normal);
-    return status;
+    if (status != SALTUS_OK)
+        return status;
+    const double across = at->tangent[m - 2], up = at->tangent[m - 1];
+    if ((fabs(across) > 1e-6 ? across : up) < 0)
+        saltus_curve_turn(at);
+    memcpy(l->beginning, at->u, bytes);
+    memcpy(l->beginning + m, at->tangent, bytes);
+    l->first_square = l->special.square;
+    return SALTUS_OK;
 }
 
 saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail,
@@ -166,9 +157,10 @@ saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail
         return saltus_branch_no_memory(message);
     saltus_rests *r = &l->rests;
     l->trail = trail;
-    r->kind = options->locus;
-    r->face = place ? place->face : 0;
-    l->square = r->square = place ? place->square : 0;
+    r->special = &l->special;
+    l->special.kind = options->locus;
+    l->special.face = place ? place->face : 0;
+    l->special.square = place ? place->square : 0;
     l->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
     saltus_status status = l->solver ? SALTUS_OK : saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
@@ -201,9 +193,9 @@ static void clear_passages(saltus_rest_locus *l) {
 void saltus_rest_locus_free(saltus_rest_locus *l) {
     if (!l)
         return;
-    saltus_rest_clear(&l->here);
-    saltus_rest_clear(&l->next);
-    saltus_rest_clear(&l->trial);
+    saltus_rest_clear(&l->here.rest);
+    saltus_rest_clear(&l->next.rest);
+    saltus_rest_clear(&l->trial.rest);
     free(l->beginning);
     clear_passages(l);
     saltus_rests_close(&l->rests);
@@ -212,55 +204,56 @@ void saltus_rest_locus_free(saltus_rest_locus *l) {
     free(l);
 }
 
-static saltus_status give(saltus_rest_locus *l, const saltus_rest *s, saltus_point_kind kind, double ahead,
+static saltus_status give(saltus_rest_locus *l, const spot *at, saltus_point_kind kind, double ahead,
                           const char *reason, saltus_message *message) {
     const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
+    const saltus_rest *s = &at->rest;
+    const saltus_rests *r = &l->rests;
     saltus_branch_point *point = saltus_trail_place(l->trail, message);
     if (!point)
         return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_rest_point(&l->rests, s, point, message);
+    saltus_status status = saltus_rest_point(r, s, point, message);
     if (status != SALTUS_OK)
         return status;
-    const double rest = s->value[1] - (l->rests.origin[1] + l->rests.family.unit[1] * s->parameter[1]);
-    point->spec = saltus_spec_shifted(&point->spec, &l->rests.family.direction[1], rest);
-    point->locus = l->rests.kind;
+    const double rest = s->value[1] - (r->origin[1] + r->family.unit[1] * s->parameter[1]);
+    point->spec = saltus_spec_shifted(&point->spec, &r->family.direction[1], rest);
+    point->locus = l->special.kind;
     point->stable = false;
-    if (l->rests.kind == SALTUS_POINT_HB) {
-        const test *t = s == &l->here ? l->tests : s == &l->next ? l->ahead : l->there;
-        point->lyapunov_coefficient = t[1].value;
-        point->period = t[0].value > 0 ? 2 * M_PI / (sqrt(t[0].value) * l->rests.rate_scale) : NAN;
+    if (point->locus == SALTUS_POINT_HB) {
+        const double square = at->tests[0].value;
+        point->lyapunov_coefficient = at->tests[1].value;
+        point->period = square > 0 ? 2 * M_PI / (sqrt(square) * r->rate_scale) : NAN;
     }
-    if (l->rests.kind == SALTUS_POINT_BE)
-        saltus_rest_touch(&l->rests, l->rests.face, point);
-    return saltus_trail_give(l->trail, l->rests.system, &what, message);
+    if (point->locus == SALTUS_POINT_BE)
+        saltus_rest_touch(r, l->special.face, point);
+    return saltus_trail_give(l->trail, r->system, &what, message);
 }
 
 /* The locus goes off from its first point in the next of its ways. */
 static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     saltus_rests *r = &l->rests;
-    saltus_curve_point *at = &l->here.at;
+    saltus_curve_point *at = &l->here.rest.at;
     const size_t bytes = (size_t)at->unknowns * sizeof *at->u;
     saltus_trail_begin(l->trail, l->trail->number + 1, l->trail->parent, l->trail->depth, false);
     memcpy(at->u, l->beginning, bytes);
     memcpy(at->tangent, l->beginning + at->unknowns, bytes);
     at->bent = false;
     at->ahead = 0;
-    l->square = r->square = l->first_square;
-    if (l->ways[l->way] < 0)
+    l->special.square = l->first_square;
+    if (l->ways[l->way++] < 0)
         saltus_curve_turn(at);
-    l->way++;
     saltus_status status = renew(l, at->u, message);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(&r->equations, at->u, message);
     if (status == SALTUS_OK)
-        status = saltus_rest_see(r, &l->here, message);
+        status = saltus_rest_see(r, &l->here.rest, message);
     if (status == SALTUS_OK)
-        status = measure(l, &l->here, l->tests, message);
+        status = measure(l, &l->here, message);
     /* In the very place their signs mean nothing. */
     for (int k = 0; k < tests_max && l->switched; k++)
-        l->tests[k].value = NAN;
+        l->here.tests[k].value = NAN;
     at->residual = r->equations.size;
-    return status == SALTUS_OK ? give(l, &l->here, r->kind, 0, "", message) : status;
+    return status == SALTUS_OK ? give(l, &l->here, l->special.kind, 0, "", message) : status;
 }
 
 /* A curve through a place where two eigenvalues are zero is known from now on; `done`: it is the one under
@@ -298,7 +291,7 @@ static saltus_status note(saltus_rest_locus *l, saltus_point_kind kind, const sa
 
 /* Where two eigenvalues are zero the curve of folds goes through, and that of Hopf points ends. */
 static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
-    const saltus_point_kind own = l->rests.kind,
+    const saltus_point_kind own = l->special.kind,
                             other = own == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
     if (l->trail->options->switches == 0)
         return SALTUS_OK;
@@ -308,22 +301,15 @@ static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_me
                : status;
 }
 
-/* Another curve that waits; NULL: there is none. */
-static passage *find_waiting(const saltus_rest_locus *l) {
-    for (int k = 0; k < l->passage_count; k++)
-        if (!l->passages[k].done)
-            return &l->passages[k];
-    return NULL;
-}
-
 /* The way along a curve of Hopf points from where two eigenvalues are zero on which these are a pair. */
 static int way_of_pairs(saltus_rest_locus *l) {
     const double apart = 1e-3;
+    saltus_rest *aside = &l->trial.rest;
     double square;
     saltus_message ignored;
-    saltus_status status = saltus_rest_visit(&l->rests, &l->here, apart, &l->trial, &ignored);
-    return saltus_rests_noted(&l->rests, status) == SALTUS_OK &&
-                   isfinite(saltus_rests_pair(&l->rests, l->trial.at.u, l->rests.square, &square)) &&
+    saltus_status status = saltus_rest_visit(&l->rests, &l->here.rest, apart, aside, &ignored);
+    return status == SALTUS_OK &&
+                   isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->special.square, &square)) &&
                    square > 0
                ? 1
                : -1;
@@ -332,20 +318,19 @@ static int way_of_pairs(saltus_rest_locus *l) {
 /* The other curve through a place where two eigenvalues are zero, from there. */
 static saltus_status switch_to(saltus_rest_locus *l, passage *p, saltus_message *message) {
     const double little = 1e-6; /* of the pair's frequency: it tells the two from others */
-    saltus_rests *r = &l->rests;
     saltus_message why = {.text = ""};
     p->done = l->switched = true;
-    r->kind = p->kind;
-    r->face = -1;
-    l->square = r->square = little * r->rate_scale * r->rate_scale;
+    l->special.kind = p->kind;
+    l->special.face = -1;
+    l->special.square = little * l->rests.rate_scale * l->rests.rate_scale;
     l->trail->parent = p->parent;
     l->trail->depth = p->depth;
     saltus_status status = open_first(l, p->contacts, p->state, p->parameter, &why);
     if (status != SALTUS_OK)
         return saltus_fail(message, status, "no curve of %s points can be begun at a BT: %.200s",
-                           saltus_point_word(r->kind), why.text);
+                           saltus_point_word(l->special.kind), why.text);
     l->way = 0;
-    l->way_count = r->kind == SALTUS_POINT_HB ? 1 : 2;
+    l->way_count = l->special.kind == SALTUS_POINT_HB ? 1 : 2;
     l->ways[0] = l->way_count > 1 ? 1 : way_of_pairs(l);
     l->ways[1] = -1;
     return begin(l, message);
@@ -358,17 +343,17 @@ typedef struct sought {
 } sought;
 
 static bool value_ahead(void *context, double ahead, double *value) {
-    sought *s = context;
+    const sought *s = context;
     saltus_rest_locus *l = s->locus;
     saltus_message ignored;
-    saltus_status status = saltus_rest_visit(&l->rests, &l->here, ahead, &l->trial, &ignored);
+    saltus_status status = saltus_rest_visit(&l->rests, &l->here.rest, ahead, &l->trial.rest, &ignored);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&l->rests.equations, l->trial.at.u, &ignored);
+        status = saltus_equations_evaluate(&l->rests.equations, l->trial.rest.at.u, &ignored);
     if (status == SALTUS_OK)
-        status = measure(l, &l->trial, l->there, &ignored);
+        status = measure(l, &l->trial, &ignored);
     if (saltus_rests_noted(&l->rests, status) != SALTUS_OK)
         return false;
-    *value = l->there[s->test].value;
+    *value = l->trial.tests[s->test].value;
     return isfinite(*value);
 }
 
@@ -380,9 +365,9 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
     for (int k = 0; k < tests_max; k++) {
         sought s = {l, k};
         double width;
-        const double near = l->tests[k].value, far = l->ahead[k].value;
-        if (!(near * far < 0) ||
-            !saltus_curve_zero(l->solver, value_ahead, &s, near, l->next.at.ahead, far, &place[k], &width))
+        const double near = l->here.tests[k].value, far = l->next.tests[k].value;
+        if (!(near * far < 0) || !saltus_curve_zero(l->solver, value_ahead, &s, near, l->next.rest.at.ahead,
+                                                    far, &place[k], &width))
             continue;
         order[count++] = k;
         if (count == 2 && place[order[1]] < place[order[0]]) {
@@ -392,14 +377,14 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
     }
     for (int i = 0; i < count && status == SALTUS_OK && l->trail->following; i++) {
         const int k = order[i];
-        const test *t = &l->tests[k];
+        const test *t = &l->here.tests[k];
         sought s = {l, k};
         double value;
         if (!value_ahead(&s, place[k], &value))
             continue;
         status = give(l, &l->trial, t->kind, place[k], "", message);
         if (status == SALTUS_OK && t->kind == SALTUS_POINT_BT && l->trail->following)
-            status = meet(l, &l->trial, message);
+            status = meet(l, &l->trial.rest, message);
         if (status == SALTUS_OK && t->ends && l->trail->following)
             status = give(l, &l->trial, SALTUS_POINT_EP, place[k],
                           "beyond it two real eigenvalues add up to zero: no Hopf points", message);
@@ -409,23 +394,23 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
 
 /* Whether the curve has come back to its first point in the step from `here` to `next`. */
 static bool is_closed(const saltus_rest_locus *l) {
-    const int m = l->here.at.unknowns;
+    const saltus_curve_point *here = &l->here.rest.at, *next = &l->next.rest.at;
     double before = 0, after = 0, apart = 0;
-    for (int j = 0; j < m; j++) {
-        const double first = l->beginning[j], way = l->beginning[m + j];
-        before += way * (l->here.at.u[j] - first);
-        after += way * (l->next.at.u[j] - first);
-        apart = hypot(apart, l->next.at.u[j] - first);
+    for (int j = 0; j < here->unknowns; j++) {
+        const double first = l->beginning[j], way = l->beginning[here->unknowns + j];
+        before += way * (here->u[j] - first);
+        after += way * (next->u[j] - first);
+        apart = hypot(apart, next->u[j] - first);
     }
     return l->trail->arclength > 5 * l->trail->options->step_max && before * after <= 0 &&
-           apart < 2 * l->next.at.ahead;
+           apart < 2 * next->ahead;
 }
 
 /* A face that the equilibrium may not be beyond, or whose contact pulls; -1: none. */
 static int find_breach(const saltus_rest_locus *l) {
     const double near = 1e-9;
     for (int f = 0; f < l->rests.system->face_count; f++)
-        if (l->next.breach[f] > near && !(l->rests.kind == SALTUS_POINT_BE && f == l->rests.face))
+        if (l->next.rest.breach[f] > near && !(l->special.kind == SALTUS_POINT_BE && f == l->special.face))
             return f;
     return -1;
 }
@@ -433,64 +418,65 @@ static int find_breach(const saltus_rest_locus *l) {
 /* One step along the curve under way. */
 static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     saltus_rests *r = &l->rests;
-    const int first = r->width + r->held;
-    const saltus_curve_bound bounds[2] = {{first, l->border[0][0], l->border[0][1]},
-                                          {first + 1, l->border[1][0], l->border[1][1]}};
+    saltus_trail *trail = l->trail;
+    saltus_rest *next = &l->next.rest;
+    const saltus_curve_bound bounds[2] = {{r->size, l->border[0][0], l->border[0][1]},
+                                          {r->size + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
     int reached;
-    saltus_status status = saltus_curve_step(&r->equations, &l->here.at, &l->trail->step, bounds, 2,
-                                             &l->next.at, &reached, &why);
+    saltus_status status = saltus_curve_step(&r->equations, &l->here.rest.at, &trail->step, bounds, 2,
+                                             &next->at, &reached, &why);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&r->equations, l->next.at.u, &why);
+        status = saltus_equations_evaluate(&r->equations, next->at.u, &why);
     if (status == SALTUS_OK)
-        status = saltus_rest_see(r, &l->next, &why);
+        status = saltus_rest_see(r, next, &why);
     if (status == SALTUS_OK)
-        status = measure(l, &l->next, l->ahead, &why);
+        status = measure(l, &l->next, &why);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
         return give(l, &l->here, SALTUS_POINT_EP, 0, why.text, message);
     status = give_corners(l, message);
-    if (status != SALTUS_OK || !l->trail->following)
+    if (status != SALTUS_OK || !trail->following)
         return status;
-    const double ahead = l->next.at.ahead;
+    const double ahead = next->at.ahead;
     const int face = find_breach(l);
     if (face >= 0)
         return give(l, &l->here, SALTUS_POINT_EP, 0,
-                    l->rests.contacts >> face & 1 ? "a contact force falls to zero"
-                                                  : "the equilibrium meets a stop",
+                    r->contacts >> face & 1 ? "a contact force falls to zero"
+                                            : "the equilibrium meets a stop",
                     message);
     if (is_closed(l)) {
         l->way = l->way_count; /* the other way leads around the same curve */
         return give(l, &l->next, SALTUS_POINT_EP, ahead, "the curve is closed: it has come back", message);
     }
     if (reached >= 0) {
-        const double low = l->trail->options->low[reached], high = l->trail->options->high[reached];
-        l->next.value[reached] = l->next.parameter[reached] == l->border[reached][1] ? high : low;
+        const double low = trail->options->low[reached], high = trail->options->high[reached];
+        next->value[reached] = next->parameter[reached] == l->border[reached][1] ? high : low;
         return give(l, &l->next, SALTUS_POINT_EP, ahead, "end of the parameters' range", message);
     }
-    l->trail->step =
-        saltus_curve_next_step(l->trail->step, l->next.at.iterations, l->trail->options->step_max);
-    status = give(l, &l->next, r->kind, ahead, "", message);
-    l->trail->arclength += ahead;
-    const saltus_rest swap = l->here;
+    trail->step = saltus_curve_next_step(trail->step, next->at.iterations, trail->options->step_max);
+    status = give(l, &l->next, l->special.kind, ahead, "", message);
+    trail->arclength += ahead;
+    const spot swap = l->here;
     l->here = l->next;
     l->next = swap;
-    memcpy(l->tests, l->ahead, sizeof l->tests);
-    saltus_curve_bend(&l->next.at, &l->here.at);
-    return status == SALTUS_OK ? renew_ahead(l, l->here.at.u, message) : status;
+    saltus_curve_bend(&l->next.rest.at, &l->here.rest.at);
+    return status == SALTUS_OK ? renew(l, l->here.rest.at.u, message) : status;
 }
 
 saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_message *message) {
     saltus_status status = SALTUS_OK;
-    passage *waiting = find_waiting(l);
-    *more = l->trail->following || l->way < l->way_count || waiting;
+    int waiting = 0;
+    while (waiting < l->passage_count && l->passages[waiting].done)
+        waiting++;
+    *more = l->trail->following || l->way < l->way_count || waiting < l->passage_count;
     if (l->trail->following)
         status = advance(l, message);
     else if (l->way < l->way_count)
         status = begin(l, message);
-    else if (waiting)
-        status = switch_to(l, waiting, message);
+    else if (*more)
+        status = switch_to(l, &l->passages[waiting], message);
     return status == SALTUS_OK && l->rests.starved ? saltus_branch_no_memory(message) : status;
 }
 
@@ -518,27 +504,25 @@ static void archive_passages(saltus_rest_locus *l, saltus_archive *a) {
 }
 
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
-    saltus_rests *r = &l->rests;
     archive_passages(l, a);
     l->switched = saltus_archive_flag(a, l->switched);
-    r->kind = archive_kind(a, r->kind);
-    r->face = (int)saltus_archive_whole(a, r->face, -1, a->faces - 1);
+    l->special.kind = archive_kind(a, l->special.kind);
+    l->special.face = (int)saltus_archive_whole(a, l->special.face, -1, a->faces - 1);
     l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
     for (int k = 0; k < 2; k++)
         l->ways[k] = (int)saltus_archive_whole(a, l->ways[k], -1, 1);
     l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
-    saltus_archive_real(a, &l->square);
+    saltus_archive_real(a, &l->special.square);
     saltus_archive_real(a, &l->first_square);
     for (int k = 0; k < tests_max; k++) {
-        l->tests[k].kind = saltus_archive_kind(a, l->tests[k].kind);
-        l->tests[k].ends = saltus_archive_flag(a, l->tests[k].ends);
-        saltus_archive_real(a, &l->tests[k].value);
+        test *own = &l->here.tests[k];
+        own->kind = saltus_archive_kind(a, own->kind);
+        own->ends = saltus_archive_flag(a, own->ends);
+        saltus_archive_real(a, &own->value);
     }
-    saltus_status status = saltus_archive_rest(a, r, &l->here, message);
+    saltus_rest *here = &l->here.rest;
+    saltus_status status = saltus_archive_rest(a, &l->rests, here, message);
     if (status == SALTUS_OK)
-        saltus_archive_array(a, &l->beginning, 2 * (size_t)l->here.at.unknowns);
-    if (status != SALTUS_OK || !a->reading || !a->sound)
-        return status;
-    r->square = l->square;
-    return renew(l, l->here.at.u, message);
+        saltus_archive_array(a, &l->beginning, 2 * (size_t)here->at.unknowns);
+    return status == SALTUS_OK && a->reading && a->sound ? renew(l, here->at.u, message) : status;
 }

@@ -56,6 +56,10 @@ saltus_status saltus_rest_point(const saltus_rests *r, const saltus_rest *s, sal
     return SALTUS_OK;
 }
 
+double saltus_rest_heading(const saltus_rest *s) {
+    return s->at.tangent[s->at.unknowns - 1];
+}
+
 void saltus_rest_touch(const saltus_rests *r, int face, saltus_branch_point *point) {
     const saltus_face f = r->system->faces[face];
     point->grazing_time = 0;
@@ -66,7 +70,7 @@ void saltus_rest_touch(const saltus_rests *r, int face, saltus_branch_point *poi
 double saltus_rest_value(saltus_rest_asked asked, const saltus_rest *s, const saltus_rest *from) {
     switch (asked.test) {
     case SALTUS_TEST_FOLD:
-        return s->at.tangent[s->at.unknowns - 1];
+        return saltus_rest_heading(s);
     case SALTUS_TEST_CROSSING:
         return saltus_scaled_in(s->at.crossing, from->at.crossing.exponent);
     case SALTUS_TEST_PAIR:
@@ -120,47 +124,31 @@ saltus_zero saltus_rest_zero(saltus_rests *r, gsl_root_fsolver *solver, saltus_r
         return zero;
     const double off = scatter(&s, zero.ahead) + width;
     zero.found = saltus_rest_visit(r, from, zero.ahead, out, &ignored) == SALTUS_OK;
-    const double heading = fabs(out->at.tangent[out->at.unknowns - 1]);
+    const double heading = fabs(saltus_rest_heading(out));
     zero.accuracy = r->family.unit[0] * (off * fmax(heading, off) + DBL_EPSILON);
     return zero;
 }
 
 saltus_zero saltus_rest_crossing(saltus_rests *r, const saltus_rest *from, double ahead, double reach,
                                  saltus_rest *out) {
-    enum { samples = 6, passes = 3 };
-    static const double place[samples] = {-1, 1, -2, 2, -3, 3};
-    const saltus_rest_asked asked = {.test = SALTUS_TEST_CROSSING};
-    const int m = from->at.unknowns;
-    double test[samples], apart = fmin(0.1 * reach, 4e-3), middle = ahead;
-    double *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *best = u ? u + m * samples : NULL;
+    enum { passes = 3 };
+    sought s = {r, {.test = SALTUS_TEST_CROSSING}, from, out};
+    const size_t m = (size_t)from->at.unknowns;
+    double spread, apart = fmin(0.1 * reach, 4e-3), middle = ahead, *work = calloc(7 * m, sizeof *work);
     saltus_message ignored;
     saltus_zero zero = {.accuracy = INFINITY};
-    bool sound = saltus_rests_noted(r, u ? SALTUS_OK : SALTUS_NO_MEMORY) == SALTUS_OK;
-    for (int pass = 0; pass < passes && sound; pass++) {
-        for (int k = 0; k < samples && sound; k++) {
-            sound = saltus_rest_visit(r, from, middle + place[k] * apart, out, &ignored) == SALTUS_OK;
-            test[k] = sound ? saltus_rest_value(asked, out, from) : 0;
-            for (int j = 0; j < m && sound; j++)
-                u[j * samples + k] = out->at.u[j];
-            sound = sound && (pass == 0 || k % 2 == 0 || test[k] * test[k - 1] < 0);
-        }
-        if (!sound)
+    saltus_rests_noted(r, work ? SALTUS_OK : SALTUS_NO_MEMORY);
+    for (int pass = 0; pass < passes && work; pass++) {
+        if (!saltus_curve_cross(value_ahead, &s, &from->at, &out->at, middle, apart, pass > 0, work,
+                                &zero.ahead, &spread))
             break;
-        const double *last = u + (m - 1) * samples;
-        const double at = saltus_curve_interpolate(test, last, samples);
-        const double spread = fabs(at - saltus_curve_interpolate(test, last, samples - 2));
-        zero.ahead = 0;
-        for (int j = 0; j < m; j++) {
-            best[j] = saltus_curve_interpolate(test, u + j * samples, samples);
-            zero.ahead += (best[j] - from->at.u[j]) * from->at.tangent[j];
-        }
         zero.found = pass > 0;
         zero.accuracy = r->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
         middle = zero.ahead;
         apart = fmin(apart, 3e-4);
     }
     if (zero.found) {
-        memcpy(out->at.u, best, (size_t)m * sizeof *best);
+        memcpy(out->at.u, work, m * sizeof *work);
         out->at.ahead = zero.ahead;
         saltus_status status = saltus_equations_evaluate(&r->equations, out->at.u, &ignored);
         if (status == SALTUS_OK)
@@ -168,6 +156,6 @@ saltus_zero saltus_rest_crossing(saltus_rests *r, const saltus_rest *from, doubl
         zero.found = saltus_rests_noted(r, status) == SALTUS_OK;
         out->at.residual = r->equations.size;
     }
-    free(u);
+    free(work);
     return zero;
 }

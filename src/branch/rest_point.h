@@ -12,6 +12,8 @@ saltus_status saltus_rest_point(const saltus_rests *rests, const saltus_rest *re
                                 saltus_branch_point *point, saltus_message *message);
 /* The same stop and side as what is touched at grazing. */
 void saltus_rest_touch(const saltus_rests *rests, int face, saltus_branch_point *point);
+/* The one parameter's share of the tangent. */
+double saltus_rest_heading(const saltus_rest *rest);
 /* "equilibrium" or "held". */
 const char *saltus_rest_label(unsigned contacts);
 

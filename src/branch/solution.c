@@ -18,10 +18,6 @@
  * multipliers below 1e-40, which no change of stability is told by. */
 enum { segments_most = 24 };
 
-saltus_status saltus_branch_no_memory(saltus_message *message) {
-    return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a branch");
-}
-
 saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
     saltus_status status = saltus_system_new(&o->family.spec, &o->system, message);
     if (status != SALTUS_OK)
@@ -384,7 +380,7 @@ double saltus_test_value(saltus_test test, double target, const saltus_solution 
 typedef struct location {
     saltus_orbits *orbits;
     saltus_test test;
-    double target, end;
+    double target, end; /* 0: a place that cannot be had fails, be the equations singular there */
     const saltus_solution *from;
     saltus_solution *out;
 } location;
@@ -394,7 +390,7 @@ static bool test_at(void *context, double ahead, double *value) {
     saltus_message ignored;
     saltus_status status = saltus_solution_visit(l->orbits, l->from, ahead, l->out, &ignored);
     /* In the very place the equations may be singular. */
-    for (int side = -1; side <= 1 && status != SALTUS_OK; side += 2)
+    for (int side = -1; side <= 1 && l->end != 0 && status != SALTUS_OK; side += 2)
         status = saltus_solution_visit(l->orbits, l->from, ahead + side * 1e-5 * l->end, l->out, &ignored);
     if (status == SALTUS_OK && l->test == SALTUS_TEST_PAIR)
         status = saltus_solution_survey(l->orbits, l->out, &ignored);
@@ -427,62 +423,36 @@ saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double targ
     return saltus_solution_zero_between(o, test, target, from, ends, values, out);
 }
 
-enum { crossing_samples = 6 };
-
-/* Points on both sides of an expected crossing: tests and unknowns (m x crossing_samples). */
-static bool sample_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from, double middle,
-                            double apart, saltus_solution *out, double *test, double *u) {
-    static const double place[crossing_samples] = {-1, 1, -2, 2, -3, 3};
-    saltus_message ignored;
-    for (int k = 0; k < crossing_samples; k++) {
-        if (saltus_solution_visit(o, from, middle + place[k] * apart, out, &ignored) != SALTUS_OK)
-            return false;
-        test[k] = saltus_test_value(by, 0, out, from);
-        for (int j = 0; j < out->at.unknowns; j++)
-            u[j * crossing_samples + k] = out->at.u[j];
-        if (k % 2 && !(test[k] * test[k - 1] < 0))
-            return false;
-    }
-    return true;
-}
-
 saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from,
                                      double ahead, double reach, saltus_solution *out) {
     enum { passes = 6 };
     const double sharp = 1e-11 * o->family.unit[0];
-    int m = from->at.unknowns;
-    double test[crossing_samples], apart = 0.1 * reach, middle = ahead;
-    double *u = calloc((size_t)(m * (crossing_samples + 1)), sizeof *u),
-           *best = u ? u + m * crossing_samples : NULL;
+    const size_t m = (size_t)from->at.unknowns;
+    location l = {.orbits = o, .test = by, .from = from, .out = out};
+    double place, spread, apart = 0.1 * reach, middle = ahead;
+    double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL;
     saltus_message ignored;
     saltus_zero zero = {.accuracy = INFINITY};
-    if (!u)
-        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
+    saltus_orbits_noted(o, work ? SALTUS_OK : SALTUS_NO_MEMORY);
     /* Ever closer around the place, as long as that is needed, until rounding, which grows towards it,
      * outweighs the curvature. */
-    for (int pass = 0; pass < passes && u && (pass < 2 || zero.accuracy > sharp) &&
-                       sample_crossing(o, by, from, middle, apart, out, test, u);
-         pass++) {
-        const double *last = u + (m - 1) * crossing_samples;
-        double at = saltus_curve_interpolate(test, last, crossing_samples);
-        double spread = fabs(at - saltus_curve_interpolate(test, last, crossing_samples - 2));
+    for (int pass = 0; pass < passes && work && (pass < 2 || zero.accuracy > sharp); pass++) {
+        if (!saltus_curve_cross(test_at, &l, &from->at, &out->at, middle, apart, true, work, &place, &spread))
+            break;
         double accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
         if (pass > 1 && !(accuracy < zero.accuracy))
             break;
-        zero = (saltus_zero){.found = pass > 0, .accuracy = accuracy};
-        for (int j = 0; j < m; j++) {
-            best[j] = saltus_curve_interpolate(test, u + j * crossing_samples, crossing_samples);
-            zero.ahead += (best[j] - from->at.u[j]) * from->at.tangent[j];
-        }
+        zero = (saltus_zero){.found = pass > 0, .ahead = place, .accuracy = accuracy};
+        memcpy(best, work, m * sizeof *best);
         middle = zero.ahead;
         apart = pass == 0 ? fmin(4e-4, apart) : apart / 4;
     }
     if (zero.found) {
-        memcpy(out->at.u, best, (size_t)m * sizeof *best);
+        memcpy(out->at.u, best, m * sizeof *best);
         out->at.ahead = zero.ahead;
         zero.found = saltus_equations_evaluate(o->equations, out->at.u, &ignored) == SALTUS_OK &&
                      saltus_solution_see(o, out, &ignored) == SALTUS_OK;
     }
-    free(u);
+    free(work);
     return zero;
 }

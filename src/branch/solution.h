@@ -58,8 +58,6 @@ typedef struct saltus_orbits {
     bool starved; /* memory was lacking, be it for something that was only tried */
 } saltus_orbits;
 
-/* SALTUS_NO_MEMORY, and its sentence. */
-saltus_status saltus_branch_no_memory(saltus_message *message);
 /* Close in any case. */
 saltus_status saltus_orbits_open(saltus_orbits *orbits, saltus_message *message);
 void saltus_orbits_close(saltus_orbits *orbits);
