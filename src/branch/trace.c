@@ -19,10 +19,6 @@ saltus_status saltus_trace_open(saltus_trace *t, const saltus_spec *spec, saltus
     t->other = &t->solutions[4];
     t->orbits.options = o->orbit;
     t->orbits.options.flow.stop = NULL;
-    for (int k = 0; k < o->value_count; k++) {
-        t->targets[k] = o->values[k];
-        t->target_kinds[k] = SALTUS_POINT_UZ;
-    }
     saltus_status status =
         saltus_branch_family(spec, o, 1, &t->orbits.family, &t->orbits.origin, &t->range, message);
     return status == SALTUS_OK ? saltus_orbits_open(&t->orbits, message) : status;
@@ -41,20 +37,6 @@ static void tell_returns(const saltus_trace *t, int returns, int before, double 
              returns ? "" : "; another section would count the orbit");
 }
 
-/* Orbits of a period of their own go on where they lose or gain a return to their section, a maximum, say:
- * the first point behind says so, and since which value. */
-static void compare_returns(saltus_trace *t, const saltus_solution *s, int returns, saltus_notice *what,
-                            char *reason) {
-    if (!(s->sequence.omega > 0) || !s->survey.walked || returns < 0)
-        return;
-    if (t->returns >= 0 && returns != t->returns && !(what->reason && what->reason[0]) && !what->addition) {
-        tell_returns(t, returns, t->returns, t->counted, reason);
-        what->reason = reason;
-    }
-    t->returns = returns;
-    t->counted = what->value != 0 ? what->value : s->value;
-}
-
 saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltus_notice what,
                                 saltus_message *message) {
     char reason[SALTUS_REASON_MAX];
@@ -71,7 +53,16 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
         point->impacts = before->impacts;
         point->sticking_intervals = before->sticking_intervals;
     }
-    compare_returns(t, s, returns, &what, reason);
+    /* Orbits of a period of their own go on where they lose or gain a return to their section, a maximum,
+     * say: the first point behind says so, and since which value. */
+    if (s->sequence.omega > 0 && s->survey.walked && returns >= 0) {
+        if (t->returns >= 0 && returns != t->returns && !(what.reason && what.reason[0]) && !what.addition) {
+            tell_returns(t, returns, t->returns, t->counted, reason);
+            what.reason = reason;
+        }
+        t->returns = returns;
+        t->counted = what.value != 0 ? what.value : s->value;
+    }
     status = saltus_trail_give(t->trail, t->orbits.system, &what, message);
     if ((point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_BE) && what.grazing)
         saltus_point_mark_grazing(&t->orbits, what.grazing, point);

@@ -19,9 +19,6 @@ typedef struct saltus_trace {
     saltus_lap first; /* section points of the orbit that the branch began with */
     saltus_solution solutions[5];
     saltus_solution *here, *next, *trial, *spare, *other;
-    saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 9];
-    double targets[SALTUS_BRANCH_VALUES_MAX + 1];
-    saltus_point_kind target_kinds[SALTUS_BRANCH_VALUES_MAX + 1];
     const saltus_solution *found; /* the point of the locus that is asked for; NULL: there was none, */
     saltus_sequence beyond;       /* and at grazing the sequence on the other side */
 } saltus_trace;

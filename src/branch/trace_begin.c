@@ -60,110 +60,98 @@ static saltus_status give_up(saltus_trace *t, const saltus_branch_start *start, 
     return saltus_trace_end(t, t->here, 0, reason, message);
 }
 
-/* The first point of a branch: regular, with what was asked for at its value. */
-static saltus_status give_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {
-    saltus_status status = saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN}, message);
-    t->trail->regular = 1;
-    for (int k = 0; k < t->trail->options->value_count && status == SALTUS_OK && t->trail->following; k++)
-        if (t->trail->options->values[k] == t->here->value)
-            status = saltus_trace_give(t, t->here, (saltus_notice){.kind = SALTUS_POINT_UZ}, message);
-    double bound = start->heading > 0 ? t->range[1] : t->range[0];
-    if (status == SALTUS_OK && start->heading && t->here->parameter[0] == bound && t->trail->following)
-        status = saltus_trace_give(
-            t, t->here, (saltus_notice){.kind = SALTUS_POINT_EP, .reason = saltus_range_ends}, message);
-    return status;
+/* Whether a branch begins with small cycles at an equilibrium. */
+static bool is_small(const saltus_branch_start *start) {
+    return start->origin == SALTUS_POINT_HB || start->origin == SALTUS_POINT_BE;
 }
 
-/* Keep the section points of `here` as those of the branch's first orbit. */
-static saltus_status keep_first(saltus_trace *t, saltus_message *message) {
-    saltus_message ignored;
-    saltus_lap_close(&t->first);
-    t->first_value = t->here->value;
-    saltus_status status =
-        saltus_orbits_tune(&t->orbits, t->here->parameter, t->here->sequence.omega, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_status around = t->here->sequence.omega > 0
-                               ? saltus_cycle_around(&t->orbits, t->here, &t->first, &ignored)
-                               : saltus_lap_around(&t->first, t->orbits.flow, t->here->survey.lap.points,
-                                                   t->here->sequence.periods, &ignored);
-    return around == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
-}
-
-/* `out` becomes a small cycle on the branch that begins at an equilibrium. */
-static saltus_status place_small(saltus_orbits *o, const saltus_branch_start *start, saltus_solution *out,
-                                 saltus_message *message) {
-    static const double apart[2][4] = {{1e-3, 1e-4, 1e-2, 1e-5}, {1e-2, 3e-3, 3e-2, 1e-3}};
-    const bool hopf = start->origin == SALTUS_POINT_HB;
-    saltus_status status = SALTUS_NO_CONVERGENCE;
-    for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++)
-        status = saltus_orbits_noted(o, hopf ? saltus_hopf_cycle(o, start, apart[1][k], out, message)
-                                             : saltus_boundary_cycle(o, start, apart[0][k], out, message));
-    return status;
-}
-
-/* `here` becomes the orbit that a branch begins at. The first of all is cut into more and more segments where
- * Newton's method fails: between prescribed impacts rounding may grow far more than along the motion, on
- * which impacts come earlier or later. */
+/* `here` becomes the orbit that a branch begins at: near an equilibrium a small cycle. The first orbit of all
+ * is cut into more and more segments where Newton's method fails: between prescribed impacts rounding may
+ * grow far more than along the motion, on which impacts come earlier or later. */
 static saltus_status place_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *why) {
+    static const double apart[2][4] = {{1e-3, 1e-4, 1e-2, 1e-5}, {1e-2, 3e-3, 3e-2, 1e-3}};
     saltus_orbits *o = &t->orbits;
+    saltus_solution *here = t->here;
     saltus_sequence sequence = start->sequence;
+    saltus_status status = SALTUS_NO_CONVERGENCE;
     int order[SALTUS_MARKS_MAX];
-    saltus_status status =
-        saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->tangent, t->here, why);
+    if (is_small(start)) {
+        const bool hopf = start->origin == SALTUS_POINT_HB;
+        for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++)
+            status = saltus_orbits_noted(o, hopf ? saltus_hopf_cycle(o, start, apart[1][k], here, why)
+                                                 : saltus_boundary_cycle(o, start, apart[0][k], here, why));
+        return status;
+    }
+    status = saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->tangent, here, why);
     for (int cuts = 2;
          start->parent < 0 && cuts <= SALTUS_CUTS_MAX && status != SALTUS_OK && status != SALTUS_NO_MEMORY;
          cuts *= 2) {
         saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, order);
-        status = saltus_solution_place(o, &sequence, &start->parameter, start->state, true, t->here, why);
+        status = saltus_solution_place(o, &sequence, &start->parameter, start->state, true, here, why);
     }
     return status;
+}
+
+/* The first point of a branch: regular, with what was asked for at its value. Its section points are kept,
+ * for where the branch may come back to it. */
+static saltus_status give_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {
+    saltus_orbits *o = &t->orbits;
+    const saltus_branch_options *options = t->trail->options;
+    const saltus_solution *here = t->here;
+    const double bound = start->heading > 0 ? t->range[1] : t->range[0];
+    saltus_message ignored;
+    saltus_status status = saltus_trace_give(t, here, (saltus_notice){.accuracy = NAN}, message);
+    t->trail->regular = 1;
+    for (int k = 0; k < options->value_count && status == SALTUS_OK && t->trail->following; k++)
+        if (options->values[k] == here->value)
+            status = saltus_trace_give(t, here, (saltus_notice){.kind = SALTUS_POINT_UZ}, message);
+    if (status == SALTUS_OK && start->heading && here->parameter[0] == bound && t->trail->following)
+        status = saltus_trace_give(
+            t, here, (saltus_notice){.kind = SALTUS_POINT_EP, .reason = saltus_range_ends}, message);
+    t->first_value = here->value;
+    if (status == SALTUS_OK)
+        status = saltus_orbits_tune(o, here->parameter, here->sequence.omega, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_status around = here->sequence.omega > 0
+                               ? saltus_cycle_around(o, here, &t->first, &ignored)
+                               : saltus_lap_around(&t->first, o->flow, here->survey.lap.points,
+                                                   here->sequence.periods, &ignored);
+    return around == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     saltus_message why = {.text = ""};
+    const bool small = is_small(start);
     int order[SALTUS_MARKS_MAX];
     saltus_trail_begin(t->trail, t->starts->begun - 1, start->parent, start->depth, start->tangent != NULL);
     t->returns = -1;
     t->births.count = 0;
     saltus_lap_close(&t->first);
-    if (start->origin == SALTUS_POINT_HB || start->origin == SALTUS_POINT_BE) {
-        saltus_status found = place_small(o, start, t->here, &why);
-        if (found == SALTUS_OK)
-            found = saltus_solution_survey(o, t->here, &why);
-        if (found == SALTUS_OK)
-            found = give_first(t, start, message);
-        if (found == SALTUS_OK)
-            return keep_first(t, message);
-        return found == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message)
-                                         : give_up(t, start, why.text, message);
-    }
-    if (start->grazes) {
-        bool found =
-            saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here, t->next);
-        if (found)
-            return saltus_trace_accept(t, true, false, NULL, message);
-        return give_up(t, start, "the flow follows no such orbit", message);
-    }
+    if (start->grazes)
+        return saltus_change_pass(o, &start->sequence, &start->parameter, start->state, NULL, t->here,
+                                  t->next)
+                   ? saltus_trace_accept(t, true, false, NULL, message)
+                   : give_up(t, start, "the flow follows no such orbit", message);
     saltus_status status = place_first(t, start, &why);
     if (status == SALTUS_OK)
         status = saltus_solution_survey(o, t->here, &why);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
+    if (status != SALTUS_OK && small)
+        return give_up(t, start, why.text, message);
     if (status != SALTUS_OK && start->parent < 0)
         return saltus_fail(message, status, "no branch begins at this orbit: %.200s", why.text);
     if (status != SALTUS_OK) {
         t->trail->following = false;
         return SALTUS_OK;
     }
-    if (start->tangent)
+    if (start->tangent && !small)
         memcpy(t->here->at.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
-    else
+    else if (!small)
         saltus_solution_head(t->here, start->heading);
     status = give_first(t, start, message);
-    if (status == SALTUS_OK)
-        status = keep_first(t, message);
     if (status == SALTUS_OK && !start->tangent)
         saltus_solution_reframe(o, true, false, t->here, t->trial, order);
     return status;

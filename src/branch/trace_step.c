@@ -45,32 +45,32 @@ static void drop_starts(saltus_trace *t) {
 /* Branches that leave at `at` are kept for later. */
 static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
                                 const saltus_sequence *beyond, saltus_message *message) {
-    saltus_branch_start like = {.parent = t->trail->number, .depth = t->trail->depth + 1};
+    saltus_trail *trail = t->trail;
+    saltus_branch_start like = {.parent = trail->number, .depth = trail->depth + 1};
     saltus_message why = {.text = ""};
-    if (t->trail->depth >= t->trail->options->switches || !t->trail->following)
+    if (trail->depth >= trail->options->switches || !trail->following)
         return SALTUS_OK;
     saltus_status status = kind == SALTUS_POINT_GR
                                ? saltus_starts_graze(&t->orbits, at, beyond, &like, t->starts, &why)
                                : saltus_starts_leave(&t->orbits, at, kind, &like, t->starts, &why);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
-    saltus_branch_point *point = saltus_trail_last(t->trail);
     if (status != SALTUS_OK)
-        snprintf(point->reason, sizeof point->reason, "not switched to what leaves here: %.120s", why.text);
+        snprintf(saltus_trail_last(trail)->reason, SALTUS_REASON_MAX,
+                 "not switched to what leaves here: %.120s", why.text);
     return SALTUS_OK;
 }
 
 /* A locus begins at `at`: no more is wanted of this branch. */
-static saltus_status find(saltus_trace *t, const saltus_solution *at, const saltus_sequence *beyond) {
+static saltus_status find(saltus_trace *t, const saltus_solution *at) {
     t->found = at;
-    if (beyond)
-        t->beyond = *beyond;
     t->trail->following = false;
     return SALTUS_OK;
 }
 
-/* Whether an orbit is the branch's first one. */
-static bool has_come_back(saltus_trace *t, const saltus_solution *s) {
+/* At a value that the branch may have come back to its first orbit at: it ends where it has. */
+static saltus_status give_return(saltus_trace *t, const saltus_solution *s, saltus_notice what,
+                                 saltus_message *message) {
     const saltus_lap *first = &t->first;
     saltus_lap lap = {0};
     saltus_message ignored;
@@ -81,10 +81,19 @@ static bool has_come_back(saltus_trace *t, const saltus_solution *s) {
             saltus_orbits_noted(&t->orbits, saltus_cycle_around(&t->orbits, s, &lap, &ignored)) == SALTUS_OK;
         state = lap.points;
     }
-    bool back = known && saltus_orbit_passes(t->orbits.system, first->points, first->periods, state,
-                                             SALTUS_SAME_POINT);
+    const bool back = known && saltus_orbit_passes(t->orbits.system, first->points, first->periods, state,
+                                                   SALTUS_SAME_POINT);
     saltus_lap_close(&lap);
-    return back;
+    if (!back)
+        return SALTUS_OK;
+    /* The other way from the same start leads around the same branch. */
+    if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading) {
+        saltus_branch_start other = saltus_starts_take(t->starts);
+        saltus_start_clear(&other);
+    }
+    what.kind = SALTUS_POINT_EP;
+    what.reason = "the branch is closed: it has come back";
+    return saltus_trace_give(t, s, what, message);
 }
 
 /* At a pitchfork the parameter turns back in the very place where the other branch crosses: of a fold and a
@@ -94,19 +103,6 @@ static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *
             (last->kind == SALTUS_POINT_BP && special->kind == SALTUS_POINT_LP)) &&
            isfinite(last->accuracy + special->accuracy) &&
            fabs(last->value[0] - special->value) <= last->accuracy + special->accuracy;
-}
-
-/* `trial` becomes the Hopf point ahead; where that is not found, no more is said than that the cycles shrink
- * to an equilibrium. */
-static saltus_status become_hopf(saltus_trace *t, const saltus_shrunk *shrunk, saltus_special *special,
-                                 saltus_message *message) {
-    saltus_trace_swap(&t->trial, &t->other);
-    saltus_status status =
-        shrunk->found ? saltus_cycle_shrink(&t->orbits, shrunk, t->trial, message) : SALTUS_OK;
-    special->kind = shrunk->found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
-    special->value = t->trial->value;
-    special->accuracy = shrunk->found ? t->orbits.family.unit[0] * shrunk->accuracy : NAN;
-    return status;
 }
 
 /* An end that may be another branch's, too: as what it is, and as the end. */
@@ -125,41 +121,45 @@ static saltus_status give_shared_end(saltus_trace *t, const saltus_solution *at,
     return status == SALTUS_OK ? saltus_trace_give(t, at, what, message) : status;
 }
 
+/* `trial` becomes the orbit at a special point of the step from `here` to `next`, if it is one. At the end of
+ * cycles which shrink to an equilibrium it is the Hopf point; where that is not found, no more is said than
+ * that they do. */
+static saltus_status visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
+                                   bool *is_one, saltus_message *message) {
+    saltus_orbits *o = &t->orbits;
+    const saltus_shrunk *shrunk = &hopf->shrunk;
+    saltus_status status = SALTUS_OK;
+    if (special->kind != SALTUS_POINT_HB) {
+        status = saltus_special_visit(o, t->here, t->next->at.ahead, special, t->trial, is_one, message);
+    } else if ((*is_one = hopf->is_one)) {
+        saltus_trace_swap(&t->trial, &t->other);
+        if (shrunk->found)
+            status = saltus_cycle_shrink(o, shrunk, t->trial, message);
+        special->kind = shrunk->found ? SALTUS_POINT_HB : SALTUS_POINT_EP;
+        special->value = t->trial->value;
+        special->accuracy = shrunk->found ? o->family.unit[0] * shrunk->accuracy : NAN;
+    }
+    return status == SALTUS_OK && *is_one ? saltus_cycle_folds(o, t->here, special, t->trial, is_one, message)
+                                          : status;
+}
+
 /* One special point of the step from `here` to `next`. */
 static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
                                   saltus_message *message) {
-    const bool shrinks = special->kind == SALTUS_POINT_HB;
-    bool is_one = shrinks && hopf->is_one;
-    saltus_status status = SALTUS_OK;
-    if (is_one)
-        status = become_hopf(t, &hopf->shrunk, special, message);
-    else if (!shrinks)
-        status =
-            saltus_special_visit(&t->orbits, t->here, t->next->at.ahead, special, t->trial, &is_one, message);
-    if (status == SALTUS_OK && is_one)
-        status = saltus_cycle_folds(&t->orbits, t->here, special, t->trial, &is_one, message);
+    bool is_one;
+    saltus_status status = visit_special(t, hopf, special, &is_one, message);
     if (status != SALTUS_OK || !is_one)
         return status;
     if (t->trail->options->locus && t->trail->options->locus == special->kind &&
         (!special->end || special->kind == SALTUS_POINT_HB))
-        return find(t, t->trial, NULL);
-    saltus_notice what = {.kind = special->kind,
-                          .ahead = special->ahead,
-                          .accuracy = special->accuracy,
-                          .reason = special->end,
-                          .value = special->value};
-    if (special->kind == SALTUS_POINT_REGULAR) {
-        if (!has_come_back(t, t->trial))
-            return status;
-        /* The other way from the same start leads around the same branch. */
-        if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading) {
-            saltus_branch_start other = saltus_starts_take(t->starts);
-            saltus_start_clear(&other);
-        }
-        what.kind = SALTUS_POINT_EP;
-        what.reason = "the branch is closed: it has come back";
-        return saltus_trace_give(t, t->trial, what, message);
-    }
+        return find(t, t->trial);
+    const saltus_notice what = {.kind = special->kind,
+                                .ahead = special->ahead,
+                                .accuracy = special->accuracy,
+                                .reason = special->end,
+                                .value = special->value};
+    if (special->kind == SALTUS_POINT_REGULAR)
+        return give_return(t, t->trial, what, message);
     saltus_branch_point *last = saltus_trail_last(t->trail);
     if (last && is_pitchfork(last, special)) {
         if (special->kind == SALTUS_POINT_LP)
@@ -178,17 +178,25 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
 
 /* All special points of the step from `here` to `next`, in order. */
 static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_message *message) {
-    int targets = t->trail->options->value_count;
-    if (t->first.points && t->trail->regular > 10) {
-        t->targets[targets] = t->first_value;
-        t->target_kinds[targets++] = SALTUS_POINT_REGULAR;
+    const saltus_branch_options *options = t->trail->options;
+    saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 9];
+    double targets[SALTUS_BRANCH_VALUES_MAX + 1];
+    saltus_point_kind kinds[SALTUS_BRANCH_VALUES_MAX + 1];
+    int asked = 0;
+    for (; asked < options->value_count; asked++) {
+        targets[asked] = options->values[asked];
+        kinds[asked] = SALTUS_POINT_UZ;
     }
-    int count = saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
-                                    hopf->found ? &hopf->special : NULL, t->targets, t->target_kinds, targets,
-                                    t->specials, t->trial);
+    if (t->first.points && t->trail->regular > 10) {
+        targets[asked] = t->first_value;
+        kinds[asked++] = SALTUS_POINT_REGULAR;
+    }
+    const int count =
+        saltus_special_find(&t->orbits, t->here, t->next, t->trail->fresh,
+                            hopf->found ? &hopf->special : NULL, targets, kinds, asked, specials, t->trial);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK && t->trail->following; k++)
-        status = give_special(t, hopf, &t->specials[k], message);
+        status = give_special(t, hopf, &specials[k], message);
     return status;
 }
 
@@ -309,8 +317,10 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                                           "grazings follow one another ever more closely", message)
                                    : status;
     }
-    if (t->trail->options->locus == SALTUS_POINT_GR && !joins)
-        return find(t, at, &beyond);
+    if (t->trail->options->locus == SALTUS_POINT_GR && !joins) {
+        t->beyond = beyond;
+        return find(t, at);
+    }
     bool goes_on = change.kind == SALTUS_POINT_GR && !joins;
     what.reason = joins ? NULL : change.reason;
     what.after = goes_on ? change.after : NULL;
@@ -371,29 +381,6 @@ static saltus_status settle(saltus_trace *t, saltus_message *message) {
                                same ? NULL : "impacts in the tail of a long run come or go", message);
 }
 
-/* Where cycles with impacts shrink to an equilibrium that touches a stop: *ended, and the branch ends there.
- */
-static saltus_status end_at_boundary(saltus_trace *t, bool *ended, saltus_message *message) {
-    saltus_zero zero;
-    double value;
-    *ended = saltus_boundary_reach(&t->orbits, t->here, t->next, t->trial, &zero, &value);
-    if (!*ended)
-        return saltus_shooting_shape(t->orbits.shooting, &t->here->sequence, message);
-    saltus_notice what = {.kind = SALTUS_POINT_BE,
-                          .ahead = zero.ahead,
-                          .accuracy = zero.accuracy,
-                          .reason = "the orbit shrinks to an equilibrium on a stop",
-                          .value = value,
-                          .grazing = &t->trial->breaches[0]};
-    saltus_status status = saltus_solution_survey(&t->orbits, t->trial, message);
-    return status == SALTUS_OK ? give_shared_end(t, t->trial, what, message) : status;
-}
-
-/* Whether the parameter does not change along the branch, but for rounding. */
-static bool is_vertical(const saltus_solution *s) {
-    return fabs(saltus_solution_heading(s)) < 1e-10;
-}
-
 /* The length of a step at whose end an orbit breaches, though `next` does not, as on a border of the range on
  * which an impact rebounds no more; 0: none is found, ever closer to `next`. */
 static double hidden_breach(saltus_trace *t) {
@@ -417,6 +404,47 @@ static saltus_status end_at_saddle(saltus_trace *t, const saltus_solution *at, d
     char reason[SALTUS_REASON_MAX];
     saltus_status status = saltus_cycle_tell_saddle(&t->orbits, at, lost, ended, reason, message);
     return status == SALTUS_OK && *ended ? saltus_trace_end(t, at, ahead, reason, message) : status;
+}
+
+/* Whether the branch ends on the step to `next`: where cycles with impacts shrink to an equilibrium that
+ * touches a stop, two equilibria are born on the cycles, or the parameter does not change any more, in a
+ * family or near a saddle. */
+static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *message) {
+    const double still = 1e-10; /* but for rounding */
+    saltus_orbits *o = &t->orbits;
+    saltus_solution *next = t->next;
+    char reason[SALTUS_REASON_MAX];
+    saltus_zero zero;
+    double value;
+    saltus_status status = SALTUS_OK;
+    if (saltus_boundary_is_near(t->here, next)) {
+        if (saltus_boundary_reach(o, t->here, next, t->trial, &zero, &value)) {
+            const saltus_notice what = {.kind = SALTUS_POINT_BE,
+                                        .ahead = zero.ahead,
+                                        .accuracy = zero.accuracy,
+                                        .reason = "the orbit shrinks to an equilibrium on a stop",
+                                        .value = value,
+                                        .grazing = &t->trial->breaches[0]};
+            *ended = true;
+            status = saltus_solution_survey(o, t->trial, message);
+            return status == SALTUS_OK ? give_shared_end(t, t->trial, what, message) : status;
+        }
+        status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
+    }
+    *ended = false;
+    if (status == SALTUS_OK)
+        status = saltus_cycle_tell_birth(o, t->here, next, t->range, t->trail->options->key[0], ended, reason,
+                                         message);
+    if (status != SALTUS_OK)
+        return status;
+    if (*ended)
+        return saltus_trace_end(t, next, next->at.ahead, reason, message);
+    if (!(fabs(saltus_solution_heading(t->here)) < still && fabs(saltus_solution_heading(next)) < still))
+        return status;
+    *ended = saltus_cycle_of_family(next);
+    return *ended ? saltus_trace_end(t, next, next->at.ahead,
+                                     "the orbits of one value of the parameter form a family", message)
+                  : end_at_saddle(t, next, next->at.ahead, false, ended, message);
 }
 
 /* Where all impacts of a cycle lose their speed at once the branch goes on with the cycle without impacts:
@@ -493,44 +521,15 @@ static saltus_zero cut_at_breach(saltus_trace *t, int *reached) {
     return breach;
 }
 
-/* Where two equilibria are born on the cycles. */
-static saltus_status end_at_birth(saltus_trace *t, bool *ended, saltus_message *message) {
-    char reason[SALTUS_REASON_MAX];
-    saltus_status status = saltus_cycle_tell_birth(&t->orbits, t->here, t->next, t->range,
-                                                   t->trail->options->key[0], ended, reason, message);
-    return status == SALTUS_OK && *ended ? saltus_trace_end(t, t->next, t->next->at.ahead, reason, message)
-                                         : status;
-}
-
-/* Whether the branch ends on the step: at an equilibrium on a stop, in a family, or near a saddle. */
-static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    *ended = false;
-    if (saltus_boundary_is_near(t->here, t->next))
-        status = end_at_boundary(t, ended, message);
-    if (!*ended && status == SALTUS_OK)
-        status = end_at_birth(t, ended, message);
-    if (*ended || status != SALTUS_OK || !is_vertical(t->here) || !is_vertical(t->next))
-        return status;
-    *ended = saltus_cycle_of_family(t->next);
-    return *ended ? saltus_trace_end(t, t->next, t->next->at.ahead,
-                                     "the orbits of one value of the parameter form a family", message)
-                  : end_at_saddle(t, t->next, t->next->at.ahead, false, ended, message);
-}
-
-/* Whether the last of ever shorter steps has left Newton's method with a residual that rounding may be to
- * blame for. */
-static bool lacks_digits(const saltus_orbits *o) {
-    return o->equations->size < 1e3 * o->equations->tolerance;
-}
-
-/* Where no step could be made, for a reason: from an orbit cut into more segments if digits may lack, or the
- * branch ends here or beyond a change that the step would have led over. */
+/* Where no step could be made, for a reason: from an orbit cut into more segments if Newton's method was left
+ * with a residual that rounding may be to blame for, or the branch ends here or beyond a change that the step
+ * would have led over. */
 static saltus_status go_on_lost(saltus_trace *t, saltus_status reason, const char *why,
                                 saltus_message *message) {
     saltus_trail *trail = t->trail;
+    const saltus_equations *e = t->orbits.equations;
     bool ended;
-    if (reason == SALTUS_NO_CONVERGENCE && lacks_digits(&t->orbits) &&
+    if (reason == SALTUS_NO_CONVERGENCE && e->size < 1e3 * e->tolerance &&
         saltus_solution_refine(&t->orbits, t->here, t->trial)) {
         trail->step = trail->options->step;
         return SALTUS_OK;
