@@ -117,8 +117,19 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
                              o->origin + o->family.unit[0] * parameter, why.text);
 }
 
-/* One step along the branch of orbits under way, or the begin of another. */
-static saltus_status advance_orbits(saltus_branch *b, bool *more, saltus_message *message) {
+/* One step of the machine at work: of branches of orbits along the one under way, or the begin of another.
+ * *more is false when all of its branches are done. */
+static saltus_status advance(saltus_branch *b, bool *more, saltus_message *message) {
+    switch (b->phase) {
+    case RUN_RESTS:
+        return saltus_equilibria_step(b->equilibria, more, message);
+    case RUN_REST_LOCUS:
+        return saltus_rest_locus_step(b->rest_locus, more, message);
+    case RUN_LOCUS:
+        return saltus_locus_step(b->locus, more, message);
+    case RUN_ORBITS:
+        break;
+    }
     saltus_status status = SALTUS_OK;
     *more = b->trail.following || b->starts.count > 0;
     if (b->trail.following) {
@@ -129,22 +140,6 @@ static saltus_status advance_orbits(saltus_branch *b, bool *more, saltus_message
         saltus_start_clear(&start);
     }
     return b->trace.orbits.starved ? saltus_branch_no_memory(message) : status;
-}
-
-/* One step of the machine at work; *more is false when all of its branches are done. */
-static saltus_status advance(saltus_branch *b, bool *more, saltus_message *message) {
-    *more = true;
-    switch (b->phase) {
-    case RUN_RESTS:
-        return saltus_equilibria_step(b->equilibria, more, message);
-    case RUN_ORBITS:
-        return advance_orbits(b, more, message);
-    case RUN_REST_LOCUS:
-        return saltus_rest_locus_step(b->rest_locus, more, message);
-    case RUN_LOCUS:
-        return saltus_locus_step(b->locus, more, message);
-    }
-    return SALTUS_OK;
 }
 
 saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **point,

@@ -18,22 +18,16 @@ double saltus_scaled_in(saltus_scaled number, double exponent) {
 }
 
 bool saltus_curve_reserve(saltus_curve_point *point, int unknowns) {
+    double **arrays[] = {&point->u, &point->tangent, &point->bend};
     point->unknowns = unknowns;
     point->bent = false;
-    if (unknowns > point->room) {
-        double *u = realloc(point->u, (size_t)unknowns * sizeof *u);
-        if (u)
-            point->u = u;
-        double *tangent = realloc(point->tangent, (size_t)unknowns * sizeof *tangent);
-        if (tangent)
-            point->tangent = tangent;
-        double *bend = realloc(point->bend, 2 * (size_t)unknowns * sizeof *bend);
-        if (bend)
-            point->bend = bend;
-        if (!u || !tangent || !bend)
+    for (int k = 0; k < 3 && unknowns > point->room; k++) {
+        double *grown = realloc(*arrays[k], (k == 2 ? 2 : 1) * (size_t)unknowns * sizeof *grown);
+        if (!grown)
             return false;
-        point->room = unknowns;
+        *arrays[k] = grown;
     }
+    point->room = unknowns > point->room ? unknowns : point->room;
     return true;
 }
 
@@ -173,21 +167,25 @@ static saltus_status approach(saltus_equations *e, const saltus_curve_point *fro
     return status;
 }
 
-/* Whether a step has led on along the curve, without much of a turn. */
-static bool goes_on(const saltus_curve_point *from, double step, const saltus_curve_point *to) {
+/* Whether a step has led on along the curve, without much of a turn, or failed as no shorter step can mend.
+ */
+static bool is_done(saltus_status status, const saltus_curve_point *from, double step,
+                    const saltus_curve_point *to) {
+    if (status != SALTUS_OK)
+        return status == SALTUS_NO_MEMORY || status == SALTUS_INTERRUPTED;
     return to->ahead > 0 && to->ahead < 2 * step &&
            saltus_dot(from->tangent, to->tangent, to->unknowns) > turn_min;
-}
-
-/* What no shorter step can mend. */
-static bool is_final(saltus_status status) {
-    return status == SALTUS_NO_MEMORY || status == SALTUS_INTERRUPTED;
 }
 
 /* Whether a point has come out of a bound, and the border. */
 static bool is_outside(const saltus_curve_bound *bound, double value, double *border) {
     *border = value < bound->low ? bound->low : bound->high;
     return value < bound->low || value > bound->high;
+}
+
+/* The border that a curve goes towards. */
+static double border_ahead(const saltus_curve_bound *bound, const saltus_curve_point *from) {
+    return from->tangent[bound->unknown] > 0 ? bound->high : bound->low;
 }
 
 /* One attempt: straight ahead, or to the first border on the way. */
@@ -204,12 +202,10 @@ static saltus_status attempt(saltus_equations *e, const saltus_curve_point *from
             *reached = b;
         }
     }
+    const saltus_curve_bound *met = *reached < 0 ? NULL : &bounds[*reached];
     saltus_status status =
-        *reached < 0 ? saltus_curve_visit(e, from, step, to, message)
-                     : saltus_curve_meet(e, from, bounds[*reached].unknown,
-                                         from->tangent[bounds[*reached].unknown] > 0 ? bounds[*reached].high
-                                                                                     : bounds[*reached].low,
-                                         to, message);
+        met ? saltus_curve_meet(e, from, met->unknown, border_ahead(met, from), to, message)
+            : saltus_curve_visit(e, from, step, to, message);
     /* A curve that bends may leave where its tangent does not, or before. */
     for (int b = 0; b < bound_count && status == SALTUS_OK; b++)
         if (b != *reached && is_outside(&bounds[b], to->u[bounds[b].unknown], &border)) {
@@ -222,22 +218,20 @@ static saltus_status attempt(saltus_equations *e, const saltus_curve_point *from
 saltus_status saltus_curve_step(saltus_equations *e, const saltus_curve_point *from, double *step,
                                 const saltus_curve_bound *bounds, int bound_count, saltus_curve_point *to,
                                 int *reached, saltus_message *message) {
-    for (;;) {
+    for (;; *step *= 0.5) {
         saltus_status status = attempt(e, from, *step, bounds, bound_count, to, reached, message);
-        if (is_final(status) || (status == SALTUS_OK && goes_on(from, *step, to)))
+        if (is_done(status, from, *step, to))
             return status;
         if (*reached >= 0) {
             const saltus_curve_bound *bound = &bounds[*reached];
-            int k = bound->unknown;
-            status = approach(e, from, k, from->tangent[k] > 0 ? bound->high : bound->low, to, message);
-            if (is_final(status) || (status == SALTUS_OK && goes_on(from, *step, to)))
+            status = approach(e, from, bound->unknown, border_ahead(bound, from), to, message);
+            if (is_done(status, from, *step, to))
                 return status;
         }
         if (*step < step_min)
             return status == SALTUS_OK
                        ? saltus_fail(message, SALTUS_NO_CONVERGENCE, "the branch has a corner")
                        : status;
-        *step *= 0.5;
     }
 }
 

@@ -282,7 +282,7 @@ const saltus_rest_start *saltus_equilibria_found(const saltus_equilibria *e) {
 static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice what,
                                saltus_message *message) {
     const double on_axis = 1e-6;
-    saltus_hopf hopf = {0};
+    saltus_hopf hopf;
     saltus_message why = {.text = ""};
     char reason[SALTUS_REASON_MAX];
     bool pair = false;
@@ -295,10 +295,8 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
         return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
         return give(e, at, what, message);
-    if (e->trail->options->locus == SALTUS_POINT_HB) {
-        free(hopf.vector);
+    if (e->trail->options->locus == SALTUS_POINT_HB)
         return find(e, at, -1, hopf.omega);
-    }
     const char *criticality = !(fabs(hopf.coefficient) > hopf.error) ? "criticality not decided"
                               : hopf.coefficient < 0                 ? "supercritical"
                                                                      : "subcritical";
@@ -312,10 +310,9 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
         point->lyapunov_coefficient = hopf.coefficient;
     }
     const saltus_branch_start like = leaving(e);
-    if (status == SALTUS_OK && switches(e))
-        status = saltus_hopf_leave(&e->rests, at, &hopf, &like, e->cycles, message);
-    free(hopf.vector);
-    return status;
+    return status == SALTUS_OK && switches(e)
+               ? saltus_hopf_leave(&e->rests, at, &hopf, &like, e->cycles, message)
+               : status;
 }
 
 /* All special points of the step from `here` to `next`. */
@@ -462,9 +459,7 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
         return status;
     if (!goes_on)
         return end(e, e->next, zero.ahead, why.text, message);
-    trail->arclength += zero.ahead;
-    trail->shown = trail->arclength;
-    trail->step = fmin(trail->step, trail->options->step);
+    saltus_trail_jump(trail, zero.ahead);
     swap(&e->here, &e->spare);
     return status;
 }

@@ -66,13 +66,6 @@ saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solut
     return status;
 }
 
-/* As many segments as are asked for; if that is left open, as many as the orbit has, or twice as many. */
-static int count_cuts(const saltus_orbits *o, const saltus_solution *s, bool more) {
-    const int asked = o->options.segments, cuts = more ? 2 * s->sequence.cuts : s->sequence.cuts;
-    const int wanted = asked > 0 ? asked : cuts;
-    return wanted < SALTUS_CUTS_MAX ? wanted : SALTUS_CUTS_MAX;
-}
-
 /* The base of an orbit of unknown period is the state that it begins with. */
 static saltus_status anchor(saltus_orbits *o, const saltus_solution *s, const double *state, bool turning,
                             saltus_sequence *fresh, saltus_message *message) {
@@ -91,55 +84,58 @@ static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leav
     const double least_onward = 0.5;
     const double begin = *time = s->sequence.base;
     saltus_message ignored;
-    memcpy(state, s->state, (size_t)o->n * sizeof *state);
+    *turning = false;
     if (!(s->sequence.omega > 0) || (s->onward > least_onward && !leaves) || !s->survey.follows ||
         saltus_orbits_tune(o, s->parameter, s->sequence.omega, &ignored) != SALTUS_OK)
         return false;
+    memcpy(state, s->state, (size_t)o->n * sizeof *state);
     *turning = saltus_orbit_turning(o->flow, s->sequence.periods, time, state);
     if (*time >= begin + s->sequence.periods)
         *time = begin;
     return *turning || *time != begin;
 }
 
-/* A solution again, with another sequence; `turning`: the state at its base begins `work`. */
+/* A solution again, with another sequence; `turning`: `state` is the one at its base. */
 static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
-                           const int *order, bool turning, saltus_solution *out, double *work) {
+                           const int *order, bool turning, double *state, saltus_solution *out) {
     const saltus_sequence *old = &s->sequence;
     saltus_message ignored;
-    double *state = work, *guide = work + o->n;
-    double later = fresh->base < old->base ? fresh->base + old->periods : fresh->base;
+    const double later = fresh->base < old->base ? fresh->base + old->periods : fresh->base;
+    const bool moved = fresh->base != old->base || turning;
     saltus_status status = turning ? SALTUS_OK : saltus_solution_state_at(o, s, later, state, &ignored);
-    bool moved = fresh->base != old->base || turning;
     if (status == SALTUS_OK && fresh->omega > 0 && moved)
         status = anchor(o, s, state, turning, fresh, &ignored);
     if (status == SALTUS_OK)
         status = saltus_solution_place(o, fresh, s->parameter, state, false, out, &ignored);
     if (status != SALTUS_OK || o->family.parameters != 1)
         return status;
+    double *guide = calloc((size_t)saltus_sequence_unknowns(fresh, o->n) + 1, sizeof *guide);
+    if (!guide)
+        return SALTUS_NO_MEMORY;
     saltus_sequence_carry(old, s->at.tangent, fresh, order, o->n, 1, guide);
     saltus_curve_align(&out->at, guide);
-    return status;
+    free(guide);
+    return SALTUS_OK;
 }
 
-/* Cut open again, into so many segments. */
-static bool reframe(saltus_orbits *o, bool trims, bool leaves, int cuts, saltus_solution *s,
+/* Cut open again. As many segments as are asked for; if that is left open, as many as the orbit has, or, if
+ * it needs `more`, twice as many. */
+static bool reframe(saltus_orbits *o, bool trims, bool leaves, bool more, saltus_solution *s,
                     saltus_solution *scratch, int *order) {
+    const int asked = o->options.segments, own = more ? 2 * s->sequence.cuts : s->sequence.cuts;
+    const int wanted = asked > 0 ? asked : own, cuts = wanted < SALTUS_CUTS_MAX ? wanted : SALTUS_CUTS_MAX;
     saltus_sequence fresh;
     saltus_message ignored;
     double speed[SALTUS_MARKS_MAX], state[SALTUS_STATE_MAX], section;
-    bool turning = false;
+    int unasked[SALTUS_MARKS_MAX];
+    bool turning;
+    order = order ? order : unasked;
     saltus_solution_speeds(o, s, speed);
     if (better_section(o, s, leaves, &section, state, &turning))
         saltus_sequence_turn(&s->sequence, section, cuts, &fresh, order);
     else if (!saltus_sequence_reframe(&s->sequence, speed, cuts, trims, &fresh, order))
         return false;
-    size_t room = (size_t)(saltus_sequence_unknowns(&fresh, o->n) + o->n + 1);
-    double *work = calloc(room, sizeof *work);
-    if (work)
-        memcpy(work, state, (size_t)o->n * sizeof *work);
-    saltus_status status = work ? place(o, s, &fresh, order, turning, scratch, work) : SALTUS_NO_MEMORY;
-    free(work);
-    if (saltus_orbits_noted(o, status) != SALTUS_OK) {
+    if (saltus_orbits_noted(o, place(o, s, &fresh, order, turning, state, scratch)) != SALTUS_OK) {
         saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, &ignored));
         return false;
     }
@@ -153,13 +149,12 @@ static bool reframe(saltus_orbits *o, bool trims, bool leaves, int cuts, saltus_
 bool saltus_solution_reframe(saltus_orbits *o, bool trims, bool leaves, saltus_solution *s,
                              saltus_solution *scratch, int *order) {
     const double growth_max = 1e4; /* over a segment */
-    return reframe(o, trims, leaves, count_cuts(o, s, s->growth > growth_max), s, scratch, order);
+    return reframe(o, trims, leaves, s->growth > growth_max, s, scratch, order);
 }
 
 bool saltus_solution_refine(saltus_orbits *o, saltus_solution *s, saltus_solution *scratch) {
     const int cuts = s->sequence.cuts;
-    int order[SALTUS_MARKS_MAX];
-    return reframe(o, false, false, count_cuts(o, s, true), s, scratch, order) && s->sequence.cuts > cuts;
+    return reframe(o, false, false, true, s, scratch, NULL) && s->sequence.cuts > cuts;
 }
 
 bool saltus_solution_base_beyond(const saltus_orbits *o, const saltus_solution *s) {

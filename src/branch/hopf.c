@@ -16,7 +16,7 @@ static const double first[sides] = {4. / 5, -1. / 5, 4. / 105, -1. / 280},
 typedef struct expansion {
     int count;
     double *linear, *along[2], *twice[2], *trial; /* count x count each */
-    double *part[2];                              /* of the eigenvector */
+    double part[2][SALTUS_STATE_MAX];             /* of the eigenvector */
     double size[2];                               /* of them as states, in the states' scales */
 } expansion;
 
@@ -101,11 +101,10 @@ static saltus_status null_vector(const expansion *x, double omega, bool left, do
 static double coefficient_of(saltus_rests *r, const expansion *x, double omega, const double complex *left,
                              const double complex *right) {
     const int c = x->count;
-    double complex *work = calloc((size_t)(7 * c), sizeof *work);
-    if (saltus_rests_noted(r, work ? SALTUS_OK : SALTUS_NO_MEMORY) != SALTUS_OK)
-        return NAN;
-    double complex *a = work, *b = a + c, *even = b + c, *twofold = even + c, *cubic = twofold + c,
-                   *flat = cubic + c, *turned = flat + c, sum = 0;
+    double complex a[SALTUS_STATE_MAX], b[SALTUS_STATE_MAX],
+        even[SALTUS_STATE_MAX] = {0}, twofold[SALTUS_STATE_MAX] = {0}, cubic[SALTUS_STATE_MAX] = {0},
+        flat[SALTUS_STATE_MAX], turned[SALTUS_STATE_MAX];
+    double complex sum = 0;
     for (int i = 0; i < c; i++) {
         a[i] = x->part[0][i];
         b[i] = x->part[1][i];
@@ -119,9 +118,10 @@ static double coefficient_of(saltus_rests *r, const expansion *x, double omega, 
     /* C(q, q, q'). */
     apply(x->twice[0], c, 1, right, cubic);
     apply(x->twice[1], c, 1, right, cubic);
-    memcpy(flat, even, (size_t)c * sizeof *flat);
-    memcpy(turned, twofold, (size_t)c * sizeof *turned);
-    bool sound = resolve(r, x, 0, flat) && resolve(r, x, 2 * I * omega, turned);
+    memcpy(flat, even, sizeof flat);
+    memcpy(turned, twofold, sizeof turned);
+    if (!resolve(r, x, 0, flat) || !resolve(r, x, 2 * I * omega, turned))
+        return NAN;
     /* -2 B(q, A^-1 even), whose solution has the other sign, and B(q', (2 i omega - A)^-1 twofold). */
     apply(x->along[0], c, 2, flat, cubic);
     apply(x->along[1], c, 2 * I, flat, cubic);
@@ -129,8 +129,7 @@ static double coefficient_of(saltus_rests *r, const expansion *x, double omega, 
     apply(x->along[1], c, -I, turned, cubic);
     for (int i = 0; i < c; i++)
         sum += conj(left[i]) * cubic[i];
-    free(work);
-    return sound ? creal(sum) / (2 * omega) : NAN;
+    return creal(sum) / (2 * omega);
 }
 
 /* From differences over several widths, of which those two are best that agree best. */
@@ -159,20 +158,6 @@ static saltus_status find_coefficient(saltus_rests *r, const saltus_rest *at, ex
     return SALTUS_OK;
 }
 
-static bool open_expansion(expansion *x, int n) {
-    const size_t entries = (size_t)(n * n);
-    x->linear = calloc(6 * entries + 2 * (size_t)n, sizeof *x->linear);
-    if (!x->linear)
-        return false;
-    x->trial = x->linear + entries;
-    for (int k = 0; k < 2; k++) {
-        x->along[k] = x->trial + (1 + (size_t)k) * entries;
-        x->twice[k] = x->trial + (3 + (size_t)k) * entries;
-        x->part[k] = x->linear + 6 * entries + (size_t)(k * n);
-    }
-    return true;
-}
-
 /* Eigenvectors with q*q = 1 and p*q = 1; the first to the expansion's parts and, as states, to the result. */
 static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex *left, double complex *right,
                                   saltus_hopf *hopf, saltus_message *message) {
@@ -190,10 +175,9 @@ static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex 
         x->part[1][i] = cimag(right[i]);
     }
     for (int k = 0; k < 2; k++) {
-        double *state = hopf->vector + (ptrdiff_t)k * r->n;
-        saltus_rests_lift(r, x->count, x->part[k], state);
+        saltus_rests_lift(r, x->count, x->part[k], hopf->vector[k]);
         for (int i = 0; i < r->n; i++)
-            x->size[k] = fmax(x->size[k], fabs(state[i]) / r->state_scale[i]);
+            x->size[k] = fmax(x->size[k], fabs(hopf->vector[k][i]) / r->state_scale[i]);
     }
     return cabs(scale) > 0
                ? SALTUS_OK
@@ -202,79 +186,74 @@ static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex 
 
 saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf,
                                saltus_message *message) {
-    expansion x = {.count = 0};
-    double complex *vectors = calloc(2 * (size_t)r->n, sizeof *vectors);
+    const size_t entries = (size_t)(r->n * r->n);
+    expansion x = {.linear = calloc(6 * entries, sizeof *x.linear)};
+    double complex left[SALTUS_STATE_MAX], right[SALTUS_STATE_MAX];
     double least = INFINITY;
     *hopf = (saltus_hopf){.coefficient = NAN, .error = NAN};
-    hopf->vector = calloc(2 * (size_t)r->n, sizeof *hopf->vector);
     for (int k = 0; k < at->rate_count; k++)
         if (at->rates[k].im > 0 && fabs(at->rates[k].re) < least) {
             least = fabs(at->rates[k].re);
             hopf->omega = at->rates[k].im;
         }
-    saltus_status status = SALTUS_OK;
-    if (!vectors || !hopf->vector || !open_expansion(&x, r->n))
-        status = saltus_branch_no_memory(message);
-    else if (hopf->omega == 0)
-        status = saltus_fail(message, SALTUS_NO_CONVERGENCE, "no eigenvalues are a complex pair");
+    if (!x.linear)
+        return saltus_branch_no_memory(message);
+    x.trial = x.linear + entries;
+    for (size_t k = 0; k < 2; k++) {
+        x.along[k] = x.trial + (1 + k) * entries;
+        x.twice[k] = x.trial + (3 + k) * entries;
+    }
+    saltus_status status =
+        hopf->omega > 0 ? SALTUS_OK
+                        : saltus_fail(message, SALTUS_NO_CONVERGENCE, "no eigenvalues are a complex pair");
     if (status == SALTUS_OK)
         status = saltus_rests_linear(r, at->at.u, NULL, 0, x.linear, &x.count, message);
     if (status == SALTUS_OK)
-        status = find_vectors(r, &x, vectors, vectors + r->n, hopf, message);
+        status = find_vectors(r, &x, left, right, hopf, message);
     if (status == SALTUS_OK)
-        status = find_coefficient(r, at, &x, vectors, vectors + r->n, hopf, message);
-    free(vectors);
+        status = find_coefficient(r, at, &x, left, right, hopf, message);
     free(x.linear);
-    if (status != SALTUS_OK) {
-        free(hopf->vector);
-        hopf->vector = NULL;
-    }
     return status;
 }
 
 saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, const saltus_hopf *hopf,
                                 const saltus_branch_start *like, saltus_starts *starts,
                                 saltus_message *message) {
-    const double *observer = saltus_system_observer(r->system), *a = hopf->vector, *b = a + r->n;
+    const double *observer = saltus_system_observer(r->system), *a = hopf->vector[0], *b = hopf->vector[1];
     saltus_branch_start start = *like;
-    double along[2] = {0, 0}, size = 0;
+    double tangent[SALTUS_STATE_MAX + 2] = {0}, size = 0;
     /* Where the observed displacement of Re(q e^(i phi)) is largest, it turns. */
-    for (int i = 0; i < r->dof; i++) {
-        along[0] += observer[i] * a[i];
-        along[1] += observer[i] * b[i];
-    }
+    const double along[2] = {saltus_dot(observer, a, r->dof), saltus_dot(observer, b, r->dof)};
     const double length = hypot(along[0], along[1]);
     const double cosine = length > 0 ? along[0] / length : 1, sine = length > 0 ? along[1] / length : 0;
-    start.tangent = calloc((size_t)r->n + 2, sizeof *start.tangent);
-    if (!start.tangent)
-        return saltus_branch_no_memory(message);
     for (int i = 0; i < r->n; i++) {
-        start.tangent[i] = (cosine * a[i] + sine * b[i]) / r->state_scale[i];
-        size = hypot(size, start.tangent[i]);
+        tangent[i] = (cosine * a[i] + sine * b[i]) / r->state_scale[i];
+        size = hypot(size, tangent[i]);
     }
     for (int i = 0; i < r->n; i++)
-        start.tangent[i] /= size;
+        tangent[i] /= size;
     start.sequence =
         (saltus_sequence){.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf->omega};
     start.parameter = at->parameter[0];
     start.state = at->state;
+    start.tangent = tangent;
     start.unknowns = r->n + 2;
     start.origin = SALTUS_POINT_HB;
-    saltus_status status = saltus_starts_add(starts, r->n, &start, message);
-    free(start.tangent);
-    return status;
+    return saltus_starts_add(starts, r->n, &start, message);
 }
 
 saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *start, double apart,
                                 saltus_solution *out, saltus_message *message) {
     saltus_sequence sequence = start->sequence;
     saltus_equations *e = o->equations;
-    double state[SALTUS_STATE_MAX];
+    double state[SALTUS_STATE_MAX], normal[SALTUS_STATE_MAX + 2] = {0}, place[SALTUS_STATE_MAX + 2];
     saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
     if (status != SALTUS_OK)
         return status;
-    for (int i = 0; i < o->n; i++)
+    for (int i = 0; i < o->n; i++) {
+        normal[i] = start->tangent[i];
         state[i] = start->state[i] + apart * start->tangent[i] * saltus_shooting_scale(o->shooting)[i];
+    }
     status = saltus_orbits_tune(o, &start->parameter, sequence.omega, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, state, message);
@@ -288,15 +267,10 @@ saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *sta
         status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_shooting_fill(o->shooting, &start->parameter, state, out->at.u, message);
-    double *normal = calloc(2 * (size_t)e->unknowns, sizeof *normal),
-           *place = normal ? normal + e->unknowns : NULL;
-    if (!normal)
-        status = saltus_branch_no_memory(message);
-    if (status == SALTUS_OK) {
-        memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
-        memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
-        status = saltus_newton(e, out->at.u, normal, place, true, &out->at.iterations, message);
-    }
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
+    status = saltus_newton(e, out->at.u, normal, place, true, &out->at.iterations, message);
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(e, out->at.u, message);
     if (status == SALTUS_OK)
@@ -304,6 +278,5 @@ saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *sta
     if (status == SALTUS_OK)
         status = saltus_curve_orient(e, normal, &out->at, message);
     out->at.ahead = 0;
-    free(normal);
     return status;
 }

@@ -13,7 +13,7 @@ typedef struct saltus_hopf {
      * 5.34, with an eigenvector of unit length), and how far it may be off: negative where stable cycles are
      * born, as far as the other eigenvalues go. NAN where it cannot be had. */
     double coefficient, error;
-    double *vector; /* 2 n: real and imaginary part of the eigenvector; the caller's, to be freed */
+    double vector[2][SALTUS_STATE_MAX]; /* real and imaginary part of the eigenvector */
 } saltus_hopf;
 
 /* Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE where there is no such pair. */

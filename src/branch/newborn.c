@@ -19,21 +19,19 @@
 
 enum { contacts_max = 768, longest = 24 };
 
-/* The last part of a motion: its contact events, with the states after them. */
-typedef struct history {
-    int count;
-    saltus_event event[contacts_max];
-    double *state; /* contacts_max x n */
-} history;
-
 typedef struct newborn {
     saltus_rests *rests;
     saltus_orbit_options options;
     const saltus_rest *at;
-    saltus_system *system; /* beyond, by its own clock; */
+    int face;              /* that it touches */
+    double parameter;      /* beyond, */
+    saltus_system *system; /* and the system there, by its own clock; */
     saltus_flow *flow;
     double size; /* scaled distance of the equilibrium there from `at` */
-    history history;
+    /* The last part of a motion: its contact events, with the states after them. */
+    int count;
+    saltus_event event[contacts_max];
+    double *state; /* contacts_max x n */
 } newborn;
 
 /* A cycle, by its own clock. */
@@ -75,21 +73,11 @@ static void begin_aside(const newborn *b, const saltus_rest *rest, int trial, do
     saltus_state_admit(b->system, state);
 }
 
-/* Where a contact with which chatter completes is noted: of the impacts before, any number, the first stays.
- */
-static int run_begin(const history *d) {
-    int first = d->count;
-    while (first > 0 && d->event[first - 1].kind == SALTUS_IMPACT)
-        first--;
-    return first < d->count ? first + 1 : first;
-}
-
 /* Follow a motion until it has met many contacts, and note them. Few are noted where it rests or leaves the
  * neighbourhood. Errors: those of the flow. */
-static saltus_status follow(newborn *b, const saltus_rest *rest, int face, double *state) {
+static saltus_status follow(newborn *b, const saltus_rest *rest, double *state) {
     const double far = 1e3, turns = 3000;
     const size_t n = (size_t)b->rests->n;
-    history *d = &b->history;
     saltus_event event = {.kind = SALTUS_STEP};
     saltus_message ignored;
     double fastest = 0;
@@ -97,19 +85,23 @@ static saltus_status follow(newborn *b, const saltus_rest *rest, int face, doubl
         fastest = fmax(fastest, hypot(rest->rates[k].re, rest->rates[k].im));
     const saltus_time until = saltus_time_of(turns * 2 * M_PI / fastest / saltus_system_period(b->system));
     saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0}, state, &ignored);
-    d->count = 0;
-    while (d->count < contacts_max && status == SALTUS_OK) {
+    b->count = 0;
+    while (b->count < contacts_max && status == SALTUS_OK) {
         status = saltus_flow_advance(b->flow, until, SALTUS_WATCH_CONTACT, &event, &ignored);
-        double *after = d->state + (size_t)d->count * n;
+        double *after = b->state + (size_t)b->count * n;
         saltus_flow_state(b->flow, 0, after);
         if (event.kind == SALTUS_REACHED || !(apart(b, after, rest->state) < far * b->size))
             break;
-        if (event.face != face)
+        if (event.face != b->face)
             continue;
-        const int kept = event.kind == SALTUS_STICK ? run_begin(d) : d->count;
-        memmove(d->state + (size_t)kept * n, after, n * sizeof *after);
-        d->event[kept] = event;
-        d->count = kept + 1;
+        /* Of the impacts before a contact with which chatter completes, any number, the first stays. */
+        int kept = b->count;
+        while (event.kind == SALTUS_STICK && kept > 0 && b->event[kept - 1].kind == SALTUS_IMPACT)
+            kept--;
+        kept += kept < b->count;
+        memmove(b->state + (size_t)kept * n, after, n * sizeof *after);
+        b->event[kept] = event;
+        b->count = kept + 1;
     }
     return status;
 }
@@ -117,12 +109,11 @@ static saltus_status follow(newborn *b, const saltus_rest *rest, int face, doubl
 /* Whether the last `count` of the chosen events repeat those `period` before. */
 static bool repeats(const newborn *b, const int *chosen, int last, int period, int count) {
     const double near = 1e-4;
-    const history *d = &b->history;
     for (int k = last; k > last - count; k--) {
         const int one = chosen[k], other = chosen[k - period];
-        if (d->event[one].kind != d->event[other].kind ||
-            apart(b, d->state + (size_t)one * (size_t)b->rests->n,
-                  d->state + (size_t)other * (size_t)b->rests->n) > near * b->size)
+        if (b->event[one].kind != b->event[other].kind ||
+            apart(b, b->state + (size_t)one * (size_t)b->rests->n,
+                  b->state + (size_t)other * (size_t)b->rests->n) > near * b->size)
             return false;
     }
     return true;
@@ -132,12 +123,11 @@ static bool repeats(const newborn *b, const int *chosen, int last, int period, i
  * has not. Where chatter completes only the contacts after it are counted, as there are any number of impacts
  * before. */
 static double settled(newborn *b, double *state) {
-    history *d = &b->history;
     int chosen[contacts_max], count = 0, sticks = 0, period = 1;
-    for (int k = d->count / 2; k < d->count; k++)
-        sticks += d->event[k].kind == SALTUS_STICK;
-    for (int k = d->count / 2; k < d->count; k++)
-        if (!sticks || d->event[k].kind != SALTUS_IMPACT)
+    for (int k = b->count / 2; k < b->count; k++)
+        sticks += b->event[k].kind == SALTUS_STICK;
+    for (int k = b->count / 2; k < b->count; k++)
+        if (!sticks || b->event[k].kind != SALTUS_IMPACT)
             chosen[count++] = k;
     while (period <= longest &&
            (count < 3 * period + 1 || !repeats(b, chosen, count - 1, period, 2 * period)))
@@ -149,18 +139,18 @@ static double settled(newborn *b, double *state) {
     double flight = 0;
     int begin = first;
     for (int k = first; k < last; k++) {
-        const double time = saltus_time_periods(d->event[k + 1].time) - saltus_time_periods(d->event[k].time);
-        if (d->event[k].kind != SALTUS_STICK && time > flight) {
+        const double time = saltus_time_periods(b->event[k + 1].time) - saltus_time_periods(b->event[k].time);
+        if (b->event[k].kind != SALTUS_STICK && time > flight) {
             flight = time;
             begin = k;
         }
     }
     saltus_message ignored;
     const size_t n = (size_t)b->rests->n;
-    memcpy(state, d->state + (size_t)begin * n, n * sizeof *state);
+    memcpy(state, b->state + (size_t)begin * n, n * sizeof *state);
     saltus_status status =
         saltus_state_carry(b->flow, (saltus_time){0, 0}, saltus_time_of(0.5 * flight), state, &ignored);
-    const double time = saltus_time_periods(d->event[last].time) - saltus_time_periods(d->event[first].time);
+    const double time = saltus_time_periods(b->event[last].time) - saltus_time_periods(b->event[first].time);
     return status == SALTUS_OK ? time * unit : 0;
 }
 
@@ -195,8 +185,8 @@ static saltus_status tune(saltus_rests *r, const saltus_rest *at, double paramet
 
 /* A cycle that was settled on: whether it is there, shrunk, nearer to the stop. `out` becomes its beginning.
  */
-static saltus_status shrinks(newborn *b, const found *f, double parameter, saltus_rest *rest,
-                             saltus_branch_start *out, bool *does) {
+static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, saltus_branch_start *out,
+                             bool *does) {
     const double part = 0.125, slack = 0.1;
     const saltus_rest *at = b->at;
     const int n = b->rests->n;
@@ -208,7 +198,7 @@ static saltus_status shrinks(newborn *b, const found *f, double parameter, saltu
     found less = {.speed = 0};
     for (int i = 0; i < n; i++)
         state[i] = at->state[i] + part * (f->orbit.state[i] - at->state[i]);
-    const double near = at->parameter[0] + part * (parameter - at->parameter[0]);
+    const double near = at->parameter[0] + part * (b->parameter - at->parameter[0]);
     const double period = saltus_system_period(f->clocked);
     saltus_status status = tune(b->rests, at, near, rest, &system);
     if (status == SALTUS_OK)
@@ -248,24 +238,24 @@ static bool is_known(const saltus_starts *starts, const saltus_branch_start *sta
     return false;
 }
 
-/* One motion on one side. */
-static saltus_status try(newborn *b, int face, int trial, double parameter, saltus_rest *rest,
-                         const saltus_branch_start *like, saltus_starts *starts, saltus_message *message) {
+/* One motion on one side, where `rest` is the equilibrium. */
+static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_branch_start *like,
+                         saltus_starts *starts, saltus_message *message) {
     double state[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2] = {0};
     saltus_branch_start start = *like;
     found f = {.speed = 0};
     bool does = false;
     begin_aside(b, rest, trial, state);
-    saltus_status status = follow(b, rest, face, state);
+    saltus_status status = follow(b, rest, state);
     const double period = status == SALTUS_OK ? settled(b, state) : 0;
     start.tangent = tangent;
     if (period > 0)
         status = polish(b, b->system, period, state, &f);
     if (period > 0 && status == SALTUS_OK &&
         saltus_multipliers_stable(f.orbit.multipliers, f.orbit.multiplier_count))
-        status = shrinks(b, &f, parameter, rest, &start, &does);
+        status = shrinks(b, &f, rest, &start, &does);
     clear(&f);
-    start.heading = parameter > b->at->parameter[0] ? 1 : -1;
+    start.heading = b->parameter > b->at->parameter[0] ? 1 : -1;
     start.unknowns = saltus_sequence_unknowns(&start.sequence, b->rests->n) + 1;
     if (!does || status != SALTUS_OK || is_known(starts, &start))
         return saltus_rests_noted(b->rests, status);
@@ -277,23 +267,23 @@ saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int fa
                                   saltus_rest *scratch, saltus_starts *starts, saltus_message *message) {
     enum { trials = 3 };
     const double distance = 1e-3;
-    newborn b = {.rests = r, .options = *options, .at = at};
+    newborn b = {.rests = r, .options = *options, .at = at, .face = face};
     saltus_branch_start start = *like;
     saltus_message ignored;
     b.options.flow.stop = NULL;
-    b.history.state = calloc((size_t)contacts_max * (size_t)r->n, sizeof *b.history.state);
-    saltus_status status = b.history.state ? SALTUS_OK : saltus_branch_no_memory(message);
+    b.state = calloc((size_t)contacts_max * (size_t)r->n, sizeof *b.state);
+    saltus_status status = b.state ? SALTUS_OK : saltus_branch_no_memory(message);
     start.parameter = at->parameter[0];
     start.state = at->state;
     start.origin = SALTUS_POINT_BE;
     for (int side = 0; side < 2 * trials && status == SALTUS_OK; side++) {
-        const double parameter = at->parameter[0] + (side % 2 ? -distance : distance);
-        saltus_status made = tune(r, at, parameter, scratch, &b.system);
+        b.parameter = at->parameter[0] + (side % 2 ? -distance : distance);
+        saltus_status made = tune(r, at, b.parameter, scratch, &b.system);
         if (made == SALTUS_OK)
             made = saltus_flow_single(b.system, 0, &b.options.flow, &b.flow, &ignored);
         b.size = made == SALTUS_OK ? apart(&b, scratch->state, at->state) : 0;
         if (made == SALTUS_OK && b.size > 0)
-            status = try(&b, face, side / 2, parameter, scratch, &start, starts, message);
+            status = try(&b, side / 2, scratch, &start, starts, message);
         saltus_rests_noted(r, made);
         saltus_flow_free(b.flow);
         saltus_system_free(b.system);
@@ -304,6 +294,6 @@ saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int fa
         else if (status != SALTUS_NO_MEMORY)
             status = SALTUS_OK;
     }
-    free(b.history.state);
+    free(b.state);
     return status;
 }

@@ -48,21 +48,37 @@ void saltus_branch_point_clear(saltus_branch_point *point) {
     *point = (saltus_branch_point){0};
 }
 
+saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int events,
+                                saltus_message *message) {
+    const size_t n = (size_t)dimension;
+    *point = (saltus_branch_point){.value = {NAN, NAN},
+                                   .period = NAN,
+                                   .dimension = dimension,
+                                   .lyapunov_coefficient = NAN,
+                                   .grazing_time = NAN,
+                                   .contact_force = NAN,
+                                   .state = calloc(n, sizeof *point->state),
+                                   .events = calloc((size_t)events + 1, sizeof *point->events),
+                                   .multipliers = calloc(n, sizeof *point->multipliers)};
+    if (point->state && point->events && point->multipliers)
+        return SALTUS_OK;
+    saltus_branch_point_clear(point);
+    return saltus_branch_no_memory(message);
+}
+
 saltus_status saltus_branch_point_copy(const saltus_branch_point *point, saltus_branch_point *copy,
                                        saltus_message *message) {
-    size_t n = (size_t)point->dimension, events = (size_t)point->event_count;
-    *copy = *point;
-    copy->state = malloc(n * sizeof *copy->state);
-    copy->events = malloc((events + 1) * sizeof *copy->events);
-    copy->multipliers = malloc(n * sizeof *copy->multipliers);
-    if (!copy->state || !copy->events || !copy->multipliers) {
-        saltus_branch_point_clear(copy);
-        return saltus_branch_no_memory(message);
-    }
-    memcpy(copy->state, point->state, n * sizeof *copy->state);
+    const size_t n = (size_t)point->dimension, events = (size_t)point->event_count;
+    saltus_status status = saltus_point_open(copy, point->dimension, point->event_count, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_branch_point own = *point;
+    own.state = memcpy(copy->state, point->state, n * sizeof *own.state);
+    own.events = copy->events;
     if (events)
-        memcpy(copy->events, point->events, events * sizeof *copy->events);
-    memcpy(copy->multipliers, point->multipliers, n * sizeof *copy->multipliers);
+        memcpy(own.events, point->events, events * sizeof *own.events);
+    own.multipliers = memcpy(copy->multipliers, point->multipliers, n * sizeof *own.multipliers);
+    *copy = own;
     return SALTUS_OK;
 }
 
@@ -132,15 +148,6 @@ static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, 
     saltus_orbit_label(point->impacts, s->sequence.periods, point->label);
 }
 
-static void found_events(const saltus_survey *survey, saltus_branch_point *point) {
-    point->impacts = survey->impacts;
-    point->sticking_intervals = survey->sticking_intervals;
-    point->event_count = survey->lap.event_count;
-    memcpy(point->label, survey->label, sizeof point->label);
-    if (point->event_count) /* a lap without events has no memory for any */
-        memcpy(point->events, survey->lap.events, (size_t)point->event_count * sizeof *point->events);
-}
-
 /* An orbit of a period of its own is told as it is from its highest maximum on. Where the flow does not
  * follow it, it stays as it is prescribed. */
 static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
@@ -158,64 +165,60 @@ static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bo
         saltus_orbit_label(point->impacts, point->periods, point->label);
     }
     saltus_lap_close(&lap);
-    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a branch") : SALTUS_OK;
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool prescribed,
                                 saltus_branch_point *point, int *returns, saltus_message *message) {
     const saltus_survey *survey = &s->survey;
-    bool found = survey->follows && !prescribed;
-    *returns = -1;
-    size_t n = (size_t)o->n, events = (size_t)(survey->lap.event_count + (found ? 0 : s->sequence.count));
-    double section = ceil(s->sequence.base / s->sequence.periods) * s->sequence.periods;
+    const int seen = survey->lap.event_count, periods = s->sequence.periods;
+    const bool found = survey->follows && !prescribed;
+    const double section = ceil(s->sequence.base / periods) * periods;
     /* What the parameter's rounding leaves to the solution's value, as on a border of the range. */
-    double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
-    saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
-    *point = (saltus_branch_point){
-        .value = {s->value, NAN},
-        .heading = saltus_solution_heading(s) * o->family.unit[0],
-        .spec = saltus_spec_shifted(&spec, &o->family.direction[0], rest),
-        .periods = s->sequence.periods,
-        .dimension = o->n,
-        .unstable = survey->unstable,
-        .stable = saltus_multipliers_stable(survey->multipliers, survey->multiplier_count),
-        .admissible = survey->follows,
-        .residual = s->at.residual,
-        .iterations = s->at.iterations,
-        .log_volume = survey->log_volume,
-        .sum_rule = survey->sum_rule,
-        .grazing_time = NAN,
-        .contact_force = NAN,
-        .lyapunov_coefficient = NAN,
-        .state = calloc(n, sizeof *point->state),
-        .events = calloc(events + 1, sizeof *point->events),
-        .multipliers = calloc(n, sizeof *point->multipliers)};
+    const double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
+    const saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
+    const size_t state_bytes = (size_t)o->n * sizeof *point->state;
+    saltus_message ignored;
+    *returns = -1;
+    saltus_status status = saltus_point_open(point, o->n, found ? seen : seen + s->sequence.count, message);
+    if (status != SALTUS_OK)
+        return status;
+    point->value[0] = s->value;
+    point->heading = saltus_solution_heading(s) * o->family.unit[0];
+    point->spec = saltus_spec_shifted(&spec, &o->family.direction[0], rest);
+    point->periods = periods;
+    point->period = periods * 2 * M_PI / saltus_spec_omega(&spec);
     point->multiplier_count = survey->multiplier_count;
     point->trivial_multiplier = s->sequence.omega > 0 ? survey->trivial : 0;
-    point->period = s->sequence.periods * 2 * M_PI / saltus_spec_omega(&spec);
-    saltus_status status =
-        point->state && point->events && point->multipliers ? SALTUS_OK : saltus_branch_no_memory(message);
+    point->unstable = survey->unstable;
+    point->stable = saltus_multipliers_stable(survey->multipliers, survey->multiplier_count);
+    point->admissible = survey->follows;
+    point->residual = s->at.residual;
+    point->iterations = s->at.iterations;
+    point->log_volume = survey->log_volume;
+    point->sum_rule = survey->sum_rule;
+    for (int k = 0; k < o->n; k++)
+        point->multipliers[k] =
+            k < point->multiplier_count ? survey->multipliers[k] : (saltus_multiplier){0, 0, NAN};
     /* Where chatter is left to the flow the prescribed way may not lead there: then as the flow saw it
      * nearby. */
-    saltus_message ignored;
-    if (status == SALTUS_OK &&
-        (found || saltus_solution_state_at(o, s, section, point->state, &ignored) != SALTUS_OK))
-        memcpy(point->state, survey->lap.points, n * sizeof *point->state);
-    if (status == SALTUS_OK &&
-        saltus_solution_contact_force(o, s, &point->contact_force, &ignored) == SALTUS_NO_MEMORY)
-        status = saltus_branch_no_memory(message);
-    if (status != SALTUS_OK) {
+    if (found || saltus_solution_state_at(o, s, section, point->state, &ignored) != SALTUS_OK)
+        memcpy(point->state, survey->lap.points, state_bytes);
+    if (saltus_solution_contact_force(o, s, &point->contact_force, &ignored) == SALTUS_NO_MEMORY) {
         saltus_branch_point_clear(point);
-        return status;
+        return saltus_branch_no_memory(message);
     }
-    memcpy(point->multipliers, survey->multipliers, n * sizeof *point->multipliers);
-    for (int k = point->multiplier_count; k < o->n; k++)
-        point->multipliers[k] = (saltus_multiplier){0, 0, NAN};
-    if (found)
-        found_events(survey, point);
-    else
+    if (!found) {
         prescribed_events(o, s, point);
-    fold_events(point->events, point->event_count, s->sequence.periods);
+    } else {
+        point->impacts = survey->impacts;
+        point->sticking_intervals = survey->sticking_intervals;
+        point->event_count = seen;
+        memcpy(point->label, survey->label, sizeof point->label);
+        if (seen) /* a lap without events has no memory for any */
+            memcpy(point->events, survey->lap.events, (size_t)seen * sizeof *point->events);
+    }
+    fold_events(point->events, point->event_count, periods);
     return s->sequence.omega > 0 ? from_maximum(o, s, found, point, returns, message) : status;
 }
 

@@ -10,6 +10,10 @@
 /* "regular", "LP", ... */
 extern const saltus_word saltus_point_words[];
 
+/* Room for the arrays of a point of so many states and events; what need not be known is NAN. Cleared where
+ * memory is lacking. */
+saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int events,
+                                saltus_message *message);
 /* All that a surveyed solution tells of a point. Where events change the flow sees one side or the other by
  * chance: there events and state are those `prescribed`. `*returns`: of a cycle to its section, -1 where they
  * are not known. The point owns its arrays: saltus_branch_point_clear. Errors: SALTUS_NO_MEMORY, those of the

@@ -80,7 +80,6 @@ static saltus_status measure(saltus_rest_locus *l, spot *s, saltus_message *mess
         s->tests[0] = (test){SALTUS_POINT_BT, true, square / (r->rate_scale * r->rate_scale)};
         saltus_status status = square > 0 ? saltus_hopf_find(r, &s->rest, &hopf, &ignored) : SALTUS_OK;
         s->tests[1] = (test){SALTUS_POINT_GH, false, status == SALTUS_OK ? hopf.coefficient : NAN};
-        free(hopf.vector);
         return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     }
     if (l->special.kind == SALTUS_POINT_LP) {

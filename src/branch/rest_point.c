@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/rest_point.h"
 
+#include "branch/point.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -14,35 +16,24 @@ const char *saltus_rest_label(unsigned contacts) {
 
 saltus_status saltus_rest_point(const saltus_rests *r, const saltus_rest *s, saltus_branch_point *point,
                                 saltus_message *message) {
-    const size_t n = (size_t)r->n;
-    saltus_spec spec = saltus_family_spec(&r->family, s->parameter, 0);
+    const saltus_spec spec = saltus_family_spec(&r->family, s->parameter, 0);
     /* What the parameter's rounding leaves to the equilibrium's value, as on a border of the range. */
     const double rest = s->value[0] - (r->origin[0] + r->family.unit[0] * s->parameter[0]);
-    *point = (saltus_branch_point){.value = {s->value[0], r->family.parameters > 1 ? s->value[1] : NAN},
-                                   .heading = s->at.tangent[s->at.unknowns - r->family.parameters] *
-                                              r->family.unit[0],
-                                   .spec = saltus_spec_shifted(&spec, &r->family.direction[0], rest),
-                                   .period = NAN,
-                                   .dimension = r->n,
-                                   .unstable = s->unstable,
-                                   .stable = s->stable,
-                                   .admissible = true,
-                                   .residual = s->at.residual,
-                                   .iterations = s->at.iterations,
-                                   .log_volume = 0,
-                                   .sum_rule = s->trace,
-                                   .grazing_time = NAN,
-                                   .contact_force = NAN,
-                                   .lyapunov_coefficient = NAN,
-                                   .state = calloc(n, sizeof *point->state),
-                                   .events = calloc(1, sizeof *point->events),
-                                   .multipliers = calloc(n, sizeof *point->multipliers),
-                                   .multiplier_count = s->rate_count};
-    if (!point->state || !point->events || !point->multipliers) {
-        saltus_branch_point_clear(point);
-        return saltus_branch_no_memory(message);
-    }
-    memcpy(point->state, s->state, n * sizeof *s->state);
+    saltus_status status = saltus_point_open(point, r->n, 0, message);
+    if (status != SALTUS_OK)
+        return status;
+    for (int d = 0; d < r->family.parameters; d++)
+        point->value[d] = s->value[d];
+    point->heading = s->at.tangent[s->at.unknowns - r->family.parameters] * r->family.unit[0];
+    point->spec = saltus_spec_shifted(&spec, &r->family.direction[0], rest);
+    point->unstable = s->unstable;
+    point->stable = s->stable;
+    point->admissible = true;
+    point->residual = s->at.residual;
+    point->iterations = s->at.iterations;
+    point->sum_rule = s->trace;
+    point->multiplier_count = s->rate_count;
+    memcpy(point->state, s->state, (size_t)r->n * sizeof *s->state);
     for (int k = 0; k < r->n; k++)
         point->multipliers[k] = k < s->rate_count
                                     ? (saltus_multiplier){s->rates[k].re, s->rates[k].im, s->rates[k].re}

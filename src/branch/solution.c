@@ -53,19 +53,14 @@ saltus_status saltus_orbits_noted(saltus_orbits *o, saltus_status status) {
     return status;
 }
 
-/* One rounding at most is between the quotient and the number that gives the value back. */
-static double unknown_at(double origin, double unit, double value) {
-    double found = (value - origin) / unit;
+double saltus_orbits_border(double origin, double unit, double border, int side) {
+    double found = (border - origin) / unit;
+    /* One rounding at most is between the quotient and the number that gives the value back. */
     for (int way = -1; way <= 1; way += 2) {
         double next = nextafter(found, way * INFINITY);
-        if (origin + unit * found != value && origin + unit * next == value)
+        if (origin + unit * found != border && origin + unit * next == border)
             found = next;
     }
-    return found;
-}
-
-double saltus_orbits_border(double origin, double unit, double border, int side) {
-    double found = unknown_at(origin, unit, border);
     while (side ? origin + unit * found > border : origin + unit * found < border)
         found = nextafter(found, side ? -INFINITY : INFINITY);
     return found;
@@ -113,27 +108,22 @@ void saltus_survey_swap(saltus_solution *a, saltus_solution *b) {
     b->survey = swap;
 }
 
-/* Room for all that a solution of the shooting's sequence may hold. */
-static bool reserve(const saltus_orbits *o, saltus_solution *s) {
-    int count;
-    saltus_shooting_breaches(o->shooting, &count);
+saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
+    const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
     if (!s->state)
         s->state = calloc((size_t)o->n, sizeof *s->state);
     if (!s->survey.multipliers)
         s->survey.multipliers = calloc((size_t)o->n, sizeof *s->survey.multipliers);
-    if (count > s->breach_room) {
+    if (s->breach_count > s->breach_room) {
         free(s->breaches);
-        s->breaches = calloc((size_t)count, sizeof *s->breaches);
-        s->breach_room = s->breaches ? count : 0;
+        s->breaches = calloc((size_t)s->breach_count, sizeof *s->breaches);
+        s->breach_room = s->breaches ? s->breach_count : 0;
     }
-    return s->state && s->survey.multipliers && count <= s->breach_room;
-}
-
-saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
-    if (!reserve(o, s))
+    if (!s->state || !s->survey.multipliers || s->breach_count > s->breach_room) {
+        s->breach_count = 0;
         return saltus_orbits_noted(o, saltus_branch_no_memory(message));
+    }
     const double *u = s->at.u, *parameters = u + o->equations->count;
-    const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
     saltus_shooting_extract(o->shooting, u, &s->sequence, s->state);
     for (int d = 0; d < o->family.parameters; d++)
         s->parameter[d] = parameters[d];

@@ -123,7 +123,8 @@ saltus_status saltus_solution_contact_force(saltus_orbits *orbits, const saltus_
                                             double *force, saltus_message *message);
 /* Cut the orbit open elsewhere, into more segments, or with fewer marks, where that is better (sequence.h),
  * or where it `leaves` a base that is about to touch a stop; `scratch` is overwritten. order
- * (SALTUS_MARKS_MAX entries): where the marks stood before. False: it is as it was, and so is the shooting.
+ * (SALTUS_MARKS_MAX entries; may be NULL): where the marks stood before. False: it is as it was, and so is
+ * the shooting.
  */
 bool saltus_solution_reframe(saltus_orbits *orbits, bool trims, bool leaves, saltus_solution *solution,
                              saltus_solution *scratch, int *order);

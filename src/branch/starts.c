@@ -51,11 +51,9 @@ void saltus_starts_clear(saltus_starts *starts) {
 /* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which
  * the parameter does not change, which is the new branch's tangent; otherwise that across the old tangent. */
 static void leaving(const double *plane, const double *old, int m, bool pitchfork, double *out) {
-    double a = 0, c = 0, size = 0;
-    for (int j = pitchfork ? m - 1 : 0; j < m; j++) {
-        a += plane[j] * (pitchfork ? 1 : old[j]);
-        c += plane[m + j] * (pitchfork ? 1 : old[j]);
-    }
+    const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, old, m);
+    const double c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, old, m);
+    double size = 0;
     for (int j = 0; j < m; j++) {
         out[j] = c * plane[j] - a * plane[m + j];
         size = hypot(size, out[j]);
@@ -64,57 +62,49 @@ static void leaving(const double *plane, const double *old, int m, bool pitchfor
         out[j] /= size;
 }
 
-/* The null plane (2 m) of the equations of a sequence at an orbit. */
-static saltus_status find_plane(saltus_orbits *o, const saltus_sequence *sequence, const saltus_solution *at,
-                                double *plane, saltus_message *message) {
-    saltus_shooting *shooting = NULL;
-    double values[2], *u;
-    saltus_status status = saltus_orbits_shoot(o, sequence, at->parameter, at->state, &shooting, &u, message);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
-    if (status == SALTUS_OK)
-        status = saltus_null_plane(saltus_shooting_equations(shooting), plane, values, message);
-    saltus_shooting_free(shooting);
-    free(u);
-    return status;
-}
-
 saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, saltus_point_kind kind,
                                   const saltus_branch_start *like, saltus_starts *starts,
                                   saltus_message *message) {
-    bool shift, flips = kind == SALTUS_POINT_PD;
-    bool pitchfork = flips || saltus_system_mirror_symmetric(o->system, &shift);
+    enum { most = SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2 };
+    const bool flips = kind == SALTUS_POINT_PD;
+    bool shift;
+    const bool pitchfork = flips || saltus_system_mirror_symmetric(o->system, &shift);
     int order[SALTUS_MARKS_MAX];
+    double plane[2 * most], values[2], old[most], tangent[most], *u = NULL;
+    saltus_shooting *shooting = NULL;
     saltus_branch_start start = *like;
     start.sequence = at->sequence;
     start.sequence.cuts = 1;
     if (flips && !saltus_sequence_double(&at->sequence, &start.sequence))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "twice the orbit has more than %d events",
                            SALTUS_MARKS_MAX);
-    size_t m = (size_t)saltus_sequence_unknowns(&start.sequence, o->n) + 1;
-    double *work = calloc(4 * m, sizeof *work), *old = work ? work + 2 * m : NULL;
     saltus_status status =
-        work ? find_plane(o, &start.sequence, at, work, message) : saltus_branch_no_memory(message);
-    if (status == SALTUS_OK) {
-        for (int k = 0; k < SALTUS_MARKS_MAX; k++)
-            order[k] = k;
-        if (!pitchfork)
-            saltus_sequence_carry(&at->sequence, at->at.tangent, &start.sequence, order, o->n, 1, old);
-        start.parameter = at->parameter[0];
-        start.state = at->state;
-        start.tangent = work + 3 * m;
-        start.unknowns = (int)m;
-        start.origin = kind;
-        leaving(work, old, (int)m, pitchfork, start.tangent);
-        status = saltus_starts_add(starts, o->n, &start, message);
-    }
-    for (size_t j = 0; j < m && work; j++)
-        work[3 * m + j] = -work[3 * m + j];
+        saltus_orbits_shoot(o, &start.sequence, at->parameter, at->state, &shooting, &u, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
+    if (status == SALTUS_OK)
+        status = saltus_null_plane(saltus_shooting_equations(shooting), plane, values, message);
+    saltus_shooting_free(shooting);
+    free(u);
+    if (status != SALTUS_OK)
+        return status;
+    for (int k = 0; k < SALTUS_MARKS_MAX; k++)
+        order[k] = k;
+    if (!pitchfork)
+        saltus_sequence_carry(&at->sequence, at->at.tangent, &start.sequence, order, o->n, 1, old);
+    start.parameter = at->parameter[0];
+    start.state = at->state;
+    start.tangent = tangent;
+    start.unknowns = saltus_sequence_unknowns(&start.sequence, o->n) + 1;
+    start.origin = kind;
+    leaving(plane, old, start.unknowns, pitchfork, tangent);
+    status = saltus_starts_add(starts, o->n, &start, message);
     /* At pitchforks and flips the other half of the branch is the image of this one. */
-    if (!pitchfork && status == SALTUS_OK)
-        status = saltus_starts_add(starts, o->n, &start, message);
-    free(work);
-    return status;
+    if (pitchfork || status != SALTUS_OK)
+        return status;
+    for (int j = 0; j < start.unknowns; j++)
+        tangent[j] = -tangent[j];
+    return saltus_starts_add(starts, o->n, &start, message);
 }
 
 saltus_status saltus_starts_graze(saltus_orbits *o, const saltus_solution *at, const saltus_sequence *beyond,

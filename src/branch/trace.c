@@ -138,7 +138,6 @@ static saltus_status locate_returns(saltus_trace *t, int before, saltus_message 
 saltus_status saltus_trace_accept(saltus_trace *t, bool bends, bool must, const char *reason,
                                   saltus_message *message) {
     saltus_status status = SALTUS_OK;
-    int order[SALTUS_MARKS_MAX];
     if (must || saltus_trail_wants(t->trail, t->next->at.ahead)) {
         const int returns = t->returns;
         status = saltus_trace_give(
@@ -154,7 +153,7 @@ saltus_status saltus_trace_accept(saltus_trace *t, bool bends, bool must, const 
     if (bends)
         saltus_curve_bend(&t->next->at, &t->here->at);
     if (status == SALTUS_OK && t->trail->following)
-        saltus_solution_reframe(&t->orbits, true, false, t->here, t->trial, order);
+        saltus_solution_reframe(&t->orbits, true, false, t->here, t->trial, NULL);
     return status;
 }
 

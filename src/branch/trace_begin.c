@@ -124,7 +124,6 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
     saltus_orbits *o = &t->orbits;
     saltus_message why = {.text = ""};
     const bool small = is_small(start);
-    int order[SALTUS_MARKS_MAX];
     saltus_trail_begin(t->trail, t->starts->begun - 1, start->parent, start->depth, start->tangent != NULL);
     t->returns = -1;
     t->births.count = 0;
@@ -153,6 +152,6 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
         saltus_solution_head(t->here, start->heading);
     status = give_first(t, start, message);
     if (status == SALTUS_OK && !start->tangent)
-        saltus_solution_reframe(o, true, false, t->here, t->trial, order);
+        saltus_solution_reframe(o, true, false, t->here, t->trial, NULL);
     return status;
 }

@@ -164,9 +164,7 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
     if (last && is_pitchfork(last, special)) {
         if (special->kind == SALTUS_POINT_LP)
             return status;
-        saltus_branch_point_clear(last);
-        t->trail->count--;
-        t->trail->made--;
+        saltus_trail_drop_last(t->trail);
     }
     if (special->end)
         return give_shared_end(t, t->trial, what, message);
@@ -213,18 +211,6 @@ static saltus_status survey_before(saltus_trace *t, saltus_message *message) {
     return status;
 }
 
-/* `spare`, so far along the branch, becomes `here`. */
-static saltus_status go_on_at(saltus_trace *t, double distance, saltus_message *message) {
-    t->trail->arclength += distance;
-    t->spare->at.ahead = 0;
-    saltus_trace_swap(&t->here, &t->spare);
-    t->trail->step = fmin(t->trail->step, t->trail->options->step);
-    t->trail->shown = t->trail->arclength;
-    saltus_status status = saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN}, message);
-    t->trail->regular++;
-    return status;
-}
-
 /* A change of events at a value, so far ahead. */
 static saltus_notice notice_of(const saltus_change *change, double ahead, double value) {
     return (saltus_notice){.kind = change->kind,
@@ -234,6 +220,21 @@ static saltus_notice notice_of(const saltus_change *change, double ahead, double
                            .after = change->after,
                            .value = value,
                            .change = true};
+}
+
+/* The change at `trial` is given out, if it is one, and `spare`, so far along the branch, becomes `here`. */
+static saltus_status go_over(saltus_trace *t, saltus_notice what, double distance, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    if (what.kind != SALTUS_POINT_REGULAR)
+        status = saltus_trace_give(t, t->trial, what, message);
+    if (status != SALTUS_OK || !t->trail->following)
+        return status;
+    saltus_trail_jump(t->trail, distance);
+    t->spare->at.ahead = 0;
+    saltus_trace_swap(&t->here, &t->spare);
+    status = saltus_trace_give(t, t->here, (saltus_notice){.accuracy = NAN}, message);
+    t->trail->regular++;
+    return status;
 }
 
 /* Where births accumulate the branch goes on beyond them, with complete chatter, if that is found:
@@ -247,25 +248,28 @@ static saltus_status complete_run(saltus_trace *t, bool far, bool *completes, sa
     if (!*completes)
         return saltus_shooting_shape(t->orbits.shooting, &t->here->sequence, message);
     t->births.count = 0;
-    saltus_status status = saltus_trace_give(t, t->trial, notice_of(&change, 0, 0), message);
-    return status == SALTUS_OK && t->trail->following ? go_on_at(t, change.distance, message) : status;
+    return go_over(t, notice_of(&change, 0, 0), change.distance, message);
 }
 
 /* Over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
 static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const char *why,
                           saltus_message *message) {
     saltus_change change;
-    bool completes = false;
-    saltus_status status = saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial,
-                                              t->spare, t->other, &change, message);
-    /* The last births before chatter completes may lie beyond rounding. */
-    if (status == SALTUS_OK && change.kind == SALTUS_POINT_EP && t->births.count == saltus_births_length) {
+    saltus_status status = SALTUS_OK;
+    for (int pass = 0; pass < 2; pass++) {
+        bool completes = false;
+        status = saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare,
+                                    t->other, &change, message);
+        if (pass || status != SALTUS_OK || change.kind != SALTUS_POINT_EP ||
+            t->births.count < saltus_births_length)
+            break;
+        /* The last births before chatter completes may lie beyond rounding; tried in vain, that has
+         * overwritten what was found. */
         status = complete_run(t, true, &completes, message);
-        if (status == SALTUS_OK && !completes)
-            status = saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare,
-                                        t->other, &change, message);
+        if (status != SALTUS_OK || completes)
+            return status;
     }
-    if (status != SALTUS_OK || completes)
+    if (status != SALTUS_OK)
         return status;
     if (isnan(change.accuracy))
         return saltus_trace_end(t, t->here, 0, why, message);
@@ -274,11 +278,7 @@ static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const
     saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value);
     if (change.kind == SALTUS_POINT_EP)
         what.addition = "; beyond it no orbit of this period was found";
-    if (change.kind != SALTUS_POINT_REGULAR)
-        status = saltus_trace_give(t, t->trial, what, message);
-    if (status != SALTUS_OK || !t->trail->following)
-        return status;
-    return go_on_at(t, t->trial->at.ahead + change.distance, message);
+    return go_over(t, what, t->trial->at.ahead + change.distance, message);
 }
 
 /* Whether an orbit grazes at the end of a run of impacts that have hardly any speed: chatter all but
@@ -465,14 +465,10 @@ static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) 
                           .after = after,
                           .change = true,
                           .grazing = &t->trial->worst};
-    saltus_status status = saltus_solution_survey(o, t->trial, message);
-    if (status == SALTUS_OK)
-        status = saltus_trace_give(t, t->trial, what, message);
-    if (status != SALTUS_OK || !t->trail->following)
-        return status;
     t->births.count = 0;
     saltus_solution_head(t->spare, heading);
-    return go_on_at(t, what.ahead + zero.ahead, message);
+    saltus_status status = saltus_solution_survey(o, t->trial, message);
+    return status == SALTUS_OK ? go_over(t, what, what.ahead + zero.ahead, message) : status;
 }
 
 /* Whether the step to `next` was too long to see what it has led over: *again, and it will be shorter. Where
@@ -483,7 +479,6 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
     saltus_orbits *o = &t->orbits;
     const bool shorter = t->next->at.ahead > least;
     bool misses = false;
-    int order[SALTUS_MARKS_MAX];
     saltus_status status = SALTUS_OK;
     *again = shorter && saltus_special_strays(o, t->here, t->next);
     if (!*again)
@@ -501,7 +496,7 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
     if (hides)
         status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
     if (hides && status == SALTUS_OK)
-        saltus_solution_reframe(o, false, true, t->here, t->trial, order);
+        saltus_solution_reframe(o, false, true, t->here, t->trial, NULL);
     return status;
 }
 

@@ -63,13 +63,6 @@ saltus_branch_point *saltus_trail_place(saltus_trail *t, saltus_message *message
     return &t->queue[t->count];
 }
 
-/* Whether a point and one visited change between the same motions, in either direction. */
-static bool same_labels(const visited *v, const saltus_branch_point *point) {
-    const char *at = point->label, *after = point->label_after;
-    return (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
-           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
-}
-
 /* Whether a special point was given out before: the branch of it, -1 for none. Points of branches that cross
  * or begin at one another are not alike: they differ in kind or in period. Where impacts die one after the
  * other points lie close together without being the same; they differ in the number of impacts. Folds of
@@ -77,9 +70,12 @@ static bool same_labels(const visited *v, const saltus_branch_point *point) {
 static int find_visited(const saltus_trail *t, const saltus_system *system,
                         const saltus_branch_point *point) {
     const double unit = t->options->high[0] - t->options->low[0];
+    const char *at = point->label, *after = point->label_after;
     for (int k = 0; k < t->visited_count; k++) {
         const visited *v = &t->visited[k];
-        const bool same = same_labels(v, point);
+        /* Where both change between the same motions, in either direction. */
+        const bool same = (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
+                          (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
         const double close_value = same ? 1e-7 : 1e-11, close_state = same ? 1e-5 : 1e-7;
         if (v->kind == point->kind && v->periods == point->periods &&
             fabs(v->period - period_of(point)) <= 1e-4 * v->period &&
@@ -113,30 +109,20 @@ static saltus_status remember(saltus_trail *t, const saltus_branch_point *point,
     return SALTUS_OK;
 }
 
-/* Whether a branch ends at a point where one has been. */
-static bool is_kept(const saltus_branch_point *point) {
-    const saltus_point_kind kind = point->kind;
-    if (point->locus)
-        return false;
-    if (point->periods == 0)
-        return kind == SALTUS_POINT_LP || kind == SALTUS_POINT_BE;
-    return kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_NS ||
-           kind == SALTUS_POINT_GR || kind == SALTUS_POINT_CH || kind == SALTUS_POINT_ST;
-}
-
-/* Whether a multiplier is on the unit circle there but for rounding, or an eigenvalue on the imaginary axis.
- */
-static bool is_marginal(saltus_point_kind kind) {
-    return kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_BP ||
-           kind == SALTUS_POINT_NS || kind == SALTUS_POINT_HB;
-}
+/* Sets of kinds: where a multiplier is on the unit circle but for rounding, or an eigenvalue on the imaginary
+ * axis; and where a branch of orbits, or of equilibria, ends at a point at which one has been. */
+static const unsigned marginal = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_BP |
+                                 1u << SALTUS_POINT_NS | 1u << SALTUS_POINT_HB,
+                      orbits_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
+                                    1u << SALTUS_POINT_GR | 1u << SALTUS_POINT_CH | 1u << SALTUS_POINT_ST,
+                      rests_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_BE;
 
 saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, const saltus_notice *what,
                                 saltus_message *message) {
     const saltus_branch_options *o = t->options;
     saltus_branch_point *point = &t->queue[t->count++];
     saltus_status status = SALTUS_OK;
-    point->stable = point->stable && (point->locus || !is_marginal(what->kind));
+    point->stable = point->stable && (point->locus || !(marginal >> what->kind & 1));
     point->kind = what->kind;
     point->branch = t->number;
     point->parent = t->parent;
@@ -150,8 +136,10 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, co
     snprintf(point->label_after, sizeof point->label_after, "%s", what->after ? what->after : "");
     snprintf(point->reason, sizeof point->reason, "%s%s", what->reason ? what->reason : "",
              what->addition ? what->addition : "");
-    const int earlier = is_kept(point) ? find_visited(t, system, point) : -1;
-    if (is_kept(point) && earlier < 0)
+    const unsigned meets = point->locus ? 0 : point->periods ? orbits_meet : rests_meet;
+    const bool kept = meets >> point->kind & 1;
+    const int earlier = kept ? find_visited(t, system, point) : -1;
+    if (kept && earlier < 0)
         status = remember(t, point, message);
     if (earlier >= 0) {
         point->kind = SALTUS_POINT_EP;
@@ -178,8 +166,19 @@ void saltus_trail_shown(saltus_trail *t, double ahead) {
     t->regular++;
 }
 
+void saltus_trail_jump(saltus_trail *t, double ahead) {
+    t->arclength += ahead;
+    t->shown = t->arclength;
+    t->step = fmin(t->step, t->options->step);
+}
+
 saltus_branch_point *saltus_trail_last(saltus_trail *t) {
     return t->count ? &t->queue[t->count - 1] : NULL;
+}
+
+void saltus_trail_drop_last(saltus_trail *t) {
+    saltus_branch_point_clear(&t->queue[--t->count]);
+    t->made--;
 }
 
 bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
@@ -191,22 +190,19 @@ bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
     return true;
 }
 
-static void archive_visited(saltus_archive *a, visited *v) {
-    v->kind = saltus_archive_kind(a, v->kind);
-    v->branch = (int)saltus_archive_whole(a, v->branch, 0, INT_MAX);
-    v->periods = (int)saltus_archive_whole(a, v->periods, 0, INT_MAX);
-    saltus_archive_label(a, v->label[0]);
-    saltus_archive_label(a, v->label[1]);
-    saltus_archive_finite(a, &v->value, 1);
-    saltus_archive_finite(a, &v->period, 1);
-    saltus_archive_array(a, &v->state, (size_t)a->n);
-}
-
 void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
     enum { numbers_min = 7 }; /* of a visited point */
     t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
-    for (int k = 0; k < t->visited_count; k++)
-        archive_visited(a, &t->visited[k]);
+    for (visited *v = t->visited; v < t->visited + t->visited_count; v++) {
+        v->kind = saltus_archive_kind(a, v->kind);
+        v->branch = (int)saltus_archive_whole(a, v->branch, 0, INT_MAX);
+        v->periods = (int)saltus_archive_whole(a, v->periods, 0, INT_MAX);
+        saltus_archive_label(a, v->label[0]);
+        saltus_archive_label(a, v->label[1]);
+        saltus_archive_finite(a, &v->value, 1);
+        saltus_archive_finite(a, &v->period, 1);
+        saltus_archive_array(a, &v->state, (size_t)a->n);
+    }
     t->number = (int)saltus_archive_whole(a, t->number, 0, INT_MAX);
     t->parent = (int)saltus_archive_whole(a, t->parent, -1, INT_MAX);
     t->depth = (int)saltus_archive_whole(a, t->depth, 0, INT_MAX);

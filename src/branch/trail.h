@@ -50,8 +50,12 @@ saltus_status saltus_trail_give(saltus_trail *trail, const saltus_system *system
 bool saltus_trail_wants(const saltus_trail *trail, double ahead);
 /* It has been given out. */
 void saltus_trail_shown(saltus_trail *trail, double ahead);
+/* The branch goes on so far ahead, beyond a corner: steps are short again. */
+void saltus_trail_jump(saltus_trail *trail, double ahead);
 /* The last point made; NULL: all have been given out. */
 saltus_branch_point *saltus_trail_last(saltus_trail *trail);
+/* It is taken back. */
+void saltus_trail_drop_last(saltus_trail *trail);
 /* False: all points made have been given out. The point is the caller's, to be cleared. */
 bool saltus_trail_take(saltus_trail *trail, saltus_branch_point *point);
 /* With all points given out: the branch under way and the special points that there were. */
