@@ -172,17 +172,6 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
     return SALTUS_OK;
 }
 
-/* Numbers that must be these; false where others are read. */
-static bool archive_same(saltus_archive *a, const double *own, int count) {
-    bool same = true;
-    for (int k = 0; k < count; k++) {
-        double number = own[k];
-        saltus_archive_real(a, &number);
-        same = same && number == own[k];
-    }
-    return same;
-}
-
 /* Which run it is, as far as it can be told: false where the numbers belong to another one. */
 static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     const saltus_branch_options *o = &b->options;
@@ -193,9 +182,16 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     const double own[] = {7,         a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
-    bool same = archive_same(a, own, sizeof own / sizeof own[0]);
-    same = archive_same(a, spec->parameters, parameters) && same;
-    return archive_same(a, o->values, o->value_count) && same;
+    const double *numbers[] = {own, spec->parameters, o->values};
+    const int counts[] = {sizeof own / sizeof own[0], parameters, o->value_count};
+    bool same = true;
+    for (int j = 0; j < 3; j++)
+        for (int k = 0; k < counts[j]; k++) {
+            double number = numbers[j][k];
+            saltus_archive_real(a, &number);
+            same = same && number == numbers[j][k];
+        }
+    return same;
 }
 
 /* The machine at work; reading, it is made. */

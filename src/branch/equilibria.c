@@ -63,11 +63,9 @@ static saltus_status open_starts(saltus_equilibria *e, const double *state, salt
     saltus_status status = saltus_equilibrium_find(e->rests.system, state, &how, &rest, message);
     start.state = rest.state;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = rest.contacts};
-    for (int heading = 1; heading >= -1 && status == SALTUS_OK; heading -= 2)
-        if (e->trail->options->direction * heading >= 0) {
-            start.heading = heading;
-            status = saltus_starts_add(&e->starts, e->rests.n, &start, message);
-        }
+    if (status == SALTUS_OK)
+        status =
+            saltus_starts_add_ways(&e->starts, e->rests.n, &start, e->trail->options->direction, message);
     saltus_equilibrium_clear(&rest);
     return status;
 }
@@ -142,16 +140,6 @@ static void swap(saltus_rest **a, saltus_rest **b) {
     saltus_rest *kept = *a;
     *a = *b;
     *b = kept;
-}
-
-/* What branches that leave the one under way have in common. */
-static saltus_branch_start leaving(const saltus_equilibria *e) {
-    return (saltus_branch_start){.parent = e->trail->number, .depth = e->trail->depth + 1};
-}
-
-/* Whether branches that leave the one under way are followed, too. */
-static bool switches(const saltus_equilibria *e) {
-    return e->trail->following && e->trail->depth < e->trail->options->switches;
 }
 
 /* All special points between `here` and `next`, in order. */
@@ -248,18 +236,15 @@ static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_m
     }
     if (status == SALTUS_OK)
         status = find_leaving(r, at, old, aside, tangent, message);
-    saltus_branch_start start = leaving(e);
+    saltus_branch_start start = saltus_trail_leaving(e->trail);
     start.origin = SALTUS_POINT_BP;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};
     start.parameter = at->parameter[0];
     start.state = at->state;
     start.tangent = tangent;
     start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are none */
-    for (int way = 0; way < (mirrored ? 1 : 2) && status == SALTUS_OK; way++) {
-        status = saltus_starts_add(&e->starts, r->n, &start, message);
-        for (int j = 0; j < m; j++)
-            tangent[j] = -tangent[j];
-    }
+    if (status == SALTUS_OK)
+        status = saltus_starts_add_ways(&e->starts, r->n, &start, mirrored, message);
     return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
 }
 
@@ -309,8 +294,8 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
         point->period = 2 * M_PI / hopf.omega;
         point->lyapunov_coefficient = hopf.coefficient;
     }
-    const saltus_branch_start like = leaving(e);
-    return status == SALTUS_OK && switches(e)
+    const saltus_branch_start like = saltus_trail_leaving(e->trail);
+    return status == SALTUS_OK && saltus_trail_switches(e->trail)
                ? saltus_hopf_leave(&e->rests, at, &hopf, &like, e->cycles, message)
                : status;
 }
@@ -340,7 +325,7 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
             status = find(e, at, -1, 0);
         else
             status = give(e, at, what, message);
-        if (status == SALTUS_OK && p->kind == SALTUS_POINT_BP && switches(e))
+        if (status == SALTUS_OK && p->kind == SALTUS_POINT_BP && saltus_trail_switches(e->trail))
             status = leave(e, at, message);
     }
     return status;
@@ -383,7 +368,7 @@ static bool change_contact(saltus_equilibria *e, const saltus_rest *at, int face
 /* The cycles that begin where `next` touches a face, beyond which the equilibria go on at `spare`. */
 static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, saltus_starts *born,
                                saltus_message *message) {
-    const saltus_branch_start like = leaving(e);
+    const saltus_branch_start like = saltus_trail_leaving(e->trail);
     const saltus_rest *free_one = leaves ? e->spare : e->next;
     saltus_rests *r = &e->rests;
     saltus_status status =
@@ -452,7 +437,7 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
                       message);
     if (status == SALTUS_OK && saltus_trail_last(trail)->kind == SALTUS_POINT_BE)
         saltus_rest_touch(&e->rests, face, saltus_trail_last(trail));
-    for (int k = 0; k < born.count && status == SALTUS_OK && switches(e); k++)
+    for (int k = 0; k < born.count && status == SALTUS_OK && saltus_trail_switches(e->trail); k++)
         status = saltus_starts_add(e->cycles, e->rests.n, &born.start[k], message);
     saltus_starts_clear(&born);
     if (status != SALTUS_OK || !trail->following)

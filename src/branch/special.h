@@ -72,6 +72,10 @@ typedef struct saltus_starts {
 /* Keep a copy. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
                                 saltus_message *message);
+/* The same for both ways along a branch, or, where `direction` is not 0, for one: with that heading, or with
+ * the tangent as it is (1) or turned round (-1). */
+saltus_status saltus_starts_add_ways(saltus_starts *starts, int n, saltus_branch_start *start, int direction,
+                                     saltus_message *message);
 /* Take out the first of them; the caller's, to be cleared. */
 saltus_branch_start saltus_starts_take(saltus_starts *starts);
 void saltus_start_clear(saltus_branch_start *start);

@@ -27,6 +27,20 @@ saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branc
     return SALTUS_OK;
 }
 
+saltus_status saltus_starts_add_ways(saltus_starts *starts, int n, saltus_branch_start *start, int direction,
+                                     saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    for (int way = 1; way >= -1 && status == SALTUS_OK; way -= 2) {
+        for (int j = 0; j < start->unknowns && start->tangent && way < 0; j++)
+            start->tangent[j] = -start->tangent[j];
+        if (!start->tangent)
+            start->heading = way;
+        if (direction * way >= 0)
+            status = saltus_starts_add(starts, n, start, message);
+    }
+    return status;
+}
+
 void saltus_start_clear(saltus_branch_start *start) {
     free(start->state);
     free(start->tangent);
@@ -98,13 +112,8 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     start.unknowns = saltus_sequence_unknowns(&start.sequence, o->n) + 1;
     start.origin = kind;
     leaving(plane, old, start.unknowns, pitchfork, tangent);
-    status = saltus_starts_add(starts, o->n, &start, message);
     /* At pitchforks and flips the other half of the branch is the image of this one. */
-    if (pitchfork || status != SALTUS_OK)
-        return status;
-    for (int j = 0; j < start.unknowns; j++)
-        tangent[j] = -tangent[j];
-    return saltus_starts_add(starts, o->n, &start, message);
+    return saltus_starts_add_ways(starts, o->n, &start, pitchfork, message);
 }
 
 saltus_status saltus_starts_graze(saltus_orbits *o, const saltus_solution *at, const saltus_sequence *beyond,

@@ -33,11 +33,8 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
         status =
             saltus_sequence_make(o->flow, orbit.periods, cycle, start.state, &lap, &start.sequence, message);
     saltus_system_free(clocked);
-    for (int heading = 1; heading >= -1 && status == SALTUS_OK; heading -= 2)
-        if (t->trail->options->direction * heading >= 0) {
-            start.heading = heading;
-            status = saltus_starts_add(t->starts, o->n, &start, message);
-        }
+    if (status == SALTUS_OK)
+        status = saltus_starts_add_ways(t->starts, o->n, &start, t->trail->options->direction, message);
     saltus_orbit_clear(&orbit);
     saltus_lap_close(&lap);
     return status;

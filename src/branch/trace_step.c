@@ -46,9 +46,9 @@ static void drop_starts(saltus_trace *t) {
 static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
                                 const saltus_sequence *beyond, saltus_message *message) {
     saltus_trail *trail = t->trail;
-    saltus_branch_start like = {.parent = trail->number, .depth = trail->depth + 1};
+    const saltus_branch_start like = saltus_trail_leaving(trail);
     saltus_message why = {.text = ""};
-    if (trail->depth >= trail->options->switches || !trail->following)
+    if (!saltus_trail_switches(trail))
         return SALTUS_OK;
     saltus_status status = kind == SALTUS_POINT_GR
                                ? saltus_starts_graze(&t->orbits, at, beyond, &like, t->starts, &why)
@@ -195,19 +195,6 @@ static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hop
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK && t->trail->following; k++)
         status = give_special(t, hopf, &specials[k], message);
-    return status;
-}
-
-/* At grazing itself the flow meets the impact or not by chance: the survey is that of an orbit just before.
- */
-static saltus_status survey_before(saltus_trace *t, saltus_message *message) {
-    const double back = 1e-7;
-    saltus_message ignored;
-    if (t->next->at.ahead <= 10 * back ||
-        saltus_solution_visit(&t->orbits, t->here, t->next->at.ahead - back, t->trial, &ignored) != SALTUS_OK)
-        return saltus_solution_survey(&t->orbits, t->next, message);
-    saltus_status status = saltus_solution_survey(&t->orbits, t->trial, message);
-    saltus_survey_swap(t->trial, t->next);
     return status;
 }
 
@@ -478,15 +465,16 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
     const double least = 1e-5;
     saltus_orbits *o = &t->orbits;
     const bool shorter = t->next->at.ahead > least;
-    bool misses = false;
     saltus_status status = SALTUS_OK;
     *again = shorter && saltus_special_strays(o, t->here, t->next);
-    if (!*again)
+    if (!*again) {
+        bool misses;
         status = saltus_cycle_seek_hopf(o, t->here, t->next, t->other, t->trial, hopf, &misses, message);
-    if (status == SALTUS_OK && misses && !shorter && !hopf->found)
-        return saltus_trace_end(t, t->here, 0, "the curve cannot be told from the equilibria near it",
-                                message);
-    *again = *again || (shorter && misses);
+        if (status == SALTUS_OK && misses && !shorter && !hopf->found)
+            status = saltus_trace_end(t, t->here, 0, "the curve cannot be told from the equilibria near it",
+                                      message);
+        *again = shorter && misses;
+    }
     /* A touch in the very place where the orbit is cut open would not be seen. */
     const bool hides = !*again && shorter && saltus_solution_base_beyond(o, t->next);
     if (status != SALTUS_OK || !(*again || hides))
@@ -501,11 +489,16 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
 }
 
 /* `next` becomes the place where an orbit of the step first breaches, if that is found; *reached as
- * saltus_curve_step has it. */
-static saltus_zero cut_at_breach(saltus_trace *t, int *reached) {
-    saltus_zero breach = saltus_solution_zero(&t->orbits, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
-    if (!breach.found)
-        return breach;
+ * saltus_curve_step has it. At grazing itself the flow meets the impact or not by chance: the survey is that
+ * of an orbit just before. */
+static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *reached,
+                                   saltus_message *message) {
+    const double back = 1e-7;
+    saltus_orbits *o = &t->orbits;
+    saltus_message ignored;
+    *breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
+    if (!breach->found)
+        return SALTUS_OK;
     saltus_trace_swap(&t->next, &t->trial);
     *reached = -1;
     for (int k = 0; k < 2; k++)
@@ -513,7 +506,12 @@ static saltus_zero cut_at_breach(saltus_trace *t, int *reached) {
             t->next->parameter[0] = t->range[k];
             *reached = 0;
         }
-    return breach;
+    if (t->next->at.ahead <= 10 * back ||
+        saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial, &ignored) != SALTUS_OK)
+        return saltus_solution_survey(o, t->next, message);
+    saltus_status status = saltus_solution_survey(o, t->trial, message);
+    saltus_survey_swap(t->trial, t->next);
+    return status;
 }
 
 /* Where no step could be made, for a reason: from an orbit cut into more segments if Newton's method was left
@@ -559,12 +557,10 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     if (again || status != SALTUS_OK || !trail->following)
         return status;
     const bool breached = t->next->worst.value > 0;
-    if (breached) {
-        breach = cut_at_breach(t, &reached);
-        if (!breach.found)
-            return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed, message);
-    }
-    status = breached ? survey_before(t, message) : saltus_solution_survey(o, t->next, message);
+    status =
+        breached ? cut_at_breach(t, &breach, &reached, message) : saltus_solution_survey(o, t->next, message);
+    if (breached && !breach.found)
+        return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed, message);
     const saltus_breach_kind kind = t->next->worst.kind;
     if (status == SALTUS_OK)
         status = find_end(t, &ended, message);

@@ -49,6 +49,14 @@ void saltus_trail_begin(saltus_trail *t, int number, int parent, int depth, bool
     t->following = true;
 }
 
+bool saltus_trail_switches(const saltus_trail *t) {
+    return t->following && t->depth < t->options->switches;
+}
+
+saltus_branch_start saltus_trail_leaving(const saltus_trail *t) {
+    return (saltus_branch_start){.parent = t->number, .depth = t->depth + 1};
+}
+
 saltus_branch_point *saltus_trail_place(saltus_trail *t, saltus_message *message) {
     if (t->count == t->room) {
         const int room = t->room ? 2 * t->room : 8;

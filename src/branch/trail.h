@@ -39,6 +39,9 @@ void saltus_trail_clear(saltus_trail *trail);
 void saltus_trail_drop(saltus_trail *trail);
 /* Another branch. */
 void saltus_trail_begin(saltus_trail *trail, int number, int parent, int depth, bool fresh);
+/* Whether branches that leave the one under way are followed, too, and what they have in common. */
+bool saltus_trail_switches(const saltus_trail *trail);
+saltus_branch_start saltus_trail_leaving(const saltus_trail *trail);
 /* Where the next point is made; NULL without memory. */
 saltus_branch_point *saltus_trail_place(saltus_trail *trail, saltus_message *message);
 /* The point made there, of a system, is to be given out. A branch ends with its point of kind EP; where it
