@@ -14,12 +14,9 @@
 #include "branch/rest_point.h"
 #include "saltus/equilibrium.h"
 
-#include <float.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct saltus_equilibria {
     saltus_trail *trail; /* the caller's */

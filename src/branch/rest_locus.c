@@ -6,10 +6,8 @@
 #include "branch/options.h"
 #include "branch/rest_point.h"
 
-#include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

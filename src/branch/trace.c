@@ -3,12 +3,10 @@
 #include "branch/trace.h"
 
 #include "branch/point.h"
-#include "orbit/poincare.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 saltus_status saltus_trace_open(saltus_trace *t, const saltus_spec *spec, saltus_message *message) {
     const saltus_branch_options *o = t->trail->options;

@@ -7,15 +7,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/boundary.h"
 #include "branch/ending.h"
-#include "branch/sequence.h"
 #include "branch/trace.h"
-#include "orbit/poincare.h"
-#include "orbit/returns.h"
-#include "orbit/sequence.h"
+#include "orbit/lap.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A solution on a border of the range, which the rounding of its unknown may miss. */
