@@ -8,17 +8,20 @@
 #include "branch/trail.h"
 
 typedef struct saltus_trace {
+    /* For the whole run. */
     saltus_trail *trail;   /* the caller's: points go there, */
     saltus_starts *starts; /* and there branches that leave */
     saltus_orbits orbits;
     double range[2]; /* of the parameter unknown */
+    /* Along a branch. */
+    double first_value;
+    saltus_lap first; /* section points of the orbit that the branch began with */
     saltus_births births;
     int returns;    /* of the last point, to the section of a scene without forcing; -1: not known, ... */
     double counted; /* ... and its value */
-    double first_value;
-    saltus_lap first; /* section points of the orbit that the branch began with */
-    saltus_solution solutions[5];
+    /* Of one step: where the branch is, where the step leads, and room for orbits that are tried. */
     saltus_solution *here, *next, *trial, *spare, *other;
+    saltus_solution solutions[5];
     const saltus_solution *found; /* the point of the locus that is asked for; NULL: there was none, */
     saltus_sequence beyond;       /* and at grazing the sequence on the other side */
 } saltus_trace;
