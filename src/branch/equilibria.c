@@ -21,7 +21,6 @@
 struct saltus_equilibria {
     saltus_trail *trail; /* the caller's */
     saltus_rests rests;
-    gsl_root_fsolver *solver;
     double range[2];       /* of the parameter unknown */
     saltus_starts starts;  /* of branches of equilibria; their sequences tell of nothing but contacts */
     saltus_starts *cycles; /* the caller's */
@@ -81,16 +80,13 @@ saltus_status saltus_equilibria_new(const saltus_spec *spec, const double *state
     e->next = &e->solutions[1];
     e->trial = &e->solutions[2];
     e->spare = &e->solutions[3];
-    e->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-    saltus_status status = e->solver ? SALTUS_OK : saltus_branch_no_memory(message);
     const saltus_point_kind locus = trail->options->locus;
-    if (locus && locus != SALTUS_POINT_HB && locus != SALTUS_POINT_BE && locus != SALTUS_POINT_LP)
-        status =
-            saltus_fail(message, SALTUS_BAD_INPUT,
-                        "locus = %s: the start is an equilibrium, whose curves are those of HB, BE and LP",
-                        saltus_point_word(locus));
-    if (status == SALTUS_OK)
-        status = saltus_branch_family(spec, trail->options, 1, &r->family, r->origin, &e->range, message);
+    saltus_status status =
+        locus && locus != SALTUS_POINT_HB && locus != SALTUS_POINT_BE && locus != SALTUS_POINT_LP
+            ? saltus_fail(message, SALTUS_BAD_INPUT,
+                          "locus = %s: the start is an equilibrium, whose curves are those of HB, BE and LP",
+                          saltus_point_word(locus))
+            : saltus_branch_family(spec, trail->options, 1, &r->family, r->origin, &e->range, message);
     if (status == SALTUS_OK)
         status = saltus_rests_open(r, message);
     if (status == SALTUS_OK)
@@ -112,8 +108,6 @@ void saltus_equilibria_free(saltus_equilibria *e) {
     for (int k = 0; k < 4; k++)
         saltus_rest_clear(&e->solutions[k]);
     saltus_rests_close(&e->rests);
-    if (e->solver)
-        gsl_root_fsolver_free(e->solver);
     free(e);
 }
 
@@ -164,7 +158,7 @@ static int find_places(saltus_equilibria *e, saltus_special *places) {
         const saltus_zero zero =
             found.kind == SALTUS_POINT_BP
                 ? saltus_rest_crossing(&e->rests, e->here, reach * near / (near - far), reach, e->trial)
-                : saltus_rest_zero(&e->rests, e->solver, asked, e->here, e->next, e->trial);
+                : saltus_rest_zero(&e->rests, asked, e->here, e->next, e->trial);
         found.ahead = zero.ahead;
         found.accuracy = zero.accuracy;
         if (zero.found)
@@ -336,7 +330,7 @@ static int find_breach(saltus_equilibria *e, saltus_zero *first) {
         const saltus_rest_asked asked = {.test = SALTUS_TEST_BREACH, .face = f};
         if (!(e->next->breach[f] > 0))
             continue;
-        saltus_zero zero = saltus_rest_zero(&e->rests, e->solver, asked, e->here, e->next, e->trial);
+        saltus_zero zero = saltus_rest_zero(&e->rests, asked, e->here, e->next, e->trial);
         if (zero.found && zero.ahead < first->ahead) {
             *first = zero;
             face = f;

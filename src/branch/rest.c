@@ -42,7 +42,8 @@ static void reserve(saltus_rests *r) {
 saltus_status saltus_rests_open(saltus_rests *r, saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();
     work *w = r->work = calloc(1, sizeof *w);
-    if (!w)
+    r->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+    if (!w || !r->solver)
         return saltus_branch_no_memory(message);
     saltus_status status = saltus_system_new(&r->family.spec, &r->first, message);
     if (status != SALTUS_OK)
@@ -83,6 +84,8 @@ void saltus_rests_close(saltus_rests *r) {
         saltus_arena_close(&r->work->arena);
         saltus_flow_free(r->work->flow);
     }
+    if (r->solver)
+        gsl_root_fsolver_free(r->solver);
     if (r->system != r->first)
         saltus_system_free(r->system);
     saltus_system_free(r->first);

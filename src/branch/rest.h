@@ -29,7 +29,8 @@ typedef struct saltus_rest_special {
     double right[SALTUS_REST_UNKNOWNS_MAX], left[SALTUS_REST_UNKNOWNS_MAX];
 } saltus_rest_special;
 
-/* The equations of equilibria; all but the first three members are rest.c's to write. */
+/* The equations of equilibria. All but the first three members are rest.c's to write, and the scales of the
+ * rows, which a run that goes on reads back. */
 typedef struct saltus_rests {
     saltus_family family;               /* one or two parameters */
     double origin[2];                   /* their values at the specification */
@@ -46,7 +47,8 @@ typedef struct saltus_rests {
     double *row_scale;     /* width */
     saltus_system *system; /* at the parameters last asked for */
     struct saltus_rest_work *work;
-    bool starved; /* memory was lacking, be it for something that was only tried */
+    gsl_root_fsolver *solver; /* Brent's method, for whom it may serve */
+    bool starved;             /* memory was lacking, be it for something that was only tried */
 } saltus_rests;
 
 /* An equilibrium: a point of the curve. */

@@ -42,9 +42,8 @@ struct saltus_rest_locus {
     bool switched; /* the curve under way begins at such a place */
     saltus_rests rests;
     saltus_rest_special special; /* what the equilibria are, renewed from point to point */
-    gsl_root_fsolver *solver;
     spot here, next, trial;
-    double *beginning; /* unknowns and tangent of the first point, */
+    double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point, */
     double first_square;
     double border[2][2]; /* of both parameter unknowns: low, high */
     int ways[2], way_count, way;
@@ -114,9 +113,7 @@ static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const d
     saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
     const int m = r->equations.unknowns;
     const size_t bytes = (size_t)m * sizeof *at->u;
-    free(l->beginning);
-    l->beginning = calloc(2 * (size_t)m, sizeof *l->beginning);
-    if (status == SALTUS_OK && (!l->beginning || !saltus_curve_reserve(at, m)))
+    if (status == SALTUS_OK && !saltus_curve_reserve(at, m))
         status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
         status = saltus_rests_fill(r, parameters, state, at->u, message);
@@ -158,10 +155,7 @@ saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail
     l->special.kind = options->locus;
     l->special.face = place ? place->face : 0;
     l->special.square = place ? place->square : 0;
-    l->solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-    saltus_status status = l->solver ? SALTUS_OK : saltus_branch_no_memory(message);
-    if (status == SALTUS_OK)
-        status = saltus_branch_family(spec, options, 2, &r->family, r->origin, l->border, message);
+    saltus_status status = saltus_branch_family(spec, options, 2, &r->family, r->origin, l->border, message);
     l->way_count = options->direction ? 1 : 2;
     l->ways[0] = options->direction < 0 ? -1 : 1;
     l->ways[1] = -1;
@@ -193,11 +187,8 @@ void saltus_rest_locus_free(saltus_rest_locus *l) {
     saltus_rest_clear(&l->here.rest);
     saltus_rest_clear(&l->next.rest);
     saltus_rest_clear(&l->trial.rest);
-    free(l->beginning);
     clear_passages(l);
     saltus_rests_close(&l->rests);
-    if (l->solver)
-        gsl_root_fsolver_free(l->solver);
     free(l);
 }
 
@@ -363,8 +354,8 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
         sought s = {l, k};
         double width;
         const double near = l->here.tests[k].value, far = l->next.tests[k].value;
-        if (!(near * far < 0) || !saltus_curve_zero(l->solver, value_ahead, &s, near, l->next.rest.at.ahead,
-                                                    far, &place[k], &width))
+        if (!(near * far < 0) || !saltus_curve_zero(l->rests.solver, value_ahead, &s, near,
+                                                    l->next.rest.at.ahead, far, &place[k], &width))
             continue;
         order[count++] = k;
         if (count == 2 && place[order[1]] < place[order[0]]) {
@@ -519,7 +510,7 @@ saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a,
     }
     saltus_rest *here = &l->here.rest;
     saltus_status status = saltus_archive_rest(a, &l->rests, here, message);
-    if (status == SALTUS_OK)
-        saltus_archive_array(a, &l->beginning, 2 * (size_t)here->at.unknowns);
+    if (status == SALTUS_OK && a->sound)
+        saltus_archive_finite(a, l->beginning, 2 * (size_t)here->at.unknowns);
     return status == SALTUS_OK && a->reading && a->sound ? renew(l, here->at.u, message) : status;
 }

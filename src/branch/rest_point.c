@@ -103,15 +103,16 @@ static double scatter(sought *s, double ahead) {
     return slope > 0 ? fmin(off / slope, apart) : apart;
 }
 
-saltus_zero saltus_rest_zero(saltus_rests *r, gsl_root_fsolver *solver, saltus_rest_asked asked,
-                             const saltus_rest *from, const saltus_rest *to, saltus_rest *out) {
+saltus_zero saltus_rest_zero(saltus_rests *r, saltus_rest_asked asked, const saltus_rest *from,
+                             const saltus_rest *to, saltus_rest *out) {
     sought s = {r, asked, from, out};
     saltus_zero zero = {.accuracy = INFINITY};
     saltus_message ignored;
     double width = 0;
     const double near = saltus_rest_value(asked, from, from), far = saltus_rest_value(asked, to, from);
     zero.ahead = to->at.ahead;
-    if (far != 0 && !saltus_curve_zero(solver, value_ahead, &s, near, to->at.ahead, far, &zero.ahead, &width))
+    if (far != 0 &&
+        !saltus_curve_zero(r->solver, value_ahead, &s, near, to->at.ahead, far, &zero.ahead, &width))
         return zero;
     const double off = scatter(&s, zero.ahead) + width;
     zero.found = saltus_rest_visit(r, from, zero.ahead, out, &ignored) == SALTUS_OK;

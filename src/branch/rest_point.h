@@ -27,8 +27,8 @@ typedef struct saltus_rest_asked {
 /* The value at an equilibrium, products in units of those at another. */
 double saltus_rest_value(saltus_rest_asked asked, const saltus_rest *rest, const saltus_rest *from);
 /* Its zero between `from` and `to`, one of which may have it; `out` becomes the point there. */
-saltus_zero saltus_rest_zero(saltus_rests *rests, gsl_root_fsolver *solver, saltus_rest_asked asked,
-                             const saltus_rest *from, const saltus_rest *to, saltus_rest *out);
+saltus_zero saltus_rest_zero(saltus_rests *rests, saltus_rest_asked asked, const saltus_rest *from,
+                             const saltus_rest *to, saltus_rest *out);
 /* The point where branches cross near `ahead` from `from`: its equations are singular, so it is interpolated
  * from points around it, not further than a tenth of `reach`. */
 saltus_zero saltus_rest_crossing(saltus_rests *rests, const saltus_rest *from, double ahead, double reach,
