@@ -64,7 +64,7 @@ static void set_going(saltus_flow *flow, int lane, int k, saltus_system *const *
 static void run_side_by_side(saltus_system *const *systems, double (*states)[dimension],
                              const saltus_flow_options *options, outcome *out) {
     const saltus_system *first[16];
-    int width = saltus_flow_width(systems[0]), own[16], next = 0, lane = 0;
+    int width = saltus_flow_width(systems[0], SALTUS_AUTOMATIC), own[16], next = 0, lane = 0;
     saltus_message message = {.text = ""};
     saltus_flow *flow;
     assert_true(width <= 16);

@@ -260,7 +260,7 @@ static void bash_completes(void **state) {
         {"saltus \"\"", " sweep ", " --json "},
         {"saltus sweep impact-o", " impact-oscillator ", " pipe "},
         {"saltus sweep pipe --at", " --at-most ", " --over "},
-        {"saltus classify pipe --integrator \"\"", " automatic taylor radau ", " --json "},
+        {"saltus classify pipe --integrator \"\"", " automatic taylor radau mixed ", " --json "},
         {"saltus continue pipe --locus P", " PD ", " LP "},
         {"saltus continue pipe --direction \"\"", " up down both ", " --in "},
         {"saltus help ba", " basins ", " classify "},

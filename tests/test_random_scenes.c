@@ -58,7 +58,7 @@ static outcome watch_scene(int scene, const stress_case *c, tally *all) {
 /* The stiff integrator's error estimate is too loose for a Maxwell element's force: not tried here. */
 static bool runs_stiff(const saltus_system *system, const saltus_flow_options *options) {
     return options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC &&
-                                                   strcmp(saltus_system_integrator(system), "radau") == 0);
+                                                   strcmp(saltus_system_integrator(system), "mixed") == 0);
 }
 
 static outcome run_scene(int scene, tally *all) {

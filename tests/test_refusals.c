@@ -74,7 +74,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"classify pipe --atol -2", 2, "--atol -2: must be a number from 0 to 1"},
         {"classify pipe --set r=1.25 --rtol 1e-9", 2, "--set r=1.25: r = 1.25: "},
         {"classify pipe --set omega=41 sides=left", 2, "--set sides=left: sides = \"left\": "},
-        {"classify pipe --integrator euler", 2, "--integrator euler: |automatic, taylor or radau"},
+        {"classify pipe --integrator euler", 2, "--integrator euler: |automatic, taylor, radau or mixed"},
         {"sweep pipe --integrator euler --over d=0.01,0.02 -o never.h5", 2, "--integrator euler: "},
         {"orbit pipe --from two.h5:1", 2, "two.h5:1: |model"},
         {"orbit two-mass --from two.h5:1 --integrator euler", 2, "--integrator euler: "},

@@ -1,10 +1,11 @@
-/* The stiff integrator against the explicit one: the same trajectory, contacts and tangent vectors included.
+/* Collocation, and collocation mixed with series, against series: the same trajectory, contacts and tangent
+ * vectors included.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 
 enum { dimension_max = 72, samples_max = 400 };
 
-/* Run both from the same settled state; largest scaled difference of states. */
+/* Run all from the same settled state; largest scaled difference of states from that of series alone. */
 static double compare(int modes, double omega, double d, double r, double settle, double periods, int columns,
                       double *tangent_difference) {
     saltus_spec spec = pipe_spec(modes, omega);
@@ -12,18 +13,20 @@ static double compare(int modes, double omega, double d, double r, double settle
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
     saltus_message message = {.text = ""};
-    double start[dimension_max], state[2][dimension_max], worst = 0;
-    static double tangents[2][4 * dimension_max];
+    double start[dimension_max], state[3][dimension_max], worst = 0;
+    static double tangents[3][4 * dimension_max];
+    static const saltus_integrator integrators[] = {SALTUS_RADAU, SALTUS_TAYLOR, SALTUS_MIXED};
     check_ok(saltus_system_default_state(system, start, &message), &message);
+    start[0] = 0.01; /* from here all come to strike */
     options.integrator = SALTUS_RADAU;
     saltus_flow *flow = open_flow(system, &options, 0, start);
     advance(flow, settle, 0);
     saltus_flow_state(flow, 0, start);
     saltus_flow_free(flow);
     options.columns = columns;
-    long long impacts[2];
-    for (int k = 0; k < 2; k++) {
-        options.integrator = k ? SALTUS_TAYLOR : SALTUS_RADAU;
+    long long impacts[3];
+    for (int k = 0; k < 3; k++) {
+        options.integrator = integrators[k];
         flow = open_flow(system, &options, settle - floor(settle), start);
         advance(flow, settle - floor(settle) + periods, 0);
         saltus_flow_state(flow, 0, state[k]);
@@ -32,19 +35,21 @@ static double compare(int modes, double omega, double d, double r, double settle
         saltus_flow_free(flow);
     }
     int n = 2 * modes;
-    for (int i = 0; i < n; i++)
-        worst =
-            fmax(worst, fabs(state[0][i] - state[1][i]) / saltus_system_scale(system)[i < modes ? 0 : modes]);
     *tangent_difference = 0;
-    for (int c = 0; c < columns; c++) {
-        double size = 0;
+    for (int k = 0; k < 3; k += 2) {
         for (int i = 0; i < n; i++)
-            size = fmax(size, fabs(tangents[1][c * n + i]));
-        for (int i = 0; i < n; i++)
-            *tangent_difference =
-                fmax(*tangent_difference, fabs(tangents[0][c * n + i] - tangents[1][c * n + i]) / size);
+            worst = fmax(worst, fabs(state[k][i] - state[1][i]) /
+                                    saltus_system_scale(system)[i < modes ? 0 : modes]);
+        for (int c = 0; c < columns; c++) {
+            double size = 0;
+            for (int i = 0; i < n; i++)
+                size = fmax(size, fabs(tangents[1][c * n + i]));
+            for (int i = 0; i < n; i++)
+                *tangent_difference =
+                    fmax(*tangent_difference, fabs(tangents[k][c * n + i] - tangents[1][c * n + i]) / size);
+        }
+        assert_true(impacts[k] == impacts[1] && impacts[k] > 0);
     }
-    assert_true(impacts[0] == impacts[1]);
     saltus_system_free(system);
     return worst;
 }
@@ -52,28 +57,28 @@ static double compare(int modes, double omega, double d, double r, double settle
 static void agrees_at_five_modes(void **unused) {
     (void)unused;
     double tangents;
-    check_near(compare(5, 42, 0.035, 0.9, 3, 4, 4, &tangents), 0, 1e-9);
+    check_near(compare(5, 42, 0.035, 0.9, 23, 4, 4, &tangents), 0, 1e-9);
     check_near(tangents, 0, 1e-8);
-    check_near(compare(5, 10, 0.025, 0.9, 3, 2, 4, &tangents), 0, 1e-9);
+    check_near(compare(5, 10, 0.025, 0.9, 23, 2, 4, &tangents), 0, 1e-9);
     check_near(tangents, 0, 1e-8);
 }
 
 static void agrees_when_stiff(void **unused) {
     (void)unused;
     double tangents;
-    check_near(compare(10, 42, 0.035, 0.9, 3, 2, 0, &tangents), 0, 1e-9);
-    check_near(compare(10, 10, 0.025, 0.5, 2, 1, 0, &tangents), 0, 1e-9);
-    check_near(compare(20, 42, 0.035, 0.9, 3, 1, 0, &tangents), 0, 1e-9);
-    check_near(compare(32, 42, 0.035, 0.9, 3, 1, 0, &tangents), 0, 1e-9);
+    check_near(compare(10, 42, 0.035, 0.9, 23, 2, 0, &tangents), 0, 1e-9);
+    check_near(compare(10, 10, 0.025, 0.5, 22, 1, 0, &tangents), 0, 1e-9);
+    check_near(compare(20, 42, 0.035, 0.9, 23, 1, 0, &tangents), 0, 1e-9);
+    check_near(compare(32, 42, 0.035, 0.9, 23, 1, 0, &tangents), 0, 1e-9);
 }
 
 /* A chatter that completes, whose last flights are far shorter than any step. */
 static void agrees_through_chatter(void **unused) {
     (void)unused;
     double tangents;
-    check_near(compare(10, 42, 0.03, 0.5, 3, 2, 4, &tangents), 0, 1e-9);
+    check_near(compare(10, 20, 0.03, 0.5, 23, 2, 4, &tangents), 0, 1e-9);
     check_near(tangents, 0, 1e-8);
-    check_near(compare(16, 42, 0.03, 0.5, 3, 1, 4, &tangents), 0, 1e-9);
+    check_near(compare(16, 20, 0.03, 0.5, 23, 2, 4, &tangents), 0, 1e-9);
     check_near(tangents, 0, 1e-8);
 }
 
@@ -109,7 +114,7 @@ static void tolerance_at_many_modes(void **unused) {
     saltus_system *system = build(&spec);
     saltus_message message = {.text = ""};
     double start[dimension_max], state[2][dimension_max];
-    assert_string_equal(saltus_system_integrator(system), "radau");
+    assert_string_equal(saltus_system_integrator(system), "mixed");
     check_ok(saltus_system_default_state(system, start, &message), &message);
     for (int k = 0; k < 2; k++) {
         saltus_flow_options options = saltus_flow_defaults();
@@ -145,6 +150,48 @@ static saltus_system *free_scene(int kind, double *state) {
     saltus_flow_state(flow, 0, state);
     saltus_flow_free(flow);
     return system;
+}
+
+/* Mixed, the long steps are collocation's and the short ones series': of a motion without impacts it takes as
+ * few as collocation alone; of one with impacts far fewer than series, and fewer evaluations than
+ * collocation. */
+static void each_step_is_made_the_cheaper_way(void **unused) {
+    (void)unused;
+    static const saltus_integrator integrators[] = {SALTUS_TAYLOR, SALTUS_RADAU, SALTUS_MIXED};
+    for (int kind = 0; kind < 4; kind++) {
+        saltus_flow_info info[3];
+        saltus_spec spec = pipe_spec(kind < 2 ? 14 : 20, 42);
+        saltus_message message = {.text = ""};
+        double start[dimension_max];
+        if (kind % 2)
+            add_stop(&spec, 0.035, kind == 1 ? 0.9 : 0.7, SALTUS_UPPER);
+        saltus_system *system = build(&spec);
+        check_ok(saltus_system_default_state(system, start, &message), &message);
+        for (int k = 0; k < 3; k++) {
+            saltus_flow_options options = saltus_flow_defaults();
+            options.rtol = 1e-10;
+            options.integrator = integrators[k];
+            start[0] = 0.01;
+            saltus_flow *flow = open_flow(system, &options, 0, start);
+            advance(flow, 24, 0);
+            const saltus_flow_info before = saltus_flow_information(flow, 0);
+            advance(flow, 28, 0);
+            info[k] = saltus_flow_information(flow, 0);
+            info[k].steps -= before.steps;
+            info[k].field_evaluations -= before.field_evaluations;
+            info[k].impacts -= before.impacts;
+            saltus_flow_free(flow);
+        }
+        assert_true(kind % 2 ? info[2].impacts > 10 : info[2].impacts == 0);
+        if (kind % 2)
+            assert_true(info[2].field_evaluations < info[1].field_evaluations &&
+                        info[2].field_evaluations < 0.4 * (double)info[0].field_evaluations);
+        else
+            assert_true(info[2].steps == info[1].steps &&
+                        info[2].field_evaluations <= info[1].field_evaluations);
+        assert_true(info[2].steps < 0.2 * (double)info[0].steps);
+        saltus_system_free(system);
+    }
 }
 
 /* Steps lie on a grid of quarters of powers of two of the period; inside them, too, the solution is as exact
@@ -334,6 +381,7 @@ int main(void) {
         cmocka_unit_test(agrees_when_stiff),
         cmocka_unit_test(agrees_through_chatter),
         cmocka_unit_test(leading_multipliers_need_few_segments),
+        cmocka_unit_test(each_step_is_made_the_cheaper_way),
         cmocka_unit_test(steps_follow_the_tolerance),
         cmocka_unit_test(the_last_step_guesses_the_next),
         cmocka_unit_test(the_linear_part_takes_one_sweep),

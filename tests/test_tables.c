@@ -243,7 +243,7 @@ static void tables_tell_their_options(void **state) {
     static const char *const words[2][3] = {
         {", integrator = automatic (taylor)", ", integrator = taylor (taylor)",
          ", integrator = radau (radau)"},
-        {", integrator = automatic (radau)", ", integrator = taylor (taylor)",
+        {", integrator = automatic (mixed)", ", integrator = taylor (taylor)",
          ", integrator = radau (radau)"}};
     double exponent = 0.5, error = 0.25;
     saltus_lyapunov lyapunov = lyapunov_of(&exponent, &error);

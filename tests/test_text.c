@@ -203,7 +203,7 @@ static void lanes_of(const saltus_spec *spec, int periods) {
     enum { lanes = 16 };
     saltus_system *system = build(spec);
     const saltus_system *all[lanes];
-    const int n = saltus_system_dimension(system), width = saltus_flow_width(system);
+    const int n = saltus_system_dimension(system), width = saltus_flow_width(system, SALTUS_AUTOMATIC);
     const double *scale = saltus_system_scale(system);
     static double start[lanes][state_max], state[2][state_max], columns[2][2 * state_max];
     saltus_flow_options options = saltus_flow_defaults();

@@ -32,7 +32,8 @@ enum { SALTUS_DIRECTIONS_MAX = 3 };
 typedef enum saltus_integrator {
     SALTUS_AUTOMATIC, /* the choice made when the system was built */
     SALTUS_TAYLOR,    /* explicit Taylor series of high order: not stiff */
-    SALTUS_RADAU      /* implicit collocation at 16 Radau points, modal part solved exactly: stiff */
+    SALTUS_RADAU,     /* implicit collocation at 16 Radau points, linear part solved exactly: stiff */
+    SALTUS_MIXED      /* collocation for long steps, series for short ones: stiff, and the fastest there */
 } saltus_integrator;
 
 typedef struct saltus_flow_options {
@@ -91,7 +92,7 @@ typedef struct saltus_event {
 /* What a flow has done since it was started. */
 typedef struct saltus_flow_info {
     long long steps;             /* steps of the integrator */
-    long long field_evaluations; /* Taylor: orders expanded; Radau: node evaluations */
+    long long field_evaluations; /* orders expanded in series, nodes evaluated in collocation */
     long long impacts, sticks, releases;
     double log_volume; /* sum of 2 ln r over the impacts: the impacts' share of the sum rule */
     double square; /* integral of the observed displacement's square over the time, in units of T, in which
@@ -112,9 +113,10 @@ saltus_status saltus_flow_single(const saltus_system *system, int columns, const
                                  saltus_flow **flow, saltus_message *message);
 /* NULL is accepted. */
 void saltus_flow_free(saltus_flow *flow);
-/* Number of trajectories that run side by side for a system on this processor, by the integrator chosen for
- * it: 1 where that is the stiff one. */
-int saltus_flow_width(const saltus_system *system);
+/* Number of trajectories that run side by side for a system on this processor: 1 with an integrator that uses
+ * collocation. Where the choice is automatic they run on series side by side as long as that is the fastest
+ * way for many of them, even where a single one is chosen to be mixed. */
+int saltus_flow_width(const saltus_system *system, saltus_integrator integrator);
 const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane);
 int saltus_flow_columns(const saltus_flow *flow);
 

@@ -275,7 +275,7 @@ double saltus_system_fastest_decay(const saltus_system *system);
 /* Displacement at position xi along the structure (0..1): eta(xi) of a pipe, the masses of an oscillator
  * joined by straight lines from the support at xi = 0. */
 double saltus_system_shape(const saltus_system *system, const double *state, double xi);
-/* Name of the integrator chosen when the system was built ("taylor" or "radau"). */
+/* Name of the integrator chosen when the system was built ("taylor" or "mixed"). */
 const char *saltus_system_integrator(const saltus_system *system);
 
 SALTUS_API_END

@@ -263,7 +263,7 @@ saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step)
 static double velocity_term(const saltus_flow *flow, int lane, const double *row) {
     const saltus_work *w = &flow->work;
     double sum = 0;
-    for (int i = 0; i < flow->dof && !flow->radau; i++)
+    for (int i = 0; i < flow->dof && !flow->collocated; i++)
         sum = fma(row[i], w->jet.v[saltus_work_place(w, degree_of(flow, lane), 0, i, lane)], sum);
     return sum;
 }

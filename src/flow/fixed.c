@@ -186,7 +186,7 @@ void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const
 }
 
 bool saltus_fixed_tell(const saltus_system *system, char *text, size_t size) {
-    if (!system->tape || system->stiff)
+    if (!system->tape || system->stiffness_ratio > 1)
         return false;
     const saltus_compile_shape shape = {.flags = saltus_kernel_find(system->spec.model->kernel, 1)->flags,
                                         .delay = delay_for(system->tape)};

@@ -84,8 +84,7 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
         flow->tangents[c * n + c] = 1;
     if (flow->lanes == 1)
         saltus_work_clear_states(&flow->work);
-    if (flow->radau)
-        saltus_radau_reset(flow->radau);
+    saltus_flow_break(flow, true);
 }
 
 saltus_status saltus_flow_start(saltus_flow *flow, int lane, saltus_time time, const double *state,
@@ -279,11 +278,10 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         turning |= watches_turning(self);
     }
     if (flow->radau) {
-        saltus_lane *self = &flow->lane[0];
-        saltus_status status = saltus_radau_step(flow->radau, w, &self->info.field_evaluations);
+        saltus_status status = saltus_flow_mix(flow);
         if (status != SALTUS_OK) {
             saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods",
-                        saltus_time_periods(self->now));
+                        saltus_time_periods(flow->lane[0].now));
             fail_here(flow, 0, message);
             return status;
         }
@@ -362,8 +360,7 @@ static saltus_status apply_event(saltus_flow *flow, int lane) {
         if (!saltus_contacts_release(flow, lane, event->face))
             event->kind = SALTUS_STEP;
     }
-    if (flow->radau)
-        saltus_radau_impact(flow->radau);
+    saltus_flow_break(flow, false);
     return status;
 }
 
@@ -375,7 +372,7 @@ void saltus_flow_keep_contacts(saltus_flow *flow, int lane) {
 }
 
 /* Move a lane's clock to the end of its step. */
-static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
+static void pass_time(saltus_flow *flow, int lane, bool contact_event) {
     saltus_lane *self = &flow->lane[lane];
     const double phase = self->now.phase + flow->work.lane->passing[lane];
     const saltus_time begin = self->step.begin = self->now;
@@ -388,10 +385,10 @@ static void pass_time(const saltus_flow *flow, int lane, bool contact_event) {
         self->now = saltus_time_after(self->now, flow->work.lane->passing[lane]);
     self->info.steps++;
     if (flow->options.effort)
-        saltus_effort_add(flow->options.effort, self->step.length, flow->options.columns,
-                          flow->radau != NULL);
+        saltus_effort_add(flow->options.effort, self->step.length, flow->options.columns, flow->collocated);
+    flow->mixture.layers -= self->step.length;
     self->flight = self->flight > self->step.length ? self->flight - self->step.length : INFINITY;
-    if (!flow->radau)
+    if (!flow->collocated)
         self->info.field_evaluations += (long long)flow->work.lane->degree[lane];
     if (self->now.cycle != begin.cycle || self->cycle_steps == 0)
         self->cycle_from = self->now.phase;

@@ -92,6 +92,15 @@ typedef struct saltus_lane {
     double *delay;     /* per column: d (event time) / d column of the last event */
 } saltus_lane;
 
+/* Collocation and series in turns, where a system is stiff. Collocation's steps are as long as what lasts
+ * allows; series are cheaper between events that follow each other closely, and as long as an impact's
+ * boundary layers last, which collocation would resolve by several short steps. */
+typedef struct saltus_mixture {
+    double worth; /* from this length on a step of collocation costs less than the series' steps; 0: always */
+    bool known;   /* how long the layers last from here on: */
+    double layers;
+} saltus_mixture;
+
 struct saltus_flow {
     saltus_arena arena;
     saltus_flow_options options;
@@ -102,7 +111,9 @@ struct saltus_flow {
     bool shortened;      /* the degrees of some lanes are below their own (flight.c) */
     saltus_fixed fixed;  /* and what has been compiled for them */
     saltus_work *probe;  /* one narrow work per lane, for single points */
-    saltus_radau *radau; /* stiff integrator, one per flow (width 1); NULL: Taylor's */
+    saltus_radau *radau; /* collocation, in a flow of one lane; NULL: series alone */
+    saltus_mixture mixture;
+    bool collocated; /* the step under way */
     saltus_parameter_column parameter[SALTUS_DIRECTIONS_MAX];
     bool transients;         /* of tangent vectors are all there is to them */
     double period_steps_max; /* a period of more steps is not followed to its end */
@@ -134,6 +145,13 @@ void saltus_flow_expand(saltus_flow *flow);
 /* The longest time that a series of two orders less than a degree surely covers, though all motion be as fast
  * as the linear part can make it. */
 double saltus_flow_brief(const saltus_system *system, int degree, double rtol);
+
+/* mixture.c */
+/* The next step of a flow that has both: from the state and phase in the stepping work to its jets and step,
+ * by the way that costs less. Errors: SALTUS_STALLED when no step of collocation converges. */
+saltus_status saltus_flow_mix(saltus_flow *flow);
+/* A start or an event: no step follows from those before. */
+void saltus_flow_break(saltus_flow *flow, bool start);
 
 /* lane.c */
 /* A lane's state (column 0) or tangent vector from or into the rows of the stepping work; all of them into

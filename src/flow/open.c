@@ -8,8 +8,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-const saltus_word saltus_integrator_words[] = {
-    {"automatic", SALTUS_AUTOMATIC}, {"taylor", SALTUS_TAYLOR}, {"radau", SALTUS_RADAU}, {NULL, 0}};
+const saltus_word saltus_integrator_words[] = {{"automatic", SALTUS_AUTOMATIC},
+                                               {"taylor", SALTUS_TAYLOR},
+                                               {"radau", SALTUS_RADAU},
+                                               {"mixed", SALTUS_MIXED},
+                                               {NULL, 0}};
 
 static const saltus_option choices[] = {SALTUS_FLOW_CHOICES(saltus_flow_options, , 1e-13, 1e-16)};
 const saltus_option_table saltus_flow_table = SALTUS_TABLE(choices);
@@ -63,6 +66,13 @@ static bool same_shape(const saltus_system *a, const saltus_system *b) {
     for (int f = 0; same && f < a->face_count; f++)
         same = a->faces[f].stop == b->faces[f].stop && a->faces[f].side == b->faces[f].side;
     return same;
+}
+
+/* Whether a flow uses collocation, which runs one trajectory at a time. Where several could run side by side,
+ * series keep up with it longer. */
+static bool collocates(const saltus_system *system, int lanes, saltus_integrator integrator) {
+    const double gain = lanes > 1 ? 2 : 1;
+    return integrator == SALTUS_AUTOMATIC ? system->stiffness_ratio > gain : integrator != SALTUS_TAYLOR;
 }
 
 static saltus_status check_options(const saltus_flow_options *o, saltus_message *message) {
@@ -131,14 +141,26 @@ static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane
         row[i * work->lanes + lane] = system->observer[i];
 }
 
+/* The order of series for accuracy alone. */
+static int usual_order(const saltus_flow_options *o) {
+    return o->order ? o->order : order_by_tolerance(-log10(o->rtol));
+}
+
 /* Load a lane's system into the stepping work and into the lane's work for single points. */
 static void load_lane(saltus_flow *flow, int lane) {
     saltus_eigenvalues room;
     const saltus_flow_options *o = &flow->options;
+    /* A step of collocation costs as much as so many of the series' (measured on pipes of 10 to 64 modes: it
+     * may be half of that or twice). */
+    static const double collocation_cost = 12;
+    const bool collocated = o->integrator == SALTUS_RADAU;
     const saltus_system *system = flow->lane[lane].system,
-                        known = flow->radau ? *system : saltus_spectrum_of(system, &room);
-    const int degree =
-        flow->radau || o->order || flow->transients ? flow->work.order : degree_for(&known, o->rtol);
+                        known = collocated ? *system : saltus_spectrum_of(system, &room);
+    const int degree = collocated                     ? SALTUS_RADAU_DEGREE
+                       : o->order || flow->transients ? usual_order(o)
+                                                      : degree_for(&known, o->rtol);
+    if (flow->radau && !collocated)
+        flow->mixture.worth = collocation_cost * saltus_system_step_limit(&known, degree);
     flow->lane[lane].degree = degree;
     /* An order that is asked for is that of every step. */
     flow->lane[lane].brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
@@ -150,7 +172,8 @@ static saltus_status open_works(saltus_flow *flow, bool stiff) {
     const saltus_system *first = flow->lane[0].system;
     const saltus_flow_options *o = &flow->options;
     const saltus_tolerance tolerance = {o->rtol, o->atol, fmax(o->rtol, 1e-13)};
-    const int order = stiff ? SALTUS_RADAU_DEGREE : o->order ? o->order : order_by_tolerance(-log10(o->rtol));
+    const int series = o->integrator == SALTUS_RADAU ? 0 : usual_order(o);
+    const int order = stiff && series < SALTUS_RADAU_DEGREE ? SALTUS_RADAU_DEGREE : series;
     saltus_status status =
         saltus_work_open(&flow->work, flow->kernel, first, order, o->columns, o->directions, tolerance);
     for (int l = 0; l < flow->lanes && status == SALTUS_OK; l++)
@@ -171,8 +194,7 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
     const saltus_system *first = systems[0];
     const saltus_kernel *narrow = saltus_kernel_find(first->spec.model->kernel, 1);
     const saltus_kernel *kernel = lanes == 1 ? narrow : saltus_kernel_find(first->spec.model->kernel, 0);
-    bool stiff =
-        options->integrator == SALTUS_RADAU || (options->integrator == SALTUS_AUTOMATIC && first->stiff);
+    const bool stiff = collocates(first, lanes, options->integrator);
     saltus_status status = saltus_kernel_check(message);
     if (status == SALTUS_OK)
         status = check_options(options, message);
@@ -282,6 +304,7 @@ void saltus_flow_free(saltus_flow *flow) {
     free(flow);
 }
 
-int saltus_flow_width(const saltus_system *system) {
-    return system->stiff ? 1 : saltus_kernel_find(system->spec.model->kernel, 0)->lanes;
+int saltus_flow_width(const saltus_system *system, saltus_integrator integrator) {
+    const int width = saltus_kernel_find(system->spec.model->kernel, 0)->lanes;
+    return collocates(system, width, integrator) ? 1 : width;
 }

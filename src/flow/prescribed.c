@@ -123,7 +123,6 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
     for (int i = 0; i < flow->dimension; i++)
         strike->shift[i] = flow->before[i] - flow->after[i];
     saltus_lane_scatter_all(flow, lane);
-    if (flow->radau)
-        saltus_radau_impact(flow->radau);
+    saltus_flow_break(flow, false);
     return SALTUS_OK;
 }

@@ -286,9 +286,8 @@ static void take_start(saltus_radau *r, const saltus_work *work) {
     }
 }
 
-/* The longest first step that resolves every mode's boundary layer. Its size follows from the acceleration at
- * the start; a layer exp(-z s) is represented on [0, 1] to 1.3e-11 (z / 6)^13 of its size, near z = 6. */
-static double first_step(saltus_radau *r, double phase) {
+/* The field at the step's start, in all lanes of the first chunk. */
+static void find_start_field(saltus_radau *r, double phase) {
     saltus_stages *s = &r->stages;
     saltus_work *w = &r->work[0];
     for (int l = 0; l < s->lanes; l++) {
@@ -304,19 +303,51 @@ static double first_step(saltus_radau *r, double phase) {
         }
     }
     r->field->expand(w, 0, 1);
+}
+
+/* The boundary layer of a mode, in the trajectory or a tangent vector. */
+typedef struct boundary_layer {
+    double rate, size; /* of decay; in units of the tolerance */
+    double step;       /* the longest one that resolves it */
+} boundary_layer;
+
+/* Its size follows from the acceleration at the start; a layer exp(-z s) is represented on [0, 1] to
+ * 1.3e-11 (z / 6)^13 of its size, near z = 6. */
+static boundary_layer layer_of(const saltus_radau *r, int c, int i) {
+    const double half = 0.5 * r->system->damping[i], inside = half * half - r->system->stiffness[i];
+    const double rate = inside > 0 ? half + sqrt(inside) : sqrt(r->system->stiffness[i]);
+    const double size = fabs(r->stages.field[0][saltus_work_place(&r->work[0], 0, c, i, 0)]) /
+                        (rate * r->omega_unit * r->column[c].tolerance);
+    if (!(rate > 0) || !(size > 0) || (c >= r->steady && !(r->column[c].size > 0)))
+        return (boundary_layer){.rate = rate, .step = r->system->period};
+    const double turns = fmin(fmax(5.5 * pow(1.3e-11 * size, -1.0 / 13), 2), 20);
+    return (boundary_layer){.rate = rate, .size = size, .step = turns / rate};
+}
+
+/* The longest first step that resolves every mode's boundary layer. */
+static double first_step(saltus_radau *r, double phase) {
     double step = r->system->period;
+    find_start_field(r, phase);
     for (int c = 0; c < r->all; c++)
-        for (int i = 0; i < s->dof && (c < r->steady || r->column[c].size > 0); i++) {
-            double half = 0.5 * r->system->damping[i], inside = half * half - r->system->stiffness[i];
-            double rate = inside > 0 ? half + sqrt(inside) : sqrt(r->system->stiffness[i]);
-            double size = fabs(s->field[0][saltus_work_place(w, 0, c, i, 0)]) / (rate * r->omega_unit);
-            double turns =
-                size > 0 && rate > 0 ? 5.5 * pow(r->column[c].tolerance / (1.3e-11 * size), 1.0 / 13) : 20;
-            turns = fmin(fmax(turns, 2), 20);
-            if (rate * step > turns)
-                step = turns / rate;
-        }
+        for (int i = 0; i < r->stages.dof; i++)
+            step = fmin(step, layer_of(r, c, i).step);
     return step;
+}
+
+double saltus_radau_layers(saltus_radau *radau, const saltus_work *work, double step,
+                           long long *evaluations) {
+    double last = 0;
+    take_start(radau, work);
+    find_start_field(radau, work->lane->phase[0]);
+    *evaluations += radau->stages.lanes;
+    for (int c = 0; c < radau->all; c++)
+        for (int i = 0; i < radau->stages.dof; i++) {
+            const boundary_layer layer = layer_of(radau, c, i);
+            if (layer.step < step)
+                last = fmax(last, log(layer.size) / layer.rate);
+        }
+    radau->proposal = step;
+    return last;
 }
 
 /* Steps lie on a grid, period 2^(-k / 4), so that factors serve again. */

@@ -24,6 +24,9 @@ void saltus_radau_close(saltus_radau *radau);
 void saltus_radau_reset(saltus_radau *radau);
 /* The state or the contacts have changed along the same trajectory: the next step starts small. */
 void saltus_radau_impact(saltus_radau *radau);
+/* How long the boundary layers at the state and phase in `work` last that a step of a length could not
+ * resolve. Behind them the next step will be tried with that length. */
+double saltus_radau_layers(saltus_radau *radau, const saltus_work *work, double step, long long *evaluations);
 /* Take over the held contacts from the flow's work. */
 void saltus_radau_publish(saltus_radau *radau, const saltus_work *work);
 /* From the state and phase in `work`, make one step, which may reach beyond the target (what is left), where

@@ -41,7 +41,7 @@ saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *syst
                            .options = options,
                            .n = saltus_system_dimension(system),
                            .members = options->members,
-                           .width = options->flow.integrator == SALTUS_RADAU ? 1 : saltus_flow_width(system)};
+                           .width = saltus_flow_width(system, options->flow.integrator)};
     e->columns = options->exponents ? options->exponents : e->n;
     e->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
     reserve(e);

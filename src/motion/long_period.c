@@ -252,7 +252,7 @@ saltus_status saltus_motion_meets_contact(const saltus_system *system, const sal
                                           const double *const *states, int count, long long watched,
                                           double *state, bool *found, long long *without,
                                           saltus_message *message) {
-    const int width = options->integrator == SALTUS_RADAU ? 1 : saltus_flow_width(system);
+    const int width = saltus_flow_width(system, options->integrator);
     const saltus_system *systems[SALTUS_PACK_MAX];
     saltus_status status = SALTUS_OK;
     first_contact first = {.trajectory = -1, .cycle = rare * watched / count, .state = state};

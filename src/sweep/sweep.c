@@ -74,16 +74,18 @@ static saltus_status take_axes(saltus_sweep *sweep, const saltus_axis *axes, int
     return SALTUS_OK;
 }
 
-/* Look at the system of one point: where one is stiff, all trajectories use the stiff integrator, so that the
- * choice does not depend on what runs beside what; the one with the most terms stands for all of them. */
-static saltus_status check_point(saltus_sweep *sweep, long long point, saltus_message *message) {
+/* Look at the system of one point: how stiff the stiffest one is; the one with the most terms stands for all
+ * of them. */
+static saltus_status check_point(saltus_sweep *sweep, long long point, saltus_integrator *fitting,
+                                 saltus_message *message) {
     saltus_system *system = NULL;
     saltus_status status = saltus_sweep_system(sweep, point, &system, message);
     if (status != SALTUS_OK)
         return status;
-    if (sweep->options.flow.integrator == SALTUS_AUTOMATIC &&
-        strcmp(saltus_system_integrator(system), "radau") == 0)
-        sweep->options.flow.integrator = SALTUS_RADAU;
+    if (saltus_flow_width(system, SALTUS_AUTOMATIC) == 1)
+        *fitting = SALTUS_MIXED;
+    else if (system->stiffness_ratio > 1 && *fitting == SALTUS_AUTOMATIC)
+        *fitting = SALTUS_TAYLOR;
     bool fuller = !sweep->system || (system->coefficients.terms & ~sweep->system->coefficients.terms);
     saltus_system *other = fuller ? sweep->system : system;
     if (fuller)
@@ -92,16 +94,20 @@ static saltus_status check_point(saltus_sweep *sweep, long long point, saltus_me
     return SALTUS_OK;
 }
 
-/* The systems at the ends of the axes, and at each entry of a list. */
+/* The systems at the ends of the axes, and at each entry of a list. Where some are stiff all trajectories use
+ * one integrator, so that the choice does not depend on what runs beside what. */
 static saltus_status check_corners(saltus_sweep *sweep, saltus_message *message) {
     const saltus_axis *across = &sweep->axes[0];
     const int rows = sweep->axis_count > 1 ? sweep->axes[1].count : 1;
+    saltus_integrator fitting = SALTUS_AUTOMATIC;
     const bool every_row = sweep->axis_count > 1 && sweep->axes[1].list;
     saltus_status status = SALTUS_OK;
     for (int j = 0; j < rows && status == SALTUS_OK; j += every_row || rows < 2 ? 1 : rows - 1)
         for (int k = 0; k < across->count && status == SALTUS_OK;
              k += across->list || across->count < 2 ? 1 : across->count - 1)
-            status = check_point(sweep, (long long)j * across->count + k, message);
+            status = check_point(sweep, (long long)j * across->count + k, &fitting, message);
+    if (sweep->options.flow.integrator == SALTUS_AUTOMATIC)
+        sweep->options.flow.integrator = fitting;
     if (status == SALTUS_OK)
         sweep->dimension = saltus_system_dimension(sweep->system);
     return status;

@@ -103,10 +103,8 @@ static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flo
 static bool open_worker(worker *w) {
     const saltus_sweep_options *o = &w->sweep->options;
     const bool measures = o->keep & SALTUS_KEEP_LYAPUNOV;
-    const int width = saltus_flow_width(w->sweep->system);
-    w->plain.lanes = o->flow.integrator == SALTUS_RADAU ? 1
-                     : o->lanes > 0 && o->lanes < width ? o->lanes
-                                                        : width;
+    const int width = saltus_flow_width(w->sweep->system, o->flow.integrator);
+    w->plain.lanes = o->lanes > 0 && o->lanes < width ? o->lanes : width;
     w->tangent.lanes = measures ? w->plain.lanes : 0;
     w->size = w->plain.lanes + w->tangent.lanes;
     if (!open_flow(w, w->plain.lanes, 0, &w->plain.flow) ||

@@ -145,7 +145,7 @@ static void build(saltus_system *system) {
     system->rate = fmax(fmax(sqrt(stiffness + p[p_kz] / p[p_m]), damping),
                         fmax(p[p_omega], system->extra ? 1 / p[p_tz] : 0));
     system->decay = decay_bound(system);
-    system->stiff = damping > 200 * fmax(p[p_omega], sqrt(stiffness));
+    system->stiffness_ratio = damping / (200 * fmax(p[p_omega], sqrt(stiffness)));
     system->mirror = p[p_F0] == 0 && (!two || p[p_F02] == 0);
     system->mirror_shift = system->forced;
 }

@@ -73,15 +73,14 @@ static void fill_linear(saltus_system *system, double velocity) {
     }
 }
 
-/* Whether the stiff integrator is the faster one. Taylor's steps are as long as stability lets them be, 5 /
- * drag at rtol 1e-10. Those of the stiff integrator follow what lasts: the forcing, and motions about twice
- * as fast as the first mode; it takes 0.4 of them per radian, and 1.4 more for every impact, after which it
- * begins anew. One of them costs as much as 25 to 45 of Taylor's, with tangent vectors and without. Where
- * there is a stop, four impacts a period are counted on; motions without any would gain from fewer modes on,
- * chatter from more (`saltus_bench --cost-only` measures both). */
-static bool stiff_pays(double drag, double omega, bool struck) {
+/* Series take steps as long as stability lets them, 5 / drag at rtol 1e-10. Those of collocation follow what
+ * lasts: the forcing, and motions about twice as fast as the first mode; it takes 0.4 of them per radian, and
+ * after every impact as many of the series' as one of its own costs. That is 12 to 25 of the series'. Where
+ * there is a stop, several impacts a period are counted on; motions without any would gain from fewer modes
+ * on (`saltus_bench --cost-only` measures both). */
+static double ratio_of(double drag, double omega, bool struck) {
     const double lasting = fmax(omega, 2 * M_PI * M_PI);
-    return drag > (struck ? 250 : 80) * lasting;
+    return drag / ((struck ? 150 : 80) * lasting);
 }
 
 static void build(saltus_system *system) {
@@ -114,7 +113,7 @@ static void build(saltus_system *system) {
     system->decay = drag;
     system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
     system->forced = c->terms & SALTUS_TERM_FORCED;
-    system->stiff = stiff_pays(drag, system->forced ? p[p_omega] : 0, system->spec.stop_count > 0);
+    system->stiffness_ratio = ratio_of(drag, system->forced ? p[p_omega] : 0, system->spec.stop_count > 0);
     system->mirror = true;
     system->mirror_shift = false;
 }

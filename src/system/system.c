@@ -516,7 +516,7 @@ double saltus_system_observed(const saltus_system *system, const double *vector)
     return sum;
 }
 const char *saltus_system_integrator(const saltus_system *system) {
-    return system->stiff ? "radau" : "taylor";
+    return system->stiffness_ratio > 1 ? "mixed" : "taylor";
 }
 
 double saltus_system_gap(const saltus_system *system, int face, const double *state) {

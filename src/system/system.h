@@ -44,7 +44,9 @@ struct saltus_system {
     bool forced;
     bool mirror, mirror_shift;
     bool guarded; /* states may leave where the equations have a value: sqrt, log, asin, acos, powers */
-    bool stiff;
+    /* Beyond 1 collocation pays for a single trajectory: how many times longer a step the motion allows than
+     * the fastest decay, over how many times as much it costs. */
+    double stiffness_ratio;
     double rate;  /* bound on the modulus of the linear part's eigenvalues */
     double decay; /* bound on its decay rates */
     int face_count;

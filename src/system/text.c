@@ -184,7 +184,7 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
             system->scale[n + i] = system->scale[i] * (pull[i] > 0 ? sqrt(pull[i]) : 1);
     system->decay = decay;
     system->rate = fmax(fmax(sqrt(stiffness), damping), g->forced ? system->omega : 1e-3);
-    system->stiff = damping > 200 * fmax(g->forced ? system->omega : 0, sqrt(stiffness));
+    system->stiffness_ratio = damping / (200 * fmax(g->forced ? system->omega : 0, sqrt(stiffness)));
 }
 
 /* Whether f(-x, t + T/2) = -f(x, t), or with `shift` false f(-x, t) = -f(x, t): at points that no rule picks

@@ -31,6 +31,7 @@ static const char *const known[][2] = {
 static void list_methods(results *r) {
     r->methods[r->method_count++] = (method){"Saltus Taylor", "taylor", SALTUS_TAYLOR, NULL};
     r->methods[r->method_count++] = (method){"Saltus Radau", "radau", SALTUS_RADAU, NULL};
+    r->methods[r->method_count++] = (method){"Saltus mixed", "mixed", SALTUS_MIXED, NULL};
     for (int k = 0; k < saltus_rival_count && r->method_count < methods_max; k++)
         r->methods[r->method_count++] =
             (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};

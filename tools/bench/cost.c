@@ -232,12 +232,12 @@ static bool cost_of_choice(cost_table *costs, int settle, int length) {
             set_stop(&spec, &a);
             if (saltus_system_new(&spec, &system, NULL) != SALTUS_OK)
                 return false;
-            const bool stiff = strcmp(saltus_system_integrator(system), "radau") == 0;
+            const bool stiff = strcmp(saltus_system_integrator(system), "mixed") == 0;
             saltus_system_free(system);
             snprintf(what, sizeof what, "N = %d, %s%s: %s", modes[k], a.what,
-                     tangents ? ", 2 N tangent vectors" : "", stiff ? "Radau" : "Taylor");
+                     tangents ? ", 2 N tangent vectors" : "", stiff ? "mixed" : "Taylor");
             bool done = measure_run(&spec, &a, NULL, settle, tangents ? length / 4 : length, &s);
-            a.integrator = stiff ? SALTUS_TAYLOR : SALTUS_RADAU;
+            a.integrator = stiff ? SALTUS_TAYLOR : SALTUS_MIXED;
             done = done && measure_run(&spec, &a, NULL, settle, tangents ? length / 4 : length, &other);
             if (!done)
                 return false;
@@ -282,7 +282,7 @@ static bool cost_of_lanes(cost_table *costs, int settle, int length) {
         set_stop(&spec, &a);
         done = saltus_system_new(&spec, &systems[l], NULL) == SALTUS_OK;
     }
-    const int width = done ? saltus_flow_width(systems[0]) : 0;
+    const int width = done ? saltus_flow_width(systems[0], SALTUS_AUTOMATIC) : 0;
     for (int lanes = 1; lanes <= lanes_max && lanes <= width && done; lanes *= 2) {
         char what[96];
         spent s = {.steps = NAN, .impacts = NAN, .evaluations = NAN};

@@ -100,7 +100,7 @@ bool problem_open(const char *folder, const char *name, const char *what, proble
         return false;
     }
     set_scene(p);
-    p->stiff = strcmp(saltus_system_integrator(p->system), "radau") == 0;
+    p->stiff = strcmp(saltus_system_integrator(p->system), "mixed") == 0;
     for (int e = 0; e < p->orbit.event_count; e++)
         p->impacts += p->orbit.kind[e] == 'i';
     return true;

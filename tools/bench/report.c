@@ -257,7 +257,7 @@ static double factor_of(const results *r, int p, int m, int t, bool events, yard
 }
 
 static void print_asked_row(FILE *file, const results *r, int p, int m, bool events, yardstick by) {
-    const saltus_integrator chosen = r->problems[p]->stiff ? SALTUS_RADAU : SALTUS_TAYLOR;
+    const saltus_integrator chosen = r->problems[p]->stiff ? SALTUS_MIXED : SALTUS_TAYLOR;
     fprintf(file, "| %s, %s%s |", r->problems[p]->name, r->methods[m].name,
             r->methods[m].own == chosen ? " (chosen)" : "");
     for (int t = 0; t < r->tolerance_count; t++)

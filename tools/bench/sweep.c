@@ -163,7 +163,8 @@ static bool calibrate_one(sweep *s, program p, double first, double last, double
 static bool calibrate(sweep *s, bool rivals) {
     static const int orders[] = {0, 8, 9, 10, 12};
     program list[rows_max];
-    const int lanes = saltus_flow_width(s->stopped[0]), count = rivals ? list_rivals(list) : 0;
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC),
+              count = rivals ? list_rivals(list) : 0;
     print_head();
     for (size_t k = 0; k < sizeof orders / sizeof *orders; k++) {
         char name[32];
@@ -181,7 +182,7 @@ static bool calibrate(sweep *s, bool rivals) {
 
 /* Every count of impacts at the benchmark's tolerance against steps too short to jump over anything. */
 static bool check(sweep *s) {
-    const int lanes = saltus_flow_width(s->stopped[0]);
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC);
     const own_request capped = {.lanes = lanes, .rtol = exact, .step_max = capped_step};
     program list[rows_max];
     const bool all = s->count == omegas_max;
@@ -268,7 +269,7 @@ static void table_of_sweeps(const sweep *s, int lanes, const row *rows, int coun
 static bool compare(sweep *s, bool rivals) {
     program list[2 * rows_max];
     row rows[2 * rows_max];
-    const int lanes = saltus_flow_width(s->stopped[0]), flows = list_flows(list, lanes);
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), flows = list_flows(list, lanes);
     const int sweeps = list_engines(list + flows);
     if (!sweep_measure(s, list, flows + sweeps, own_repeats, rows) ||
         !table_of_programs(s, rivals, lanes, rows, flows, rows + flows))

@@ -50,7 +50,8 @@ static bool with_strobe(motion *motions, int count) {
 }
 
 saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
-    own_request request = {.lanes = saltus_flow_width(s->stopped[0]), .rtol = exact, .strobe = true};
+    own_request request = {
+        .lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), .rtol = exact, .strobe = true};
     sweep_cost cost;
     if (!with_strobe(s->reference, s->count) || !with_strobe(s->found, s->count))
         return SALTUS_NO_MEMORY;

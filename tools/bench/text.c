@@ -178,7 +178,7 @@ static void measure(const problem *p, const saltus_system *own, const saltus_sys
 
 static void compare(const problem *p, bool stops) {
     saltus_system *own = build(p->built_in, p->name, stops), *text = build(p->text, p->name, stops);
-    const int all = saltus_flow_width(own), n = saltus_system_dimension(own);
+    const int all = saltus_flow_width(own, SALTUS_AUTOMATIC), n = saltus_system_dimension(own);
     const int lanes[] = {1, 1, all}, columns[] = {0, n, 0};
     double exact[dimension_max], error[way_count], cost[way_count];
     check(open_flow(own, by_hand, 1, 0, 1e-15), own, 1, exact);
