@@ -15,11 +15,13 @@ static bool collocation_pays(saltus_flow *flow) {
     saltus_mixture *mixture = &flow->mixture;
     if (mixture->worth == 0)
         return true;
+    if (fmin(self->flight, flow->work.lane->left[0]) < mixture->worth)
+        return false;
     if (!mixture->known)
         mixture->layers =
             saltus_radau_layers(flow->radau, &flow->work, mixture->worth, &self->info.field_evaluations);
     mixture->known = true;
-    return mixture->layers <= 0 && fmin(self->flight, flow->work.lane->left[0]) >= mixture->worth;
+    return mixture->layers <= 0;
 }
 
 saltus_status saltus_flow_mix(saltus_flow *flow) {

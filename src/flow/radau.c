@@ -307,21 +307,23 @@ static void find_start_field(saltus_radau *r, double phase) {
 
 /* The boundary layer of a mode, in the trajectory or a tangent vector. */
 typedef struct boundary_layer {
-    double rate, size; /* of decay; in units of the tolerance */
-    double step;       /* the longest one that resolves it */
+    double rate, size; /* of decay; in units of the tolerance, as the acceleration at the start tells */
 } boundary_layer;
 
-/* Its size follows from the acceleration at the start; a layer exp(-z s) is represented on [0, 1] to
- * 1.3e-11 (z / 6)^13 of its size, near z = 6. */
 static boundary_layer layer_of(const saltus_radau *r, int c, int i) {
     const double half = 0.5 * r->system->damping[i], inside = half * half - r->system->stiffness[i];
     const double rate = inside > 0 ? half + sqrt(inside) : sqrt(r->system->stiffness[i]);
     const double size = fabs(r->stages.field[0][saltus_work_place(&r->work[0], 0, c, i, 0)]) /
                         (rate * r->omega_unit * r->column[c].tolerance);
-    if (!(rate > 0) || !(size > 0) || (c >= r->steady && !(r->column[c].size > 0)))
-        return (boundary_layer){.rate = rate, .step = r->system->period};
-    const double turns = fmin(fmax(5.5 * pow(1.3e-11 * size, -1.0 / 13), 2), 20);
-    return (boundary_layer){.rate = rate, .size = size, .step = turns / rate};
+    const bool counts = rate > 0 && size > 0 && (c < r->steady || r->column[c].size > 0);
+    return (boundary_layer){.rate = rate, .size = counts ? size : 0};
+}
+
+/* How many times its own length a step may have that resolves it: a layer exp(-z s) is represented on [0, 1]
+ * to 1.3e-11 (z / 6)^13 of its size, near z = 6. */
+enum { turns_least = 2, turns_most = 20 };
+static double resolved_turns(double size) {
+    return fmin(fmax(5.5 * pow(1.3e-11 * size, -1.0 / 13), turns_least), turns_most);
 }
 
 /* The longest first step that resolves every mode's boundary layer. */
@@ -329,8 +331,11 @@ static double first_step(saltus_radau *r, double phase) {
     double step = r->system->period;
     find_start_field(r, phase);
     for (int c = 0; c < r->all; c++)
-        for (int i = 0; i < r->stages.dof; i++)
-            step = fmin(step, layer_of(r, c, i).step);
+        for (int i = 0; i < r->stages.dof; i++) {
+            const boundary_layer layer = layer_of(r, c, i);
+            if (layer.size > 0 && layer.rate * step > turns_least)
+                step = fmin(step, resolved_turns(layer.size) / layer.rate);
+        }
     return step;
 }
 
@@ -343,7 +348,8 @@ double saltus_radau_layers(saltus_radau *radau, const saltus_work *work, double 
     for (int c = 0; c < radau->all; c++)
         for (int i = 0; i < radau->stages.dof; i++) {
             const boundary_layer layer = layer_of(radau, c, i);
-            if (layer.step < step)
+            if (layer.size > 1 && layer.rate * step > turns_least &&
+                layer.rate * step > resolved_turns(layer.size))
                 last = fmax(last, log(layer.size) / layer.rate);
         }
     radau->proposal = step;
