@@ -20,7 +20,7 @@
  * with any. */
 enum {
     model_rows_common = SALTUS_WIDE        ? 16
-                        : SALTUS_PACK >= 4 ? 2
+                        : SALTUS_PACK == 4 ? 2
                                            : 4,
     model_rows_plain = SALTUS_WIDE ? 0 : 2
 };
