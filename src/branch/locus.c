@@ -16,7 +16,15 @@
 
 /* Steps are measured in the plane of the parameters, unless the states change so much faster. */
 static const double slowest = 0.1;
+/* No step is shorter than this. */
+static const double stride_min = 1e-5;
 static const char is_back[] = "the curve is closed: it has come back";
+
+/* Where two impacts grazed, one place after the other. */
+typedef struct grazings {
+    double last[2], gap; /* the last place, and how far from the one before */
+    int closer;          /* how often it has been closer than before */
+} grazings;
 
 struct saltus_locus {
     saltus_trail *trail; /* the caller's */
@@ -24,21 +32,34 @@ struct saltus_locus {
     double origin[2];
     double border[2][2]; /* of both parameter unknowns: low, high */
     saltus_locus_starts starts;
-    saltus_point_kind begun_at; /* of the start that is under way: the point of codimension two, ... */
-    bool one_way;               /* ... and this */
-    int ways[2], way_count,
-        way;               /* headings from its first point, and which of them is under way; 0: either */
-    double *beginning;     /* unknowns of the first point */
-    saltus_sequence first; /* its sequence */
+    /* The curve under way. */
+    saltus_point_kind begun_at; /* the point of codimension two; REGULAR: none */
+    int way_count, way;         /* to follow from its first point, and the number of the one under way */
+    saltus_sequence first;      /* of its first point, */
+    double *beginning;          /* whose unknowns these are */
     int first_mark;
+    double first_way[2]; /* the direction in the plane that it has left there */
+    bool has_left;       /* it has been further from there than a few steps */
+    grazings grazings;
     saltus_locus_point here, next, trial;
-    double first_plane[2], first_way[2];
-    bool has_left;    /* it has been further from its first point than a few steps */
-    double second[2]; /* the last place where two impacts grazed, */
-    double gap;       /* how far from the one before, */
-    int closer;       /* and how often it has been closer than before */
-    bool lost;        /* the orbit could not be cut better */
 };
+
+/* The parameters' part of a vector of unknowns. */
+static double *plane_of(const saltus_locus *l, double *u) {
+    return u + l->x.orbits.equations->count;
+}
+
+/* Whether the curve's orbits are admissible on one side of its first point only. */
+static bool is_one_way(const saltus_locus *l) {
+    return l->begun_at && l->way_count == 1;
+}
+
+/* Where a way heads from the first point, in the second parameter; 0: either. */
+static int heading_of(const saltus_locus *l, int way) {
+    if (l->begun_at)
+        return is_one_way(l) ? 0 : way ? -1 : 1;
+    return way || l->trail->options->direction < 0 ? -1 : 1;
+}
 
 /* The angle of the pair on the unit circle. */
 static double angle_on_circle(const saltus_survey *survey) {
@@ -76,7 +97,6 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     l->begun_at = start->origin;
     l->trail->parent = start->parent;
     l->trail->depth = start->depth;
-    l->one_way = start->one_way;
     l->way = 0;
     saltus_status status =
         saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit, message);
@@ -106,29 +126,6 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     return saltus_locus_see(&l->x, &l->here, message);
 }
 
-/* The first curve's, from a point that a branch has found. */
-static saltus_status open_first(saltus_locus *l, const saltus_solution *at, const saltus_sequence *beyond,
-                                saltus_message *message) {
-    const saltus_sequence *sequence = &at->sequence;
-    if (beyond && beyond->count > sequence->count)
-        sequence = beyond;
-    const saltus_sequence *less = sequence == beyond ? &at->sequence : beyond;
-    saltus_locus_start start = {.kind = l->trail->options->locus,
-                                .sequence = *sequence,
-                                .parameter = {at->parameter[0], 0},
-                                .state = at->state,
-                                .parent = -1};
-    while (beyond && start.mark < less->count &&
-           sequence->mark[start.mark].time == less->mark[start.mark].time)
-        start.mark++;
-    if (start.kind == SALTUS_POINT_NS)
-        start.theta = angle_on_circle(&at->survey);
-    l->way_count = l->trail->options->direction ? 1 : 2;
-    l->ways[0] = l->trail->options->direction < 0 ? -1 : 1;
-    l->ways[1] = -1;
-    return open_start(l, &start, message);
-}
-
 /* A locus with orbits of both parameters, on none yet. */
 static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, saltus_locus **locus,
                                 saltus_message *message) {
@@ -151,8 +148,22 @@ static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, sa
 
 saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, const saltus_solution *at,
                                const saltus_sequence *beyond, saltus_locus **locus, saltus_message *message) {
+    const bool born = beyond && beyond->count > at->sequence.count;
+    const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
+    saltus_locus_start start = {.kind = trail->options->locus,
+                                .sequence = *more,
+                                .parameter = {at->parameter[0], 0},
+                                .state = at->state,
+                                .parent = -1};
+    while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
+        start.mark++;
+    if (start.kind == SALTUS_POINT_NS)
+        start.theta = angle_on_circle(&at->survey);
     saltus_status status = open_locus(spec, trail, locus, message);
-    return status == SALTUS_OK ? open_first(*locus, at, beyond, message) : status;
+    if (status != SALTUS_OK)
+        return status;
+    (*locus)->way_count = trail->options->direction ? 1 : 2;
+    return open_start(*locus, &start, message);
 }
 
 void saltus_locus_free(saltus_locus *l) {
@@ -168,27 +179,18 @@ void saltus_locus_free(saltus_locus *l) {
     free(l);
 }
 
-/* A point on a border of the range has the border's value, which the rounding of the unknown may miss. */
-static void meet_borders(const saltus_locus *l, const saltus_solution *s, saltus_branch_point *point) {
-    const saltus_family *family = &l->x.orbits.family;
-    for (int d = 0; d < 2; d++)
-        for (int side = 0; side < 2; side++) {
-            double value = side ? l->trail->options->high[d] : l->trail->options->low[d];
-            if (s->parameter[d] != l->border[d][side])
-                continue;
-            point->spec = saltus_spec_shifted(&point->spec, &family->direction[d], value - point->value[d]);
-            point->value[d] = value;
-        }
-}
-
-/* A point of the curve, `ahead` of `here`. */
+/* A point of the curve, `ahead` of `here`; nothing where the curve has ended. */
 static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind kind, double ahead,
                           const char *reason, saltus_message *message) {
     const saltus_solution *s = &p->orbit;
     const saltus_family *family = &l->x.orbits.family;
+    const saltus_branch_options *options = l->trail->options;
     const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
-    bool grazing = l->x.kind == SALTUS_POINT_GR || fabs(saltus_corner_breach(&l->x, s)) < 1e-8;
+    const double breach = saltus_corner_breach(&l->x, s);
+    const bool grazes = l->x.kind == SALTUS_POINT_GR, grazing = grazes || fabs(breach) < 1e-8;
     int returns;
+    if (!l->trail->following)
+        return SALTUS_OK;
     saltus_branch_point *point = saltus_trail_place(l->trail, message);
     if (!point)
         return SALTUS_NO_MEMORY;
@@ -197,11 +199,19 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
         return status;
     point->locus = l->x.kind;
     point->value[1] = l->origin[1] + family->unit[1] * s->parameter[1];
-    meet_borders(l, s, point);
-    point->heading = p->at.tangent[l->x.orbits.equations->count] * family->unit[0];
+    /* A point on a border of the range has the border's value, which the rounding of the unknown may miss. */
+    for (int k = 0; k < 4; k++) {
+        const int d = k / 2, side = k % 2;
+        const double value = side ? options->high[d] : options->low[d];
+        if (s->parameter[d] != l->border[d][side])
+            continue;
+        point->spec = saltus_spec_shifted(&point->spec, &family->direction[d], value - point->value[d]);
+        point->value[d] = value;
+    }
+    point->heading = plane_of(l, p->at.tangent)[0] * family->unit[0];
     if (grazing)
-        point->admissible = saltus_corner_breach(&l->x, s) < 1e-9;
-    if (l->x.kind == SALTUS_POINT_GR) {
+        point->admissible = breach < 1e-9;
+    if (grazes) {
         const saltus_mark *own = &s->sequence.mark[l->x.mark];
         const saltus_breach touch = {.face = own->face, .time = own->time};
         saltus_point_mark_grazing(&l->x.orbits, &touch, point);
@@ -211,17 +221,14 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
 
 /* Whether the last step, to `here` from what is now `next`, has led over the first point, the same way. */
 static bool is_closed(saltus_locus *l) {
-    int c = l->x.orbits.equations->count;
-    const double *plane = l->here.at.u + c, *before = l->next.at.u + c;
-    double step[2], back[2];
-    for (int k = 0; k < 2; k++) {
-        step[k] = plane[k] - before[k];
-        back[k] = l->first_plane[k] - before[k];
-    }
-    double stride = hypot(step[0], step[1]);
-    double along = (back[0] * step[0] + back[1] * step[1]) / stride;
-    double aside = fabs(back[0] * step[1] - back[1] * step[0]) / stride;
-    double same_way = step[0] * l->first_way[0] + step[1] * l->first_way[1];
+    const double *first = l->beginning + saltus_sequence_unknowns(&l->first, l->x.orbits.n);
+    const double *to = plane_of(l, l->here.at.u), *from = plane_of(l, l->next.at.u);
+    const double step[2] = {to[0] - from[0], to[1] - from[1]};
+    const double back[2] = {first[0] - from[0], first[1] - from[1]};
+    const double stride = hypot(step[0], step[1]);
+    const double along = (back[0] * step[0] + back[1] * step[1]) / stride;
+    const double aside = fabs(back[0] * step[1] - back[1] * step[0]) / stride;
+    const double same_way = step[0] * l->first_way[0] + step[1] * l->first_way[1];
     l->has_left |= hypot(back[0], back[1]) > 3 * stride;
     return l->has_left && along >= 0 && along <= stride && aside < 0.1 * stride && same_way > 0;
 }
@@ -283,8 +290,7 @@ static void step_on(saltus_locus *l) {
 
 /* Whether `next` is no further from `here` in the plane than a step may lead. */
 static bool is_near(const saltus_locus *l) {
-    const double *from = l->here.at.u + l->x.orbits.equations->count;
-    const double *to = l->next.at.u + l->x.orbits.equations->count;
+    const double *from = plane_of(l, l->here.at.u), *to = plane_of(l, l->next.at.u);
     return hypot(to[0] - from[0], to[1] - from[1]) <= 1.2 * l->trail->options->step_max;
 }
 
@@ -349,33 +355,31 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, s
 
 /* The first point, and from a point of codimension two a little on; `leaves` as there. */
 static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message) {
-    int c = l->x.orbits.equations->count, heading = l->ways[l->way];
+    const int heading = heading_of(l, l->way);
     saltus_status status = SALTUS_OK;
     bool found = true;
     if (l->way > 0) { /* back from where the first way ended */
         l->x.mark = l->first_mark;
         status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
+        const saltus_equations *e = l->x.orbits.equations;
         if (status == SALTUS_OK)
-            status =
-                saltus_locus_take_up(&l->x, &l->here, l->beginning,
-                                     l->beginning[l->x.orbits.equations->unknowns + l->x.extra - 1], message);
-        c = l->x.orbits.equations->count;
+            status = saltus_locus_take_up(&l->x, &l->here, l->beginning,
+                                          l->beginning[e->unknowns + l->x.extra - 1], message);
         if (status == SALTUS_OK)
-            status = saltus_locus_find_first(&l->x, &l->here, c + 1, message);
+            status = saltus_locus_find_first(&l->x, &l->here, e->count + 1, message);
         if (status == SALTUS_OK)
             status = saltus_locus_see(&l->x, &l->here, message);
     }
     if (status != SALTUS_OK)
         return status;
-    if (l->here.at.tangent[c + 1] * heading < 0)
+    if (plane_of(l, l->here.at.tangent)[1] * heading < 0)
         saltus_curve_turn(&l->here.at);
     l->way++;
     saltus_trail_begin(l->trail, l->trail->number + 1, l->trail->parent, l->trail->depth, false);
-    l->has_left = l->lost = false;
-    l->gap = l->closer = 0;
+    l->has_left = false;
+    l->grazings = (grazings){.gap = 0};
     l->trail->step = 0.1 * l->trail->options->step;
-    memcpy(l->first_plane, l->here.at.u + c, sizeof l->first_plane);
-    memcpy(l->first_way, l->here.at.tangent + c, sizeof l->first_way);
+    memcpy(l->first_way, plane_of(l, l->here.at.tangent), sizeof l->first_way);
     status = give(l, &l->here, l->x.kind, 0, NULL, message);
     bool resonance = l->begun_at == SALTUS_POINT_R1 || l->begun_at == SALTUS_POINT_R2;
     if (status != SALTUS_OK || !l->begun_at || (resonance && l->x.kind == SALTUS_POINT_NS) ||
@@ -383,8 +387,8 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
         return status;
     saltus_message why;
     char reason[SALTUS_REASON_MAX];
-    status = leave(l, l->one_way, leaves, &found, &why, message);
-    memcpy(l->first_way, l->here.at.tangent + l->x.orbits.equations->count, sizeof l->first_way);
+    status = leave(l, is_one_way(l), leaves, &found, &why, message);
+    memcpy(l->first_way, plane_of(l, l->here.at.tangent), sizeof l->first_way);
     if (status != SALTUS_OK || found)
         return status;
     snprintf(reason, sizeof reason, "the curve does not go on this way with admissible orbits%s%.80s",
@@ -398,8 +402,6 @@ static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltu
     char reason[SALTUS_REASON_MAX];
     start->done = true;
     l->way_count = start->one_way ? 1 : 2;
-    l->ways[0] = start->one_way ? 0 : 1;
-    l->ways[1] = -1;
     saltus_status status = open_start(l, start, &why);
     if (status == SALTUS_OK)
         return begin(l, start->leaves, message);
@@ -413,47 +415,31 @@ static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltu
     return give(l, &first, SALTUS_POINT_EP, 0, reason, message);
 }
 
-/* A step onto a sound orbit, halved until there is one; false if there is none. */
-static saltus_status take_step(saltus_locus *l, int *reached, bool *found, saltus_message *message) {
-    const double stride_min = 1e-5;
-    int c = l->x.orbits.equations->count;
-    const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
-                                          {c + 1, l->border[1][0], l->border[1][1]}};
-    saltus_message why = {.text = ""};
-    for (*found = false; !*found && l->trail->step > stride_min; l->trail->step *= *found ? 1 : 0.5) {
-        saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step, bounds, 2,
-                                                 &l->next.at, reached, &why);
-        if (status == SALTUS_OK)
-            status = saltus_locus_see(&l->x, &l->next, &why);
-        if (status == SALTUS_NO_MEMORY)
-            return saltus_branch_no_memory(message);
-        *found = status == SALTUS_OK && is_near(l) && saltus_locus_is_sound(&l->x, &l->next);
-    }
-    if (*found)
-        saltus_extended_renew(&l->x, l->next.at.u);
-    return SALTUS_OK;
-}
+/* Why a curve ends at a point of codimension two; in the second row, where its orbits join others there. */
+static const char *const corner_reasons[2][SALTUS_POINT_KINDS] = {
+    {[SALTUS_POINT_GR_LP] = "a fold meets grazing",
+     [SALTUS_POINT_GR_PD] = "a flip meets grazing",
+     [SALTUS_POINT_GR_NS] = "a Neimark-Sacker point meets grazing",
+     [SALTUS_POINT_GR_GR] = "two impacts graze",
+     [SALTUS_POINT_GR_BP] = "a branch point meets grazing",
+     [SALTUS_POINT_CH_GR] = "complete chatter begins or ends at grazing",
+     [SALTUS_POINT_R1] = "the pair of multipliers meets at 1",
+     [SALTUS_POINT_R2] = "the pair of multipliers meets at -1"},
+    {[SALTUS_POINT_GR_PD] = "its orbits join those of half the period, whose flip meets grazing",
+     [SALTUS_POINT_GR_BP] = "its orbits join their mirror images, whose branch point meets grazing",
+     [SALTUS_POINT_GR_GR] = "two impacts graze",
+     [SALTUS_POINT_GPD] = "its orbits join those of half the period, whose flip changes its criticality",
+     [SALTUS_POINT_LP_PD] = "its orbits join those of half the period, which fold and flip",
+     [SALTUS_POINT_PD_NS] = "its orbits join those of half the period, at a flip and a pair on the circle",
+     [SALTUS_POINT_R2] = "its orbits join those of half the period, which have a double multiplier -1",
+     [SALTUS_POINT_R4] = "its orbits join those of a quarter of the period, at a pair at a quarter"}};
 
-static const char *const corner_reasons[] = {
-    [SALTUS_POINT_GR_LP] = "a fold meets grazing",
-    [SALTUS_POINT_GR_PD] = "a flip meets grazing",
-    [SALTUS_POINT_GR_NS] = "a Neimark-Sacker point meets grazing",
-    [SALTUS_POINT_GR_GR] = "two impacts graze",
-    [SALTUS_POINT_GR_BP] = "a branch point meets grazing",
-    [SALTUS_POINT_CH_GR] = "complete chatter begins or ends at grazing",
-    [SALTUS_POINT_R1] = "the pair of multipliers meets at 1",
-    [SALTUS_POINT_R2] = "the pair of multipliers meets at -1",
-};
-
-/* Whether the places where two impacts graze, the last of them `trial`, come ever closer to one another. */
-static bool accumulates(saltus_locus *l) {
+/* Whether the places where two impacts graze come ever closer to one another, with a further one. */
+static bool accumulate(grazings *g, const double place[2]) {
     enum { enough = 4 };
-    const double *place = l->trial.at.u + l->x.orbits.equations->count;
-    double gap = hypot(place[0] - l->second[0], place[1] - l->second[1]);
-    l->closer = gap < 0.9 * l->gap ? l->closer + 1 : 0;
-    l->gap = gap;
-    memcpy(l->second, place, sizeof l->second);
-    return l->closer >= enough;
+    const double gap = hypot(place[0] - g->last[0], place[1] - g->last[1]);
+    *g = (grazings){{place[0], place[1]}, gap, gap < 0.9 * g->gap ? g->closer + 1 : 0};
+    return g->closer >= enough;
 }
 
 /* `trial`, a point of codimension two, is given out; starts that wait there for this curve are done, *closes
@@ -471,29 +457,26 @@ static saltus_status give_named(saltus_locus *l, const saltus_locus_test *corner
                : status;
 }
 
-/* `trial` and `located` are a corner, at which the curve may end, or go on with other events: *moved. */
+/* `trial` is a corner, at which the curve may end, or go on with other events: *moved. */
 static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, double ahead, bool *moved,
                                  saltus_message *message) {
-    bool ends = corner.ends, resonance = l->x.kind == SALTUS_POINT_NS && ends && !corner.breach;
     bool closes = false;
-    *moved = false;
     saltus_status status = saltus_corner_tell(&l->x, &corner, &l->trial.orbit, &corner.kind, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_point_kind kind = corner.kind;
+    const saltus_point_kind kind = corner.kind;
     if (kind == SALTUS_POINT_EP)
         return give(l, &l->trial, kind, ahead, "a contact begins, ends or splits", message);
-    if (resonance) {
+    if (l->x.kind == SALTUS_POINT_NS && corner.ends && !corner.breach) {
         saltus_locus_sharpen(&l->x, &l->here, kind == SALTUS_POINT_R2 ? M_PI : 0, &l->trial, &l->next);
         /* There the curve of tori turns back: theta goes on beyond 0 or pi, and gives the same orbits again.
          */
-        for (int d = 0; d < 2; d++)
-            l->trial.at.tangent[l->x.orbits.equations->count + d] = 0;
+        memset(plane_of(l, l->trial.at.tangent), 0, 2 * sizeof(double));
     }
     status = give_named(l, &corner, ahead, &closes, message);
     if (status != SALTUS_OK || !l->trail->following)
         return status;
-    if (kind == SALTUS_POINT_GR_GR && accumulates(l))
+    if (kind == SALTUS_POINT_GR_GR && accumulate(&l->grazings, plane_of(l, l->trial.at.u)))
         return give(l, &l->trial, SALTUS_POINT_EP, ahead,
                     "grazings follow one another ever more closely, towards complete chatter", message);
     if (kind == SALTUS_POINT_GR_GR)
@@ -502,60 +485,50 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
         return give(l, &l->trial, SALTUS_POINT_EP, ahead, is_back, message);
     if (*moved)
         l->trail->arclength += ahead;
-    if (status == SALTUS_OK && ends && !*moved)
-        status = give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[kind], message);
+    if (status == SALTUS_OK && corner.ends && !*moved)
+        status = give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[0][kind], message);
     return status;
 }
 
 /* The curve ends at `trial`, where its orbits join others. */
 static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_message *message) {
-    static const char *const reasons[SALTUS_POINT_KINDS] = {
-        [SALTUS_POINT_GR_PD] = "its orbits join those of half the period, whose flip meets grazing",
-        [SALTUS_POINT_GR_BP] = "its orbits join their mirror images, whose branch point meets grazing",
-        [SALTUS_POINT_GR_GR] = "two impacts graze",
-        [SALTUS_POINT_GPD] = "its orbits join those of half the period, whose flip changes its criticality",
-        [SALTUS_POINT_LP_PD] = "its orbits join those of half the period, which fold and flip",
-        [SALTUS_POINT_PD_NS] = "its orbits join those of half the period, at a flip and a pair on the circle",
-        [SALTUS_POINT_R2] = "its orbits join those of half the period, which have a double multiplier -1",
-        [SALTUS_POINT_R4] = "its orbits join those of a quarter of the period, at a pair at a quarter"};
     const saltus_locus_test corner = {.kind = kind, .joins = true};
     const double ahead = l->trial.at.ahead;
     bool closes = false;
     saltus_status status = give_named(l, &corner, ahead, &closes, message);
-    return status == SALTUS_OK && l->trail->following
-               ? give(l, &l->trial, SALTUS_POINT_EP, ahead, reasons[kind], message)
-               : status;
+    return status == SALTUS_OK ? give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[1][kind], message)
+                               : status;
+}
+
+static const char *why_it_ends(const saltus_solution *at) {
+    return saltus_locus_ceases_to_complete(at)
+               ? "chatter ceases to complete: the contact after it shrinks to nothing"
+               : "the curve ends: its orbit changes its events or the curve has a corner";
 }
 
 /* The curve ends where it is, as it does not go on. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    bool contact = false;
+    bool contact;
     saltus_point_kind kind = SALTUS_POINT_REGULAR;
-    saltus_status status =
-        l->lost ? SALTUS_OK : saltus_locus_end_contact(&l->x, &l->here, &l->trial, &contact, message);
-    if (status == SALTUS_OK && !l->lost && !contact)
+    saltus_status status = saltus_locus_end_contact(&l->x, &l->here, &l->trial, &contact, message);
+    if (status == SALTUS_OK && !contact)
         status = saltus_locus_join(&l->x, &l->here, &l->trial, &kind, message);
     if (status != SALTUS_OK)
         return status;
     if (kind)
         return give_join(l, kind, message);
     if (!contact)
-        return give(l, &l->here, SALTUS_POINT_EP, 0,
-                    saltus_locus_ceases_to_complete(&l->here.orbit)
-                        ? "chatter ceases to complete: the contact after it shrinks to nothing"
-                        : "the curve ends: its orbit changes its events or the curve has a corner",
-                    message);
+        return give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
     const double ahead = l->trial.at.ahead;
-    status = give(l, &l->trial, SALTUS_POINT_CH_GR, ahead, NULL, message);
-    return status != SALTUS_OK || !l->trail->following
-               ? status
-               : give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[SALTUS_POINT_CH_GR], message);
+    kind = SALTUS_POINT_CH_GR;
+    status = give(l, &l->trial, kind, ahead, NULL, message);
+    return status == SALTUS_OK ? give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[0][kind], message)
+                               : status;
 }
 
 /* Whether the step from `here` leads over a place where the orbits join those of half the period, or as near
  * to it that the equations tell little: the curve ends there, or goes on with a step that is *shorter. */
 static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message *message) {
-    const double stride_min = 1e-5;
     double step;
     saltus_point_kind kind;
     *shorter = false;
@@ -575,73 +548,90 @@ static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message 
     return SALTUS_OK;
 }
 
-/* One step along the curve under way, with the corners on it. */
-static saltus_status advance(saltus_locus *l, saltus_message *message) {
-    const double just_before = 1e-7;
-    int reached;
-    bool found, shorter, moved = false;
-    saltus_locus_zeros crossed;
-    saltus_status status;
-    if (l->lost)
-        return give_end(l, message);
+/* A step onto a sound orbit, halved until there is one, and with the corners on it. *reached as
+ * saltus_curve_step has it. The curve may end instead. */
+static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed,
+                               saltus_message *message) {
+    const int c = l->x.orbits.equations->count;
+    const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
+                                          {c + 1, l->border[1][0], l->border[1][1]}};
+    saltus_message why = {.text = ""};
     for (;;) {
-        status = take_step(l, &reached, &found, message);
-        if (status != SALTUS_OK)
-            return status;
+        bool found = false, shorter;
+        for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
+            saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step, bounds, 2,
+                                                     &l->next.at, reached, &why);
+            if (status == SALTUS_OK)
+                status = saltus_locus_see(&l->x, &l->next, &why);
+            if (status == SALTUS_NO_MEMORY)
+                return saltus_branch_no_memory(message);
+            found = status == SALTUS_OK && is_near(l) && saltus_locus_is_sound(&l->x, &l->next);
+        }
         if (!found)
             return give_end(l, message);
-        status = meet_halves(l, &shorter, message);
+        saltus_extended_renew(&l->x, l->next.at.u);
+        saltus_status status = meet_halves(l, &shorter, message);
         if (status != SALTUS_OK || !l->trail->following)
             return status;
         if (shorter)
             continue;
         l->x.sharp = true;
-        bool located = saltus_locus_find_corners(&l->x, &l->here, &l->next, &l->trial, &crossed);
+        const bool located = saltus_locus_find_corners(&l->x, &l->here, &l->next, &l->trial, crossed);
         l->x.sharp = false;
         if (located)
-            break;
+            return SALTUS_OK;
         l->trail->step = 0.5 * l->next.at.ahead;
     }
-    for (int k = 0; k < crossed.count; k++) {
-        const int own = crossed.corner[k];
-        l->x.sharp = true;
-        /* At a touch the flow meets the impact or not by chance: the survey is that of an orbit just before.
-         */
-        saltus_solution before = {.value = 0};
-        if (l->next.corners[own].breach && l->x.kind != SALTUS_POINT_GR &&
-            saltus_locus_visit(&l->x, &l->here, crossed.place[k] - just_before, &l->trial))
-            saltus_survey_swap(&before, &l->trial.orbit);
-        found = saltus_locus_visit(&l->x, &l->here, crossed.place[k], &l->trial);
-        if (before.survey.walked)
-            saltus_survey_swap(&before, &l->trial.orbit);
-        saltus_solution_clear(&before);
-        l->x.sharp = false;
-        /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding;
-         * and two real multipliers whose product is 1 are no pair on the unit circle. */
-        saltus_locus_test corner = l->trial.corners[own];
-        bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
-        if (!found || real || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach))
-            continue;
-        status = give_corner(l, corner, crossed.place[k], &moved, message);
-        if (status != SALTUS_OK || !l->trail->following || moved)
-            return status;
-    }
+}
+
+/* The corner at a place of the step, if it is one; *moved as there. */
+static saltus_status pass_corner(saltus_locus *l, int own, double place, bool *moved,
+                                 saltus_message *message) {
+    const double just_before = 1e-7;
+    saltus_solution before = {.value = 0};
+    l->x.sharp = true;
+    /* At a touch the flow meets the impact or not by chance: the survey is that of an orbit just before. */
+    if (l->next.corners[own].breach && l->x.kind != SALTUS_POINT_GR &&
+        saltus_locus_visit(&l->x, &l->here, place - just_before, &l->trial))
+        saltus_survey_swap(&before, &l->trial.orbit);
+    const bool found = saltus_locus_visit(&l->x, &l->here, place, &l->trial);
+    if (before.survey.walked)
+        saltus_survey_swap(&before, &l->trial.orbit);
+    saltus_solution_clear(&before);
+    l->x.sharp = false;
+    /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding; and
+     * two real multipliers whose product is 1 are no pair on the unit circle. */
+    const saltus_locus_test corner = l->trial.corners[own];
+    const bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
+    return !found || real || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
+               ? SALTUS_OK
+               : give_corner(l, corner, place, moved, message);
+}
+
+/* One step along the curve under way, with the corners on it. */
+static saltus_status advance(saltus_locus *l, saltus_message *message) {
+    int reached;
+    bool moved = false;
+    saltus_locus_zeros crossed;
+    saltus_status status = take_step(l, &reached, &crossed, message);
+    for (int k = 0; status == SALTUS_OK && l->trail->following && !moved && k < crossed.count; k++)
+        status = pass_corner(l, crossed.corner[k], crossed.place[k], &moved, message);
+    if (status != SALTUS_OK || !l->trail->following || moved)
+        return status;
     step_on(l);
-    bool closed = is_closed(l);
-    const double *way = l->here.at.tangent + l->x.orbits.equations->count;
+    const bool closed = is_closed(l);
+    const double *way = plane_of(l, l->here.at.tangent);
     l->trail->step =
         saltus_curve_next_step(l->trail->step, l->here.at.iterations,
                                l->trail->options->step_max / fmax(hypot(way[0], way[1]), slowest));
-    status = give(l, &l->here, closed || reached >= 0 ? SALTUS_POINT_EP : l->x.kind, 0,
-                  closed         ? is_back
-                  : reached >= 0 ? "end of the parameters' range"
-                                 : NULL,
-                  message);
+    const char *reason = closed ? is_back : reached >= 0 ? "end of the parameters' range" : NULL;
+    status = give(l, &l->here, reason ? SALTUS_POINT_EP : l->x.kind, 0, reason, message);
     if (status != SALTUS_OK || !l->trail->following)
         return status;
     status = reframe(l, message);
-    l->lost = status != SALTUS_OK && status != SALTUS_NO_MEMORY;
-    return l->lost ? SALTUS_OK : status;
+    return status == SALTUS_OK || status == SALTUS_NO_MEMORY
+               ? status
+               : give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
 }
 
 /* The other way from the first point, or the next curve. *more is false when all is done. */
@@ -665,32 +655,7 @@ saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *mes
 }
 
 bool saltus_locus_rests(const saltus_locus *l) {
-    return l->trail->number >= 0 && !l->lost;
-}
-
-/* The start of the curve under way, and the ways that lead from there. */
-static void archive_start(saltus_locus *l, saltus_archive *a) {
-    saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);
-    bool mirrored = saltus_archive_flag(a, l->x.mirrored);
-    if (a->reading)
-        become(l, kind, mirrored);
-    l->begun_at = saltus_archive_kind(a, l->begun_at);
-    l->one_way = saltus_archive_flag(a, l->one_way);
-    l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
-    l->way = (int)saltus_archive_whole(a, l->way, 1, l->way_count);
-    for (int k = 0; k < l->way_count; k++)
-        l->ways[k] = (int)saltus_archive_whole(a, l->ways[k], -1, 1);
-}
-
-/* The sequence of the first point, and its unknowns. */
-static void archive_first(saltus_locus *l, saltus_archive *a) {
-    saltus_archive_sequence(a, &l->first);
-    l->first_mark = (int)saltus_archive_whole(a, l->first_mark, 0, SALTUS_MARKS_MAX - 1);
-    a->sound = a->sound && (l->x.kind != SALTUS_POINT_GR || l->first_mark < l->first.count);
-    saltus_archive_array(a, &l->beginning,
-                         (size_t)(saltus_sequence_unknowns(&l->first, a->n) + 2 + l->x.extra));
-    saltus_archive_finite(a, l->first_plane, 2);
-    saltus_archive_finite(a, l->first_way, 2);
+    return l->trail->number >= 0;
 }
 
 /* The orbit at `here`, and the equations' own vectors and derivative there. */
@@ -739,9 +704,9 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
         saltus_archive_real(a, &l->here.before[k].exponent);
     }
     saltus_archive_finite(a, &l->here.before_place, 1);
-    saltus_archive_finite(a, l->second, 2);
-    saltus_archive_finite(a, &l->gap, 1);
-    l->closer = (int)saltus_archive_whole(a, l->closer, 0, INT_MAX);
+    saltus_archive_finite(a, l->grazings.last, 2);
+    saltus_archive_finite(a, &l->grazings.gap, 1);
+    l->grazings.closer = (int)saltus_archive_whole(a, l->grazings.closer, 0, INT_MAX);
 }
 
 saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail, saltus_locus **locus,
@@ -754,8 +719,28 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail,
     trail->number = number;
     saltus_locus_starts_archive(a, &l->starts);
     saltus_archive_orbits(a, &l->x.orbits);
-    archive_start(l, a);
-    archive_first(l, a);
+    /* The start of the curve under way, and the ways that lead from there. */
+    const saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);
+    const bool mirrored = saltus_archive_flag(a, l->x.mirrored);
+    if (a->reading)
+        become(l, kind, mirrored);
+    l->begun_at = saltus_archive_kind(a, l->begun_at);
+    saltus_archive_flag(a, is_one_way(l));
+    l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
+    l->way = (int)saltus_archive_whole(a, l->way, 1, l->way_count);
+    for (int k = 0; k < l->way_count; k++)
+        saltus_archive_whole(a, heading_of(l, k), -1, 1);
+    /* Its first point: sequence, unknowns, the place in the plane among them, and the way from there. */
+    saltus_archive_sequence(a, &l->first);
+    l->first_mark = (int)saltus_archive_whole(a, l->first_mark, 0, SALTUS_MARKS_MAX - 1);
+    a->sound = a->sound && (kind != SALTUS_POINT_GR || l->first_mark < l->first.count);
+    const size_t count = (size_t)saltus_sequence_unknowns(&l->first, a->n);
+    saltus_archive_array(a, &l->beginning, count + 2 + (size_t)l->x.extra);
+    double place[2] = {0};
+    if (!a->reading)
+        memcpy(place, l->beginning + count, sizeof place);
+    saltus_archive_finite(a, place, 2);
+    saltus_archive_finite(a, l->first_way, 2);
     l->has_left = saltus_archive_flag(a, l->has_left);
     archive_corners(l, a);
     /* Only the first point matters once the curve has ended. */
