@@ -173,33 +173,6 @@ static void archive_breach(saltus_archive *a, const saltus_sequence *s, saltus_b
     saltus_archive_finite(a, &breach->time, 1);
 }
 
-static void archive_breaches(saltus_archive *a, saltus_solution *s) {
-    s->breaches = saltus_archive_list(a, s->breaches, &s->breach_count, sizeof *s->breaches, 5);
-    s->breach_room = a->reading ? s->breach_count : s->breach_room;
-    for (int k = 0; k < s->breach_count; k++) {
-        saltus_breach *breach = &s->breaches[k];
-        archive_breach(a, &s->sequence, breach);
-        bool between = breach->kind == SALTUS_BREACH_GAP || breach->kind == SALTUS_BREACH_FORCE;
-        a->sound = a->sound && (between || breach->mark < s->sequence.count);
-    }
-    archive_breach(a, &s->sequence, &s->worst);
-}
-
-static void archive_events(saltus_archive *a, saltus_lap *lap) {
-    lap->events = saltus_archive_list(a, lap->events, &lap->event_count, sizeof *lap->events, 7);
-    lap->event_room = a->reading ? lap->event_count : lap->event_room;
-    for (int k = 0; k < lap->event_count; k++) {
-        saltus_event *event = &lap->events[k];
-        event->kind = event_kind(a, event->kind);
-        event->face = face_number(a, event->face);
-        event->time.cycle = saltus_archive_whole(a, event->time.cycle, -(1LL << 50), 1LL << 50);
-        saltus_archive_finite(a, &event->time.phase, 1);
-        saltus_archive_real(a, &event->velocity_before);
-        saltus_archive_real(a, &event->velocity_after);
-        saltus_archive_real(a, &event->displacement);
-    }
-}
-
 static void archive_survey(saltus_archive *a, saltus_survey *survey) {
     saltus_lap *lap = &survey->lap;
     survey->follows = saltus_archive_flag(a, survey->follows);
@@ -222,7 +195,18 @@ static void archive_survey(saltus_archive *a, saltus_survey *survey) {
     lap->periods = (int)saltus_archive_whole(a, lap->periods, 0, periods_max);
     lap->contact_events = saltus_archive_whole(a, lap->contact_events, 0, 1LL << 50);
     lap->contacts = faces_held(a, lap->contacts);
-    archive_events(a, lap);
+    lap->events = saltus_archive_list(a, lap->events, &lap->event_count, sizeof *lap->events, 7);
+    lap->event_room = a->reading ? lap->event_count : lap->event_room;
+    for (int k = 0; k < lap->event_count; k++) {
+        saltus_event *event = &lap->events[k];
+        event->kind = event_kind(a, event->kind);
+        event->face = face_number(a, event->face);
+        event->time.cycle = saltus_archive_whole(a, event->time.cycle, -(1LL << 50), 1LL << 50);
+        saltus_archive_finite(a, &event->time.phase, 1);
+        saltus_archive_real(a, &event->velocity_before);
+        saltus_archive_real(a, &event->velocity_after);
+        saltus_archive_real(a, &event->displacement);
+    }
     if (!saltus_archive_flag(a, lap->points != NULL))
         return;
     if (a->reading && a->sound && !saltus_lap_reserve(lap, 1, a->n))
@@ -241,7 +225,15 @@ void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
     saltus_archive_real(a, &s->onward);
     saltus_archive_real(a, &s->speed);
     saltus_archive_real(a, &s->growth);
-    archive_breaches(a, s);
+    s->breaches = saltus_archive_list(a, s->breaches, &s->breach_count, sizeof *s->breaches, 5);
+    s->breach_room = a->reading ? s->breach_count : s->breach_room;
+    for (int k = 0; k < s->breach_count; k++) {
+        const saltus_breach *breach = &s->breaches[k];
+        archive_breach(a, &s->sequence, &s->breaches[k]);
+        const bool between = breach->kind == SALTUS_BREACH_GAP || breach->kind == SALTUS_BREACH_FORCE;
+        a->sound = a->sound && (between || breach->mark < s->sequence.count);
+    }
+    archive_breach(a, &s->sequence, &s->worst);
     if (a->reading && a->sound && !s->survey.multipliers) {
         s->survey.multipliers = calloc((size_t)a->n, sizeof *s->survey.multipliers);
         found(a, s->survey.multipliers);
@@ -289,28 +281,26 @@ void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
     a->starved = a->starved || status == SALTUS_NO_MEMORY;
 }
 
-static void archive_start(saltus_archive *a, saltus_branch_start *start) {
-    saltus_archive_sequence(a, &start->sequence);
-    saltus_archive_finite(a, &start->parameter, 1);
-    saltus_archive_array(a, &start->state, (size_t)a->n);
-    if (saltus_archive_flag(a, start->tangent != NULL)) {
-        start->unknowns = (int)saltus_archive_length(a, (size_t)start->unknowns, 1);
-        a->sound = a->sound && start->unknowns == saltus_sequence_unknowns(&start->sequence, a->n) + 1;
-        saltus_archive_array(a, &start->tangent, (size_t)start->unknowns);
-    }
-    start->heading = (int)saltus_archive_whole(a, start->heading, -1, 1);
-    start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
-    start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
-    start->grazes = saltus_archive_flag(a, start->grazes);
-    start->origin = saltus_archive_kind(a, start->origin);
-}
-
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
     enum { numbers_min = 12 }; /* of a start */
     if (a->reading)
         saltus_starts_clear(starts);
     starts->begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
     starts->start = saltus_archive_list(a, starts->start, &starts->count, sizeof *starts->start, numbers_min);
-    for (int k = 0; k < starts->count; k++)
-        archive_start(a, &starts->start[k]);
+    for (int k = 0; k < starts->count; k++) {
+        saltus_branch_start *start = &starts->start[k];
+        saltus_archive_sequence(a, &start->sequence);
+        saltus_archive_finite(a, &start->parameter, 1);
+        saltus_archive_array(a, &start->state, (size_t)a->n);
+        if (saltus_archive_flag(a, start->tangent != NULL)) {
+            start->unknowns = (int)saltus_archive_length(a, (size_t)start->unknowns, 1);
+            a->sound = a->sound && start->unknowns == saltus_sequence_unknowns(&start->sequence, a->n) + 1;
+            saltus_archive_array(a, &start->tangent, (size_t)start->unknowns);
+        }
+        start->heading = (int)saltus_archive_whole(a, start->heading, -1, 1);
+        start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
+        start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
+        start->grazes = saltus_archive_flag(a, start->grazes);
+        start->origin = saltus_archive_kind(a, start->origin);
+    }
 }

@@ -66,15 +66,6 @@ static int sign_of(bounce *b) {
     return b->lu.sign;
 }
 
-/* The zero between two times that are a step apart, to rounding. */
-static double refine(bounce *b, double low, double high, int sign) {
-    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high)) {
-        exponential(b, middle, b->flow);
-        *(sign_of(b) == sign ? &low : &high) = middle;
-    }
-    return high;
-}
-
 static double closes(const bounce *b, const double *state) {
     double gap;
     multiply(1, b->n, 1, b->row, state, &gap);
@@ -207,7 +198,12 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
         const int sign = sign_of(&b);
         if (before * sign < 0) {
             int side;
-            const double period = refine(&b, (k - 1) * b.h, k * b.h, before);
+            double low = (k - 1) * b.h, period = k * b.h;
+            for (double middle = 0.5 * (low + period); middle > low && middle < period;
+                 middle = 0.5 * (low + period)) {
+                exponential(&b, middle, b.flow);
+                *(sign_of(&b) == before ? &low : &period) = middle;
+            }
             status = find_cycle(&b, period, half, &side, message);
             start.heading = side * slope > 0 ? -1 : 1;
             for (int i = 0; i < r->n; i++)

@@ -10,13 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether the flow follows the sequence at a point a little way along the tangent, which becomes `next`. */
-static bool leads_on(saltus_orbits *o, const saltus_solution *here, double ahead, saltus_solution *next) {
-    saltus_message ignored;
-    return saltus_solution_visit(o, here, ahead, next, &ignored) == SALTUS_OK && next->worst.value < 0 &&
-           saltus_solution_survey(o, next, &ignored) == SALTUS_OK && next->survey.follows;
-}
-
 /* The speeds of two impacts at a place of the curve aside of a solution. False where they cannot be had. */
 static bool speeds_aside(saltus_orbits *o, const saltus_solution *s, const double *way, double by,
                          const int *marks, double *u, double *speeds) {
@@ -78,7 +71,10 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     leave_alike(o, here);
     for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
         for (int way = 0; way < 2; way++) {
-            if (leads_on(o, here, ahead[k], next))
+            /* Whether the flow follows the sequence there. */
+            if (saltus_solution_visit(o, here, ahead[k], next, &ignored) == SALTUS_OK &&
+                next->worst.value < 0 && saltus_solution_survey(o, next, &ignored) == SALTUS_OK &&
+                next->survey.follows)
                 return true;
             saltus_curve_turn(&here->at);
         }

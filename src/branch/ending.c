@@ -10,15 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How fast the flow is at a state of its own system, in the state's scales. */
-static double speed_at(saltus_flow *flow, const double *scale, int n) {
-    double field[SALTUS_STATE_MAX], speed = 0;
-    saltus_flow_field(flow, 0, field);
-    for (int i = 0; i < n; i++)
-        speed = hypot(speed, field[i] / scale[i]);
-    return speed;
-}
-
 /* Once around a cycle: its slowest point to `slowest`, or, where `rest` is given, how near to that it comes.
  */
 static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const double *rest,
@@ -26,7 +17,7 @@ static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const
     enum { parts = 8 };
     const double *scale = saltus_system_scale(o->system);
     saltus_event event = {.kind = SALTUS_STEP};
-    double state[SALTUS_STATE_MAX];
+    double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
     *least = INFINITY;
     saltus_status status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, s->state, message);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
@@ -36,7 +27,12 @@ static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const
             saltus_flow_dense(o->flow, 0, length * k / parts, state);
             *least = fmin(*least, saltus_system_distance(o->system, state, rest));
         }
-        const double speed = rest || status != SALTUS_OK ? INFINITY : speed_at(o->flow, scale, o->n);
+        if (rest || status != SALTUS_OK)
+            continue;
+        double speed = 0; /* in the state's scales */
+        saltus_flow_field(o->flow, 0, field);
+        for (int i = 0; i < o->n; i++)
+            speed = hypot(speed, field[i] / scale[i]);
         if (speed < *least) {
             *least = speed;
             saltus_flow_state(o->flow, 0, slowest);

@@ -39,18 +39,16 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
     return SALTUS_OK;
 }
 
-/* What is added to A where the orbit closes: 1 - e^{i theta} times the state at the base. */
-static void turn_of(const saltus_extended *x, double theta, double *re, double *im) {
-    *re = x->kind == SALTUS_POINT_PD ? 2 : x->kind == SALTUS_POINT_NS ? 1 - cos(theta) : 0;
-    *im = x->kind == SALTUS_POINT_NS ? -sin(theta) : 0;
-}
-
-/* A without borders, in real form: rows of `stride` numbers. */
+/* A without borders, in real form: rows of `stride` numbers. Where the orbit closes 1 - e^{i theta} times the
+ * state at the base is added. */
 static void fill_singular(const saltus_extended *x, double theta, double *a, int stride) {
     const saltus_equations *e = x->orbits.equations;
     int c = e->count, n = x->orbits.n, row = saltus_shooting_closing_row(x->orbits.shooting);
-    double re, im;
-    turn_of(x, theta, &re, &im);
+    const bool turns = x->kind == SALTUS_POINT_NS;
+    const double re = x->kind == SALTUS_POINT_PD ? 2
+                      : turns                    ? 1 - cos(theta)
+                                                 : 0,
+                 im = turns ? -sin(theta) : 0;
     for (int k = 0; k < x->copies; k++) {
         for (int i = 0; i < c; i++)
             for (int j = 0; j < x->copies * c; j++)
@@ -115,40 +113,35 @@ static bool solve_bordered(saltus_extended *x, double theta) {
     return true;
 }
 
-/* The derivative of the Jacobian along a vector of `count` unknowns, by central differences: of second order,
- * or of fourth where it is to be sharp. */
-static saltus_status differentiate(saltus_extended *x, const double *u, const double *v, double *out,
-                                   saltus_message *message) {
+/* A' v at u: derivatives of the Jacobian along v by central differences, of second order, or of fourth where
+ * they are to be sharp. Near where the events change there may be no orbits aside; then the last one is good
+ * enough. */
+static saltus_status renew_along(saltus_extended *x, const double *u, saltus_message *message) {
     static const double place[] = {1, -1, 2, -2}, share[] = {8. / 12, -8. / 12, -1. / 12, 1. / 12};
     const double apart = x->sharp ? 1e-3 : 1e-4;
-    const saltus_equations *e = x->orbits.equations;
-    double length = 0;
+    saltus_equations *e = x->orbits.equations;
+    const int c = e->count, m = e->unknowns, places = x->sharp ? 4 : 2;
+    const size_t size = (size_t)(x->copies * c * m);
     saltus_status status = SALTUS_OK;
-    for (int j = 0; j < e->count; j++)
-        length = hypot(length, v[j]);
-    memset(out, 0, (size_t)(e->count * e->unknowns) * sizeof *out);
-    for (int k = 0; k < (x->sharp ? 4 : 2) && status == SALTUS_OK; k++) {
-        double factor = (x->sharp ? share[k] : 0.5 * place[k]) * length / apart;
-        memcpy(x->aside, u, (size_t)e->unknowns * sizeof *u);
-        for (int j = 0; j < e->count; j++)
-            x->aside[j] += place[k] * apart * v[j] / length;
-        status = saltus_equations_evaluate(x->orbits.equations, x->aside, message);
-        for (int j = 0; j < e->count * e->unknowns && status == SALTUS_OK; j++)
+    memset(x->fresh, 0, size * sizeof *x->fresh);
+    for (int k = 0; k < x->copies * places && status == SALTUS_OK; k++) {
+        const double *v = x->right + k / places * c;
+        double length = 0, *out = x->fresh + k / places * c * m;
+        for (int j = 0; j < c; j++)
+            length = hypot(length, v[j]);
+        const double by = place[k % places],
+                     factor = (x->sharp ? share[k % places] : 0.5 * by) * length / apart;
+        memcpy(x->aside, u, (size_t)m * sizeof *u);
+        for (int j = 0; j < c; j++)
+            x->aside[j] += by * apart * v[j] / length;
+        status = saltus_equations_evaluate(e, x->aside, message);
+        for (int j = 0; j < c * m && status == SALTUS_OK; j++)
             out[j] += factor * e->jacobian[j];
     }
-    return status;
-}
-
-/* A' v at u. Near where the events change there may be no orbits aside; then the last one is good enough. */
-static saltus_status renew_along(saltus_extended *x, const double *u, saltus_message *message) {
-    int c = x->orbits.equations->count, m = x->orbits.equations->unknowns;
-    saltus_status status = SALTUS_OK;
-    for (int k = 0; k < x->copies && status == SALTUS_OK; k++)
-        status = differentiate(x, u, x->right + k * c, x->fresh + k * c * m, message);
     if (status == SALTUS_NO_MEMORY || status == SALTUS_INTERRUPTED || (status != SALTUS_OK && !x->differs))
         return status;
     if (status == SALTUS_OK)
-        memcpy(x->along, x->fresh, (size_t)(x->copies * c * m) * sizeof *x->along);
+        memcpy(x->along, x->fresh, size * sizeof *x->along);
     x->differs = true;
     return SALTUS_OK;
 }
@@ -178,22 +171,10 @@ static void fill_special(saltus_extended *x, const double *u) {
     }
 }
 
-/* v, w and g at grazing: the entry of the Jacobian that is the impact's speed. */
-static void pick_speed(saltus_extended *x) {
-    const saltus_equations *e = x->orbits.equations;
-    int entry = x->orbits.n * saltus_shooting_sequence(x->orbits.shooting)->cuts + x->mark;
-    memset(x->right, 0, (size_t)(e->count + 1) * sizeof(double));
-    memset(x->left, 0, (size_t)(e->count + 1) * sizeof(double));
-    x->right[entry] = 1;
-    x->right[e->count] = e->jacobian[entry * e->unknowns + entry];
-    x->left[entry] = -1;
-}
-
 saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_message *message) {
     saltus_extended *x = self;
     saltus_equations *orbit = x->orbits.equations;
-    int c = orbit->count, m = orbit->unknowns, own = x->equations.unknowns;
-    double theta = x->extra ? u[m] : 0;
+    const int c = orbit->count, m = orbit->unknowns, own = x->equations.unknowns;
     saltus_status status = saltus_equations_evaluate(orbit, u, message);
     if (status != SALTUS_OK)
         return status;
@@ -202,10 +183,17 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
         x->equations.residual[i] = orbit->residual[i];
         memcpy(x->equations.jacobian + i * own, orbit->jacobian + i * m, (size_t)m * sizeof(double));
     }
-    if (x->kind == SALTUS_POINT_GR)
-        pick_speed(x);
-    else if (!solve_bordered(x, theta))
+    if (x->kind == SALTUS_POINT_GR) {
+        /* g is the entry of the Jacobian that is the impact's speed. */
+        const int entry = x->orbits.n * saltus_shooting_sequence(x->orbits.shooting)->cuts + x->mark;
+        memset(x->right, 0, (size_t)(c + 1) * sizeof(double));
+        memset(x->left, 0, (size_t)(c + 1) * sizeof(double));
+        x->right[entry] = 1;
+        x->right[c] = orbit->jacobian[entry * m + entry];
+        x->left[entry] = -1;
+    } else if (!solve_bordered(x, x->extra ? u[m] : 0)) {
         return saltus_fail(message, SALTUS_SINGULAR, "the bordered matrix is singular");
+    }
     status = renew_along(x, u, message);
     if (status != SALTUS_OK)
         return status;

@@ -18,15 +18,6 @@ typedef struct shorter {
     double apart;           /* over which differences are taken for it */
 } shorter;
 
-/* How many multipliers are at one of modulus 1. */
-static int count_at(const double *re, const double *im, int count, double real, double imaginary) {
-    const double near = 1e-3;
-    int found = 0;
-    for (int k = 0; k < count; k++)
-        found += hypot(re[k] - real, im[k] - imaginary) < near;
-    return found;
-}
-
 /* By how much the multiplier next to 1 exceeds it; `pair`: the square of the modulus of the pair next to the
  * unit circle. */
 static bool multiplier_excess(shorter *s, bool pair, double *value) {
@@ -91,14 +82,6 @@ static bool find_change(shorter *s) {
     return best > 0 && find_zero(s);
 }
 
-static void close_shorter(shorter *s) {
-    saltus_extended_close(&s->x);
-    saltus_shooting_free(s->x.orbits.shooting);
-    saltus_locus_point_clear(&s->on);
-    saltus_curve_clear(&s->at);
-    free(s->u);
-}
-
 /* Onto the shorter orbits' curve of flips, or, where `turns`, to the point of that of tori which has the
  * angle pi/2: s->on, near the orbit of `at`. To be closed in any case. */
 static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_locus_point *at,
@@ -139,9 +122,14 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
 
 /* What lies on the flips of the shorter orbits next to s->on, by the multipliers there. */
 static saltus_point_kind name_flip(shorter *s, saltus_point_kind locus) {
+    const double near = 1e-3;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    const int count = saltus_corner_multipliers(s->x.orbits.shooting, s->x.orbits.n, re, im),
-              flips = count_at(re, im, count, -1, 0), folds = count_at(re, im, count, 1, 0);
+    const int count = saltus_corner_multipliers(s->x.orbits.shooting, s->x.orbits.n, re, im);
+    int flips = 0, folds = 0;
+    for (int k = 0; k < count; k++) {
+        flips += hypot(re[k] + 1, im[k]) < near;
+        folds += hypot(re[k] - 1, im[k]) < near;
+    }
     saltus_orbits_noted(&s->x.orbits, count < 0 ? SALTUS_NO_MEMORY : SALTUS_OK);
     if (locus == SALTUS_POINT_LP)
         return flips == 1 && !folds ? SALTUS_POINT_GPD : SALTUS_POINT_REGULAR;
@@ -193,6 +181,10 @@ saltus_point_kind saltus_halved_tell(saltus_extended *x, saltus_locus_point *at)
             kind = SALTUS_POINT_REGULAR;
     }
     x->orbits.starved |= s.x.orbits.starved;
-    close_shorter(&s);
+    saltus_extended_close(&s.x);
+    saltus_shooting_free(s.x.orbits.shooting);
+    saltus_locus_point_clear(&s.on);
+    saltus_curve_clear(&s.at);
+    free(s.u);
     return kind;
 }

@@ -19,11 +19,6 @@ static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s
     return false;
 }
 
-/* What falls to nothing along a curve that joins another. */
-static double rest_of(saltus_extended *x, const saltus_solution *s, bool breach, bool halves) {
-    return breach ? saltus_corner_breach(x, s) : saltus_solution_half_distance(&x->orbits, s, !halves);
-}
-
 enum { samples_most = 8 };
 
 /* `at` becomes the place where what is left of a breach, or of the distance from a shorter orbit, is nothing,
@@ -44,7 +39,9 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
         status = saltus_curve_visit(&x->equations, &here->at, -(k + 1) * apart, &at->at, message);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, message);
-        rest[k] = status == SALTUS_OK ? rest_of(x, &at->orbit, breach, halves) : NAN;
+        rest[k] = status != SALTUS_OK ? NAN
+                  : breach            ? saltus_corner_breach(x, &at->orbit)
+                                      : saltus_solution_half_distance(&x->orbits, &at->orbit, !halves);
         for (int j = 0; j < m && status == SALTUS_OK; j++)
             u[j * samples + k] = at->at.u[j];
     }

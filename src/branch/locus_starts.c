@@ -322,28 +322,26 @@ saltus_point_kind saltus_locus_start_kind(saltus_archive *a, saltus_point_kind k
     return kind;
 }
 
-static void archive_start(saltus_archive *a, saltus_locus_start *start) {
-    start->kind = saltus_locus_start_kind(a, start->kind);
-    saltus_archive_sequence(a, &start->sequence);
-    saltus_archive_finite(a, start->parameter, 2);
-    saltus_archive_array(a, &start->state, (size_t)a->n);
-    start->mark = (int)saltus_archive_whole(a, start->mark, 0, SALTUS_MARKS_MAX - 1);
-    a->sound = a->sound && (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
-    saltus_archive_finite(a, &start->theta, 1);
-    start->one_way = saltus_archive_flag(a, start->one_way);
-    start->leaves = saltus_archive_flag(a, start->leaves);
-    start->origin = saltus_archive_kind(a, start->origin);
-    start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
-    start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
-    start->done = saltus_archive_flag(a, start->done);
-}
-
 void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts) {
     enum { numbers_min = 16 }; /* of a start */
     if (a->reading)
         saltus_locus_starts_clear(starts);
     starts->start = saltus_archive_list(a, starts->start, &starts->count, sizeof *starts->start, numbers_min);
     starts->next = (int)saltus_archive_whole(a, starts->next, 0, starts->count);
-    for (int k = 0; k < starts->count; k++)
-        archive_start(a, &starts->start[k]);
+    for (int k = 0; k < starts->count; k++) {
+        saltus_locus_start *start = &starts->start[k];
+        start->kind = saltus_locus_start_kind(a, start->kind);
+        saltus_archive_sequence(a, &start->sequence);
+        saltus_archive_finite(a, start->parameter, 2);
+        saltus_archive_array(a, &start->state, (size_t)a->n);
+        start->mark = (int)saltus_archive_whole(a, start->mark, 0, SALTUS_MARKS_MAX - 1);
+        a->sound = a->sound && (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
+        saltus_archive_finite(a, &start->theta, 1);
+        start->one_way = saltus_archive_flag(a, start->one_way);
+        start->leaves = saltus_archive_flag(a, start->leaves);
+        start->origin = saltus_archive_kind(a, start->origin);
+        start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
+        start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
+        start->done = saltus_archive_flag(a, start->done);
+    }
 }

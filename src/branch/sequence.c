@@ -10,24 +10,6 @@
 /* Breaches this near to zero change together, as they do on orbits that are their own mirror images. */
 static const double together = 1e-7;
 
-/* A maximum at a mark is that mark's own touch. */
-static bool is_own_touch(const saltus_sequence *s, const saltus_breach *breach) {
-    for (int k = 0; k < s->count; k++)
-        if (s->mark[k].face == breach->face && fabs(s->mark[k].time - breach->time) < 1e-5)
-            return true;
-    return false;
-}
-
-static void insert(saltus_sequence *s, int *order, const saltus_breach *breach) {
-    int k = s->count++;
-    for (; k > 0 && s->mark[k - 1].time > breach->time; k--) {
-        s->mark[k] = s->mark[k - 1];
-        order[k] = order[k - 1];
-    }
-    s->mark[k] = (saltus_mark){SALTUS_IMPACT, breach->face, breach->time, false};
-    order[k] = -1;
-}
-
 const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breach *breaches, int count,
                                   saltus_sequence *fresh, int *order) {
     bool dies[SALTUS_MARKS_MAX] = {false};
@@ -44,12 +26,23 @@ const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breac
         order[fresh->count] = k;
         fresh->mark[fresh->count++] = old->mark[k];
     }
-    for (int k = 0; k < count; k++)
-        if (breaches[k].kind == SALTUS_BREACH_GAP && fabs(breaches[k].value) < together &&
-            !is_own_touch(old, &breaches[k]) && fresh->count < SALTUS_MARKS_MAX) {
-            insert(fresh, order, &breaches[k]);
-            born++;
+    for (int k = 0; k < count; k++) {
+        const saltus_breach *touch = &breaches[k];
+        bool is_born = touch->kind == SALTUS_BREACH_GAP && fabs(touch->value) < together;
+        /* A maximum at a mark is that mark's own touch. */
+        for (int j = 0; j < old->count && is_born; j++)
+            is_born = old->mark[j].face != touch->face || !(fabs(old->mark[j].time - touch->time) < 1e-5);
+        if (!is_born || fresh->count == SALTUS_MARKS_MAX)
+            continue;
+        int at = fresh->count++;
+        for (; at > 0 && fresh->mark[at - 1].time > touch->time; at--) {
+            fresh->mark[at] = fresh->mark[at - 1];
+            order[at] = order[at - 1];
         }
+        fresh->mark[at] = (saltus_mark){SALTUS_IMPACT, touch->face, touch->time, false};
+        order[at] = -1;
+        born++;
+    }
     return born && dead ? "impacts are born and die"
            : born > 1   ? "impacts are born"
            : born       ? "an impact is born"

@@ -137,24 +137,6 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
     return end_at_equilibrium(specials, count, to->at.ahead);
 }
 
-/* The determinant, the parameter fixed, of the orbit at a parameter: of the equations, or with a flip. */
-static bool determinant_at(saltus_shooting *shooting, double parameter, bool flip, double *u, double *guide,
-                           double *tangent, saltus_scaled *found) {
-    saltus_equations *e = saltus_shooting_equations(shooting);
-    int sign, iterations;
-    saltus_message ignored;
-    u[e->count] = parameter;
-    guide[e->count] = 1;
-    if (saltus_newton(e, u, NULL, NULL, false, &iterations, &ignored) != SALTUS_OK)
-        return false;
-    if (flip)
-        saltus_shooting_flip(shooting, &sign, &found->exponent);
-    else if (saltus_curve_tangent(e, guide, tangent, &sign, &found->exponent, &ignored) != SALTUS_OK)
-        return false;
-    found->mantissa = sign;
-    return true;
-}
-
 /* The parameter near `*parameter` at which the determinant of an orbit of another branch is zero: where the
  * equations of the orbit at hand are singular that place is not told well by them. Interpolated from both
  * sides, as those of the other branch may be singular in the very place too. */
@@ -174,12 +156,19 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
     double centre = *parameter;
     for (int pass = 0; pass < passes && status == SALTUS_OK; pass++) {
         for (int k = 0; k < samples && status == SALTUS_OK; k++) {
-            saltus_scaled found;
-            value[k] = centre + place[k] * between;
-            if (!determinant_at(shooting, value[k], flip, u, work, work + m, &found))
+            saltus_equations *e = saltus_shooting_equations(shooting);
+            double *guide = work, *tangent = work + m, size = 0;
+            int sign = 0, iterations;
+            u[e->count] = value[k] = centre + place[k] * between;
+            guide[e->count] = 1;
+            if (saltus_newton(e, u, NULL, NULL, false, &iterations, &ignored) != SALTUS_OK)
                 status = SALTUS_NO_CONVERGENCE;
-            exponent = k == 0 ? found.exponent : exponent;
-            test[k] = saltus_scaled_in(found, exponent);
+            else if (flip)
+                saltus_shooting_flip(shooting, &sign, &size);
+            else if (saltus_curve_tangent(e, guide, tangent, &sign, &size, &ignored) != SALTUS_OK)
+                status = SALTUS_NO_CONVERGENCE;
+            exponent = k == 0 ? size : exponent;
+            test[k] = saltus_scaled_in((saltus_scaled){sign, size}, exponent);
         }
         if (status == SALTUS_OK) {
             centre = saltus_curve_interpolate(test, value, samples);
@@ -196,22 +185,17 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
     return found;
 }
 
-/* The flip of the orbit of half the period that `at` lies near. */
-static bool flip_of_half(saltus_orbits *o, const saltus_solution *at, double *parameter, double *accuracy) {
-    saltus_sequence half = at->sequence;
-    if (half.count % 2)
-        return false;
-    half.cuts = 1;
-    half.periods /= 2;
-    half.count /= 2;
-    return zero_elsewhere(o, &half, at->state, true, parameter, accuracy);
-}
-
 /* Whether `at` is where the branch joins that of half the period. So near to it the equations say little
  * about where; a flip of half the period in this very place tells. */
 static bool joins_half(saltus_orbits *o, const saltus_solution *at, saltus_special *special) {
-    double apart = saltus_solution_half_distance(o, at, false), parameter = at->parameter[0], accuracy;
-    bool sharp = apart < 2e-2 && flip_of_half(o, at, &parameter, &accuracy);
+    const double apart = saltus_solution_half_distance(o, at, false);
+    double parameter = at->parameter[0], accuracy;
+    saltus_sequence half = at->sequence;
+    half.cuts = 1;
+    half.periods /= 2;
+    half.count /= 2;
+    const bool sharp = apart < 2e-2 && at->sequence.count % 2 == 0 &&
+                       zero_elsewhere(o, &half, at->state, true, &parameter, &accuracy);
     if (!(apart < 1e-4 || (sharp && fabs(parameter - at->parameter[0]) < 1e-6)))
         return false;
     special->kind = SALTUS_POINT_PD;
