@@ -839,13 +839,13 @@ static saltus_spec hitting_masses(void) {
     return spec;
 }
 
-/* Such masses under a force, and their orbit of one period that grazes. */
+/* Such masses under a force, and an orbit of theirs that grazes. */
 typedef struct grazing_masses {
     double F, c, m2, c2, k2, r, omega, d, state[4];
 } grazing_masses;
 
-/* The curve of grazing through it, in steps of two lengths. */
-static void follow_twice(const grazing_masses *row, const saltus_branch_options *options,
+/* The curve of grazing of such orbits of so many periods, in steps of two lengths. */
+static void follow_twice(const grazing_masses *row, int periods, const saltus_branch_options *options,
                          const double step_max[2], branch_record record[2]) {
     saltus_spec spec = hitting_masses();
     set_parameter(&spec, "F", row->F);
@@ -859,8 +859,22 @@ static void follow_twice(const grazing_masses *row, const saltus_branch_options 
     for (int run = 0; run < 2; run++) {
         saltus_branch_options own = *options;
         own.step_max = step_max[run];
-        record[run] = branch_run(&spec, 1, row->state, &own);
+        record[run] = branch_run(&spec, periods, row->state, &own);
     }
+}
+
+/* The corners of either run are those of the other; returns how many there are of a kind, or of any. */
+static int same_corners(const branch_record record[2], saltus_point_kind kind) {
+    int found = 0;
+    for (int run = 0; run < 2; run++)
+        for (int k = 0; k < record[run].count; k++) {
+            const saltus_branch_point *p = &record[run].point[k];
+            if (p->kind < SALTUS_POINT_CP || p->kind == SALTUS_POINT_EP)
+                continue;
+            found += kind == SALTUS_POINT_REGULAR || p->kind == kind;
+            check_near(nearest_of(&record[1 - run], p->kind, p->locus, p->value[0], p->value[1]), 0, 1e-9);
+        }
+    return found;
 }
 
 /* Along a curve of grazing multipliers change fast, and pairs that leave the unit circle come back: however
@@ -892,7 +906,7 @@ static void long_steps_pass_no_torus(void **unused) {
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
         branch_record record[2];
         saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
-        follow_twice(&rows[row], &options, step_max, record);
+        follow_twice(&rows[row], 1, &options, step_max, record);
         int found = 0;
         for (int run = 0; run < 2; run++)
             for (int k = 0; k < record[run].count; k++) {
@@ -938,21 +952,126 @@ static void slow_forcing_hides_no_corner(void **unused) {
         branch_record record[2];
         saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
         options.direction = -1;
-        follow_twice(&rows[row], &options, step_max, record);
-        int corners = 0;
-        for (int run = 0; run < 2; run++)
-            for (int k = 0; k < record[run].count; k++) {
-                const saltus_branch_point *p = &record[run].point[k];
-                if (p->kind < SALTUS_POINT_CP || p->kind == SALTUS_POINT_EP)
-                    continue;
-                corners++;
-                check_near(nearest_of(&record[1 - run], p->kind, p->locus, p->value[0], p->value[1]), 0,
-                           1e-9);
-            }
-        assert_true(corners > 10 && record[1].count < record[0].count);
+        follow_twice(&rows[row], 1, &options, step_max, record);
+        assert_true(same_corners(record, SALTUS_POINT_REGULAR) > 10 && record[1].count < record[0].count);
         branch_forget(&record[0]);
         branch_forget(&record[1]);
     }
+}
+
+/* Where a multiplier runs through infinity a pair of them leaves the unit circle, becomes real, and comes
+ * back past 1 or -1 at once: the product over pairs has the same sign before and after. How many are inside
+ * the circle tells. */
+static void pairs_beside_infinity_are_found(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {-0.5, 0.42}, high[2] = {4, 2.4}, step_max[2] = {0.01, 0.02};
+    static const grazing_masses rows[] = {
+        {1.11006,
+         0.113099,
+         0.326711,
+         0.0454107,
+         3.29767,
+         0.510226,
+         1.82794,
+         0.1379589406847085,
+         {-0.2785278875387858, -0.416460653568262, 0.029098148890993727, 0.0340103002948454}},
+        {1.08122,
+         0.129419,
+         0.715479,
+         0.121365,
+         3.69092,
+         0.356253,
+         1.06467,
+         0.2573906379571963,
+         {-0.9077113940397181, -1.1642635025404366, 0.12200272285219604, 0.14410472155166687}}};
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        branch_record record[2];
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        options.direction = -1;
+        options.points = 4000;
+        follow_twice(&rows[row], 1, &options, step_max, record);
+        assert_true(same_corners(record, SALTUS_POINT_GR_NS) > 6);
+        branch_forget(&record[0]);
+        branch_forget(&record[1]);
+    }
+}
+
+/* Orbits of three periods that graze become those of one period, which graze three times in it: their curve
+ * ends there, in one place whatever the steps, on the curve of grazing of the shorter orbits. */
+static void curves_of_grazing_join_those_of_a_third(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {-0.5, 0.3}, high[2] = {4, 2.4}, step_max[2] = {0.01, 0.02};
+    static const grazing_masses rows[] = {
+        {1.16108,
+         0.0748201,
+         2.24241,
+         0.0180169,
+         1.23318,
+         0.782939,
+         0.786252,
+         0.350623,
+         {-0.43018668049665354, -0.6934990334474017, 0.4113933818867015, -0.4281699717641522}},
+        {0.672012,
+         0.0352322,
+         1.64707,
+         0.132963,
+         0.324558,
+         0.514503,
+         1.61762,
+         0.385312,
+         {0.028949234814749796, 1.5107778352193575, 0.9562487131592474, 0.0014626424361016239}}};
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        branch_record record[2];
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        follow_twice(&rows[row], 3, &options, step_max, record);
+        same_corners(record, SALTUS_POINT_REGULAR);
+        int joins = 0;
+        for (int run = 0; run < 2; run++)
+            for (int k = 0; k < record[run].count; k++) {
+                const saltus_branch_point *end = &record[run].point[k];
+                if (!strstr(end->reason, "part of the period"))
+                    continue;
+                joins++;
+                assert_int_equal(end->kind, SALTUS_POINT_EP);
+                assert_int_equal(end[-1].kind, SALTUS_POINT_GR_GR);
+                saltus_branch_options own = options;
+                own.points = 3;
+                branch_record shorter = branch_run(&end->spec, 1, end->state, &own);
+                check_near(
+                    nearest_of(&shorter, SALTUS_POINT_GR, SALTUS_POINT_GR, end->value[0], end->value[1]), 0,
+                    1e-8);
+                branch_forget(&shorter);
+            }
+        assert_int_equal(joins, row ? 2 : 4);
+        branch_forget(&record[0]);
+        branch_forget(&record[1]);
+    }
+}
+
+/* Without its stop the pipe is its own mirror image, and so may its orbits be: where others branch off a
+ * curve of grazing crosses theirs, and its equations are singular. The place is as sharp as any. */
+static void grazing_passes_a_crossing(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {0.005, 10}, high[2] = {0.08, 60}, step_max[2] = {0.01, 0.02};
+    static const double state[] = {-0.043541447763617534, -0.34106758705984724};
+    saltus_spec spec = pipe_spec(1, 32.2089);
+    set_parameter(&spec, "u0", 3.82929);
+    set_parameter(&spec, "sigma", 0.316321);
+    set_parameter(&spec, "alpha", 0.00331081);
+    add_stop(&spec, 0.04768315347851244, 0.429931, SALTUS_UPPER);
+    branch_record record[2];
+    saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+    options.direction = -1;
+    for (int run = 0; run < 2; run++) {
+        options.step_max = step_max[run];
+        record[run] = branch_run(&spec, 2, state, &options);
+    }
+    assert_true(same_corners(record, SALTUS_POINT_GR_LP) > 10);
+    branch_forget(&record[0]);
+    branch_forget(&record[1]);
 }
 
 /* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
@@ -1472,6 +1591,9 @@ int main(void) {
         cmocka_unit_test(tori_between_grazing_and_folds),
         cmocka_unit_test(long_steps_pass_no_torus),
         cmocka_unit_test(slow_forcing_hides_no_corner),
+        cmocka_unit_test(pairs_beside_infinity_are_found),
+        cmocka_unit_test(curves_of_grazing_join_those_of_a_third),
+        cmocka_unit_test(grazing_passes_a_crossing),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),

@@ -163,48 +163,91 @@ static bool measure_pairs(saltus_shooting *shooting, int n, saltus_locus_test *c
     return all >= 0;
 }
 
-/* Whether numbers move so far from here to there that any of them, on the same side of the unit circle at
- * both places, may have crossed it and come back. */
-static bool may_return(const saltus_close *here, const saltus_close *there) {
-    const double little = 1e-2;
-    for (int i = 0; i < here->count; i++) {
-        const double off = off_circle(here->re[i], here->im[i]);
-        double moved = INFINITY, off_there = 0;
-        for (int j = 0; j < there->count; j++) {
-            const double apart =
-                hypot(here->re[i] - there->re[j], here->im[i] - there->im[j]) /
-                fmax(1, fmax(hypot(here->re[i], here->im[i]), hypot(there->re[j], there->im[j])));
-            if (apart < moved) {
-                moved = apart;
-                off_there = off_circle(there->re[j], there->im[j]);
-            }
+/* How far a number is from the nearest of others, in units of the larger of both, and of `least` at least,
+ * and how far that one is *off the unit circle. */
+static double nearest_of(const saltus_close *there, double re, double im, double least, double *off) {
+    const double own = fmax(least, hypot(re, im));
+    double nearest = INFINITY;
+    for (int j = 0; j < there->count; j++) {
+        const double apart =
+            hypot(re - there->re[j], im - there->im[j]) / fmax(own, hypot(there->re[j], there->im[j]));
+        if (apart < nearest) {
+            nearest = apart;
+            *off = off_circle(there->re[j], there->im[j]);
         }
-        if (moved > little && off * off_there > 0 && fmin(fabs(off), fabs(off_there)) < moved)
-            return true;
     }
-    return false;
+    return nearest;
 }
 
-/* Whether a multiplier turns or grows so much from here to there that functions of them all may change their
- * signs and change them back: those of a slow forcing turn with every free oscillation within its period. */
-static bool turns_far(const saltus_close *here, const saltus_close *there) {
-    const double far = 0.4, nothing = 1e-3;
+/* Whether numbers move so far from here to there that any of them, on the same side of the unit circle at
+ * both places, may have crossed it and come back; or, of multipliers, that one turns or grows so much that
+ * functions of them all may change their signs and change them back: those of a slow forcing turn with every
+ * free oscillation within its period. */
+static bool may_return(const saltus_close *here, const saltus_close *there, bool turns) {
+    const double little = 1e-2, far = 0.4, nothing = 1e-3;
     for (int i = 0; i < here->count; i++) {
-        const double own = hypot(here->re[i], here->im[i]);
-        double moved = INFINITY;
-        for (int j = 0; j < there->count; j++)
-            moved = fmin(moved, hypot(here->re[i] - there->re[j], here->im[i] - there->im[j]) /
-                                    fmax(own, hypot(there->re[j], there->im[j])));
-        if (own > nothing && moved > far)
+        const double re = here->re[i], im = here->im[i], off = off_circle(re, im);
+        double off_there = 0, ignored;
+        const double moved = nearest_of(there, re, im, 1, &off_there);
+        if (moved > little && off * off_there > 0 && fmin(fabs(off), fabs(off_there)) < moved)
+            return true;
+        if (turns && hypot(re, im) > nothing && nearest_of(there, re, im, 0, &ignored) > far)
             return true;
     }
     return false;
 }
 
 bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b) {
-    return may_return(&a->single, &b->single) || may_return(&b->single, &a->single) ||
-           may_return(&a->product, &b->product) || may_return(&b->product, &a->product) ||
-           turns_far(&a->single, &b->single) || turns_far(&b->single, &a->single);
+    return may_return(&a->single, &b->single, true) || may_return(&b->single, &a->single, true) ||
+           may_return(&a->product, &b->product, false) || may_return(&b->product, &a->product, false);
+}
+
+/* Numbers inside the unit circle and on it, at 1, at -1 and elsewhere. */
+typedef struct tally {
+    int inside, at_one, at_minus_one, aside;
+} tally;
+
+static tally tally_of(const saltus_close *c) {
+    const double on = 1e-5;
+    tally t = {0};
+    for (int i = 0; i < c->count; i++) {
+        const double off = off_circle(c->re[i], c->im[i]);
+        if (fabs(off) > on)
+            t.inside += off < 0;
+        else
+            ++*(fabs(c->im[i]) > on ? &t.aside : c->re[i] > 0 ? &t.at_one : &t.at_minus_one);
+    }
+    return t;
+}
+
+/* Each fold or flip takes one multiplier through the circle, each pair two; those on it may come from either
+ * side, and the functions that are zero there have no sign. */
+bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b, int count) {
+    for (int k = 0; k < count; k++) {
+        if (a[k].kind != SALTUS_POINT_GR_NS || a[k].breach || !isfinite(a[k].value.mantissa) ||
+            !isfinite(b[k].value.mantissa))
+            continue;
+        const tally from = tally_of(&a[k].single), to = tally_of(&b[k].single);
+        const int low = to.inside - from.inside - from.at_one - from.at_minus_one - from.aside,
+                  high = to.inside + to.at_one + to.at_minus_one + to.aside - from.inside;
+        int single = 0;
+        bool told = true, explained = false;
+        for (int j = 0; j < count; j++) {
+            const bool fold = a[j].kind == SALTUS_POINT_GR_LP, flip = a[j].kind == SALTUS_POINT_GR_PD;
+            if (!(fold || flip) || a[j].breach || a[j].without != a[k].without)
+                continue;
+            if (fold ? from.at_one + to.at_one : from.at_minus_one + to.at_minus_one)
+                continue;
+            told = told && !(a[j].value.exponent < a[j].quiet) && !(b[j].value.exponent < b[j].quiet);
+            single += a[j].value.mantissa * b[j].value.mantissa < 0;
+        }
+        const bool pair = from.aside || to.aside || a[k].value.mantissa * b[k].value.mantissa < 0;
+        for (int d = low; d <= high; d++)
+            explained = explained || ((d - single) % 2 == 0 && abs(d) <= single + 2 * pair);
+        if (told && !explained)
+            return true;
+    }
+    return false;
 }
 
 saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {

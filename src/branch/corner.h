@@ -46,6 +46,9 @@ int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_po
 /* Whether multipliers, or products of them, may have crossed the unit circle between two points and come
  * back, or have moved so far that functions of them may: by GR-NS at both. */
 bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b);
+/* Whether between two points of a curve of grazing, by all their functions, more or fewer multipliers have
+ * entered the unit circle than the signs of these tell: there are zeros of which they tell nothing. */
+bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b, int count);
 /* What the corner is that has been located at an orbit: where that is its own mirror image, a fold (GR-LP),
  * along whose null vector the orbits keep this symmetry, or a branch point (GR-BP), along whose they lose it;
  * where a contact that chatter led to shrinks to nothing, CH-GR; where another contact begins or ends EP.

@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether an orbit that grazes, and grazes again half its period later, does so at another time too. */
-static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s) {
-    const double together = 1e-7, near = 1e-4;
+/* Whether an orbit that grazes, and grazes again a part of its period later, does so at another time too. */
+static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s, int parts) {
+    const double together = 1e-7, near = 1e-4, part = (double)s->sequence.periods / (parts > 1 ? parts : 2);
     const saltus_mark *own = &s->sequence.mark[x->mark];
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind <= SALTUS_BREACH_GAP && fabs(s->breaches[k].value) < together &&
-            fabs(remainder(s->breaches[k].time - own->time, 0.5 * s->sequence.periods)) > near)
+            fabs(remainder(s->breaches[k].time - own->time, part)) > near)
             return true;
     return false;
 }
@@ -26,7 +26,7 @@ enum { samples_most = 8 };
  * *spread: how far off in the plane it would be with one of them less. Errors: SALTUS_NO_MEMORY, those of the
  * equations. */
 static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart, int samples,
-                                 bool breach, bool halves, saltus_locus_point *at, double *spread,
+                                 bool breach, int parts, saltus_locus_point *at, double *spread,
                                  saltus_message *message) {
     const double tolerance = 1e-13, usual = x->equations.tolerance;
     int m = here->at.unknowns;
@@ -41,7 +41,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
             status = saltus_locus_see_orbit(x, at, message);
         rest[k] = status != SALTUS_OK ? NAN
                   : breach            ? saltus_corner_breach(x, &at->orbit)
-                                      : saltus_solution_half_distance(&x->orbits, &at->orbit, !halves);
+                                      : saltus_locus_distance(x, &at->orbit, parts);
         for (int j = 0; j < m && status == SALTUS_OK; j++)
             u[j * samples + k] = at->at.u[j];
     }
@@ -74,27 +74,27 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
     const double little = 1e-4, near = 1e-3, sharp = 1e-10;
-    bool halves;
+    int parts;
     double spread;
     saltus_message ignored;
     *kind = SALTUS_POINT_REGULAR;
     if (x->kind != SALTUS_POINT_GR)
         return saltus_locus_join_halves(x, here, at, kind, message);
     if (!(saltus_corner_breach(x, &here->orbit) > -little) ||
-        !(saltus_locus_apart(x, &here->orbit, &halves) < near))
+        !(saltus_locus_apart(x, &here->orbit, &parts) < near))
         return SALTUS_OK;
     /* Of several breaches that fall to nothing together now the one is the worst, now another. */
     for (int k = 0; k < 2 * spacings && !*kind; k++) {
         const double own = apart[k % spacings];
-        saltus_status status = extrapolate(x, here, own, 6, k < spacings, halves, at, &spread, &ignored);
+        saltus_status status = extrapolate(x, here, own, 6, k < spacings, parts, at, &spread, &ignored);
         if (status == SALTUS_NO_MEMORY)
             return saltus_branch_no_memory(message);
         if (status == SALTUS_OK && fabs(at->at.ahead) < 2 * own &&
             fabs(saltus_corner_breach(x, &at->orbit)) < sharp &&
-            saltus_solution_half_distance(&x->orbits, &at->orbit, !halves) < sharp)
-            *kind = touches_elsewhere(x, &at->orbit) ? SALTUS_POINT_GR_GR
-                    : halves                         ? SALTUS_POINT_GR_PD
-                                                     : SALTUS_POINT_GR_BP;
+            saltus_locus_distance(x, &at->orbit, parts) < sharp)
+            *kind = parts > 2 || touches_elsewhere(x, &at->orbit, parts) ? SALTUS_POINT_GR_GR
+                    : parts == 2                                         ? SALTUS_POINT_GR_PD
+                                                                         : SALTUS_POINT_GR_BP;
     }
     return SALTUS_OK;
 }
@@ -116,7 +116,7 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
     saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
     for (int k = 0; k < 2 * spacings && status != SALTUS_NO_MEMORY; k++) {
         const double own = apart[k / 2];
-        status = extrapolate(x, here, own, k % 2 ? samples_most : samples_most - 2, false, true, at, &spread,
+        status = extrapolate(x, here, own, k % 2 ? samples_most : samples_most - 2, false, 2, at, &spread,
                              &ignored);
         if (status != SALTUS_OK)
             continue;

@@ -10,7 +10,8 @@
  * the same of orbits that are their own mirror images, where these have a branch point. The equations are
  * singular there; but the curve depends smoothly on that rest. *kind: GR-PD or GR-BP where the curve joins
  * another so just ahead of `here`, at `at`, GR-GR where another impact of the shorter orbit grazes too,
- * otherwise REGULAR, or what the next function finds. Errors: SALTUS_NO_MEMORY. */
+ * or where the shorter orbits are those of a third
+ * of the period or less, otherwise REGULAR, or what the next function finds. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message);
 /* Curves of folds and of tori of orbits of twice the period end where these become those of half of it. The

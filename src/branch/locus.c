@@ -3,6 +3,7 @@
 #include "branch/locus.h"
 
 #include "branch/join.h"
+#include "branch/locus_corners.h"
 #include "branch/locus_starts.h"
 #include "branch/options.h"
 #include "branch/point.h"
@@ -494,10 +495,15 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
 static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_message *message) {
     const saltus_locus_test corner = {.kind = kind, .joins = true};
     const double ahead = l->trial.at.ahead;
+    const char *reason = corner_reasons[1][kind];
     bool closes = false;
+    int parts = 2;
+    if (l->x.kind == SALTUS_POINT_GR)
+        saltus_locus_apart(&l->x, &l->trial.orbit, &parts);
+    if (parts > 2)
+        reason = "its orbits join those of a part of the period, which graze";
     saltus_status status = give_named(l, &corner, ahead, &closes, message);
-    return status == SALTUS_OK ? give(l, &l->trial, SALTUS_POINT_EP, ahead, corner_reasons[1][kind], message)
-                               : status;
+    return status == SALTUS_OK ? give(l, &l->trial, SALTUS_POINT_EP, ahead, reason, message) : status;
 }
 
 static const char *why_it_ends(const saltus_solution *at) {
@@ -584,17 +590,18 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
     }
 }
 
-/* The corner at a place of the step, if it is one; *moved as there. */
-static saltus_status pass_corner(saltus_locus *l, int own, double place, bool *moved,
+/* The corner at a zero on the step, if it is one; *moved as there. */
+static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero, bool *moved,
                                  saltus_message *message) {
+    const int own = zero->corner;
     const double just_before = 1e-7;
     saltus_solution before = {.value = 0};
     l->x.sharp = true;
     /* At a touch the flow meets the impact or not by chance: the survey is that of an orbit just before. */
     if (l->next.corners[own].breach && l->x.kind != SALTUS_POINT_GR &&
-        saltus_locus_visit(&l->x, &l->here, place - just_before, &l->trial))
+        saltus_locus_visit(&l->x, &l->here, zero->place - just_before, &l->trial))
         saltus_survey_swap(&before, &l->trial.orbit);
-    const bool found = saltus_locus_visit(&l->x, &l->here, place, &l->trial);
+    const bool found = saltus_locus_visit_zero(&l->x, &l->here, zero, &l->trial);
     if (before.survey.walked)
         saltus_survey_swap(&before, &l->trial.orbit);
     saltus_solution_clear(&before);
@@ -605,7 +612,7 @@ static saltus_status pass_corner(saltus_locus *l, int own, double place, bool *m
     const bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
     return !found || real || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
                ? SALTUS_OK
-               : give_corner(l, corner, place, moved, message);
+               : give_corner(l, corner, zero->place, moved, message);
 }
 
 /* One step along the curve under way, with the corners on it. */
@@ -615,7 +622,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
     saltus_locus_zeros crossed;
     saltus_status status = take_step(l, &reached, &crossed, message);
     for (int k = 0; status == SALTUS_OK && l->trail->following && !moved && k < crossed.count; k++)
-        status = pass_corner(l, crossed.corner[k], crossed.place[k], &moved, message);
+        status = pass_corner(l, &crossed.zero[k], &moved, message);
     if (status != SALTUS_OK || !l->trail->following || moved)
         return status;
     step_on(l);

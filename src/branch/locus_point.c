@@ -126,14 +126,43 @@ saltus_status saltus_locus_find_leaving(saltus_extended *x, saltus_locus_point *
     return status;
 }
 
-double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, bool *halves) {
+double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int parts) {
+    const saltus_orbits *o = &x->orbits;
+    saltus_sequence sequence = s->sequence;
+    saltus_shooting *shooting = NULL;
+    saltus_message ignored;
+    double largest = 0, *u = NULL;
+    if (parts <= 2)
+        return saltus_solution_half_distance(&x->orbits, s, parts == 1);
+    if (sequence.periods % parts)
+        return INFINITY;
+    sequence.cuts = 2;
+    sequence.cut[1] = sequence.base + (double)sequence.periods / parts;
+    saltus_status status = saltus_orbits_shoot(o, &sequence, s->parameter, s->state, &shooting, &u, &ignored);
+    if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK)
+        largest = INFINITY;
+    for (int i = 0; i < o->n && status == SALTUS_OK; i++)
+        largest = fmax(largest, fabs(u[o->n + i] - u[i]));
+    saltus_shooting_free(shooting);
+    free(u);
+    return largest;
+}
+
+double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {
     bool shift;
-    const double half = saltus_solution_half_distance(&x->orbits, s, false);
-    const bool breaks = !x->mirrored && saltus_system_mirror_symmetric(x->orbits.system, &shift);
-    const double image = breaks ? saltus_solution_half_distance(&x->orbits, s, true) : INFINITY;
-    if (halves)
-        *halves = half <= image;
-    return fmin(half, image);
+    double least = INFINITY;
+    for (int k = 1, left = s->sequence.periods; k <= (left > 2 ? left : 2); k++) {
+        const bool tried = k == 1   ? !x->mirrored && saltus_system_mirror_symmetric(x->orbits.system, &shift)
+                           : k == 2 ? true
+                                    : x->kind == SALTUS_POINT_GR && left % k == 0;
+        const double own = tried ? saltus_locus_distance(x, s, k) : INFINITY;
+        if (parts && (own < least || k == 2) && own <= least)
+            *parts = k;
+        least = fmin(least, own);
+        while (k > 1 && left % k == 0)
+            left /= k;
+    }
+    return least;
 }
 
 bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, const saltus_solution *at,
@@ -190,198 +219,6 @@ bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, doub
     saltus_message ignored;
     return saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, &ignored) == SALTUS_OK &&
            saltus_locus_see(x, out, &ignored) == SALTUS_OK;
-}
-
-/* One corner under way. */
-typedef struct location {
-    saltus_extended *x;
-    const saltus_locus_point *here;
-    saltus_locus_point *out;
-    int corner, asked;
-    double clear; /* what a function that is smooth has fallen far below when it has been asked often */
-} location;
-
-static bool corner_at(void *context, double ahead, double *value) {
-    enum { often = 14 };
-    location *l = context;
-    if (!saltus_locus_visit(l->x, l->here, ahead, l->out))
-        return false;
-    *value = saltus_scaled_in(l->out->corners[l->corner].value, l->here->corners[l->corner].value.exponent);
-    return ++l->asked < often || !(fabs(*value) > l->clear);
-}
-
-/* The functions at a place of a step. */
-typedef struct sample {
-    double place;
-    saltus_locus_test corners[SALTUS_CORNERS_MAX];
-} sample;
-
-enum { halvings = 5 };
-
-static sample sample_of(const saltus_locus_point *p, double place) {
-    sample own = {.place = place};
-    memcpy(own.corners, p->corners, sizeof own.corners);
-    return own;
-}
-
-/* Whether a function may cross zero between the last two of three places and come back: by the parabola
- * through them it falls towards zero there, and rises again. */
-static bool may_dip(const double place[3], const double value[3]) {
-    const double deep = 0.8;
-    const double first = (value[1] - value[0]) / (place[1] - place[0]),
-                 second = (value[2] - value[1]) / (place[2] - place[1]),
-                 bend = (second - first) / (place[2] - place[0]), reach = bend * (place[2] - place[1]);
-    const double side = value[1] > 0 ? 1 : -1, least = fmin(side * value[1], side * value[2]);
-    const bool turns = least > 0 && side * (second - reach) < 0 && side * (second + reach) > 0;
-    return turns && side * value[1] - (second - reach) * (second - reach) / (4 * fabs(bend)) < deep * least;
-}
-
-/* Whether functions at two places, and before them at `before`, let expect more zeros between than their
- * signs tell. Where one on a curve of grazing has a zero a multiplier may run through infinity there, past 1,
- * -1 and the other ones. */
-static bool may_hide(const saltus_extended *x, const saltus_locus_point *here, double before,
-                     const saltus_scaled *values, const sample *begin, const sample *end) {
-    bool hides = false;
-    for (int k = 0; k < here->corner_count && !hides; k++) {
-        const saltus_locus_test *near = &begin->corners[k], *far = &end->corners[k];
-        const double exponent = here->corners[k].value.exponent, quiet = here->corners[k].quiet;
-        const double place[] = {before, begin->place, end->place},
-                     value[] = {saltus_scaled_in(values[k], exponent),
-                                saltus_scaled_in(near->value, exponent),
-                                saltus_scaled_in(far->value, exponent)};
-        if (near->breach || (quiet != 0 && near->value.exponent < quiet && far->value.exponent < quiet))
-            continue;
-        hides = before < begin->place && may_dip(place, value);
-        if (x->kind == SALTUS_POINT_GR)
-            hides = hides || value[1] * value[2] < 0 || saltus_corner_hides(near, far);
-    }
-    return hides;
-}
-
-/* The functions at the place before a sample. */
-static double values_before(const saltus_locus_point *here, const sample *samples, int count,
-                            saltus_scaled *values) {
-    for (int k = 0; k < here->corner_count; k++)
-        values[k] = count > 1 ? samples[count - 2].corners[k].value : here->before[k];
-    return count > 1 ? samples[count - 2].place : here->before_place;
-}
-
-/* Append the end of an interval to the samples; before it, where functions may have two zeros within, or
- * multipliers have crossed the unit circle and come back, places between. */
-static int append_samples(saltus_extended *x, const saltus_locus_point *here, const sample *end, int depth,
-                          saltus_locus_point *scratch, sample *samples, int count) {
-    const sample *begin = &samples[count - 1];
-    const double finest = 4e-3;
-    const bool far = depth < halvings && end->place - begin->place > finest;
-    saltus_scaled values[SALTUS_CORNERS_MAX];
-    const double before = values_before(here, samples, count, values);
-    const double middle = 0.5 * (begin->place + end->place);
-    if (far && may_hide(x, here, before, values, begin, end) &&
-        saltus_locus_visit(x, here, middle, scratch)) {
-        const sample between = sample_of(scratch, middle);
-        count = append_samples(x, here, &between, depth + 1, scratch, samples, count);
-        return append_samples(x, here, end, depth + 1, scratch, samples, count);
-    }
-    samples[count] = *end;
-    return count + 1;
-}
-
-/* Put the places that were found among the samples. Where a fold or flip meets grazing a multiplier runs
- * through infinity nearby, and its product with another one through 1: the test for pairs on the unit circle,
- * which changes its sign there as it does at GR-NS, is asked between them. */
-static int add_samples(saltus_extended *x, const saltus_locus_point *here, const saltus_locus_zeros *found,
-                       saltus_locus_point *scratch, sample *samples, int count) {
-    for (int k = 0; k < found->count; k++) {
-        if (!saltus_locus_visit(x, here, found->place[k], scratch))
-            continue;
-        int at = count++;
-        for (; at > 0 && samples[at - 1].place > found->place[k]; at--)
-            samples[at] = samples[at - 1];
-        samples[at] = sample_of(scratch, found->place[k]);
-    }
-    return count;
-}
-
-/* The zero of a function between two places, if there is one. */
-static bool find_zero(location *self, const sample *a, const sample *b, double *place) {
-    const saltus_extended *x = self->x;
-    const int k = self->corner;
-    const saltus_scaled near = a->corners[k].value, far = b->corners[k].value;
-    const double exponent = self->here->corners[k].value.exponent, quiet = self->here->corners[k].quiet;
-    const double ends[] = {a->place, b->place},
-                 values[] = {saltus_scaled_in(near, exponent), saltus_scaled_in(far, exponent)};
-    double width;
-    if (!(values[0] * values[1] < 0))
-        return false;
-    /* Multipliers that are told badly make their products jump. */
-    const bool jumps = a->corners[k].kind == SALTUS_POINT_GR_NS && !a->corners[k].breach;
-    self->clear = jumps ? 1e-2 * fmin(fabs(values[0]), fabs(values[1])) : INFINITY;
-    self->asked = 0;
-    if ((quiet == 0 || !(near.exponent < quiet && far.exponent < quiet)) &&
-        saltus_curve_zero_between(x->orbits.solver, corner_at, self, ends, values, place, &width))
-        return true;
-    /* Where a pair of multipliers meets the equations are singular, and solved near there by chance; the
-     * place is had from others (saltus_locus_sharpen). */
-    *place = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
-    return x->kind == SALTUS_POINT_NS && k > 0 && self->here->corners[k].ends;
-}
-
-/* Put a corner in its place among those found. False: there are too many. */
-static bool insert(saltus_locus_zeros *found, int corner, double place) {
-    int at = found->count;
-    if (at == SALTUS_CROSSINGS_MAX)
-        return false;
-    for (; at > 0 && found->place[at - 1] > place; at--) {
-        found->place[at] = found->place[at - 1];
-        found->corner[at] = found->corner[at - 1];
-    }
-    found->place[at] = place;
-    found->corner[at] = corner;
-    found->count++;
-    return true;
-}
-
-bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *here,
-                               const saltus_locus_point *next, saltus_locus_point *scratch,
-                               saltus_locus_zeros *found) {
-    const double together = 1e-6, jump = 1e-8;
-    double ends = INFINITY;
-    sample *samples = calloc((1 << halvings) + 1 + SALTUS_CROSSINGS_MAX, sizeof *samples);
-    bool sound = samples;
-    if (!samples) {
-        x->orbits.starved = true;
-        return false;
-    }
-    samples[0] = sample_of(here, 0);
-    const sample last = sample_of(next, next->at.ahead);
-    int count = append_samples(x, here, &last, 0, scratch, samples, 1);
-    bool added = false;
-    found->count = 0;
-    for (int k = 0; k < here->corner_count; k++) {
-        if (here->corners[k].kind == SALTUS_POINT_GR_NS && !here->corners[k].breach && !added) {
-            count = add_samples(x, here, found, scratch, samples, count);
-            added = true;
-        }
-        for (int j = 0; j + 1 < count && sound; j++) {
-            location self = {.x = x, .here = here, .out = scratch, .corner = k};
-            double place = 0, value;
-            const bool located = find_zero(&self, &samples[j], &samples[j + 1], &place);
-            /* The first function is the breach, which may begin with a jump, where a maximum of the gap
-             * appears. */
-            if (k == 0 && (located || samples[j + 1].corners[k].value.mantissa > 1e-9))
-                sound = located && corner_at(&self, place, &value) && fabs(value) < jump &&
-                        !saltus_locus_joins_at(x, here, &scratch->orbit, true);
-            if (!located || !sound || place >= ends - together)
-                continue;
-            if (k == 0)
-                ends = place;
-            sound = insert(found, k, place);
-            if (k == 0)
-                break;
-        }
-    }
-    free(samples);
-    return sound;
 }
 
 void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, double theta,

@@ -1,5 +1,4 @@
-/* Private: points of a locus, and the special ones among them: corners between two of them (corner.h), and
- * where a curve ends.
+/* Private: points of a locus, and where a curve ends. Corners between two of them: locus_corners.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_LOCUS_POINT_H
 #define SALTUS_BRANCH_LOCUS_POINT_H
@@ -41,9 +40,13 @@ saltus_status saltus_locus_find_leaving(saltus_extended *extended, saltus_locus_
 /* The point at arclength `ahead` from another, seen; false where it cannot be had. */
 bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out);
-/* How far an orbit is from one of half the period, or, where the curve's are not, from its own mirror image:
- * `halves` (may be NULL): from the former. */
-double saltus_locus_apart(saltus_extended *extended, const saltus_solution *orbit, bool *halves);
+/* How far an orbit is from one that closes after one of so many equal parts of the period, scaled; INFINITY
+ * where that are no whole periods. 1: from being its own mirror image. */
+double saltus_locus_distance(saltus_extended *extended, const saltus_solution *orbit, int parts);
+/* The least of those distances: from orbits of half the period, from its own mirror image, where the curve's
+ * are not, and on curves of grazing from orbits of other parts of the period; `parts` (may be NULL): which.
+ */
+double saltus_locus_apart(saltus_extended *extended, const saltus_solution *orbit, int *parts);
 /* Whether an orbit on a curve of grazing is all but such a one, which the curve's are not: another such curve
  * crosses there. A `breach` is nothing there if it falls with that distance from `here` on; otherwise another
  * impact grazes. */
@@ -53,20 +56,6 @@ bool saltus_locus_joins_at(saltus_extended *extended, const saltus_locus_point *
  * is none, but the curve goes on to there. */
 bool saltus_locus_is_sound(saltus_extended *extended, const saltus_locus_point *point);
 
-enum { SALTUS_CROSSINGS_MAX = 32 };
-/* Corners on a step, in their order. */
-typedef struct saltus_locus_zeros {
-    int count;
-    int corner[SALTUS_CROSSINGS_MAX];
-    double place[SALTUS_CROSSINGS_MAX]; /* ahead of `here` */
-} saltus_locus_zeros;
-
-/* All corners on the way from `here` to `next`. Where the curve ends at another impact's birth or death a
- * multiplier is infinite, and other functions may vanish with it: they tell nothing. False: the orbit changes
- * its events, but where cannot be located. */
-bool saltus_locus_find_corners(saltus_extended *extended, const saltus_locus_point *here,
-                               const saltus_locus_point *next, saltus_locus_point *scratch,
-                               saltus_locus_zeros *found);
 /* Where the pair of multipliers meets, at theta = 0 or pi, the equations are singular; but the curve is even
  * in theta there, so `at` is interpolated in its square from regular points on the way. Where these cannot be
  * had it stays as it was located. */

@@ -1,0 +1,261 @@
+/* The points of codimension two on a step along a locus.
+ *
+ * Each is the zero of a function that is known at both ends of the step. Its sign there tells one zero from
+ * none; two of them, or a zero beside a place where a multiplier runs through infinity, leave the signs as
+ * they are. So the functions are asked between as well, where they bend towards zero, where multipliers have
+ * moved so far that they may have crossed the unit circle and come back, and, as long as it takes, where more
+ * or fewer of them are inside it than the zeros that are known account for.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/locus_corners.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The functions at a place of a step. */
+typedef struct sample {
+    double place, crossing;
+    saltus_locus_test corners[SALTUS_CORNERS_MAX];
+} sample;
+
+/* A step under way. */
+typedef struct search {
+    saltus_extended *x;
+    const saltus_locus_point *here;
+    saltus_locus_point *out; /* the place that has been asked for last */
+    sample *samples;
+    int count, room;
+    /* The zero under way. */
+    int corner, asked;
+    double clear; /* what a function that is smooth has fallen far below when it has been asked often */
+} search;
+
+static sample sample_of(const saltus_locus_point *p, double place) {
+    sample own = {.place = place, .crossing = p->at.crossing.mantissa};
+    memcpy(own.corners, p->corners, sizeof own.corners);
+    return own;
+}
+
+/* False without memory. */
+static bool append(search *s, const sample *own) {
+    if (s->count == s->room) {
+        const int room = s->room ? 2 * s->room : 32;
+        sample *grown = realloc(s->samples, (size_t)room * sizeof *grown);
+        if (!grown) {
+            s->x->orbits.starved = true;
+            return false;
+        }
+        s->samples = grown;
+        s->room = room;
+    }
+    s->samples[s->count++] = *own;
+    return true;
+}
+
+/* Whether a function may cross zero between the last two of three places and come back: by the parabola
+ * through them it falls towards zero there, and rises again. */
+static bool may_dip(const double place[3], const double value[3]) {
+    const double deep = 0.8;
+    const double first = (value[1] - value[0]) / (place[1] - place[0]),
+                 second = (value[2] - value[1]) / (place[2] - place[1]),
+                 bend = (second - first) / (place[2] - place[0]), reach = bend * (place[2] - place[1]);
+    const double side = value[1] > 0 ? 1 : -1, least = fmin(side * value[1], side * value[2]);
+    const bool turns = least > 0 && side * (second - reach) < 0 && side * (second + reach) > 0;
+    return turns && side * value[1] - (second - reach) * (second - reach) / (4 * fabs(bend)) < deep * least;
+}
+
+/* Whether functions at the last sample and another place, and before them, let expect more zeros between than
+ * their signs tell. Where one on a curve of grazing has a zero a multiplier may run through infinity there,
+ * past 1, -1 and the other ones. */
+static bool may_hide(const search *s, const sample *end) {
+    const saltus_locus_point *here = s->here;
+    const sample *begin = &s->samples[s->count - 1], *last = s->count > 1 ? begin - 1 : NULL;
+    const double place[] = {last ? last->place : here->before_place, begin->place, end->place};
+    bool hides = false;
+    for (int k = 0; k < here->corner_count && !hides; k++) {
+        const saltus_locus_test *near = &begin->corners[k], *far = &end->corners[k];
+        const double exponent = here->corners[k].value.exponent, quiet = here->corners[k].quiet;
+        const double value[] = {saltus_scaled_in(last ? last->corners[k].value : here->before[k], exponent),
+                                saltus_scaled_in(near->value, exponent),
+                                saltus_scaled_in(far->value, exponent)};
+        if (near->breach || (quiet != 0 && near->value.exponent < quiet && far->value.exponent < quiet))
+            continue;
+        hides = place[0] < place[1] && may_dip(place, value);
+        if (s->x->kind == SALTUS_POINT_GR)
+            hides = hides || value[1] * value[2] < 0 || saltus_corner_hides(near, far);
+    }
+    return hides;
+}
+
+enum { halvings = 5, halvings_most = 28 };
+
+/* Append the end of an interval to the samples; before it, where functions may have more zeros within than
+ * their signs tell, or multipliers prove that they have, places between. False without memory. */
+static bool append_until(search *s, const sample *end, int depth) {
+    const sample *begin = &s->samples[s->count - 1];
+    const double finest = 4e-3, middle = 0.5 * (begin->place + end->place);
+    const bool doubts = depth < halvings && end->place - begin->place > finest && may_hide(s, end);
+    const bool proves = s->x->kind == SALTUS_POINT_GR && depth < halvings_most &&
+                        saltus_corner_misses(begin->corners, end->corners, s->here->corner_count);
+    if (!(doubts || proves) || !saltus_locus_visit(s->x, s->here, middle, s->out))
+        return append(s, end);
+    const sample between = sample_of(s->out, middle);
+    return append_until(s, &between, depth + 1) && append_until(s, end, depth + 1);
+}
+
+/* Put the places that were found among the samples. Where a fold or flip meets grazing a multiplier runs
+ * through infinity nearby, and its product with another one through 1: the test for pairs on the unit circle,
+ * which changes its sign there as it does at GR-NS, is asked between them. False without memory. */
+static bool add_samples(search *s, const saltus_locus_zeros *found) {
+    search fresh = *s;
+    fresh.samples = NULL;
+    fresh.count = fresh.room = 0;
+    bool room = append(&fresh, &s->samples[0]);
+    for (int j = 1, k = 0; j < s->count && room; j++) {
+        for (; k < found->count && found->zero[k].place < s->samples[j].place && room; k++)
+            if (saltus_locus_visit_zero(s->x, s->here, &found->zero[k], s->out)) {
+                const sample own = sample_of(s->out, found->zero[k].place);
+                room = append_until(&fresh, &own, halvings);
+            }
+        room = room && append_until(&fresh, &s->samples[j], halvings);
+    }
+    free(s->samples);
+    *s = fresh;
+    return room;
+}
+
+static bool corner_at(void *context, double ahead, double *value) {
+    enum { often = 14 };
+    search *s = context;
+    if (!saltus_locus_visit(s->x, s->here, ahead, s->out))
+        return false;
+    *value = saltus_scaled_in(s->out->corners[s->corner].value, s->here->corners[s->corner].value.exponent);
+    return ++s->asked < often || !(fabs(*value) > s->clear);
+}
+
+/* Near a zero at which another curve of the same equations crosses they are singular, and solved by chance:
+ * the point there is interpolated from both sides. */
+static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, int corner, double ahead,
+                           saltus_locus_point *out) {
+    enum { samples = 6, passes = 3 };
+    static const double place[samples] = {-1, 1, -2, 2, -3, 3}, apart[passes] = {1e-3, 2e-4, 1e-4};
+    const int m = here->at.unknowns;
+    const double exponent = here->corners[corner].value.exponent;
+    double value[samples], *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *own = u + m * samples;
+    saltus_message ignored;
+    bool found = u;
+    if (!u)
+        x->orbits.starved = true;
+    for (int pass = 0; pass < passes && found; pass++) {
+        for (int k = 0; k < samples && found; k++) {
+            found = saltus_locus_visit(x, here, ahead + place[k] * apart[pass], out);
+            value[k] = saltus_scaled_in(out->corners[corner].value, exponent);
+            for (int j = 0; j < m && found; j++)
+                u[j * samples + k] = out->at.u[j];
+        }
+        const double before = ahead;
+        ahead = 0;
+        for (int j = 0; j < m && found; j++) {
+            own[j] = saltus_curve_interpolate(value, u + j * samples, samples);
+            ahead += (own[j] - here->at.u[j]) * here->at.tangent[j];
+        }
+        found = found && fabs(ahead - before) < apart[pass];
+    }
+    if (found) {
+        memcpy(out->at.u, own, (size_t)m * sizeof *own);
+        out->at.ahead = ahead;
+    }
+    free(u);
+    return found && saltus_equations_evaluate(&x->equations, out->at.u, &ignored) == SALTUS_OK &&
+           saltus_locus_see(x, out, &ignored) == SALTUS_OK;
+}
+
+bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
+                             const struct saltus_locus_zero *zero, saltus_locus_point *out) {
+    return (zero->crosses && visit_crossing(x, here, zero->corner, zero->place, out)) ||
+           saltus_locus_visit(x, here, zero->place, out);
+}
+
+/* The zero of a function between two places, if there is one. */
+static bool find_zero(search *s, int k, const sample *a, const sample *b, struct saltus_locus_zero *zero) {
+    const saltus_extended *x = s->x;
+    const saltus_scaled near = a->corners[k].value, far = b->corners[k].value;
+    const double exponent = s->here->corners[k].value.exponent, quiet = s->here->corners[k].quiet;
+    const double ends[] = {a->place, b->place},
+                 values[] = {saltus_scaled_in(near, exponent), saltus_scaled_in(far, exponent)};
+    const double linear = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
+    /* A breach that is nothing all the time is that of another face, which the orbit touches all along. */
+    const double nothing = 1e-12;
+    const bool loud = k == 0 ? fmax(fabs(values[0]), fabs(values[1])) > nothing
+                             : quiet == 0 || !(near.exponent < quiet && far.exponent < quiet);
+    const bool pairs = a->corners[k].kind == SALTUS_POINT_GR_NS && !a->corners[k].breach;
+    double width;
+    *zero = (struct saltus_locus_zero){.corner = k, .place = linear};
+    if (!(values[0] * values[1] < 0))
+        return false;
+    /* Multipliers that are told badly make their products jump. */
+    s->corner = k;
+    s->asked = 0;
+    s->clear = pairs ? 1e-2 * fmin(fabs(values[0]), fabs(values[1])) : INFINITY;
+    if (x->kind == SALTUS_POINT_GR && loud && !pairs && k > 0 && a->crossing * b->crossing < 0 &&
+        visit_crossing(s->x, s->here, k, linear, s->out)) {
+        zero->place = s->out->at.ahead;
+        zero->crosses = zero->place > ends[0] && zero->place < ends[1];
+    }
+    if (zero->crosses || (loud && saltus_curve_zero_between(x->orbits.solver, corner_at, s, ends, values,
+                                                            &zero->place, &width)))
+        return true;
+    /* Where a pair of multipliers meets the equations are singular, and solved near there by chance; the
+     * place is had from others (saltus_locus_sharpen). */
+    zero->place = linear;
+    return x->kind == SALTUS_POINT_NS && k > 0 && s->here->corners[k].ends;
+}
+
+/* Put a corner in its place among those found. False: there are too many. */
+static bool insert(saltus_locus_zeros *found, const struct saltus_locus_zero *zero) {
+    int at = found->count;
+    if (at == SALTUS_CROSSINGS_MAX)
+        return false;
+    for (; at > 0 && found->zero[at - 1].place > zero->place; at--)
+        found->zero[at] = found->zero[at - 1];
+    found->zero[at] = *zero;
+    found->count++;
+    return true;
+}
+
+bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *here,
+                               const saltus_locus_point *next, saltus_locus_point *scratch,
+                               saltus_locus_zeros *found) {
+    const double together = 1e-6, jump = 1e-8;
+    double ends = INFINITY;
+    search s = {.x = x, .here = here, .out = scratch};
+    const sample first = sample_of(here, 0), last = sample_of(next, next->at.ahead);
+    bool sound = append(&s, &first) && append_until(&s, &last, 0), added = false;
+    found->count = 0;
+    for (int k = 0; k < here->corner_count && sound; k++) {
+        if (here->corners[k].kind == SALTUS_POINT_GR_NS && !here->corners[k].breach && !added) {
+            sound = add_samples(&s, found);
+            added = true;
+        }
+        for (int j = 0; j + 1 < s.count && sound; j++) {
+            const sample *from = &s.samples[j], *to = from + 1;
+            struct saltus_locus_zero zero;
+            double value;
+            const bool located = find_zero(&s, k, from, to, &zero);
+            /* The first function is the breach, which may begin with a jump, where a maximum of the gap
+             * appears. */
+            if (k == 0 && (located || to->corners[k].value.mantissa > 1e-9))
+                sound = located && corner_at(&s, zero.place, &value) && fabs(value) < jump &&
+                        !saltus_locus_joins_at(x, here, &scratch->orbit, true);
+            if (!located || !sound || zero.place >= ends - together)
+                continue;
+            if (k == 0)
+                ends = zero.place;
+            sound = insert(found, &zero);
+            if (k == 0)
+                break;
+        }
+    }
+    free(s.samples);
+    return sound;
+}
