@@ -55,27 +55,6 @@ double saltus_corner_breach(const saltus_extended *x, const saltus_solution *s) 
     return worst ? worst->value : -1;
 }
 
-/* Determinants of the equations, the parameters fixed, that the shooting has last evaluated: as they are, and
- * with an orbit that closes on minus its begin. False without memory. */
-static bool determinants(saltus_shooting *shooting, int n, saltus_scaled *fold, saltus_scaled *flip) {
-    const saltus_equations *e = saltus_shooting_equations(shooting);
-    int c = e->count, row = saltus_shooting_closing_row(shooting);
-    saltus_dense_lu lu = {.n = 0};
-    double *a = calloc((size_t)(c * c), sizeof *a);
-    bool room = a && saltus_dense_lu_open(&lu, c);
-    for (int turned = 0; turned < 2 && room; turned++) {
-        for (int i = 0; i < c; i++)
-            memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
-        for (int i = 0; i < n && turned; i++)
-            a[(row + i) * c + i] += 2;
-        saltus_dense_factor(&lu, a);
-        *(turned ? flip : fold) = (saltus_scaled){lu.sign, lu.log_modulus};
-    }
-    saltus_dense_lu_close(&lu);
-    free(a);
-    return room;
-}
-
 int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, double *im) {
     const double shift = 0.5, infinite = 1e-9;
     const saltus_equations *e = saltus_shooting_equations(shooting);
@@ -135,31 +114,51 @@ static void keep_close(saltus_close *close, double re, double im) {
     }
 }
 
-/* The product of mu_i mu_j - 1 over all pairs of finite multipliers: zero where a pair is on the unit circle,
- * or two real ones have the product 1, and as smooth as the equations. False without memory. */
-static bool measure_pairs(saltus_shooting *shooting, int n, saltus_locus_test *corner) {
+enum { of_fold, of_flip, of_pair, of_orbit };
+
+/* The functions of an orbit on a curve of grazing that the shooting has last evaluated, the parameters fixed.
+ * Determinants of the equations: as they are, and with an orbit that closes on minus its begin; and the
+ * product of mu_i mu_j - 1 over all pairs of finite multipliers: zero where a pair is on the unit circle, or
+ * two real ones have the product 1, and as smooth as the equations. False without memory. */
+static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test tests[of_orbit]) {
     const double on = 1e-6, infinite = 1e6; /* with the little speed that is left to an impact at grazing */
+    const saltus_equations *e = saltus_shooting_equations(shooting);
+    const int c = e->count, row = saltus_shooting_closing_row(shooting);
+    saltus_locus_test *pair = &tests[of_pair];
+    saltus_dense_lu lu = {.n = 0};
+    double *a = calloc((size_t)(c * c), sizeof *a);
+    const bool room = a && saltus_dense_lu_open(&lu, c);
+    for (int turned = 0; turned < 2 && room; turned++) {
+        for (int i = 0; i < c; i++)
+            memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
+        for (int i = 0; i < n && turned; i++)
+            a[(row + i) * c + i] += 2;
+        saltus_dense_factor(&lu, a);
+        tests[turned ? of_flip : of_fold].value = (saltus_scaled){lu.sign, lu.log_modulus};
+    }
+    saltus_dense_lu_close(&lu);
+    free(a);
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0;
-    const int all = saltus_corner_multipliers(shooting, n, re, im);
+    const int all = room ? saltus_corner_multipliers(shooting, n, re, im) : -1;
     int count = 0;
-    corner->theta = NAN;
     for (int i = 0; i < all; i++) {
         if (hypot(re[i], im[i]) > infinite)
             continue;
         if (im[i] > 0 && fabs(off_circle(re[i], im[i])) < on)
-            corner->theta = atan2(im[i], re[i]);
-        keep_close(&corner->single, re[i], im[i]);
+            pair->theta = atan2(im[i], re[i]);
+        keep_close(&pair->single, re[i], im[i]);
         for (int j = 0; j < count; j++) {
             const double real = re[i] * re[j] - im[i] * im[j], imaginary = re[i] * im[j] + im[i] * re[j];
             size += log(hypot(real - 1, imaginary));
             angle += atan2(imaginary, real - 1);
             if (imaginary == 0)
-                keep_close(&corner->product, real, 0);
+                keep_close(&pair->product, real, 0);
         }
         re[count] = re[i];
         im[count++] = im[i];
     }
-    corner->value = count > 1 ? (saltus_scaled){cos(angle) < 0 ? -1 : 1, size} : plain(NAN);
+    if (count > 1)
+        pair->value = (saltus_scaled){cos(angle) < 0 ? -1 : 1, size};
     return all >= 0;
 }
 
@@ -264,35 +263,51 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
     return kept;
 }
 
-/* The same of the orbit without the impacts that graze. What cannot be computed is NAN. False without memory.
- */
-static bool without_impact(const saltus_extended *x, const saltus_solution *s, saltus_scaled *fold,
-                           saltus_scaled *flip, saltus_locus_test *pairs) {
-    saltus_sequence less = saltus_corner_without(x, s);
-    saltus_shooting *shooting = NULL;
-    saltus_message ignored;
-    *fold = *flip = plain(NAN);
-    pairs->value = plain(NAN);
-    less.cuts = 1;
-    double *u;
+/* An orbit with its marks replaced, evaluated by a shooting of its own, to be freed in any case. */
+static saltus_status evaluate_as(const saltus_extended *x, const saltus_sequence *sequence,
+                                 const saltus_solution *s, saltus_shooting **shooting,
+                                 saltus_message *message) {
+    double *u = NULL;
+    *shooting = NULL;
     saltus_status status =
-        saltus_orbits_shoot(&x->orbits, &less, s->parameter, s->state, &shooting, &u, &ignored);
+        saltus_orbits_shoot(&x->orbits, sequence, s->parameter, s->state, shooting, &u, message);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
-    bool room = status != SALTUS_NO_MEMORY;
-    if (status == SALTUS_OK)
-        room = determinants(shooting, x->orbits.n, fold, flip) && measure_pairs(shooting, x->orbits.n, pairs);
-    saltus_shooting_free(shooting);
+        status = saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message);
     free(u);
+    return status;
+}
+
+/* Those of an orbit on a curve of grazing, with the impact that grazes and without it: six; what cannot be
+ * computed is NAN. False without memory. */
+static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, saltus_locus_test *corners) {
+    static const saltus_point_kind kinds[of_orbit] = {SALTUS_POINT_GR_LP, SALTUS_POINT_GR_PD,
+                                                      SALTUS_POINT_GR_NS};
+    saltus_locus_test tests[2][of_orbit];
+    saltus_sequence less = saltus_corner_without(x, s);
+    saltus_shooting *shooting;
+    saltus_message ignored;
+    for (int without = 0; without < 2; without++)
+        for (int k = 0; k < of_orbit; k++)
+            tests[without][k] = (saltus_locus_test){
+                .kind = kinds[k], .value = plain(NAN), .without = without, .theta = k == of_pair ? NAN : 0};
+    less.cuts = 1;
+    const saltus_status status = evaluate_as(x, &less, s, &shooting, &ignored);
+    const bool room = status != SALTUS_NO_MEMORY &&
+                      (status != SALTUS_OK || measure_orbit(shooting, x->orbits.n, tests[1])) &&
+                      measure_orbit(x->orbits.shooting, x->orbits.n, tests[0]);
+    saltus_shooting_free(shooting);
+    /* Determinants with the impact and without it are of like size where neither is zero. Where all that the
+     * impact does is lost in complete chatter after it, that with it is nothing but rounding. */
+    for (int k = 0; k < 4; k++)
+        tests[k / 2][k % 2].quiet = tests[1 - k / 2][k % 2].value.exponent + log(1e-9);
+    memcpy(corners, tests[0], 2 * sizeof *corners);
+    memcpy(corners + 2, tests[1], 3 * sizeof *corners);
+    corners[5] = tests[0][of_pair];
     return room;
 }
 
-/* Determinants with the impact and without it are of like size where neither is zero. Where all that the
- * impact does is lost in complete chatter after it, that with it is nothing but rounding. */
-static saltus_locus_test of_determinant(saltus_point_kind kind, saltus_scaled own, saltus_scaled other,
-                                        bool without) {
-    return (saltus_locus_test){
-        .kind = kind, .value = own, .quiet = other.exponent + log(1e-9), .without = without};
+static saltus_locus_test smooth(saltus_point_kind kind, double value, bool ends) {
+    return (saltus_locus_test){.kind = kind, .value = plain(value), .ends = ends};
 }
 
 int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *point, const saltus_solution *s,
@@ -302,42 +317,28 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
                                                 [SALTUS_POINT_NS] = SALTUS_POINT_GR_NS,
                                                 [SALTUS_POINT_BP] = SALTUS_POINT_GR_BP,
                                                 [SALTUS_POINT_GR] = SALTUS_POINT_GR_GR};
-    saltus_locus_test own_pairs = {.kind = SALTUS_POINT_GR_NS},
-                      pairs = {.kind = SALTUS_POINT_GR_NS, .without = true};
     const double theta = x->extra ? point->u[point->unknowns - 1] : 0;
-    saltus_scaled fold, flip, other_fold, other_flip;
-    int count = 0;
-    corners[count++] = (saltus_locus_test){
-        .kind = grazing[x->kind], .value = plain(saltus_corner_breach(x, s)), .breach = true, .ends = true};
+    int count = 1;
+    corners[0] = smooth(grazing[x->kind], saltus_corner_breach(x, s), true);
+    corners[0].breach = true;
     switch (x->kind) {
     case SALTUS_POINT_LP:
-        corners[count++] =
-            (saltus_locus_test){.kind = SALTUS_POINT_CP, .value = plain(saltus_extended_cusp(x))};
-        corners[count++] =
-            (saltus_locus_test){.kind = SALTUS_POINT_R1, .value = plain(saltus_extended_double(x))};
+        corners[count++] = smooth(SALTUS_POINT_CP, saltus_extended_cusp(x), false);
+        corners[count++] = smooth(SALTUS_POINT_R1, saltus_extended_double(x), false);
         break;
     case SALTUS_POINT_PD:
-        corners[count++] =
-            (saltus_locus_test){.kind = SALTUS_POINT_R2, .value = plain(saltus_extended_double(x))};
+        corners[count++] = smooth(SALTUS_POINT_R2, saltus_extended_double(x), false);
         break;
     case SALTUS_POINT_NS:
-        corners[count++] = (saltus_locus_test){.kind = SALTUS_POINT_R1, .value = plain(theta), .ends = true};
-        corners[count++] =
-            (saltus_locus_test){.kind = SALTUS_POINT_R2, .value = plain(theta - M_PI), .ends = true};
-        corners[count++] = (saltus_locus_test){.kind = SALTUS_POINT_R3, .value = plain(theta - 2 * M_PI / 3)};
-        corners[count++] = (saltus_locus_test){.kind = SALTUS_POINT_R4, .value = plain(theta - M_PI / 2)};
+        corners[count++] = smooth(SALTUS_POINT_R1, theta, true);
+        corners[count++] = smooth(SALTUS_POINT_R2, theta - M_PI, true);
+        corners[count++] = smooth(SALTUS_POINT_R3, theta - 2 * M_PI / 3, false);
+        corners[count++] = smooth(SALTUS_POINT_R4, theta - M_PI / 2, false);
         break;
     case SALTUS_POINT_GR:
-        if (!determinants(x->orbits.shooting, x->orbits.n, &fold, &flip) ||
-            !measure_pairs(x->orbits.shooting, x->orbits.n, &own_pairs) ||
-            !without_impact(x, s, &other_fold, &other_flip, &pairs))
+        if (!measure_grazing(x, s, corners + 1))
             return -1;
-        corners[count++] = of_determinant(SALTUS_POINT_GR_LP, fold, other_fold, false);
-        corners[count++] = of_determinant(SALTUS_POINT_GR_PD, flip, other_flip, false);
-        corners[count++] = of_determinant(SALTUS_POINT_GR_LP, other_fold, fold, true);
-        corners[count++] = of_determinant(SALTUS_POINT_GR_PD, other_flip, flip, true);
-        corners[count++] = pairs;
-        corners[count++] = own_pairs;
+        count = 7;
         break;
     default:
         break;
@@ -350,33 +351,29 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
 static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solution *s, bool without,
                                      bool *breaks, saltus_message *message) {
     saltus_sequence halves = without ? saltus_corner_without(x, s) : s->sequence;
-    saltus_shooting *shooting = NULL;
-    double value, *u, *work = NULL;
-    int n = x->orbits.n;
+    saltus_shooting *shooting;
+    double value, *a = NULL;
+    const int n = x->orbits.n;
     *breaks = false;
     halves.cuts = 2;
     halves.cut[1] = halves.base + 0.5 * halves.periods;
-    saltus_status status =
-        saltus_orbits_shoot(&x->orbits, &halves, s->parameter, s->state, &shooting, &u, message);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
+    saltus_status status = evaluate_as(x, &halves, s, &shooting, message);
     if (status == SALTUS_OK) {
         const saltus_equations *e = saltus_shooting_equations(shooting);
-        int c = e->count;
-        double *a = work = calloc((size_t)(c * (c + 1)), sizeof *work), *null = a ? a + c * c : NULL, sum = 0;
-        if (!work)
-            status = SALTUS_NO_MEMORY;
-        for (int i = 0; i < c && work; i++)
+        const int c = e->count;
+        double sum = 0, *null = NULL;
+        a = calloc((size_t)(c * (c + 1)), sizeof *a);
+        status = a ? SALTUS_OK : SALTUS_NO_MEMORY;
+        for (int i = 0; i < c && a; i++)
             memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
-        if (work)
-            status = saltus_dense_null_vectors(a, c, c, 1, null, &value);
+        if (a)
+            status = saltus_dense_null_vectors(a, c, c, 1, null = a + c * c, &value);
         for (int i = 0; i < n && status == SALTUS_OK; i++)
             sum += null[i] * null[n + i];
         *breaks = sum > 0;
     }
     saltus_shooting_free(shooting);
-    free(u);
-    free(work);
+    free(a);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a locus") : SALTUS_OK;
 }
 

@@ -260,47 +260,33 @@ static double scatter(saltus_rests *r, double *u, const saltus_shrunk *hopf) {
     return (fabs(bend) + fabs(kept)) / fabs(slope);
 }
 
-/* State and eigenvalues of the equilibrium at u. */
-static saltus_status note_rates(saltus_rests *r, const double *u, saltus_shrunk *hopf) {
-    saltus_rest rest = {.rate_count = 0};
-    saltus_message ignored;
-    saltus_status status =
-        saltus_curve_reserve(&rest.at, r->equations.unknowns) ? SALTUS_OK : SALTUS_NO_MEMORY;
-    if (status == SALTUS_OK) {
-        memcpy(rest.at.u, u, (size_t)r->equations.unknowns * sizeof *u);
-        status = saltus_rest_see(r, &rest, &ignored);
-    }
-    hopf->found = hopf->found && status == SALTUS_OK;
-    hopf->rate_count = status == SALTUS_OK ? rest.rate_count : 0;
-    for (int i = 0; i < r->n && status == SALTUS_OK; i++)
-        hopf->state[i] = rest.state[i];
-    for (int k = 0; k < hopf->rate_count; k++)
-        hopf->rates[k] = rest.rates[k];
-    saltus_rest_clear(&rest);
-    return saltus_rests_noted(r, status);
-}
-
 /* Sought from the equilibrium nearest to the cycle's state and the eigenvalues nearest to its frequency. */
 static saltus_status cycle_shrinks(saltus_orbits *o, const saltus_solution *s, saltus_shrunk *hopf,
                                    saltus_message *message) {
     saltus_rests r = {.family = o->family, .origin = {o->origin}};
+    saltus_rest rest = {.rate_count = 0};
     saltus_message why = {.text = ""};
-    double *u = NULL;
     *hopf = (saltus_shrunk){.omega = s->sequence.omega / s->sequence.periods};
     saltus_status status = saltus_rests_open(&r, &why);
     if (status == SALTUS_OK)
         status = saltus_rests_shape(&r, s->sequence.contacts, s->state, s->parameter, &why);
+    if (status == SALTUS_OK && !saltus_curve_reserve(&rest.at, r.equations.unknowns))
+        status = SALTUS_NO_MEMORY;
+    double *u = rest.at.u;
     if (status == SALTUS_OK)
-        u = calloc((size_t)r.equations.unknowns, sizeof *u);
-    if (status == SALTUS_OK)
-        status = u ? saltus_rests_fill(&r, s->parameter, s->state, u, &why) : SALTUS_NO_MEMORY;
+        status = saltus_rests_fill(&r, s->parameter, s->state, u, &why);
     if (status == SALTUS_OK && find_zero(&r, u, hopf)) {
         hopf->accuracy += scatter(&r, u, hopf);
-        hopf->found = isfinite(hopf->accuracy);
-        status = note_rates(&r, u, hopf);
+        status = saltus_rest_see(&r, &rest, &why);
+        hopf->found = isfinite(hopf->accuracy) && status == SALTUS_OK;
+        hopf->rate_count = status == SALTUS_OK ? rest.rate_count : 0;
+        for (int i = 0; i < r.n && status == SALTUS_OK; i++)
+            hopf->state[i] = rest.state[i];
+        for (int k = 0; k < hopf->rate_count; k++)
+            hopf->rates[k] = rest.rates[k];
     }
     const bool starved = r.starved || status == SALTUS_NO_MEMORY;
-    free(u);
+    saltus_rest_clear(&rest);
     saltus_rests_close(&r);
     return starved ? saltus_branch_no_memory(message) : SALTUS_OK;
 }

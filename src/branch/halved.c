@@ -18,24 +18,11 @@ typedef struct shorter {
     double apart;           /* over which differences are taken for it */
 } shorter;
 
-/* By how much the multiplier next to 1 exceeds it; `pair`: the square of the modulus of the pair next to the
- * unit circle. */
-static bool multiplier_excess(shorter *s, bool pair, double *value) {
-    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    const int count = saltus_corner_multipliers(s->x.orbits.shooting, s->x.orbits.n, re, im);
-    *value = INFINITY;
-    for (int k = 0; k < count; k++) {
-        const double own = pair ? re[k] * re[k] + im[k] * im[k] - 1 : re[k] - 1;
-        if ((im[k] != 0) == pair && fabs(own) < fabs(*value))
-            *value = own;
-    }
-    saltus_orbits_noted(&s->x.orbits, count < 0 ? SALTUS_NO_MEMORY : SALTUS_OK);
-    return isfinite(*value);
-}
-
-/* What is zero at the point sought, on the curve of flips `ahead` of s->on. */
+/* What is zero at the point sought, on the curve of flips `ahead` of s->on. By multipliers: by how much the
+ * one next to 1 exceeds it, or the square of the modulus of the pair next to the unit circle. */
 static bool test_at(shorter *s, double ahead, double *value) {
-    const bool multipliers = s->kind == SALTUS_POINT_LP_PD || s->kind == SALTUS_POINT_PD_NS;
+    const bool pair = s->kind == SALTUS_POINT_PD_NS, multipliers = pair || s->kind == SALTUS_POINT_LP_PD;
+    saltus_orbits *o = &s->x.orbits;
     saltus_message ignored;
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
     if (status == SALTUS_OK)
@@ -43,9 +30,19 @@ static bool test_at(shorter *s, double ahead, double *value) {
     if (status == SALTUS_OK && s->kind == SALTUS_POINT_GPD)
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
     if (status == SALTUS_OK && multipliers)
-        status = saltus_equations_evaluate(s->x.orbits.equations, s->at.u, &ignored);
-    return saltus_orbits_noted(&s->x.orbits, status) == SALTUS_OK &&
-           (!multipliers || multiplier_excess(s, s->kind == SALTUS_POINT_PD_NS, value));
+        status = saltus_equations_evaluate(o->equations, s->at.u, &ignored);
+    if (saltus_orbits_noted(o, status) != SALTUS_OK || !multipliers)
+        return status == SALTUS_OK;
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
+    const int count = saltus_corner_multipliers(o->shooting, o->n, re, im);
+    *value = INFINITY;
+    for (int k = 0; k < count; k++) {
+        const double own = pair ? re[k] * re[k] + im[k] * im[k] - 1 : re[k] - 1;
+        if ((im[k] != 0) == pair && fabs(own) < fabs(*value))
+            *value = own;
+    }
+    saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : SALTUS_OK);
+    return isfinite(*value);
 }
 
 /* The zero of the test near s->on becomes s->at: the test is all but linear there. False if there is none. */
