@@ -1050,6 +1050,53 @@ static void curves_of_grazing_join_those_of_a_third(void **unused) {
     }
 }
 
+/* Where a branch of orbits of three periods begins, an orbit of one period grazes: it is that orbit's curve
+ * of grazing that is followed, not the same orbit three times, of which any impact may be born or die. */
+static void a_shorter_orbit_grazes_once(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {-0.5, 0.3}, high[2] = {4, 2.4};
+    static const double state[] = {1.6644267151650356, -1.3355986012213794};
+    saltus_spec spec = oscillator_spec(0.0203996, 1, 0.5, 0.905356);
+    add_stop(&spec, 1.76408, 0.742446, SALTUS_UPPER);
+    saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+    branch_record record = branch_run(&spec, 3, state, &options);
+    int ends = 0;
+    for (int k = 0; k < record.count; k++) {
+        const saltus_branch_point *p = &record.point[k];
+        assert_int_equal(p->periods, 1);
+        assert_true(p->kind != SALTUS_POINT_GR_GR);
+        if (p->kind != SALTUS_POINT_EP)
+            continue;
+        ends++;
+        assert_string_equal(p->reason, "end of the parameters' range");
+    }
+    assert_int_equal(ends, 2);
+    branch_forget(&record);
+}
+
+/* Two corners of a kind, closer to one another than steps are long, leave the signs of what is zero at them
+ * as they were: steps of either length find both. */
+static void close_corners_are_told_apart(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {-1.5, 0.3}, high[2] = {3, 2}, step_max[2] = {0.01, 0.02};
+    static const double state[] = {-1.0491482613244538, 0.3026843690337992};
+    saltus_spec spec = oscillator_spec(0.0149699, 1, 0.232547, 1.2007);
+    set_parameter(&spec, "F0", -1);
+    add_stop(&spec, -1.036585607614276, 0.803199, SALTUS_UPPER);
+    branch_record record[2];
+    saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+    options.direction = -1;
+    for (int run = 0; run < 2; run++) {
+        options.step_max = step_max[run];
+        record[run] = branch_run(&spec, 1, state, &options);
+    }
+    assert_true(same_corners(record, SALTUS_POINT_GR_LP) > 10);
+    branch_forget(&record[0]);
+    branch_forget(&record[1]);
+}
+
 /* Without its stop the pipe is its own mirror image, and so may its orbits be: where others branch off a
  * curve of grazing crosses theirs, and its equations are singular. The place is as sharp as any. */
 static void grazing_passes_a_crossing(void **unused) {
@@ -1593,6 +1640,8 @@ int main(void) {
         cmocka_unit_test(slow_forcing_hides_no_corner),
         cmocka_unit_test(pairs_beside_infinity_are_found),
         cmocka_unit_test(curves_of_grazing_join_those_of_a_third),
+        cmocka_unit_test(a_shorter_orbit_grazes_once),
+        cmocka_unit_test(close_corners_are_told_apart),
         cmocka_unit_test(grazing_passes_a_crossing),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),

@@ -90,6 +90,7 @@ static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
 
 /* A curve's first point, at a start. */
 static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+    const double alike = 1e-6;
     saltus_orbits *o = &l->x.orbits;
     saltus_sequence sequence = start->sequence;
     bool shift, breaks = start->kind == SALTUS_POINT_BP;
@@ -101,6 +102,20 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     l->way = 0;
     saltus_status status =
         saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit, message);
+    int parts;
+    if (status == SALTUS_OK && start->kind == SALTUS_POINT_GR && !start->leaves &&
+        saltus_locus_apart(&l->x, &l->here.orbit, &parts) < alike && parts > 1) {
+        const saltus_mark *own = &sequence.mark[l->x.mark];
+        const saltus_breach touch = {.face = own->face, .time = own->time};
+        saltus_sequence shorter;
+        const int mark = saltus_locus_starts_grazing(o, &l->here.orbit, &touch, &shorter);
+        if (mark >= 0) {
+            l->x.mark = mark;
+            sequence = shorter;
+            status = saltus_solution_place(o, &sequence, start->parameter, start->state, false,
+                                           &l->here.orbit, message);
+        }
+    }
     if (status == SALTUS_OK && !start->leaves && saltus_system_mirror_symmetric(o->system, &shift) &&
         saltus_solution_half_distance(o, &l->here.orbit, true) < (breaks ? 1e-3 : 1e-7))
         become(l, start->kind, true);
@@ -234,49 +249,6 @@ static bool is_closed(saltus_locus *l) {
     return l->has_left && along >= 0 && along <= stride && aside < 0.1 * stride && same_way > 0;
 }
 
-/* `here` becomes the same orbit as `orbit` has it, with a sequence that was made from `old`, at which the
- * tangent was `tangent`; order: where the marks stood. */
-static saltus_status install(saltus_locus *l, const saltus_sequence *old, const double *tangent, double extra,
-                             const int *order, saltus_message *message) {
-    const saltus_sequence *fresh = &l->here.orbit.sequence;
-    int m = l->x.orbits.equations->unknowns, old_unknowns = saltus_sequence_unknowns(old, l->x.orbits.n) + 2;
-    double *guide = calloc((size_t)(m + l->x.extra), sizeof *guide);
-    saltus_status status = guide ? SALTUS_OK : saltus_branch_no_memory(message);
-    if (status == SALTUS_OK) {
-        saltus_sequence_carry(old, tangent, fresh, order, l->x.orbits.n, 2, guide);
-        if (l->x.extra)
-            guide[m] = tangent[old_unknowns];
-        for (int k = 0, mark = l->x.mark; k < fresh->count; k++)
-            if (order[k] == mark)
-                l->x.mark = k;
-        status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, extra, message);
-    }
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&l->x.equations, l->here.at.u, message);
-    if (status == SALTUS_OK)
-        status = saltus_curve_orient(&l->x.equations, guide, &l->here.at, message);
-    free(guide);
-    /* The determinants are others now. */
-    return status == SALTUS_OK ? saltus_locus_see(&l->x, &l->here, message) : status;
-}
-
-/* Cut the orbit better, where an event has come near its base or a cut. */
-static saltus_status reframe(saltus_locus *l, saltus_message *message) {
-    int order[SALTUS_MARKS_MAX];
-    saltus_sequence old = l->here.orbit.sequence;
-    if (!saltus_solution_reframe(&l->x.orbits, l->x.kind != SALTUS_POINT_GR, false, &l->here.orbit,
-                                 &l->next.orbit, order))
-        return SALTUS_OK;
-    double *tangent = calloc((size_t)l->here.at.unknowns, sizeof *tangent);
-    if (!tangent)
-        return saltus_branch_no_memory(message);
-    memcpy(tangent, l->here.at.tangent, (size_t)l->here.at.unknowns * sizeof *tangent);
-    saltus_status status =
-        install(l, &old, tangent, l->x.extra ? l->here.at.u[l->here.at.unknowns - 1] : 0, order, message);
-    free(tangent);
-    return status;
-}
-
 /* `next` becomes `here`. */
 static void step_on(saltus_locus *l) {
     saltus_locus_point point = l->here;
@@ -346,7 +318,7 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, s
     saltus_status status = saltus_solution_place(&l->x.orbits, &fresh, l->trial.orbit.parameter,
                                                  l->trial.orbit.state, false, &l->here.orbit, &why);
     if (status == SALTUS_OK)
-        status = install(l, &old, l->trial.at.tangent, 0, order, &why);
+        status = saltus_locus_install(&l->x, &l->here, &old, l->trial.at.tangent, 0, order, &why);
     if (status == SALTUS_OK && l->trail->options->switches)
         status = saltus_locus_starts_pass(&l->x, &l->here.orbit, false, &l->starts, closes, &why);
     if (status == SALTUS_OK)
@@ -635,7 +607,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
     status = give(l, &l->here, reason ? SALTUS_POINT_EP : l->x.kind, 0, reason, message);
     if (status != SALTUS_OK || !l->trail->following)
         return status;
-    status = reframe(l, message);
+    status = saltus_locus_reframe(&l->x, &l->here, &l->next, message);
     return status == SALTUS_OK || status == SALTUS_NO_MEMORY
                ? status
                : give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);

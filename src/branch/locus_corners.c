@@ -53,9 +53,8 @@ static bool append(search *s, const sample *own) {
 }
 
 /* Whether a function may cross zero between the last two of three places and come back: by the parabola
- * through them it falls towards zero there, and rises again. */
-static bool may_dip(const double place[3], const double value[3]) {
-    const double deep = 0.8;
+ * through them it falls towards zero there, below that share of what it is there, and rises again. */
+static bool may_dip(const double place[3], const double value[3], double deep) {
     const double first = (value[1] - value[0]) / (place[1] - place[0]),
                  second = (value[2] - value[1]) / (place[2] - place[1]),
                  bend = (second - first) / (place[2] - place[0]), reach = bend * (place[2] - place[1]);
@@ -65,9 +64,9 @@ static bool may_dip(const double place[3], const double value[3]) {
 }
 
 /* Whether functions at the last sample and another place, and before them, let expect more zeros between than
- * their signs tell. Where one on a curve of grazing has a zero a multiplier may run through infinity there,
- * past 1, -1 and the other ones. */
-static bool may_hide(const search *s, const sample *end) {
+ * their signs tell; `sure`: whether a parabola has them. Where one on a curve of grazing has a zero a
+ * multiplier may run through infinity there, past 1, -1 and the other ones. */
+static bool may_hide(const search *s, const sample *end, bool sure) {
     const saltus_locus_point *here = s->here;
     const sample *begin = &s->samples[s->count - 1], *last = s->count > 1 ? begin - 1 : NULL;
     const double place[] = {last ? last->place : here->before_place, begin->place, end->place};
@@ -80,24 +79,27 @@ static bool may_hide(const search *s, const sample *end) {
                                 saltus_scaled_in(far->value, exponent)};
         if (near->breach || (quiet != 0 && near->value.exponent < quiet && far->value.exponent < quiet))
             continue;
-        hides = place[0] < place[1] && may_dip(place, value);
-        if (s->x->kind == SALTUS_POINT_GR)
+        hides = place[0] < place[1] && may_dip(place, value, sure ? 0 : 0.8);
+        if (s->x->kind == SALTUS_POINT_GR && !sure)
             hides = hides || value[1] * value[2] < 0 || saltus_corner_hides(near, far);
     }
     return hides;
 }
 
-enum { halvings = 5, halvings_most = 28 };
+enum { halvings = 5, halvings_most = 28, samples_most = 400 };
 
 /* Append the end of an interval to the samples; before it, where functions may have more zeros within than
  * their signs tell, or multipliers prove that they have, places between. False without memory. */
 static bool append_until(search *s, const sample *end, int depth) {
     const sample *begin = &s->samples[s->count - 1];
-    const double finest = 4e-3, middle = 0.5 * (begin->place + end->place);
-    const bool doubts = depth < halvings && end->place - begin->place > finest && may_hide(s, end);
-    const bool proves = s->x->kind == SALTUS_POINT_GR && depth < halvings_most &&
-                        saltus_corner_misses(begin->corners, end->corners, s->here->corner_count);
-    if (!(doubts || proves) || !saltus_locus_visit(s->x, s->here, middle, s->out))
+    const double finest = 4e-3, near = 1e-5;
+    const double length = end->place - begin->place, middle = begin->place + 0.5 * length;
+    const bool grazes = s->x->kind == SALTUS_POINT_GR;
+    const bool doubts = (depth < halvings && length > finest && may_hide(s, end, false)) ||
+                        (grazes && length > near && may_hide(s, end, true)) ||
+                        (grazes && depth < halvings_most &&
+                         saltus_corner_misses(begin->corners, end->corners, s->here->corner_count));
+    if (!doubts || s->count >= samples_most || !saltus_locus_visit(s->x, s->here, middle, s->out))
         return append(s, end);
     const sample between = sample_of(s->out, middle);
     return append_until(s, &between, depth + 1) && append_until(s, end, depth + 1);
@@ -133,41 +135,55 @@ static bool corner_at(void *context, double ahead, double *value) {
     return ++s->asked < often || !(fabs(*value) > s->clear);
 }
 
-/* Near a zero at which another curve of the same equations crosses they are singular, and solved by chance:
- * the point there is interpolated from both sides. */
+/* So far from a crossing the equations are solved well. */
+static const double near_crossing = 3e-3;
+
+/* Near a zero at which another curve of the same equations crosses they are singular, and solved by chance,
+ * or on the other curve: the point there is interpolated from both sides, from as near as they are told
+ * apart. */
 static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, int corner, double ahead,
                            saltus_locus_point *out) {
-    enum { samples = 6, passes = 3 };
-    static const double place[samples] = {-1, 1, -2, 2, -3, 3}, apart[passes] = {1e-3, 2e-4, 1e-4};
+    enum { samples = 6, passes = 4 };
+    static const double place[samples] = {-1, 1, -2, 2, -3, 3},
+                        apart[passes] = {near_crossing, 1e-3, 2e-4, 1e-4};
     const int m = here->at.unknowns;
     const double exponent = here->corners[corner].value.exponent;
     double value[samples], *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *own = u + m * samples;
+    saltus_locus_point before = {.corner_count = 0};
     saltus_message ignored;
-    bool found = u;
     if (!u)
         x->orbits.starved = true;
-    for (int pass = 0; pass < passes && found; pass++) {
-        for (int k = 0; k < samples && found; k++) {
-            found = saltus_locus_visit(x, here, ahead + place[k] * apart[pass], out);
+    const double start = fmax(ahead - 4 * near_crossing, 0);
+    bool found = false, good = u && saltus_locus_visit(x, here, start, &before);
+    if (good && start > 0)
+        saltus_curve_bend(&here->at, &before.at);
+    for (int pass = 0; pass < passes && good; pass++) {
+        double next = 0;
+        for (int k = 0; k < samples && good; k++) {
+            good = saltus_locus_visit(x, &before, ahead - start + place[k] * apart[pass], out);
             value[k] = saltus_scaled_in(out->corners[corner].value, exponent);
-            for (int j = 0; j < m && found; j++)
+            good = good && place[k] * value[k] * place[0] * value[0] > 0;
+            for (int j = 0; j < m && good; j++)
                 u[j * samples + k] = out->at.u[j];
         }
-        const double before = ahead;
-        ahead = 0;
-        for (int j = 0; j < m && found; j++) {
+        for (int j = 0; j < m && good; j++)
+            next += (saltus_curve_interpolate(value, u + j * samples, samples) - here->at.u[j]) *
+                    here->at.tangent[j];
+        good = good && fabs(next - ahead) < apart[pass];
+        for (int j = 0; j < m && good; j++)
             own[j] = saltus_curve_interpolate(value, u + j * samples, samples);
-            ahead += (own[j] - here->at.u[j]) * here->at.tangent[j];
-        }
-        found = found && fabs(ahead - before) < apart[pass];
+        ahead = good ? next : ahead;
+        found = found || good;
     }
     if (found) {
         memcpy(out->at.u, own, (size_t)m * sizeof *own);
         out->at.ahead = ahead;
+        found = saltus_equations_evaluate(&x->equations, out->at.u, &ignored) == SALTUS_OK &&
+                saltus_locus_see(x, out, &ignored) == SALTUS_OK;
     }
+    saltus_locus_point_clear(&before);
     free(u);
-    return found && saltus_equations_evaluate(&x->equations, out->at.u, &ignored) == SALTUS_OK &&
-           saltus_locus_see(x, out, &ignored) == SALTUS_OK;
+    return found;
 }
 
 bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
@@ -200,7 +216,8 @@ static bool find_zero(search *s, int k, const sample *a, const sample *b, struct
     if (x->kind == SALTUS_POINT_GR && loud && !pairs && k > 0 && a->crossing * b->crossing < 0 &&
         visit_crossing(s->x, s->here, k, linear, s->out)) {
         zero->place = s->out->at.ahead;
-        zero->crosses = zero->place > ends[0] && zero->place < ends[1];
+        /* Where the ends are near to it they are themselves not told better. */
+        zero->crosses = zero->place > ends[0] - near_crossing && zero->place < ends[1] + near_crossing;
     }
     if (zero->crosses || (loud && saltus_curve_zero_between(x->orbits.solver, corner_at, s, ends, values,
                                                             &zero->place, &width)))

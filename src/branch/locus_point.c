@@ -126,6 +126,48 @@ saltus_status saltus_locus_find_leaving(saltus_extended *x, saltus_locus_point *
     return status;
 }
 
+saltus_status saltus_locus_install(saltus_extended *x, saltus_locus_point *here, const saltus_sequence *old,
+                                   const double *tangent, double more, const int *order,
+                                   saltus_message *message) {
+    const saltus_sequence *fresh = &here->orbit.sequence;
+    const int m = x->orbits.equations->unknowns, n = x->orbits.n, mark = x->mark;
+    double *guide = calloc((size_t)(m + x->extra), sizeof *guide);
+    if (!guide)
+        return saltus_branch_no_memory(message);
+    saltus_sequence_carry(old, tangent, fresh, order, n, 2, guide);
+    if (x->extra)
+        guide[m] = tangent[saltus_sequence_unknowns(old, n) + 2];
+    for (int k = 0; k < fresh->count; k++)
+        if (order[k] == mark)
+            x->mark = k;
+    saltus_status status = saltus_locus_take_up(x, here, here->orbit.at.u, more, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(&x->equations, here->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_curve_orient(&x->equations, guide, &here->at, message);
+    free(guide);
+    /* The determinants are others now. */
+    return status == SALTUS_OK ? saltus_locus_see(x, here, message) : status;
+}
+
+saltus_status saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *scratch,
+                                   saltus_message *message) {
+    const int unknowns = here->at.unknowns;
+    int order[SALTUS_MARKS_MAX];
+    const saltus_sequence old = here->orbit.sequence;
+    if (!saltus_solution_reframe(&x->orbits, x->kind != SALTUS_POINT_GR, false, &here->orbit, &scratch->orbit,
+                                 order))
+        return SALTUS_OK;
+    double *tangent = calloc((size_t)unknowns, sizeof *tangent);
+    if (!tangent)
+        return saltus_branch_no_memory(message);
+    memcpy(tangent, here->at.tangent, (size_t)unknowns * sizeof *tangent);
+    saltus_status status =
+        saltus_locus_install(x, here, &old, tangent, x->extra ? here->at.u[unknowns - 1] : 0, order, message);
+    free(tangent);
+    return status;
+}
+
 double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int parts) {
     const saltus_orbits *o = &x->orbits;
     saltus_sequence sequence = s->sequence;
@@ -150,18 +192,22 @@ double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int p
 
 double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {
     bool shift;
+    int nearest = 2;
     double least = INFINITY;
     for (int k = 1, left = s->sequence.periods; k <= (left > 2 ? left : 2); k++) {
         const bool tried = k == 1   ? !x->mirrored && saltus_system_mirror_symmetric(x->orbits.system, &shift)
                            : k == 2 ? true
                                     : x->kind == SALTUS_POINT_GR && left % k == 0;
         const double own = tried ? saltus_locus_distance(x, s, k) : INFINITY;
-        if (parts && (own < least || k == 2) && own <= least)
-            *parts = k;
-        least = fmin(least, own);
+        if (own < least || (k == 2 && own == least)) {
+            least = own;
+            nearest = k;
+        }
         while (k > 1 && left % k == 0)
             left /= k;
     }
+    if (parts)
+        *parts = nearest;
     return least;
 }
 

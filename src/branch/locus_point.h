@@ -37,6 +37,16 @@ saltus_status saltus_locus_find_near(saltus_extended *extended, saltus_locus_poi
  * orbits and that of those which branch off. The tangent becomes the latter's, from the null plane. */
 saltus_status saltus_locus_find_leaving(saltus_extended *extended, saltus_locus_point *here,
                                         saltus_message *message);
+/* `here` becomes a point of the same curve with the sequence that its orbit has now and that was made from
+ * `old`, at which the tangent was `tangent` and the unknown beside the orbit's `more`; order: where the marks
+ * stood. Errors: SALTUS_NO_MEMORY, those of the equations. */
+saltus_status saltus_locus_install(saltus_extended *extended, saltus_locus_point *here,
+                                   const saltus_sequence *old, const double *tangent, double more,
+                                   const int *order, saltus_message *message);
+/* The orbit at `here` is cut better, where an event has come near its base or a cut; `scratch` is
+ * overwritten. Errors: as above; there is no such point then. */
+saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here,
+                                   saltus_locus_point *scratch, saltus_message *message);
 /* The point at arclength `ahead` from another, seen; false where it cannot be had. */
 bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out);

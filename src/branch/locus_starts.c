@@ -101,11 +101,8 @@ static saltus_breach fold_touch(const saltus_sequence *s, int periods, saltus_br
     return touch;
 }
 
-/* The marks of an orbit with the impacts that graze at it, and which of them `worst` is; -1: it cannot be
- * told. An orbit whose only impact has lost its speed, and others, may close after fewer periods than its
- * sequence has. It grazes in each of them then: the curve of grazing is that of the shorter orbit. */
-static int with_impacts(saltus_orbits *o, const saltus_solution *at, const saltus_breach *worst,
-                        saltus_sequence *with) {
+int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, const saltus_breach *touch,
+                                saltus_sequence *with) {
     const double together = 1e-7, near = 1e-4;
     int order[SALTUS_MARKS_MAX], count = 0, found = -1, periods = least_periods(o, at);
     saltus_sequence less;
@@ -121,17 +118,17 @@ static int with_impacts(saltus_orbits *o, const saltus_solution *at, const saltu
     less.periods = periods;
     while (less.count > 0 && less.mark[less.count - 1].time >= less.base + periods)
         less.count--;
-    saltus_breach own = fold_touch(&less, periods, *worst);
+    saltus_breach own = fold_touch(&less, periods, *touch);
     touches[0] = own;
     count = 1;
     for (int k = 0; k < at->breach_count; k++) {
-        saltus_breach touch = fold_touch(&less, periods, at->breaches[k]);
+        saltus_breach other = fold_touch(&less, periods, at->breaches[k]);
         bool grazes = fabs(at->breaches[k].value) < together && at->breaches[k].kind <= SALTUS_BREACH_GAP;
         for (int j = 0; j < count; j++)
-            grazes = grazes && !(touches[j].face == touch.face &&
-                                 fabs(remainder(touches[j].time - touch.time, periods)) < near);
+            grazes = grazes && !(touches[j].face == other.face &&
+                                 fabs(remainder(touches[j].time - other.time, periods)) < near);
         if (grazes)
-            touches[count++] = touch;
+            touches[count++] = other;
     }
     saltus_sequence_graze(&less, touches, count, with, order);
     for (int k = 0; k < with->count; k++)
@@ -174,7 +171,7 @@ static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_l
     const saltus_breach *touch = saltus_corner_touch(x, at);
     const saltus_mark *first = &at->sequence.mark[x->mark];
     saltus_sequence both;
-    int other = touch ? with_impacts(&x->orbits, at, touch, &both) : -1;
+    int other = touch ? saltus_locus_starts_grazing(&x->orbits, at, touch, &both) : -1;
     int own = other < 0 ? -1 : mark_at(&both, first->face, first->time);
     return own < 0 || both.periods != at->sequence.periods ? 0 : pieces(&both, other, own, starts);
 }
@@ -216,7 +213,7 @@ static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, co
     const saltus_mark *own = &at->sequence.mark[x->mark];
     const saltus_breach touch = {.face = own->face, .time = own->time};
     saltus_sequence whole;
-    int mark = with_impacts(&x->orbits, at, &touch, &whole);
+    int mark = saltus_locus_starts_grazing(&x->orbits, at, &touch, &whole);
     if (mark < 0)
         return 0;
     bool mirrored = whole.periods == at->sequence.periods;
@@ -249,7 +246,7 @@ static int special_curves(saltus_extended *x, const saltus_locus_test *corner, s
     bool grazes = x->kind == SALTUS_POINT_GR;
     bool without = grazes ? corner->without : touch && touch->kind == SALTUS_BREACH_GAP;
     saltus_sequence whole = at->sequence;
-    int mark = grazes ? x->mark : touch ? with_impacts(&x->orbits, at, touch, &whole) : -1;
+    int mark = grazes ? x->mark : touch ? saltus_locus_starts_grazing(&x->orbits, at, touch, &whole) : -1;
     if (mark < 0)
         return 0;
     starts[0].kind = grazes ? special : SALTUS_POINT_GR;

@@ -41,6 +41,12 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
                                        const saltus_solution *at, int parent, int depth,
                                        saltus_locus_starts *starts, saltus_message *message);
 
+/* The marks of an orbit with the impacts that graze at it, and which of them `touch` is; -1: it cannot be
+ * told. An orbit whose only impact has lost its speed, and others, may close after fewer periods than its
+ * sequence has. It grazes in each of them then: the curve of grazing is that of the shorter orbit. */
+int saltus_locus_starts_grazing(saltus_orbits *orbits, const saltus_solution *at, const saltus_breach *touch,
+                                saltus_sequence *with);
+
 /* A kind of points of which there are curves; another one is not sound (archive.h). */
 saltus_point_kind saltus_locus_start_kind(saltus_archive *archive, saltus_point_kind kind);
 /* Reading replaces the starts that there are. */
