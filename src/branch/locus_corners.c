@@ -21,8 +21,8 @@ typedef struct sample {
 /* A step under way. */
 typedef struct search {
     saltus_extended *x;
-    const saltus_locus_point *here;
-    saltus_locus_point *out; /* the place that has been asked for last */
+    const saltus_locus_point *here, *next; /* its ends */
+    saltus_locus_point *out;               /* the place that has been asked for last */
     sample *samples;
     int count, room;
     /* The zero under way. */
@@ -63,6 +63,13 @@ static bool may_dip(const double place[3], const double value[3], double deep) {
     return turns && side * value[1] - (second - reach) * (second - reach) / (4 * fabs(bend)) < deep * least;
 }
 
+/* Whether a function is rounding at both ends of the step. Between them it may fall below that where it has a
+ * zero. */
+static bool is_quiet(const search *s, int k) {
+    const saltus_locus_test *from = &s->here->corners[k], *to = &s->next->corners[k];
+    return from->quiet != 0 && from->value.exponent < from->quiet && to->value.exponent < to->quiet;
+}
+
 /* Whether functions at the last sample and another place, and before them, let expect more zeros between than
  * their signs tell; `sure`: whether a parabola has them. Where one on a curve of grazing has a zero a
  * multiplier may run through infinity there, past 1, -1 and the other ones. */
@@ -73,11 +80,11 @@ static bool may_hide(const search *s, const sample *end, bool sure) {
     bool hides = false;
     for (int k = 0; k < here->corner_count && !hides; k++) {
         const saltus_locus_test *near = &begin->corners[k], *far = &end->corners[k];
-        const double exponent = here->corners[k].value.exponent, quiet = here->corners[k].quiet;
+        const double exponent = here->corners[k].value.exponent;
         const double value[] = {saltus_scaled_in(last ? last->corners[k].value : here->before[k], exponent),
                                 saltus_scaled_in(near->value, exponent),
                                 saltus_scaled_in(far->value, exponent)};
-        if (near->breach || (quiet != 0 && near->value.exponent < quiet && far->value.exponent < quiet))
+        if (near->breach || is_quiet(s, k))
             continue;
         hides = place[0] < place[1] && may_dip(place, value, sure ? 0 : 0.8);
         if (s->x->kind == SALTUS_POINT_GR && !sure)
@@ -196,14 +203,13 @@ bool saltus_locus_visit_zero(saltus_extended *x, const saltus_locus_point *here,
 static bool find_zero(search *s, int k, const sample *a, const sample *b, struct saltus_locus_zero *zero) {
     const saltus_extended *x = s->x;
     const saltus_scaled near = a->corners[k].value, far = b->corners[k].value;
-    const double exponent = s->here->corners[k].value.exponent, quiet = s->here->corners[k].quiet;
+    const double exponent = s->here->corners[k].value.exponent;
     const double ends[] = {a->place, b->place},
                  values[] = {saltus_scaled_in(near, exponent), saltus_scaled_in(far, exponent)};
     const double linear = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
     /* A breach that is nothing all the time is that of another face, which the orbit touches all along. */
     const double nothing = 1e-12;
-    const bool loud = k == 0 ? fmax(fabs(values[0]), fabs(values[1])) > nothing
-                             : quiet == 0 || !(near.exponent < quiet && far.exponent < quiet);
+    const bool loud = k == 0 ? fmax(fabs(values[0]), fabs(values[1])) > nothing : !is_quiet(s, k);
     const bool pairs = a->corners[k].kind == SALTUS_POINT_GR_NS && !a->corners[k].breach;
     double width;
     *zero = (struct saltus_locus_zero){.corner = k, .place = linear};
@@ -245,7 +251,7 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
                                saltus_locus_zeros *found) {
     const double together = 1e-6, jump = 1e-8;
     double ends = INFINITY;
-    search s = {.x = x, .here = here, .out = scratch};
+    search s = {.x = x, .here = here, .next = next, .out = scratch};
     const sample first = sample_of(here, 0), last = sample_of(next, next->at.ahead);
     bool sound = append(&s, &first) && append_until(&s, &last, 0), added = false;
     found->count = 0;
