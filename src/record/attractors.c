@@ -1,8 +1,7 @@
-/* The attractors found from many initial states, for people and for programs.
+/* What is found of many motions: the attractors from many initial states, and the orbits along a trajectory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "saltus/record.h"
-
 #include "record/describe.h"
+#include "saltus/record.h"
 
 #include <math.h>
 
@@ -28,7 +27,7 @@ void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus
                 attractors->seeds);
     else
         fprintf(file, "%s: %d attractor%s from %d random initial states\n", scene->name, attractors->count,
-                attractors->count == 1 ? "" : "s", attractors->seeds);
+                saltus_plural(attractors->count), attractors->seeds);
     for (int k = 0; k < attractors->count; k++)
         if (json) {
             fprintf(file, "%s{\"share\": %d, \"motion\": ", k ? ", " : "", attractors->shares[k]);
@@ -38,4 +37,27 @@ void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus
             put_motion(file, &attractors->motions[k], attractors->shares[k], attractors->seeds);
     if (json)
         fputs("]}\n", file);
+}
+
+void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                               const saltus_harvest *harvest) {
+    fprintf(file, "%s: %d periodic orbit%s from %lld close returns in %lld periods\n", scene->name,
+            harvest->count, saltus_plural(harvest->count), harvest->candidates, harvest->periods);
+    saltus_put_scene(file, scene, system);
+    if (harvest->count)
+        fprintf(file, "%5s  %-12s %9s  %11s  %9s\n%5s  %-12s %9s  %11s\n", "", "n/p", "largest",
+                "outside the", "residual", "", "", "|mu|", "unit circle");
+    for (int k = 0; k < harvest->count; k++) {
+        const saltus_harvest_orbit *o = &harvest->orbits[k];
+        char name[SALTUS_LABEL_MAX];
+        saltus_orbit_label(o->impacts, o->orbit.periods, name);
+        fprintf(file, "%5d  %-12s %9.3g  %11d  %9.1e", k + 1, name, exp(o->orbit.multipliers[0].log_modulus),
+                saltus_multipliers_unstable(o->orbit.multipliers, o->orbit.multiplier_count),
+                o->orbit.residual);
+        if (o->mirror == k)
+            fputs("  its own mirror image", file);
+        else if (o->mirror >= 0)
+            fprintf(file, "  mirror image of %d", o->mirror + 1);
+        fputc('\n', file);
+    }
 }

@@ -13,6 +13,10 @@ void saltus_put_number(FILE *file, double value) {
     fputs(saltus_number(value, text), file);
 }
 
+const char *saltus_plural(long long count) {
+    return count == 1 ? "" : "s";
+}
+
 const saltus_word saltus_event_words[] = {{"reached", SALTUS_REACHED},
                                           {"turning", SALTUS_TURNING},
                                           {"step", SALTUS_STEP},
@@ -72,10 +76,16 @@ bool saltus_parameter_shown(const saltus_spec *spec, int k) {
     return saltus_spec_matters(spec, k) && !absent;
 }
 
-/* All parameters, then a comment line for each stop; no newline at the end. */
-static void put_parameters(FILE *file, const saltus_spec *spec) {
+void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *scene, const char *motion,
+                           const saltus_spec *spec) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    fprintf(file, "# Saltus " SALTUS_VERSION " %s\n# scene: %s\n", what, scene->name);
+    if (scene->title[0])
+        fprintf(file, "# title: %s\n", scene->title);
+    if (motion)
+        fprintf(file, "# motion: %s\n", motion);
+    fprintf(file, "# model: %s\n# parameters: ", saltus_model_name(spec->model));
     for (int k = 0; k < count; k++) {
         fprintf(file, "%s%s = ", k ? ", " : "", p[k].name);
         saltus_put_number(file, spec->parameters[k]);
@@ -86,17 +96,6 @@ static void put_parameters(FILE *file, const saltus_spec *spec) {
         fprintf(file, "\n# stop %d: ", s + 1);
         saltus_put_stop(file, spec, s);
     }
-}
-
-void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *scene, const char *motion,
-                           const saltus_spec *spec) {
-    fprintf(file, "# Saltus " SALTUS_VERSION " %s\n# scene: %s\n", what, scene->name);
-    if (scene->title[0])
-        fprintf(file, "# title: %s\n", scene->title);
-    if (motion)
-        fprintf(file, "# motion: %s\n", motion);
-    fprintf(file, "# model: %s\n# parameters: ", saltus_model_name(spec->model));
-    put_parameters(file, spec);
     fputc('\n', file);
 }
 
@@ -164,4 +163,36 @@ bool saltus_multiplier_pair(const saltus_motion *motion, int k) {
 bool saltus_key_means(const char *key, const char *name, int s) {
     size_t length = strlen(name);
     return strncmp(key, name, length) == 0 && (!key[length] || atoi(key + length) == s + 1);
+}
+
+void saltus_put_word(FILE *file, const char *word) {
+    fprintf(file, "  %-14s", word);
+}
+
+void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system) {
+    const saltus_spec *spec = saltus_system_spec(system);
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    if (scene->title[0])
+        fprintf(file, "  %s\n", scene->title);
+    saltus_put_word(file, saltus_model_name(spec->model));
+    const char *separator = "";
+    for (int k = 0; k < count; k++)
+        if (saltus_parameter_shown(spec, k)) {
+            fprintf(file, "%s%s = %.10g", separator, p[k].name, spec->parameters[k]);
+            separator = ", ";
+        }
+    fputc('\n', file);
+    for (int s = 0; s < spec->stop_count; s++) {
+        const saltus_stop *stop = &spec->stops[s];
+        fprintf(file, "  stop %-9d", s + 1);
+        saltus_put_place(file, spec, s, 10);
+        const char *law = saltus_restitution_law(spec, s);
+        char r[32];
+        snprintf(r, sizeof r, "%.10g", stop->r);
+        fprintf(file, ", d = %.10g, r = %s, %s\n", stop->d, law ? law : r,
+                stop->sides == SALTUS_BOTH    ? "both sides"
+                : stop->sides == SALTUS_UPPER ? "upper side"
+                                              : "lower side");
+    }
 }

@@ -11,6 +11,8 @@
 #include <stdio.h>
 
 void saltus_put_number(FILE *file, double value);
+/* The ending of a noun of which there are so many: "s" or "". */
+const char *saltus_plural(long long count);
 
 /* All kinds of events; those of contacts are the last ones, from SALTUS_CONTACT_EVENTS on. */
 enum { SALTUS_CONTACT_EVENTS = 3 };

@@ -103,6 +103,31 @@ static const saltus_field event_fields[] = {
 const saltus_field_table saltus_trajectory_event_fields = SALTUS_TABLE(event_fields);
 const saltus_field_table saltus_event_fields = {event_fields, sizeof event_fields / sizeof *event_fields - 1};
 
+/* The words for the side of a face. */
+static const saltus_word face_words[] = {{"upper", 1}, {"lower", -1}, {NULL, 0}};
+static const saltus_field told_event_fields[] = {
+    SALTUS_MEMBER(saltus_event_row, kind, "event", "1", "what happens", SALTUS_CHOICE,
+                  .words = saltus_event_words),
+    SALTUS_MEMBER(saltus_event_row, kind, "type", "1", "the same", SALTUS_CHOICE,
+                  .words = saltus_event_words),
+    SALTUS_MEMBER(saltus_event_row, side, "side", "1", "of the stop", SALTUS_CHOICE, .words = face_words),
+    EVENT(stop, "1", "its number, from 1", SALTUS_INT),
+    SALTUS_MEMBER(saltus_event_row, time, "time_over_T", "T", "from phase 0", SALTUS_REAL),
+    EVENT(phase, "T", "of the forcing, in [0, 1)", SALTUS_REAL),
+    SALTUS_MEMBER(saltus_event_row, velocity_before, "normal_velocity_before", "1", "n.q' just before",
+                  SALTUS_REAL),
+    SALTUS_MEMBER(saltus_event_row, velocity_after, "normal_velocity_after", "1", "n.q' just after",
+                  SALTUS_REAL),
+};
+const saltus_field_table saltus_told_event_fields = SALTUS_TABLE(told_event_fields);
+
+static const saltus_field grazing_fields[] = {
+    POINT_AS("side", grazing_side, "1", "of the stop that is touched", SALTUS_CHOICE, .words = face_words),
+    POINT_AS("stop", grazing_stop, "1", "its number, from 1", SALTUS_INT),
+    POINT_AS("time_over_T", grazing_time, "T", "of the touch from phase 0", SALTUS_REAL),
+};
+const saltus_field_table saltus_grazing_fields = SALTUS_TABLE(grazing_fields);
+
 int saltus_face_of(const saltus_system *system, int stop, int side) {
     for (int f = 0; f < saltus_system_face_count(system); f++) {
         saltus_face face = saltus_system_face(system, f);

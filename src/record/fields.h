@@ -23,6 +23,8 @@ typedef struct saltus_event_row {
 } saltus_event_row;
 /* Those of branches lack the last one. */
 extern const saltus_field_table saltus_event_fields, saltus_trajectory_event_fields;
+/* What JSON tells of an event, and of the touch of a point of a branch (saltus_point_row). */
+extern const saltus_field_table saltus_told_event_fields, saltus_grazing_fields;
 /* The face of a stop, counted from 1, on a side; -1: there is none. */
 int saltus_face_of(const saltus_system *system, int stop, int side);
 saltus_event_row saltus_event_row_of(const saltus_system *system, const saltus_event *event);

@@ -6,9 +6,9 @@
 #include "record/describe.h"
 #include "saltus/record.h"
 
-/* A number, or null where JSON has none. */
-void saltus_json_value(FILE *file, double value);
-void saltus_json_vector(FILE *file, const double *vector, int length);
+/* The members that every object of results begins with, and ends with: `integrator` may be NULL. */
+void saltus_json_begin(FILE *file, const saltus_scene *scene);
+void saltus_json_end(FILE *file, const saltus_spec *spec, const char *integrator);
 
 /* The members of a table, by commas; `begin` stands before the first one. */
 void saltus_json_fields(FILE *file, const char *begin, const saltus_field_table *table, const int *counts,
@@ -18,18 +18,21 @@ void saltus_json_fields(FILE *file, const char *begin, const saltus_field_table 
 void saltus_json_named(FILE *file, const char *names, const saltus_field_table *table, const int *counts,
                        const void *record);
 
-/* Members of an object after its first one, with the comma before them. */
+void saltus_json_value(FILE *file, double value);
+/* Members of an object after its first one, with the comma before them. A number that JSON does not have is
+ * null. */
 void saltus_json_key(FILE *file, const char *key);
 void saltus_json_member(FILE *file, const char *key, double value);
 void saltus_json_text(FILE *file, const char *key, const char *text);
 void saltus_json_list(FILE *file, const char *key, const double *vector, int length);
+/* A list of rows of numbers, that begin `stride` numbers apart; `rows` may be NULL where there are none. */
+void saltus_json_rows(FILE *file, const char *key, const void *rows, int count, int length, int stride);
 /* The member `contact_force`, an entry for each face; without `force` null. `gap` may be NULL. */
 void saltus_json_contact_force(FILE *file, const saltus_system *system, const double *force,
                                const double *gap);
-/* The members `events`, `parameters`, and `multipliers` with `log_moduli`. */
+/* The members `events`, and `multipliers` with `log_moduli`; eigenvalues and multipliers are rows of pairs.
+ */
 void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count);
-void saltus_json_parameters(FILE *file, const saltus_spec *spec);
 void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count);
-void saltus_json_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, int count);
 
 #endif

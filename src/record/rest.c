@@ -21,20 +21,18 @@ static const char *label_of(const saltus_equilibrium *e) {
 
 void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                    const saltus_equilibrium *e) {
-    fputs("{\"version\": \"" SALTUS_VERSION "\"", file);
-    saltus_json_text(file, "scene", scene->name);
+    saltus_json_begin(file, scene);
     saltus_json_text(file, "label", label_of(e));
     saltus_json_text(file, "kind", label_of(e));
     fputs(", \"impacts\": 0, \"periods\": 0, \"sticking_intervals\": 0", file);
     saltus_json_list(file, "state", e->state, e->dimension);
     saltus_json_events(file, system, NULL, 0);
     saltus_json_multipliers(file, NULL, 0);
-    saltus_json_eigenvalues(file, e->eigenvalues, e->eigenvalue_count);
+    saltus_json_rows(file, "eigenvalues", e->eigenvalues, e->eigenvalue_count, 2, 2);
     saltus_json_named(file, "stable,instability", &fields, NULL, e);
     saltus_json_contact_force(file, system, e->contact_force, e->gap);
     saltus_json_named(file, "residual,iterations", &fields, NULL, e);
-    saltus_json_parameters(file, saltus_system_spec(system));
-    fputs("}\n", file);
+    saltus_json_end(file, saltus_system_spec(system), NULL);
 }
 
 void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
@@ -55,5 +53,5 @@ void saltus_write_equilibrium_text(FILE *file, const saltus_scene *scene, const 
     for (int i = 0; i < saltus_system_dof(system); i++)
         fprintf(file, "%s%.10g", i ? ", " : "", e->state[i]);
     fprintf(file, "\n  %-14sresidual %.1e after %d Newton step%s\n", "rest", e->residual, e->iterations,
-            e->iterations == 1 ? "" : "s");
+            saltus_plural(e->iterations));
 }

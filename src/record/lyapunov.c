@@ -1,10 +1,12 @@
-/* Lyapunov exponents in a few lines for people.
+/* Lyapunov exponents, in a few lines for people and as one JSON object.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "record/describe.h"
+#include "motion/options.h"
+#include "record/fields.h"
+#include "record/json.h"
 #include "record/lyapunov_words.h"
-#include "saltus/record.h"
 
 #include <math.h>
+#include <string.h>
 
 static void put_number(FILE *file, double value, double error) {
     saltus_uncertain number = saltus_uncertain_text(value, error);
@@ -32,15 +34,15 @@ static void put_meaning(FILE *file, const saltus_system *system, const saltus_ly
         break;
     case SALTUS_SENSE_MEET:
         fprintf(file, "every direction is %s: nearby trajectories become one\n", saltus_lost_words(system));
+        return;
     }
-    if (!saltus_system_forced(system) && saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET) {
-        fprintf(
-            file,
-            "  %-14snot forced: unless the system is at rest, one exponent is that of time itself, zero\n",
-            "");
+    if (!saltus_system_forced(system)) {
+        saltus_put_word(file, "");
+        fputs("not forced: unless the system is at rest, one exponent is that of time itself, zero\n", file);
     }
 }
 
+/* All exponents where there are several, and what they add up to. */
 static void put_spectrum(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
     if (l->count < 2)
         return;
@@ -55,11 +57,6 @@ static void put_spectrum(FILE *file, const saltus_system *system, const saltus_l
         else
             fprintf(file, "  %14s  %16s\n", own.error, period.value);
     }
-}
-
-static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
-    if (l->count < 2)
-        return;
     saltus_put_word(file, "sum rule");
     if (l->count < l->dimension)
         fprintf(file, "needs all %d exponents\n", l->dimension);
@@ -83,8 +80,9 @@ static void put_sums(FILE *file, const saltus_system *system, const saltus_lyapu
         fprintf(file, "Kaplan-Yorke %.4g\n", l->kaplan_yorke);
 }
 
-static void put_halves(FILE *file, const saltus_lyapunov *l) {
-    double error = hypot(l->half_errors[0], l->half_errors[1]);
+/* Whether both halves of the run, and the trajectories that share the work, measure the same motion. */
+static void put_agreement(FILE *file, const saltus_lyapunov *l) {
+    double error = hypot(l->half_errors[0], l->half_errors[1]), low = INFINITY, high = -INFINITY;
     saltus_put_word(file, "halves");
     put_number(file, l->half[0], l->half_errors[0]);
     fputs(" in the first half, ", file);
@@ -93,11 +91,6 @@ static void put_halves(FILE *file, const saltus_lyapunov *l) {
     if (isfinite(error) && error > 0)
         fprintf(file, " (%.1f standard errors apart)", fabs(l->half[0] - l->half[1]) / error);
     fputc('\n', file);
-}
-
-/* Whether the trajectories that share the work measure the same motion. */
-static void put_members(FILE *file, const saltus_lyapunov *l) {
-    double low = INFINITY, high = -INFINITY;
     for (int m = 0; m < l->members; m++) {
         low = fmin(low, l->member_exponents[m]);
         high = fmax(high, l->member_exponents[m]);
@@ -107,8 +100,8 @@ static void put_members(FILE *file, const saltus_lyapunov *l) {
         fputs("1\n", file);
         return;
     }
-    fprintf(file, "%d, each alone from %.6g to %.6g: ", l->members, low, high);
-    fputs(l->agree ? "they agree\n" : "they DO NOT AGREE\n", file);
+    fprintf(file, "%d, each alone from %.6g to %.6g: they %s\n", l->members, low, high,
+            l->agree ? "agree" : "DO NOT AGREE");
     if (!l->agree) {
         saltus_put_word(file, "");
         fputs("they do not measure the same motion: there are coexisting attractors, or the transient is "
@@ -153,7 +146,7 @@ static void put_precision(FILE *file, const saltus_lyapunov_options *o, const sa
 
 void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                 const saltus_lyapunov_options *options, const saltus_lyapunov *l) {
-    bool finite = saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET;
+    const bool finite = saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET, measured = finite && l->members > 0;
     fprintf(file, "%s: largest Lyapunov exponent ", scene->name);
     if (finite)
         put_number(file, l->exponents[0], l->standard_errors[0]);
@@ -170,12 +163,35 @@ void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const sal
     }
     put_meaning(file, system, l);
     put_spectrum(file, system, l);
-    put_sums(file, system, l);
-    if (finite && l->members > 0) {
-        put_halves(file, l);
-        put_members(file, l);
-    }
+    if (measured)
+        put_agreement(file, l);
     put_measured(file, system, options, l);
-    if (finite && l->members > 0)
+    if (measured)
         put_precision(file, options, l);
+}
+
+void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                                const saltus_lyapunov_options *options, const saltus_lyapunov *l) {
+    /* null for the exponents that have no error because they are -infinity */
+    double errors[SALTUS_STATE_MAX];
+    for (int k = 0; k < l->count; k++)
+        errors[k] = isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN;
+    saltus_json_begin(file, scene);
+    saltus_json_member(file, "largest", l->exponents[0]);
+    saltus_json_member(file, "standard_error", errors[0]);
+    saltus_json_text(file, "sign", saltus_sense_word(saltus_lyapunov_sense(l)));
+    saltus_json_list(file, "exponents", l->exponents, l->count);
+    saltus_json_list(file, "standard_errors", errors, l->count);
+    saltus_json_fields(file, ", ", &saltus_exponent_fields, (const int[]){l->dimension, l->members}, l);
+    /* All options but the order of the series and the number of exponents, which the result tells. */
+    saltus_json_key(file, "options");
+    for (int k = 0; k < saltus_lyapunov_table.count; k++) {
+        const saltus_field *field = &saltus_lyapunov_table.options[k].field;
+        const saltus_field_table one = {field, 1};
+        if (strcmp(field->name, "order") != 0 && strcmp(field->name, "exponents") != 0)
+            saltus_json_fields(file, k ? ", " : "{", &one, NULL, options);
+    }
+    fputc('}', file);
+    saltus_json_end(file, saltus_system_spec(system),
+                    saltus_integrator_used(system, options->flow.integrator));
 }

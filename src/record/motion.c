@@ -1,83 +1,40 @@
-/* A motion in a few lines for people.
+/* A motion, in a few lines for people and as one JSON object.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "saltus/record.h"
-
-#include "record/describe.h"
+#include "record/fields.h"
+#include "record/json.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { event_lines = 12, leading = 4 };
 
-void saltus_put_word(FILE *file, const char *word) {
-    fprintf(file, "  %-14s", word);
-}
-
-void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system) {
-    const saltus_spec *spec = saltus_system_spec(system);
-    int count;
-    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    if (scene->title[0])
-        fprintf(file, "  %s\n", scene->title);
-    saltus_put_word(file, saltus_model_name(spec->model));
-    const char *separator = "";
-    for (int k = 0; k < count; k++)
-        if (saltus_parameter_shown(spec, k)) {
-            fprintf(file, "%s%s = %.10g", separator, p[k].name, spec->parameters[k]);
-            separator = ", ";
-        }
-    fputc('\n', file);
-    for (int s = 0; s < spec->stop_count; s++) {
-        const saltus_stop *stop = &spec->stops[s];
-        fprintf(file, "  stop %-9d", s + 1);
-        saltus_put_place(file, spec, s, 10);
-        const char *law = saltus_restitution_law(spec, s);
-        char r[32];
-        snprintf(r, sizeof r, "%.10g", stop->r);
-        fprintf(file, ", d = %.10g, r = %s, %s\n", stop->d, law ? law : r,
-                stop->sides == SALTUS_BOTH    ? "both sides"
-                : stop->sides == SALTUS_UPPER ? "upper side"
-                                              : "lower side");
+static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
+    const bool cycle = motion->trivial_multiplier != 0; /* with a period of its own */
+    saltus_put_word(file, "motion");
+    if (!saltus_verdict_settled(motion->verdict)) {
+        fprintf(file, "%s\n", motion->reason);
+        return;
     }
-}
-
-static const char *plural(long long count) {
-    return count == 1 ? "" : "s";
-}
-
-/* Of an orbit with a period of its own. */
-static void put_cycle(FILE *file, const saltus_system *system, const saltus_motion *motion) {
+    if (motion->verdict == SALTUS_EQUILIBRIUM || motion->verdict == SALTUS_HELD) {
+        fputs(motion->verdict == SALTUS_HELD ? "in contact for good\n" : "at rest, clear of every stop\n",
+              file);
+        return;
+    }
     if (motion->impacts < 0)
         fprintf(file, "complete chatter with %d sticking interval%s", motion->sticking_intervals,
-                plural(motion->sticking_intervals));
+                saltus_plural(motion->sticking_intervals));
     else
-        fprintf(file, "%lld impact%s", motion->impacts, plural(motion->impacts));
-    fprintf(file, " in %d return%s to the section, ", motion->periods, plural(motion->periods));
-    saltus_put_section(file, system);
-    fprintf(file, "; period %.13g\n", motion->period);
-    if (motion->reason[0])
-        fprintf(file, "  %-14s%s\n", "", motion->reason);
-}
-
-static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
-    saltus_put_word(file, "motion");
-    if (!saltus_verdict_settled(motion->verdict))
-        fprintf(file, "%s\n", motion->reason);
-    else if (motion->verdict == SALTUS_EQUILIBRIUM)
-        fputs("at rest, clear of every stop\n", file);
-    else if (motion->verdict == SALTUS_HELD)
-        fputs("in contact for good\n", file);
-    else if (motion->trivial_multiplier != 0)
-        put_cycle(file, system, motion);
-    else if (motion->impacts < 0)
-        fprintf(file, "complete chatter with %d sticking interval%s in %d forcing period%s\n",
-                motion->sticking_intervals, plural(motion->sticking_intervals), motion->periods,
-                plural(motion->periods));
-    else
-        fprintf(file, "%lld impact%s in %d forcing period%s, %.6g per response cycle%s\n", motion->impacts,
-                plural(motion->impacts), motion->periods, plural(motion->periods),
-                saltus_impacts_per_response(system, motion),
+        fprintf(file, "%lld impact%s", motion->impacts, saltus_plural(motion->impacts));
+    fprintf(file, cycle ? " in %d return%s to the section, " : " in %d forcing period%s", motion->periods,
+            saltus_plural(motion->periods));
+    if (cycle) {
+        saltus_put_section(file, system);
+        fprintf(file, "; period %.13g", motion->period);
+    } else if (motion->impacts >= 0)
+        fprintf(file, ", %.6g per response cycle%s", saltus_impacts_per_response(system, motion),
                 saltus_notation_of(system)->response == 2 ? " (2 T)" : "");
+    fputc('\n', file);
+    if (cycle && motion->reason[0])
+        fprintf(file, "  %-14s%s\n", "", motion->reason);
 }
 
 static void put_faces(FILE *file, const saltus_system *system, const saltus_motion *motion) {
@@ -112,38 +69,31 @@ static void put_event(FILE *file, const saltus_system *system, const saltus_even
     fputc('\n', file);
 }
 
-/* Number of impacts on one face in a row, from event k on. */
-static int run_length(const saltus_motion *motion, int k) {
-    int length = 0;
-    while (k + length < motion->event_count && motion->events[k + length].kind == SALTUS_IMPACT &&
-           motion->events[k + length].face == motion->events[k].face)
-        length++;
-    return length;
-}
-
 /* A long run of impacts on one face (a chatter) takes three lines: two impacts and what became of the others.
  */
 static void put_events(FILE *file, const saltus_system *system, const saltus_motion *motion) {
-    int lines = 0, k = 0;
-    bool brief = motion->event_count > event_lines;
-    while (k < motion->event_count && lines < event_lines) {
-        int run = run_length(motion, k);
-        if (!brief || run <= 3) {
-            put_event(file, system, &motion->events[k++]);
+    const saltus_event *events = motion->events;
+    int lines = 0, k = 0, run;
+    for (; k < motion->event_count && lines < event_lines; k += run) {
+        for (run = 0; k + run < motion->event_count && events[k + run].kind == SALTUS_IMPACT &&
+                      events[k + run].face == events[k].face;)
+            run++;
+        if (motion->event_count <= event_lines || run <= 3) {
+            run = 1;
+            put_event(file, system, &events[k]);
             lines++;
             continue;
         }
-        put_event(file, system, &motion->events[k]);
-        put_event(file, system, &motion->events[k + 1]);
-        const saltus_event *first = &motion->events[k + 2], *last = &motion->events[k + run - 1];
+        put_event(file, system, &events[k]);
+        put_event(file, system, &events[k + 1]);
         fprintf(file, "    ... %d more impacts until tau/T = %.7f, velocity before impact %.4g to %.4g\n",
-                run - 2, saltus_time_periods(last->time), first->velocity_before, last->velocity_before);
-        k += run;
+                run - 2, saltus_time_periods(events[k + run - 1].time), events[k + 2].velocity_before,
+                events[k + run - 1].velocity_before);
         lines += 3;
     }
     if (k < motion->event_count)
         fprintf(file, "    ... and %d more event%s\n", motion->event_count - k,
-                plural(motion->event_count - k));
+                saltus_plural(motion->event_count - k));
 }
 
 static void put_multipliers(FILE *file, const saltus_motion *motion) {
@@ -242,11 +192,90 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     fputc('\n', file);
     if (motion->transient) {
         fprintf(file, "  %-14s%lld period%s simulated", "settled", motion->transient,
-                plural(motion->transient));
+                saltus_plural(motion->transient));
     } else
         saltus_put_word(file, "orbit");
     if (motion->verdict == SALTUS_PERIODIC || !motion->transient)
         fprintf(file, "%sresidual %.1e after %d Newton step%s", motion->transient ? "; " : "",
-                motion->residual, motion->iterations, plural(motion->iterations));
+                motion->residual, motion->iterations, saltus_plural(motion->iterations));
     fprintf(file, " (%s)\n", saltus_integrator_used(system, motion->integrator));
+}
+
+/* Complete chatter makes them infinite: how many are simulated one by one depends on the tolerance. */
+static void put_impact_counts(FILE *file, const saltus_system *system, const saltus_motion *motion) {
+    if (motion->impacts < 0) {
+        fputs(", \"impacts_by_side\": null, \"impacts_by_stop\": null", file);
+        return;
+    }
+    int stops = saltus_system_spec(system)->stop_count;
+    long long sides[2] = {0, 0}, by_stop[SALTUS_STOPS_MAX][2] = {{0}};
+    for (int f = 0; f < saltus_system_face_count(system); f++) {
+        saltus_face face = saltus_system_face(system, f);
+        sides[face.side < 0] += motion->impacts_by_face[f];
+        by_stop[face.stop][face.side < 0] += motion->impacts_by_face[f];
+    }
+    fprintf(file,
+            ", \"impacts_by_side\": {\"upper\": %lld, \"lower\": %lld}, \"impacts_counted_over\": %lld, "
+            "\"impacts_by_stop\": [",
+            sides[0], sides[1], motion->counted);
+    for (int s = 0; s < stops; s++)
+        fprintf(file, "%s{\"stop\": %d, \"upper\": %lld, \"lower\": %lld}", s ? ", " : "", s + 1,
+                by_stop[s][0], by_stop[s][1]);
+    fputc(']', file);
+}
+
+static void put_named(FILE *file, const char *names, const saltus_motion *motion) {
+    saltus_json_named(file, names, &saltus_motion_fields, NULL, motion);
+}
+
+void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                              const saltus_motion *motion) {
+    const saltus_spec *spec = saltus_system_spec(system);
+    const saltus_evidence *e = &motion->evidence;
+    const bool settled = saltus_verdict_settled(motion->verdict);
+    const int n = motion->dimension;
+    saltus_json_begin(file, scene);
+    put_named(file, "label,kind", motion);
+    saltus_json_member(file, "impacts", motion->impacts >= 0 && settled ? (double)motion->impacts : NAN);
+    put_named(file, "periods,sticking_intervals,period", motion);
+    put_impact_counts(file, system, motion);
+    saltus_json_member(file, "impacts_per_response", saltus_impacts_per_response(system, motion));
+    for (int i = 0; i < saltus_system_dimension(system) && saltus_model_text(spec->model); i++) {
+        fputs(i ? ", " : ", \"state_names\": [", file);
+        saltus_put_string(file, saltus_system_state_name(system, i).text);
+        fputs(i == saltus_system_dimension(system) - 1 ? "]" : "", file);
+    }
+    if (motion->state)
+        saltus_json_list(file, "state", motion->state, n);
+    else
+        fputs(", \"state\": null", file);
+    saltus_json_rows(file, "section_states", motion->section_states,
+                     motion->section_states ? motion->periods : 0, n, n);
+    saltus_json_events(file, system, motion->events, motion->event_count);
+    saltus_json_multipliers(file, motion->multipliers, motion->multiplier_count);
+    if (motion->eigenvalues)
+        saltus_json_rows(file, "eigenvalues", motion->eigenvalues, motion->eigenvalue_count, 2, 2);
+    if (motion->trivial_multiplier != 0)
+        put_named(file, "trivial_multiplier", motion);
+    put_named(file, "stable,mirror,residual", motion);
+    if (motion->sticks || motion->multiplier_count == 0)
+        fputs(", \"sum_rule\": null", file);
+    else {
+        fputs(", \"sum_rule\": {\"multipliers\": ", file);
+        saltus_json_value(file, motion->log_volume);
+        saltus_json_member(file, "trace_and_restitution", motion->sum_rule);
+        saltus_json_member(file, "difference", motion->log_volume - motion->sum_rule);
+        fputc('}', file);
+    }
+    put_named(file, "lyapunov,lyapunov_standard_error", motion);
+    if (!settled)
+        saltus_json_member(file, "lifetime_at_least", e->lifetime_at_least);
+    if (e->periods)
+        saltus_json_fields(file, ", \"evidence\": {", &saltus_evidence_fields, NULL, e);
+    fputs(e->periods ? "}" : ", \"evidence\": null", file);
+    saltus_json_contact_force(file, system, motion->verdict == SALTUS_HELD ? motion->contact_force : NULL,
+                              NULL);
+    put_named(file, "largest_displacement,smallest_displacement,rms_displacement,transient", motion);
+    saltus_json_text(file, "reason", motion->reason);
+    saltus_json_end(file, spec, saltus_integrator_used(system, motion->integrator));
 }

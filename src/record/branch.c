@@ -1,0 +1,177 @@
+/* Branches for people, as tables of their special points, and for programs, each point as a line of JSON.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/fields.h"
+#include "record/json.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Widths of the table's columns; 0: as wide as its text. */
+enum { row_width = 7, label_width = 5, value_width = 14, motion_width = 16 };
+enum { multiplier_width = 24, beyond_width = 8 };
+
+static bool is_locus(const saltus_branch_file *file) {
+    return file->options.locus != SALTUS_POINT_REGULAR;
+}
+
+static const char *stability(const saltus_branch_point *point) {
+    return point->stable ? "stable" : "unstable";
+}
+
+/* The largest multiplier, and the others with a modulus above 1/2; of a complex pair only one. Of an
+ * equilibrium the first eigenvalue, and the others with a real part that is not negative. */
+static void name_multipliers(const saltus_branch_point *point, char *text, size_t room) {
+    static const char more[] = ", ...";
+    const double well_inside = point->periods ? log(0.5) : -1e-12;
+    size_t used = 0;
+    text[0] = '\0';
+    const int count = point->periods ? point->dimension : point->multiplier_count;
+    for (int k = 0; k < count; k++) {
+        const saltus_multiplier *m = &point->multipliers[k];
+        char one[64];
+        if (k > 0 && !(m->log_modulus > well_inside))
+            return;
+        int length = snprintf(one, sizeof one, "%s%.4g", k ? ", " : "", m->re);
+        if (m->im != 0)
+            length += snprintf(one + length, sizeof one - (size_t)length, " +- %.4gi", fabs(m->im));
+        if (used + (size_t)length + sizeof more > room) {
+            memcpy(text + used, more, sizeof more);
+            return;
+        }
+        memcpy(text + used, one, (size_t)length + 1);
+        used += (size_t)length;
+        k += m->im != 0;
+    }
+}
+
+/* A line of the table without blanks at its end. */
+typedef struct row_text {
+    char text[640];
+    size_t length;
+} row_text;
+
+static void add(row_text *line, int width, const char *text) {
+    size_t room = sizeof line->text - line->length;
+    int length = snprintf(line->text + line->length, room, "%-*s  ", width, text);
+    line->length += (size_t)length < room ? (size_t)length : room - 1;
+}
+
+static void put_line(FILE *out, row_text *line) {
+    while (line->length && line->text[line->length - 1] == ' ')
+        line->text[--line->length] = '\0';
+    fprintf(out, "%s\n", line->text);
+}
+
+static void put_point(FILE *out, const saltus_branch_file *file, int row) {
+    const double rounding = 1e-11;
+    const saltus_branch_point *point = &file->points[row], *next = point + 1;
+    const bool changes = point->label_after[0] && strcmp(point->label, point->label_after) != 0;
+    row_text line = {.length = 0};
+    char text[SALTUS_REASON_MAX + 64], multipliers[96] = "";
+    snprintf(text, sizeof text, "%7d", row + 1);
+    add(&line, row_width, text);
+    add(&line, label_width, saltus_point_word(point->kind));
+    for (int k = 0; k < 1 + is_locus(file); k++) {
+        int length = snprintf(text, sizeof text, "%.12g", point->value[k]);
+        if (k == 0 && point->accuracy > rounding * fabs(point->value[0]))
+            snprintf(text + length, sizeof text - (size_t)length, " +- %.0e", point->accuracy);
+        add(&line, value_width, text);
+    }
+    snprintf(text, sizeof text, "%s%s%s", point->label, changes ? " -> " : "",
+             changes ? point->label_after : "");
+    add(&line, motion_width, text);
+    /* The multipliers of a grazing orbit have no limit on one of its sides, so they are left out. */
+    if (point->kind != SALTUS_POINT_GR && point->locus != SALTUS_POINT_GR)
+        name_multipliers(point, multipliers, sizeof multipliers);
+    add(&line, multiplier_width, multipliers);
+    /* Stability beyond a special point: that of the next point, unless it changes there again. */
+    bool known = row + 1 < file->point_count && next->branch == point->branch &&
+                 (next->kind == SALTUS_POINT_REGULAR || next->kind == SALTUS_POINT_UZ);
+    if (!is_locus(file))
+        add(&line, beyond_width, known ? stability(next) : "");
+    /* Why, and how hard a contact that holds all the time presses where it does least, unless it lets go. */
+    size_t length = (size_t)snprintf(text, sizeof text, "%s", point->reason);
+    if (!isnan(point->contact_force) && !point->label_after[0])
+        snprintf(text + length, sizeof text - length, "%sleast contact force %.4g", length ? "; " : "",
+                 point->contact_force);
+    add(&line, 0, text);
+    put_line(out, &line);
+}
+
+static void put_heading(FILE *out, const saltus_branch_file *file, int row) {
+    const saltus_branch_options *o = &file->options;
+    const saltus_branch_point *first = &file->points[row];
+    const char *way = first->parent >= 0 || is_locus(file) ? "" : first->heading < 0 ? "down " : "up ";
+    fprintf(out, "branch %d, ", first->branch);
+    if (first->parent >= 0)
+        fprintf(out, "off branch %d, ", first->parent);
+    fprintf(out, "%sfrom %s = %.12g", way, o->key[0], first->value[0]);
+    if (is_locus(file))
+        fprintf(out, ", %s = %.12g: %s of %s\n", o->key[1], first->value[1], saltus_point_word(first->locus),
+                first->label);
+    else
+        fprintf(out, ": %s, %s\n", first->label, stability(first));
+}
+
+void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
+    bool rests = false;
+    for (int row = 0; row < file->point_count; row++)
+        rests = rests || file->points[row].periods == 0;
+    row_text line = {.length = 0};
+    add(&line, row_width, "    row");
+    add(&line, label_width, "label");
+    for (int k = 0; k < 1 + is_locus(file); k++)
+        add(&line, value_width, file->options.key[k]);
+    add(&line, motion_width, "n/p");
+    add(&line, multiplier_width, rests ? "multipliers, eigenvalues" : "largest multipliers");
+    if (!is_locus(file))
+        add(&line, beyond_width, "beyond");
+    add(&line, 0, "remark");
+    put_line(out, &line);
+    for (int row = 0; row < file->point_count; row++) {
+        const saltus_branch_point *point = &file->points[row];
+        const bool told = point->trivial_multiplier != 0 && point->reason[0]; /* its returns change */
+        if (row == 0 || point->branch != point[-1].branch)
+            put_heading(out, file, row);
+        /* All special points; on a curve of special points only those of another kind than the curve's. */
+        if (told || (point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus))
+            put_point(out, file, row);
+    }
+}
+
+void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                             const saltus_branch_point *point) {
+    const saltus_field_table *table = &saltus_point_fields;
+    const saltus_point_row row = {.point = *point};
+    const int counts[] = {point->dimension, 0, 0};
+    saltus_json_begin(file, scene);
+    saltus_json_named(file, "branch", table, counts, &row);
+    saltus_json_member(file, "parent", point->parent < 0 ? NAN : point->parent);
+    saltus_json_named(file, "step", table, counts, &row);
+    saltus_json_text(file, "locus", saltus_point_word(point->locus));
+    saltus_json_text(file, "label", saltus_point_word(point->kind));
+    saltus_json_list(file, "values", point->value, isnan(point->value[1]) ? 1 : 2);
+    saltus_json_named(file, "heading, arclength, motion, motion_after", table, counts, &row);
+    saltus_json_member(file, "impacts", point->impacts < 0 ? NAN : (double)point->impacts);
+    saltus_json_named(file, "periods, period, sticking_intervals, stable, unstable, admissible, state", table,
+                      counts, &row);
+    saltus_json_events(file, system, point->events, point->event_count);
+    saltus_json_named(file, "contact_force", table, counts, &row);
+    if (point->grazing_stop)
+        saltus_json_fields(file, ", \"grazing\": {", &saltus_grazing_fields, NULL, &row);
+    fputs(point->grazing_stop ? "}" : ", \"grazing\": null", file);
+    if (point->periods)
+        saltus_json_multipliers(file, point->multipliers, point->multiplier_count);
+    else
+        saltus_json_rows(file, "eigenvalues", point->multipliers, point->multiplier_count, 2,
+                         sizeof *point->multipliers / sizeof(double));
+    if (!isnan(point->lyapunov_coefficient))
+        saltus_json_named(file, "lyapunov_coefficient", table, counts, &row);
+    if (point->trivial_multiplier != 0)
+        saltus_json_named(file, "trivial_multiplier", table, counts, &row);
+    saltus_json_named(file, "log_volume, sum_rule, residual, iterations", table, counts, &row);
+    saltus_json_member(file, "accuracy",
+                       point->kind != SALTUS_POINT_REGULAR || point->accuracy > 0 ? point->accuracy : NAN);
+    saltus_json_named(file, "reason", table, counts, &row);
+    saltus_json_end(file, &point->spec, NULL);
+}
