@@ -27,30 +27,19 @@ static bool shows_cycles(const saltus_plot_page *page) {
 }
 
 static void name_measure(const saltus_plot_page *page, saltus_line *line) {
-    const char *where = shows_cycles(page) ? "at its maximum" : "at phase 0";
+    const saltus_show show = page->show;
+    const bool cycles = shows_cycles(page);
     char name[160];
-    switch (page->show) {
-    case SALTUS_SHOW_DISPLACEMENT:
-        saltus_observed_name(page->system, false, name, sizeof name);
-        saltus_line_add(line, "%s  %s", name, where);
-        break;
-    case SALTUS_SHOW_VELOCITY:
-        saltus_observed_name(page->system, true, name, sizeof name);
-        saltus_line_add(line, "%s  %s", name, where);
-        break;
-    case SALTUS_SHOW_AMPLITUDE:
-        saltus_observed_name(page->system, false, name, sizeof name);
+    saltus_observed_name(page->system, show == SALTUS_SHOW_VELOCITY, name, sizeof name);
+    if (show == SALTUS_SHOW_DISPLACEMENT || show == SALTUS_SHOW_VELOCITY)
+        saltus_line_add(line, "%s  %s", name, cycles ? "at its maximum" : "at phase 0");
+    else if (show == SALTUS_SHOW_AMPLITUDE)
         saltus_line_add(line, "%s%s", name, shows(page, false) ? "  largest and smallest of an orbit" : "");
-        break;
-    case SALTUS_SHOW_PERIOD:
-        saltus_line_add(line, shows_cycles(page) ? "period" : "period in {/:Italic T}");
-        break;
-    case SALTUS_SHOW_IMPACTS:
-        saltus_line_add(line, "speed of every impact  |{/:Bold n·q′}|");
-        break;
-    default:
-        saltus_line_add(line, "largest impact speed  |{/:Bold n·q′}|");
-    }
+    else if (show == SALTUS_SHOW_PERIOD)
+        saltus_line_add(line, cycles ? "period" : "period in {/:Italic T}");
+    else
+        saltus_line_add(line, "%s  |{/:Bold n·q′}|",
+                        show == SALTUS_SHOW_IMPACTS ? "speed of every impact" : "largest impact speed");
 }
 
 static void put_axes(const saltus_plot_page *page) {
@@ -62,28 +51,16 @@ static void put_axes(const saltus_plot_page *page) {
         saltus_line_parameter(&name[1], spec, o->key[1]);
     else
         name_measure(page, &name[!page->swap]);
-    for (int axis = 0; axis < 2; axis++) {
-        saltus_range range = axis ? page->y : page->x;
+    for (int axis = 0; axis < 2; axis++)
         saltus_page_axis(page->page, axis ? "y" : "x", page->frame, page->logarithmic[axis], name[axis].text,
-                         range);
-    }
+                         axis ? page->y : page->x);
 }
 
-/* The parameters that all files share, and those of the first where they do not. */
-static void add_parameters(const saltus_plot_page *page, saltus_line *line) {
-    const saltus_branch_options *o = &page->files[0].options;
-    char first[SALTUS_KEY_MAX], second[SALTUS_KEY_MAX];
-    saltus_plot_difference(page, 0, first);
-    saltus_plot_difference(page, 1, second);
-    const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *first ? first : NULL};
-    saltus_line_parameters(line, page->system, varied);
-    if (page->locus ? *first : *second)
-        saltus_line_add(line, ", where nothing else is said");
-}
-
+/* What is drawn, and the parameters that all files share, and those of the first where they do not. */
 static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
     const saltus_branch_options *o = &page->files[0].options;
     saltus_line head = {.length = 0}, parameters = {.length = 0};
+    char first[SALTUS_KEY_MAX], second[SALTUS_KEY_MAX];
     saltus_line_plain(&head, page->files[0].scene);
     saltus_line_add(&head, ":  %s in ",
                     page->locus          ? "special points"
@@ -95,7 +72,12 @@ static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
         saltus_line_add(&head, " and ");
         saltus_line_symbol(&head, o->key[1]);
     }
-    add_parameters(page, &parameters);
+    saltus_plot_difference(page, 0, first);
+    saltus_plot_difference(page, 1, second);
+    const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *first ? first : NULL};
+    saltus_line_parameters(&parameters, page->system, varied);
+    if (page->locus ? *first : *second)
+        saltus_line_add(&parameters, ", where nothing else is said");
     saltus_page_heading(paper, &head);
     saltus_page_words(paper, &parameters, "#202020");
 }
@@ -133,39 +115,6 @@ static saltus_show choose_measure(const saltus_plot_page *page, saltus_show want
     return SALTUS_SHOW_DISPLACEMENT;
 }
 
-/* The part of a parameter's range that was asked for; false where none was. */
-static bool asked_for(const saltus_plot_page *page, int axis, saltus_range *range) {
-    const saltus_plot_part *part = saltus_plot_part_of(page->options->parts, page->options->part_count,
-                                                       page->files[0].options.key[axis]);
-    if (part)
-        *range = (saltus_range){part->low, part->high};
-    return part != NULL;
-}
-
-/* Widen a range by a point's value, or by all that it shows; a logarithmic axis has positive ones only. */
-static void add_values(const saltus_plot_page *page, int file, int k, bool up, bool logarithmic,
-                       saltus_range *range) {
-    const saltus_branch_point *point = &page->files[file].points[k];
-    const saltus_plot_visits *visits = page->visits ? &page->visits[file][k] : NULL;
-    double own = up != page->swap ? saltus_plot_y(page, point) : saltus_plot_x(page, point);
-    for (int v = -1; v < (up && visits ? visits->count : 0); v++) {
-        double value = v < 0 ? own : visits->list[v].value;
-        if (!logarithmic || value > 0)
-            saltus_range_add(range, value);
-    }
-}
-
-/* The range of the first parameter, or of what goes with it, from the points that are in the range asked for
- * of the other one. */
-static saltus_range find_range(const saltus_plot_page *page, bool measure) {
-    saltus_range found = {INFINITY, -INFINITY};
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if (saltus_plot_shown(page, &page->files[i].points[k]))
-                add_values(page, i, k, measure, page->logarithmic[measure != page->swap], &found);
-    return found;
-}
-
 /* Room around the values of an axis. */
 static void pad(saltus_range *range, bool logarithmic, double part, double scale) {
     if (!logarithmic) {
@@ -178,18 +127,25 @@ static void pad(saltus_range *range, bool logarithmic, double part, double scale
 
 static void find_ranges(saltus_plot_page *page) {
     const saltus_branch_options *o = &page->files[0].options;
+    const saltus_plot_options *wish = page->options;
     bool speeds = !page->locus && (page->show == SALTUS_SHOW_SPEED || page->show == SALTUS_SHOW_IMPACTS);
-    saltus_range *parameter = page->swap ? &page->y : &page->x, *measure = page->swap ? &page->x : &page->y;
-    bool log_measure = page->logarithmic[!page->swap];
+    saltus_range *ranges[2] = {page->swap ? &page->y : &page->x, page->swap ? &page->x : &page->y},
+                 *measure = ranges[1];
+    bool log_measure = page->logarithmic[!page->swap], asked[2] = {false, false};
     page->x = page->y = (saltus_range){-INFINITY, INFINITY};
-    bool part[2] = {asked_for(page, 0, parameter), page->locus && asked_for(page, 1, measure)};
-    if (!part[0]) {
-        *parameter = find_range(page, false);
-        pad(parameter, page->logarithmic[page->swap], 0.03, 1e-3 * (o->high[0] - o->low[0]));
+    for (int axis = 0; axis < 1 + page->locus; axis++) {
+        const saltus_plot_part *part = saltus_plot_part_of(wish->parts, wish->part_count, o->key[axis]);
+        asked[axis] = part != NULL;
+        if (part)
+            *ranges[axis] = (saltus_range){part->low, part->high};
     }
-    if (part[1])
+    if (!asked[0]) {
+        *ranges[0] = saltus_plot_range(page, false);
+        pad(ranges[0], page->logarithmic[page->swap], 0.03, 1e-3 * (o->high[0] - o->low[0]));
+    }
+    if (asked[1])
         return;
-    *measure = find_range(page, true);
+    *measure = saltus_plot_range(page, true);
     if (log_measure && !page->locus)
         saltus_range_floor(measure);
     if (speeds && !log_measure && measure->low < 0.4 * measure->high)
@@ -217,28 +173,25 @@ static saltus_status choose_scales(saltus_plot_page *page, saltus_message *messa
     return SALTUS_OK;
 }
 
-/* A logarithmic axis shows positive values only. */
-static saltus_status check_scales(const saltus_plot_page *page, saltus_message *message) {
-    for (int axis = 0; axis < 2; axis++) {
-        saltus_range range = axis ? page->y : page->x;
-        if (page->logarithmic[axis] && !(range.low > 0 && range.low < range.high && range.high < INFINITY))
-            return saltus_fail(message, SALTUS_BAD_INPUT, "a logarithmic axis needs positive values");
-    }
-    return SALTUS_OK;
-}
-
-static saltus_status check_points(const saltus_plot_page *page, saltus_message *message) {
+/* Whether there is something to show. A logarithmic axis shows positive values only. */
+static saltus_status check_ranges(const saltus_plot_page *page, saltus_message *message) {
     const saltus_branch_options *o = &page->files[0].options;
+    const saltus_range ranges[2] = {page->x, page->y}, first = ranges[page->swap];
+    bool any = false;
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++)
-            if (saltus_plot_shown(page, &page->files[i].points[k]))
-                return SALTUS_OK;
-    if (page->locus)
+            any = any || saltus_plot_shown(page, &page->files[i].points[k]);
+    if (!any && page->locus)
         return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g, %s = %g to %g",
                            o->key[0], page->x.low, page->x.high, o->key[1], page->y.low, page->y.high);
-    saltus_range range = page->swap ? page->y : page->x;
-    return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g", o->key[0],
-                       range.low, range.high);
+    if (!any)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g", o->key[0],
+                           first.low, first.high);
+    for (int axis = 0; axis < 2; axis++)
+        if (page->logarithmic[axis] &&
+            !(ranges[axis].low > 0 && ranges[axis].low < ranges[axis].high && ranges[axis].high < INFINITY))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "a logarithmic axis needs positive values");
+    return SALTUS_OK;
 }
 
 static saltus_status draw(const saltus_branch_file *files, int count, const saltus_plot_options *options,
@@ -262,10 +215,8 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
         status = saltus_plot_find_visits(&page, message);
     if (status == SALTUS_OK) {
         find_ranges(&page);
-        status = check_points(&page, message);
+        status = check_ranges(&page, message);
     }
-    if (status == SALTUS_OK)
-        status = check_scales(&page, message);
     if (status == SALTUS_OK)
         status = saltus_page_open(&paper, figure, &options->look, message);
     if (status == SALTUS_OK) {
@@ -346,14 +297,13 @@ static saltus_status draw_sweep(const char *const *paths, int count, const saltu
 
 saltus_status saltus_plot(const char *figure, const char *const *paths, int count,
                           const saltus_plot_options *options, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
+    bool sweep;
     int read = 0;
-    status = saltus_figure_check(figure, &options->look, message);
+    saltus_status status = saltus_figure_check(figure, &options->look, message);
     if (status != SALTUS_OK)
         return status;
     if (count < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "there is no file to draw");
-    bool sweep;
     status = draw_sweep(paths, count, options, figure, &sweep, message);
     if (sweep)
         return status;

@@ -50,6 +50,8 @@ double saltus_plot_distance(const double at[2], const double a[2], const double 
  * along orbits, SALTUS_NO_MEMORY. */
 saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *message);
 void saltus_plot_free_visits(saltus_plot_page *page);
+/* The range of the first parameter, or of what goes with it (`measure`), over the points that are shown. */
+saltus_range saltus_plot_range(const saltus_plot_page *page, bool measure);
 /* Whether an axis with that key is to be logarithmic. */
 bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key);
 /* What was asked for of a key's range; NULL: nothing. */

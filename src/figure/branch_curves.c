@@ -27,56 +27,44 @@ static const struct {
     [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
 };
 
+/* What there is on a page: hues of curves, kinds of marks, and curves that bound no stable orbit. */
+typedef struct content {
+    bool hue[SALTUS_HUES], kind[SALTUS_PLOT_MARKS], dots;
+} content;
+
+static content find_content(const saltus_plot_page *page) {
+    content c = {.dots = false};
+    for (int i = 0; i < page->count; i++) {
+        const saltus_branch_file *f = &page->files[i];
+        for (int k = 0; k < f->point_count; k++) {
+            const saltus_branch_point *point = &f->points[k];
+            if (k == 0 || point->branch != point[-1].branch)
+                c.hue[saltus_plot_hue(page, i, point->branch)] = true;
+            if (!saltus_plot_shown(page, point))
+                continue;
+            if (saltus_plot_marked(f, point))
+                c.kind[saltus_plot_mark(point->kind)] = true;
+            c.dots = c.dots || (page->locus && k > 0 && point->branch == point[-1].branch &&
+                                saltus_plot_stroke(f, k - 1, k) != SALTUS_STROKE_STABLE);
+        }
+    }
+    return c;
+}
+
 static const char *hue_colour(const saltus_plot_page *page, int hue) {
     return page->locus ? marks[saltus_plot_locus(hue)].colour : hues[hue];
 }
 
-/* Whether any point of a hue exists. */
-static bool has_hue(const saltus_plot_page *page, int hue) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if (saltus_plot_hue(page, i, page->files[i].points[k].branch) == hue)
-                return true;
-    return false;
-}
-
-/* Whether any point of a kind is marked on the page. */
-static bool has_kind(const saltus_plot_page *page, saltus_point_kind kind) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++) {
-            const saltus_branch_point *point = &page->files[i].points[k];
-            if (saltus_plot_mark(point->kind) == kind && saltus_plot_shown(page, point) &&
-                saltus_plot_marked(&page->files[i], point))
-                return true;
-        }
-    return false;
-}
-
-/* Whether a curve of special points on the page bounds no stable orbit. */
-static bool has_dots(const saltus_plot_page *page) {
-    for (int i = 0; i < page->count && page->locus; i++) {
-        const saltus_branch_file *f = &page->files[i];
-        for (int k = 1; k < f->point_count; k++)
-            if (f->points[k - 1].branch == f->points[k].branch && saltus_plot_shown(page, &f->points[k]) &&
-                saltus_plot_stroke(f, k - 1, k) != SALTUS_STROKE_STABLE)
-                return true;
-    }
-    return false;
-}
-
-static int legend_entries(const saltus_plot_page *page) {
-    int count = page->locus ? has_dots(page) : page->count == 1 ? 2 : 2 + page->count;
-    for (int hue = 0; hue < SALTUS_HUES; hue++)
-        count += page->locus && has_hue(page, hue);
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
-        count += has_kind(page, (saltus_point_kind)kind);
-    return count;
-}
-
 double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows) {
+    const content c = find_content(page);
     bool long_names = page->locus || page->count > 1;
     int most = (int)(width / (long_names ? 310 : 190)), columns = most > 1 ? most : 1;
-    *rows = (legend_entries(page) + columns - 1) / columns;
+    int entries = page->locus ? c.dots : page->count == 1 ? 2 : 2 + page->count;
+    for (int hue = 0; hue < SALTUS_HUES; hue++)
+        entries += page->locus && c.hue[hue];
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+        entries += c.kind[kind];
+    *rows = (entries + columns - 1) / columns;
     return 10 + 19 * *rows;
 }
 
@@ -91,13 +79,14 @@ double saltus_plot_legend_place(const saltus_plot_page *page, double top) {
     return height;
 }
 
-/* Curves, those of stable motion uppermost; on a map each has a white rim. */
-static void put_curves(const saltus_plot_page *page) {
+/* Curves, those of stable motion uppermost; on a map each has a white rim. Signs along curves of special
+ * points. */
+static void put_curves(const saltus_plot_page *page, const content *c) {
     static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
     static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
     for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
         for (int hue = 0; hue < SALTUS_HUES; hue++) {
-            if (!has_hue(page, hue))
+            if (!c->hue[hue])
                 continue;
             if (page->over_map)
                 fprintf(page->file,
@@ -107,7 +96,7 @@ static void put_curves(const saltus_plot_page *page) {
                     stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
         }
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
-        if (has_hue(page, hue)) {
+        if (c->hue[hue]) {
             const saltus_point_kind kind = saltus_plot_locus(hue);
             fprintf(page->file,
                     "     $signs_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n"
@@ -117,28 +106,11 @@ static void put_curves(const saltus_plot_page *page) {
         }
 }
 
-/* Marks with a white rim, which lifts them off the curves; those that often lie under others come last. */
-static void put_marks(const saltus_plot_page *page) {
-    for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
-        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
-                     kind != SALTUS_POINT_BE;
-        if (!has_kind(page, (saltus_point_kind)kind))
-            continue;
-        if (solid)
-            fprintf(page->file,
-                    "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", kind,
-                    marks[kind].point_type, marks[kind].size + 0.45);
-        fprintf(page->file,
-                "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", kind,
-                marks[kind].point_type, marks[kind].size, marks[kind].colour);
-    }
-}
-
 /* What the lines are: kinds of special points, or files. */
-static void put_line_legend(const saltus_plot_page *page) {
+static void put_line_legend(const saltus_plot_page *page, const content *c) {
     static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
-        if (has_hue(page, hue))
+        if (c->hue[hue])
             fprintf(page->file, "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
                     marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
                     hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
@@ -148,7 +120,7 @@ static void put_line_legend(const saltus_plot_page *page) {
         saltus_plot_add_differences(page, i, &name);
         fprintf(page->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
     }
-    if (has_dots(page))
+    if (c->dots)
         fprintf(page->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
     if (!page->locus) {
         fprintf(page->file, line, "lw 2.6", "#404040", "stable");
@@ -157,11 +129,25 @@ static void put_line_legend(const saltus_plot_page *page) {
 }
 
 void saltus_plot_elements(const saltus_plot_page *page) {
-    put_curves(page);
-    put_marks(page);
-    put_line_legend(page);
+    const content c = find_content(page);
+    put_curves(page, &c);
+    /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last.
+     */
+    for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
+        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
+                     kind != SALTUS_POINT_BE;
+        if (c.kind[kind] && solid)
+            fprintf(page->file,
+                    "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", kind,
+                    marks[kind].point_type, marks[kind].size + 0.45);
+        if (c.kind[kind])
+            fprintf(page->file,
+                    "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", kind,
+                    marks[kind].point_type, marks[kind].size, marks[kind].colour);
+    }
+    put_line_legend(page, &c);
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
-        if (has_kind(page, (saltus_point_kind)kind))
+        if (c.kind[kind])
             fprintf(page->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
                     marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
     fputs("     NaN notitle\n", page->file);

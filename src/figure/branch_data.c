@@ -26,6 +26,25 @@ bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *
            (!page->locus || (point->value[1] >= page->y.low && point->value[1] <= page->y.high));
 }
 
+saltus_range saltus_plot_range(const saltus_plot_page *page, bool measure) {
+    const bool up = measure != page->swap;
+    saltus_range found = {INFINITY, -INFINITY};
+    for (int i = 0; i < page->count; i++)
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->files[i].points[k];
+            const saltus_plot_visits *visits = page->visits ? &page->visits[i][k] : NULL;
+            double own = up ? saltus_plot_y(page, point) : saltus_plot_x(page, point);
+            if (!saltus_plot_shown(page, point))
+                continue;
+            for (int v = -1; v < (measure && visits ? visits->count : 0); v++) {
+                double value = v < 0 ? own : visits->list[v].value;
+                if (!page->logarithmic[up] || value > 0)
+                    saltus_range_add(&found, value);
+            }
+        }
+    return found;
+}
+
 bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key) {
     for (int k = 0; k < look->logarithmic_count; k++)
         if (strcmp(look->logarithmic[k], key) == 0)

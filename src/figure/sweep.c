@@ -247,6 +247,7 @@ static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_f
 static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message) {
     const saltus_plot_options no_labels = {.label_count = 0};
     saltus_plot_page curves = {.system = page->system, .options = &no_labels};
+    const bool two = page->sweep->axis_count > 1;
     int count = page->wish->branch_count, read = 0;
     saltus_status status = find_measure(page, &curves, message);
     saltus_branch_file *files = status == SALTUS_OK ? calloc((size_t)count, sizeof *files) : NULL;
@@ -261,7 +262,9 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
         curves.files = files;
         curves.count = count;
         curves.x = page->x.range;
-        curves.y = page->sweep->axis_count > 1 ? page->y.range : (saltus_range){-INFINITY, INFINITY};
+        curves.y = two ? page->y.range : (saltus_range){-INFINITY, INFINITY};
+        curves.logarithmic[0] = page->x.logarithmic;
+        curves.logarithmic[1] = two ? page->y.logarithmic : page->logarithmic;
         page->branches = &curves;
         status = saltus_plot_find_visits(&curves, message);
     }

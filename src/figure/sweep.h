@@ -91,6 +91,8 @@ const char *saltus_view_word(saltus_view view);
 bool saltus_view_is_cloud(saltus_view view);
 /* The number that a view tells of a row; NAN where there is none. */
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row);
+/* Whether all directions are lost anywhere: an exponent of -infinity. */
+bool saltus_sweep_any_lost(const saltus_sweep_page *page);
 /* The verdict of a row; SALTUS_BEYOND where it failed because the scene's start is beyond a stop there. */
 int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row);
 /* The point at a cell of each axis of a map, and how much of its cell is shown, from 0 to 1. */
@@ -119,7 +121,7 @@ void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_
 /* Pixels of a raster for each unit of the page. */
 int saltus_sweep_fineness(const saltus_sweep_page *page);
 
-/* sweep_cloud.c, sweep_strip.c, sweep_map.c, sweep_names.c: the figures. Errors:
+/* sweep_cloud.c, sweep_strip.c, sweep_map.c: the figures. Errors:
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message);
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message);
@@ -129,23 +131,5 @@ bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame);
  * from a height down, if it is to be drawn; the height of its rows. False when there is no memory. */
 bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame strip, double top, bool drawn,
                                    double *height);
-/* sweep_exponent.c: what stands behind the exponents of a diagram: columns, errors, the zero line. The
- * data come before the plot command, when the frame is known. */
-void saltus_sweep_put_exponents(const saltus_sweep_page *page);
-void saltus_sweep_put_exponent_elements(const saltus_sweep_page *page);
-/* Whether all directions are lost anywhere: an exponent of -infinity. */
-bool saltus_sweep_any_lost(const saltus_sweep_page *page);
-/* What a map shows at a point, as an entry of its legend. */
-typedef struct saltus_map_kind {
-    char label[64], figures[48];
-    char name[32]; /* written into its regions; "" for none */
-    saltus_paint paint;
-    double count; /* of its points, as far as their cells are shown */
-} saltus_map_kind;
-
-/* Names into the regions of a map. `kind` has that many columns and rows, the lowest row first, each of
- * `step` pixels of the page, with -1 where there is nothing. False when there is no memory. */
-bool saltus_sweep_name_regions(const saltus_sweep_page *page, const saltus_map_kind *kinds, const int *kind,
-                               int columns, int rows, int step);
 
 #endif

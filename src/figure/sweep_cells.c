@@ -339,6 +339,13 @@ double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
     }
 }
 
+bool saltus_sweep_any_lost(const saltus_sweep_page *page) {
+    bool lost = false;
+    for (long long k = 0; k < page->sweep->row_count; k++)
+        lost |= saltus_sweep_measure(SALTUS_VIEW_LYAPUNOV, &page->sweep->rows[k]) == -INFINITY;
+    return lost;
+}
+
 long long saltus_sweep_point(const saltus_sweep_page *page, int column, int row) {
     long long across = page->x.order[column], up = page->y.order[row];
     return page->wish->look.swap ? up + across * page->y.count : across + up * page->x.count;

@@ -1,4 +1,5 @@
-/* Diagrams of sweeps over one axis: clouds of points, and numbers told of each trajectory.
+/* Diagrams of sweeps over one axis: clouds of points, and numbers told of each trajectory; behind exponents
+ * what is above zero is filled in one colour and what is below in another, with standard errors.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 #include "record/describe.h"
@@ -88,13 +89,14 @@ static long long row_of(const saltus_sweep_page *page, int pass, int k) {
     return (pass * page->sweep->points + page->x.order[k]) * page->sweep->options.seeds;
 }
 
-/* Middle of a cell as a part of the range shown. */
-static double middle_of(const saltus_sweep_page *page, int k) {
-    return saltus_cells_part(&page->x, page->sweep->axes[0].list[page->x.order[k]]);
+/* The value of the axis at the sorted cell k. */
+static double axis_value(const saltus_sweep_page *page, int k) {
+    return page->sweep->axes[0].list[page->x.order[k]];
 }
 
 static bool in_range(const saltus_sweep_page *page, int k) {
-    return middle_of(page, k) >= 0 && middle_of(page, k) <= 1;
+    const double middle = saltus_cells_part(&page->x, axis_value(page, k));
+    return middle >= 0 && middle <= 1;
 }
 
 /* Whether impacts come with both signs. */
@@ -123,22 +125,6 @@ static bool shows_displacement(const saltus_sweep_page *page) {
 /* Whether the figure shows displacements that a face limits. */
 static bool limits(const saltus_sweep_page *page, saltus_face face) {
     return shows_displacement(page) && saltus_system_stop_observed(page->system, face.stop);
-}
-
-/* Room for the branches that are drawn over the cloud. */
-static void add_branches(const saltus_sweep_page *page, saltus_range *range) {
-    for (int i = 0; page->branches && i < page->branches->count; i++)
-        for (int k = 0; k < page->branches->files[i].point_count; k++) {
-            const saltus_branch_point *point = &page->branches->files[i].points[k];
-            const saltus_plot_visits *visits = page->branches->visits ? &page->branches->visits[i][k] : NULL;
-            if (!saltus_plot_shown(page->branches, point))
-                continue;
-            for (int v = -1; v < (visits ? visits->count : 0); v++) {
-                double value = v < 0 ? saltus_plot_y(page->branches, point) : visits->list[v].value;
-                if (!page->logarithmic || value > 0)
-                    saltus_range_add(range, value);
-            }
-        }
 }
 
 /* Room around the points, for the faces near them, and for zero where that is near. */
@@ -171,7 +157,11 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
                         saltus_range_add(&found, value);
                 }
         }
-    add_branches(page, &found);
+    if (page->branches) { /* room for those that are drawn over the cloud */
+        const saltus_range curves = saltus_plot_range(page->branches, true);
+        saltus_range_add(&found, curves.low);
+        saltus_range_add(&found, curves.high);
+    }
     if (!(found.low <= found.high) && page->view == SALTUS_VIEW_LYAPUNOV && saltus_sweep_any_lost(page))
         found = (saltus_range){-1, 0};
     if (!(found.low <= found.high))
@@ -207,7 +197,7 @@ static void put_points(const saltus_sweep_page *page) {
     for (int pass = 0; pass < page->sweep->pass_count; pass++) {
         fprintf(page->file, "$cloud_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
         for (int cell = 0; cell < page->x.count; cell++) {
-            double x = page->sweep->axes[0].list[page->x.order[cell]];
+            double x = axis_value(page, cell);
             for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++) {
                 long long row = row_of(page, pass, cell) + seed;
                 for (long long k = 0; k < cloud_count(page, row); k++) {
@@ -233,7 +223,7 @@ static void put_links(const saltus_sweep_page *page) {
                 fputc('\n', page->file);
             last = isnan(y) ? -1 : page->classes.of_row[row];
             if (!isnan(y))
-                fprintf(page->file, "%.9g %.7g\n", page->sweep->axes[0].list[page->x.order[cell]], y);
+                fprintf(page->file, "%.9g %.7g\n", axis_value(page, cell), y);
         }
         fputs("EOD\n", page->file);
     }
@@ -244,31 +234,27 @@ static bool linked(const saltus_sweep_page *page, bool dense) {
     return !dense && !saltus_view_is_cloud(page->view) && page->sweep->options.seeds == 1;
 }
 
-/* Where a value lies up the panel, from 0 to 1. */
-static double part_up(const saltus_sweep_page *page, double value) {
-    return page->logarithmic ? log(fmax(value, 1e-300) / page->up.low) / log(page->up.high / page->up.low)
-                             : (value - page->up.low) / (page->up.high - page->up.low);
-}
-
 /* The cloud of a pass as a density. Samples fill their cells; those farther apart than a few pixels are
  * dots. */
 static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
     const double widest = 4, dot = 2.4, flat = 1.6;
     saltus_tally tally;
-    double width = raster->width, height = raster->height;
+    double width = raster->width, height = raster->height, low = page->up.low, high = page->up.high;
     if (!saltus_tally_open(&tally, raster->width, raster->height))
         return false;
     for (int cell = 0; cell < page->x.count; cell++) {
-        double middle = width * middle_of(page, cell);
+        double middle = width * saltus_cells_part(&page->x, axis_value(page, cell));
         double own = width * (saltus_cells_edge(&page->x, cell + 1) - saltus_cells_edge(&page->x, cell));
         bool apart = own > widest * fineness;
         double half = 0.5 * (apart ? dot * fineness : fmax(own, fineness));
         for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++) {
             long long row = row_of(page, pass, cell) + seed, count = cloud_count(page, row);
             for (long long k = 0; k < count; k++) {
-                double y = height * part_up(page, cloud_value(page, row, k));
-                saltus_tally_add(&tally, middle - half, middle + half, y, (apart ? dot : flat) * fineness,
-                                 1 / (double)count);
+                double value = cloud_value(page, row, k),
+                       part = page->logarithmic ? log(fmax(value, 1e-300) / low) / log(high / low)
+                                                : (value - low) / (high - low);
+                saltus_tally_add(&tally, middle - half, middle + half, height * part,
+                                 (apart ? dot : flat) * fineness, 1 / (double)count);
             }
         }
     }
@@ -315,28 +301,48 @@ static void put_faces(const saltus_sweep_page *page) {
     }
 }
 
-static void put_face_elements(const saltus_sweep_page *page) {
-    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
-        saltus_face face = saltus_system_face(page->system, f);
-        if (!limits(page, face))
-            continue;
-        fprintf(page->file,
-                "     $face_%d using 1:2:3 with filledcurves fc rgb '#ececec' notitle, \\\n"
-                "     $face_%d using 1:2 with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
-                f, f);
-    }
+/* The exponents in the order of the axis: value, its cell, exponent and standard error; or where all
+ * directions are lost, which is marked near the lower edge. Columns without one are left out. */
+static void put_exponents(const saltus_sweep_page *page, bool lost) {
+    /* Columns overlap a little, or thin gaps would be seen between them. */
+    const double overlap = 0.5 / (page->frame.right - page->frame.left), raised = 0.012;
+    const saltus_cells *x = &page->x;
+    const saltus_range up = page->up;
+    for (int cell = 0; cell < x->count; cell++)
+        for (int k = 0; k < saltus_sweep_visits(page->sweep); k++) {
+            const saltus_sweep_row *row =
+                &page->sweep->rows[saltus_sweep_visit(page->sweep, x->order[cell], k)];
+            double exponent = saltus_sweep_measure(SALTUS_VIEW_LYAPUNOV, row), error = row->lyapunov_error;
+            double edge[2] = {saltus_cells_edge(x, cell) - overlap, saltus_cells_edge(x, cell + 1) + overlap};
+            double told[3] = {up.low + raised * (up.high - up.low), 0, 0};
+            if (isnan(exponent) || (exponent == -INFINITY) != lost)
+                continue;
+            error = isfinite(error) ? error : 0;
+            for (int i = 0; i < 3 && !lost; i++)
+                told[i] = fmin(fmax(exponent + (i == 1 ? -error : i == 2 ? error : 0), up.low), up.high);
+            fprintf(page->file, "%.9g %.9g %.9g %.7g %.7g %.7g\n", axis_value(page, cell),
+                    saltus_cells_value(x, fmin(fmax(edge[0], 0), 1)),
+                    saltus_cells_value(x, fmin(fmax(edge[1], 0), 1)), told[0], told[1], told[2]);
+        }
 }
 
-/* Names the end of each face's line; labels are set before the plot command. */
-static void put_face_names(const saltus_sweep_page *page) {
-    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
-        saltus_face face = saltus_system_face(page->system, f);
-        double d = clearance(page, face, page->x.range.high);
-        if (limits(page, face) && d > page->up.low && d < page->up.high)
-            fprintf(page->file,
-                    "set label '%s{/:Italic d}' at graph 1.008, first %.9g left front tc rgb '#606060'\n",
-                    face.side < 0 ? "−" : "", d);
-    }
+/* Beneath the points. */
+static void put_exponent_elements(const saltus_sweep_page *page) {
+    static const uint32_t positive = 0xf3cfc4, negative = 0xdfe9f3, error_colour = 0xc0392b;
+    double zero = fmin(fmax(0, page->up.low), page->up.high);
+    /* Columns only where each value of the axis has one exponent. */
+    for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
+        fprintf(page->file,
+                "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc "
+                "rgb '#%06x' notitle, \\\n",
+                k ? "<" : ">", zero, (unsigned)(k ? negative : positive));
+    if (zero == 0)
+        fputs("     0 with lines lc rgb '#707070' lw 1.2 notitle, \\\n", page->file);
+    fprintf(page->file,
+            "     $exponents using 1:5:(0):($6-$5) with vectors nohead lw 1.3 lc rgb '#40%06x' notitle, \\\n",
+            (unsigned)error_colour);
+    if (saltus_sweep_any_lost(page))
+        fputs("     $lost using 1:4 with points pt 11 ps 0.9 lc rgb '#404040' notitle, \\\n", page->file);
 }
 
 /* The cloud as elements of the plot command, rasters or points, and what its colours mean. */
@@ -364,11 +370,24 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
     FILE *file = page->file;
     if (dense)
         saltus_sweep_put_raster_ranges(file, rasters[0].width, rasters[0].height);
-    put_face_names(page);
+    /* The end of each face's line has a name; labels are set before the plot command. */
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        saltus_face face = saltus_system_face(page->system, f);
+        double d = clearance(page, face, page->x.range.high);
+        if (limits(page, face) && d > page->up.low && d < page->up.high)
+            fprintf(file,
+                    "set label '%s{/:Italic d}' at graph 1.008, first %.9g left front tc rgb '#606060'\n",
+                    face.side < 0 ? "−" : "", d);
+    }
     fputs("plot \\\n", file);
-    put_face_elements(page);
+    for (int f = 0; f < saltus_system_face_count(page->system); f++)
+        if (limits(page, saltus_system_face(page->system, f)))
+            fprintf(file,
+                    "     $face_%d using 1:2:3 with filledcurves fc rgb '#ececec' notitle, \\\n"
+                    "     $face_%d using 1:2 with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
+                    f, f);
     if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
-        saltus_sweep_put_exponent_elements(page);
+        put_exponent_elements(page);
     else if (page->view == SALTUS_VIEW_LYAPUNOV)
         fputs("     0 with lines lc rgb '#909090' lw 1.2 notitle, \\\n", file);
     put_cloud_elements(page, rasters, dense);
@@ -454,10 +473,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         put_links(page);
     if (page->branches) {
         curves = *page->branches;
-        curves.x = page->x.range;
         curves.y = page->up;
-        curves.logarithmic[0] = page->x.logarithmic;
-        curves.logarithmic[1] = page->logarithmic;
     }
     fputs("set multiplot\n", file);
     saltus_sweep_caption(page);
@@ -467,8 +483,16 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         page->branches = &curves;
         sound = saltus_plot_data(&curves) && sound;
     }
-    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
-        saltus_sweep_put_exponents(page);
+    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense) {
+        fputs("$exponents << EOD\n# parameter, its cell, exponent, less and plus its standard error\n"
+              "NaN NaN NaN NaN NaN NaN\n",
+              file);
+        put_exponents(page, false);
+        fputs("EOD\n$lost << EOD\n# parameter where all directions are lost\nNaN NaN NaN NaN NaN NaN\n",
+              file);
+        put_exponents(page, true);
+        fputs("EOD\n", file);
+    }
     if (dense)
         sound = sound && paint(page, rasters);
     if (sound) {

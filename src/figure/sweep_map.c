@@ -118,7 +118,104 @@ static bool paint(saltus_sweep_map *map) {
     return true;
 }
 
+/* Names in the regions: each region's own, where there is most room for it. */
+
 enum { step = 4 }; /* pixels between the places where room for names is looked for */
+
+/* Height of a letter over its width: how much more room a name takes across the page than up it. */
+static const float squat = 1.9f;
+
+/* Distances to the nearest place of another kind, in columns; going up a row counts as `squat` columns. */
+static void find_room(const int *kind, int columns, int rows, float *room) {
+    for (int sweep = 0; sweep < 2; sweep++)
+        for (int n = 0; n < columns * rows; n++) {
+            int k = sweep ? columns * rows - 1 - n : n, x = k % columns, y = k / columns;
+            float least = sweep ? room[k] : (float)columns;
+            for (int dy = -1; dy <= 1; dy++)
+                for (int dx = -1; dx <= 1; dx++) {
+                    int j = (y + dy) * columns + x + dx;
+                    bool inside = x + dx >= 0 && x + dx < columns && y + dy >= 0 && y + dy < rows,
+                         done = sweep ? j > k : j < k;
+                    float step = dy ? squat : 1;
+                    if ((!dx && !dy) || (inside && !done && kind[j] == kind[k]))
+                        continue;
+                    least = fminf(least, inside && kind[j] == kind[k] ? room[j] + step : step);
+                }
+            room[k] = least;
+        }
+}
+
+/* Mark the connected region of one kind around `start`, and leave its places in `queue`. Returned is, of the
+ * places with about the most room, the one nearest to the middle of the region. */
+static int fill_region(const int *kind, int columns, int rows, const float *room, unsigned char *seen,
+                       int *queue, int start) {
+    int count = 0, best = start;
+    double across = 0, up = 0, nearest = INFINITY;
+    float most = 0;
+    queue[count++] = start;
+    seen[start] = 1;
+    for (int n = 0; n < count; n++) {
+        int k = queue[n], x = k % columns, y = k / columns;
+        const int near[4] = {x > 0 ? k - 1 : k, x + 1 < columns ? k + 1 : k, y > 0 ? k - columns : k,
+                             y + 1 < rows ? k + columns : k};
+        most = fmaxf(most, room[k]);
+        across += x;
+        up += y;
+        for (int i = 0; i < 4; i++) {
+            int j = near[i];
+            if (seen[j] || kind[j] != kind[start])
+                continue;
+            seen[j] = 1;
+            queue[count++] = j;
+        }
+    }
+    for (int n = 0; n < count; n++) {
+        int k = queue[n];
+        double away = hypot(k % columns - across / count, squat * (k / columns - up / count));
+        if (room[k] < 0.9f * most || away >= nearest)
+            continue;
+        nearest = away;
+        best = k;
+    }
+    return best;
+}
+
+/* A name as large as its region allows, if it can be read at all. */
+static void put_region_name(const saltus_sweep_page *page, const saltus_map_kind *kind, int columns, int rows,
+                            int place, double room) {
+    const double letter = 0.80, least = 10, most = 17; /* of a point of type, in pixels; sizes in points */
+    double size = fmin(most, 2 * room / (letter * ((double)strlen(kind->name) + 0.6)));
+    saltus_line name = {.length = 0};
+    if (size < least)
+        return;
+    saltus_line_plain(&name, kind->name);
+    fprintf(page->file, "set label '%s' at graph %.5f,%.5f center front font ':Bold,%.3g' tc rgb '%s'\n",
+            name.text, (place % columns + 0.5) / columns, ((double)(place / columns) + 0.5) / rows, size,
+            saltus_colour_light(kind->paint.colour) ? "#101010" : "#ffffff");
+}
+
+/* Names into the regions of a map. `kind` has that many columns and rows, the lowest row first, with -1 where
+ * there is nothing. False when there is no memory. */
+static bool name_regions(const saltus_sweep_page *page, const saltus_map_kind *kinds, const int *kind,
+                         int columns, int rows) {
+    size_t size = (size_t)columns * (size_t)rows;
+    float *room = calloc(size, sizeof *room);
+    unsigned char *seen = calloc(size, 1);
+    int *queue = calloc(size, sizeof *queue);
+    bool sound = room && seen && queue;
+    if (sound)
+        find_room(kind, columns, rows, room);
+    for (size_t k = 0; k < size && sound; k++) {
+        if (seen[k] || kind[k] < 0 || !*kinds[kind[k]].name)
+            continue;
+        int best = fill_region(kind, columns, rows, room, seen, queue, (int)k);
+        put_region_name(page, &kinds[kind[k]], columns, rows, best, (double)step * room[best]);
+    }
+    free(room);
+    free(seen);
+    free(queue);
+    return sound;
+}
 
 /* A grid of such places, with what is there. */
 typedef struct lookout {
@@ -148,36 +245,29 @@ static bool put_names(const saltus_sweep_map *map) {
         }
     if (map->page->branches)
         saltus_plot_labels(map->page->branches, at.kind ? block : NULL, &at);
-    bool sound =
-        !named || (at.kind && saltus_sweep_name_regions(map->page, map->kinds, at.kind, columns, rows, step));
+    bool sound = !named || (at.kind && name_regions(map->page, map->kinds, at.kind, columns, rows));
     free(at.kind);
     return sound;
 }
 
-/* Whether one kind comes before another in the legend: it has more points. */
-static bool precedes(const saltus_sweep_map *map, int j, int k) {
-    return map->kinds[j].count > map->kinds[k].count || (map->kinds[j].count == map->kinds[k].count && j < k);
-}
-
-/* The place of a kind in a legend of so many, from 0, or -1 where it has none: where room is short rare
+/* Find the places of the kinds in a legend of so many, the most frequent first: where room is short rare
  * periodic motions give way, whatever is none keeps its entry. */
-static int place_in_legend(const saltus_sweep_map *map, int k, int most) {
-    int place = 0, others = 0, better = 0;
-    for (int j = 0; j < map->kind_count; j++) {
-        bool periodic = saltus_sweep_map_periodic(map, j);
-        others += map->kinds[j].count > 0 && !periodic;
-        better += periodic && precedes(map, j, k);
+static void find_places(saltus_sweep_map *map, int most) {
+    enum { none = -1, open = -2 };
+    int others = 0, periodic = 0, places = 0, best;
+    for (int k = 0; k < map->kind_count; k++) {
+        map->kinds[k].place = map->kinds[k].count > 0 ? open : none;
+        others += map->kinds[k].count > 0 && !saltus_sweep_map_periodic(map, k);
     }
-    if (map->kinds[k].count == 0 || (saltus_sweep_map_periodic(map, k) && better >= most - others))
-        return -1;
-    for (int j = 0; j < map->kind_count; j++) {
-        int ahead = 0;
-        for (int i = 0; i < map->kind_count && saltus_sweep_map_periodic(map, j); i++)
-            ahead += saltus_sweep_map_periodic(map, i) && precedes(map, i, j);
-        place += map->kinds[j].count > 0 && precedes(map, j, k) &&
-                 (!saltus_sweep_map_periodic(map, j) || ahead < most - others);
-    }
-    return place;
+    do {
+        best = -1;
+        for (int k = 0; k < map->kind_count; k++)
+            if (map->kinds[k].place == open && (best < 0 || map->kinds[k].count > map->kinds[best].count))
+                best = k;
+        if (best >= 0)
+            map->kinds[best].place =
+                saltus_sweep_map_periodic(map, best) && periodic++ >= most - others ? none : places++;
+    } while (best >= 0);
 }
 
 static void put_note(const saltus_sweep_map *map, double x, double y, const char *text) {
@@ -202,7 +292,7 @@ static void put_heading(const saltus_sweep_map *map, double x, double y) {
 
 /* The legend beside the map, or below it on a narrow page, the most frequent first; what has no room is
  * counted. */
-static void put_legend(const saltus_sweep_map *map) {
+static void put_legend(saltus_sweep_map *map) {
     const double row_height = 32, side = 28, bottom = 60;
     const saltus_sweep_page *page = map->page;
     bool below = map->legend_rows > 0;
@@ -215,8 +305,9 @@ static void put_legend(const saltus_sweep_map *map) {
         entries += map->kinds[k].count > 0;
     most -= map->any_several + (entries > most);
     double share = 0;
+    find_places(map, most);
     for (int k = 0; k < map->kind_count; k++) {
-        int rank = place_in_legend(map, k, most);
+        const int rank = map->kinds[k].place;
         if (map->kinds[k].count == 0)
             continue;
         if (rank < 0) {
@@ -339,8 +430,6 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
         curves = *page->branches;
         curves.page = paper;
         curves.file = page->file;
-        curves.logarithmic[0] = page->x.logarithmic;
-        curves.logarithmic[1] = page->y.logarithmic;
         page->frame.top -= saltus_plot_legend_place(&curves, paper->top);
         curves.frame = page->frame;
         page->branches = &curves;

@@ -10,6 +10,15 @@ typedef struct saltus_pixel_cells {
     int first, last;
 } saltus_pixel_cells;
 
+/* What a map shows at a point, as an entry of its legend. */
+typedef struct saltus_map_kind {
+    char label[64], figures[48];
+    char name[32]; /* written into its regions; "" for none */
+    saltus_paint paint;
+    double count; /* of its points, as far as their cells are shown */
+    int place;    /* in the legend, from 0; -1: it has none */
+} saltus_map_kind;
+
 typedef struct saltus_sweep_map {
     saltus_sweep_page *page;
     saltus_raster raster;
