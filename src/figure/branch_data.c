@@ -9,17 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a point shows of its orbit. */
-static double measure(const saltus_plot_page *page, const saltus_branch_point *point);
-
-double saltus_plot_x(const saltus_plot_page *page, const saltus_branch_point *point) {
-    return page->swap ? measure(page, point) : point->value[0];
-}
-
-double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point) {
-    return page->locus ? point->value[1] : page->swap ? point->value[0] : measure(page, point);
-}
-
 bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *point) {
     saltus_range first = page->swap ? page->y : page->x;
     return point->value[0] >= first.low && point->value[0] <= first.high &&
@@ -82,25 +71,22 @@ static double part_of(saltus_range range, bool logarithmic, double value) {
                        : (value - range.low) / (range.high - range.low);
 }
 
-static double value_at(saltus_range range, bool logarithmic, double part) {
-    return logarithmic ? range.low * pow(range.high / range.low, part)
-                       : range.low + part * (range.high - range.low);
-}
-
 void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]) {
     place[0] = (page->frame.right - page->frame.left) * part_of(page->x, page->logarithmic[0], x);
     place[1] = (page->frame.top - page->frame.bottom) * part_of(page->y, page->logarithmic[1], y);
 }
 
-/* Whether a point lies on the border of what was asked for. */
-static bool on_border(const saltus_branch_options *o, const saltus_branch_point *point) {
-    for (int k = 0; k < 2; k++) {
-        double near = 1e-9 * (o->high[k] - o->low[k]);
-        if (o->key[k][0] &&
-            (fabs(point->value[k] - o->low[k]) <= near || fabs(point->value[k] - o->high[k]) <= near))
-            return true;
+/* A row of a place on the page as values of the axes. */
+static void put_place(const saltus_plot_page *page, const double place[2]) {
+    double value[2];
+    for (int i = 0; i < 2; i++) {
+        const saltus_range range = i ? page->y : page->x;
+        double part =
+            place[i] / (i ? page->frame.top - page->frame.bottom : page->frame.right - page->frame.left);
+        value[i] = page->logarithmic[i] ? range.low * pow(range.high / range.low, part)
+                                        : range.low + part * (range.high - range.low);
     }
-    return false;
+    fprintf(page->file, "%.12g %.9g\n", value[0], value[1]);
 }
 
 /* Speed of an event where it is an impact, otherwise NAN. */
@@ -108,19 +94,12 @@ static double impact_speed(const saltus_event *event) {
     return event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK ? fabs(event->velocity_before) : NAN;
 }
 
-static double largest_speed(const saltus_branch_point *point) {
-    double largest = 0;
+/* The slowest and the fastest impact of an orbit; zeros where there is none. */
+static saltus_range impact_speeds(const saltus_branch_point *point) {
+    saltus_range found = {INFINITY, 0};
     for (int k = 0; k < point->event_count; k++)
-        largest = fmax(largest, impact_speed(&point->events[k]));
-    return largest;
-}
-
-/* Where all impacts are shown a grazing one is the slowest of them. */
-static double slowest(const saltus_branch_point *point) {
-    double least = INFINITY;
-    for (int k = 0; k < point->event_count; k++)
-        least = fmin(least, impact_speed(&point->events[k]));
-    return isfinite(least) ? least : 0;
+        saltus_range_add(&found, impact_speed(&point->events[k]));
+    return (saltus_range){isfinite(found.low) ? found.low : 0, found.high};
 }
 
 saltus_point_kind saltus_plot_mark(saltus_point_kind kind) {
@@ -128,18 +107,21 @@ saltus_point_kind saltus_plot_mark(saltus_point_kind kind) {
 }
 
 /* The speed of the impact that grazes, where it is known which one does; it may not be among the events, as
- * the orbit touches the stop without an impact. */
+ * the orbit touches the stop without an impact. Otherwise it is the slowest. */
 static double grazing_speed(const saltus_plot_page *page, const saltus_branch_point *point) {
     const double same = 1e-4;
-    for (int k = 0; k < point->event_count && !isnan(point->grazing_time); k++) {
+    if (isnan(point->grazing_time))
+        return impact_speeds(point).low;
+    for (int k = 0; k < point->event_count; k++) {
         saltus_face face = saltus_system_face(page->system, point->events[k].face);
-        double apart = remainder(saltus_time_periods(point->events[k].time) - point->grazing_time,
+        double speed = impact_speed(&point->events[k]),
+               apart = remainder(saltus_time_periods(point->events[k].time) - point->grazing_time,
                                  fmax(1, point->periods));
-        if (!isnan(impact_speed(&point->events[k])) && fabs(apart) < same &&
-            face.stop + 1 == point->grazing_stop && face.side == point->grazing_side)
-            return impact_speed(&point->events[k]);
+        if (!isnan(speed) && fabs(apart) < same && face.stop + 1 == point->grazing_stop &&
+            face.side == point->grazing_side)
+            return speed;
     }
-    return isnan(point->grazing_time) ? slowest(point) : 0;
+    return 0;
 }
 
 /* Where an orbit that grazes touches the stop; otherwise its largest displacement among those shown. */
@@ -161,6 +143,7 @@ static double turning_value(const saltus_plot_page *page, const saltus_branch_po
     return largest;
 }
 
+/* What a point shows of its orbit. */
 static double measure(const saltus_plot_page *page, const saltus_branch_point *point) {
     if (page->turning)
         return turning_value(page, point);
@@ -171,11 +154,19 @@ static double measure(const saltus_plot_page *page, const saltus_branch_point *p
         return saltus_system_observed(page->system, point->state + saltus_system_dof(page->system));
     case SALTUS_SHOW_PERIOD:
         return point->trivial_multiplier != 0 || !point->periods ? point->period : point->periods;
-    case SALTUS_SHOW_IMPACTS:
-        return point->kind == SALTUS_POINT_GR ? grazing_speed(page, point) : largest_speed(point);
     default:
-        return largest_speed(point);
+        return page->show == SALTUS_SHOW_IMPACTS && point->kind == SALTUS_POINT_GR
+                   ? grazing_speed(page, point)
+                   : impact_speeds(point).high;
     }
+}
+
+double saltus_plot_x(const saltus_plot_page *page, const saltus_branch_point *point) {
+    return page->swap ? measure(page, point) : point->value[0];
+}
+
+double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point) {
+    return page->locus ? point->value[1] : page->swap ? point->value[0] : measure(page, point);
 }
 
 /* The impacts of an orbit. */
@@ -188,19 +179,6 @@ static bool find_impacts(const saltus_branch_point *point, saltus_plot_visits *v
                 (saltus_plot_visit){saltus_time_periods(point->events[k].time), speed, point->events[k].face};
     }
     return visits->list != NULL;
-}
-
-/* Of these the largest and the smallest, among them the one that the state may be; a rest has one. */
-static void keep_extremes(const saltus_plot_page *page, const saltus_branch_point *point,
-                          saltus_plot_visits *visits) {
-    double high = saltus_system_observed(page->system, point->state), low = high;
-    for (int k = 0; k < visits->count; k++) {
-        high = fmax(high, visits->list[k].value);
-        low = fmin(low, visits->list[k].value);
-    }
-    visits->list[0] = (saltus_plot_visit){.value = high, .face = -1};
-    visits->list[1] = (saltus_plot_visit){.value = low, .face = -1};
-    visits->count = 2;
 }
 
 /* The displacements at which an orbit turns, freely or at a stop, from once around it, and that of a rest.
@@ -243,8 +221,16 @@ static saltus_status find_turnings(const saltus_plot_page *page, const saltus_br
         if (turns)
             visits->list[visits->count++] = (saltus_plot_visit){time, event->displacement, -1};
     }
-    if (page->amplitude && point->periods && visits->count)
-        keep_extremes(page, point, visits);
+    if (page->amplitude && point->periods && visits->count) {
+        /* The largest and the smallest, among them the one that the state may be. */
+        double own = saltus_system_observed(page->system, point->state);
+        saltus_range found = {own, own};
+        for (int k = 0; k < visits->count; k++)
+            saltus_range_add(&found, visits->list[k].value);
+        visits->list[0] = (saltus_plot_visit){.value = found.high, .face = -1};
+        visits->list[1] = (saltus_plot_visit){.value = found.low, .face = -1};
+        visits->count = 2;
+    }
     saltus_lap_close(&lap);
     saltus_flow_free(flow);
     saltus_system_free(system);
@@ -345,24 +331,21 @@ static bool others_outside(const saltus_branch_point *point, saltus_point_kind k
     return outside > 0;
 }
 
-/* A grazing point bounds stable orbits when the orbit is stable without the impact that grazes. With it the
- * largest multiplier has no bound, and the others tell nothing of those without it. */
-static bool counts_grazing_impact(const saltus_branch_point *point) {
-    const double huge = 50;
-    return point->dimension > 0 && !(exp(point->multipliers[0].log_modulus) < huge);
-}
-
 /* Whether a point of a curve of special points bounds stable orbits; where its multipliers do not tell, what
- * those of the nearest point that do tell. */
+ * those of the nearest point that do tell. A grazing point does when the orbit is stable without the impact
+ * that grazes. With it the largest multiplier has no bound, and the others tell nothing of those without it.
+ */
 static bool bounds_stable(const saltus_branch_file *f, int k) {
+    const double huge = 50;
     const saltus_branch_point *points = f->points;
     if (points[k].locus != SALTUS_POINT_GR)
         return !others_outside(&points[k], points[k].locus);
     for (int reach = 0; reach < f->point_count; reach++)
         for (int side = -1; side <= 1; side += 2) {
             int j = k + side * reach;
-            if (j >= 0 && j < f->point_count && points[j].branch == points[k].branch &&
-                !counts_grazing_impact(&points[j]))
+            if (j < 0 || j >= f->point_count || points[j].branch != points[k].branch)
+                continue;
+            if (points[j].dimension == 0 || exp(points[j].multipliers[0].log_modulus) < huge)
                 return points[j].dimension == 0 || points[j].multipliers[0].log_modulus < 0;
         }
     return true;
@@ -370,11 +353,16 @@ static bool bounds_stable(const saltus_branch_file *f, int k) {
 
 /* Whether an end is worth a mark: not that of the range, nor one of a curve that bounds nothing stable. */
 static bool ends_early(const saltus_branch_file *f, const saltus_branch_point *point) {
-    int k = (int)(point - f->points);
-    if (on_border(&f->options, point))
-        return false;
-    return f->options.locus == SALTUS_POINT_REGULAR ||
-           (k > 0 && f->points[k - 1].branch == point->branch && bounds_stable(f, k - 1));
+    const saltus_branch_options *o = &f->options;
+    int row = (int)(point - f->points);
+    for (int k = 0; k < 2; k++) {
+        double near = 1e-9 * (o->high[k] - o->low[k]);
+        if (o->key[k][0] &&
+            (fabs(point->value[k] - o->low[k]) <= near || fabs(point->value[k] - o->high[k]) <= near))
+            return false;
+    }
+    return o->locus == SALTUS_POINT_REGULAR ||
+           (row > 0 && point[-1].branch == point->branch && bounds_stable(f, row - 1));
 }
 
 bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
@@ -404,11 +392,12 @@ saltus_stroke saltus_plot_stroke(const saltus_branch_file *f, int from, int to) 
 
 /* Curves */
 
-/* A run of points through which one smooth curve goes: places on the page and values of the axes. */
-typedef struct run {
-    double (*at)[2];
-    int count;
-} run;
+/* A point of a curve: the values of the axes, its place on the page, whether the piece from there to the next
+ * one has the stroke that is put, and whether there may be a corner. */
+typedef struct curve_point {
+    double value[2], place[2];
+    bool drawn, corner;
+} curve_point;
 
 /* Whether a branch may have a corner at a point: where an impact comes or goes, chatter or sticking. */
 static bool corner(const saltus_branch_point *point) {
@@ -416,11 +405,11 @@ static bool corner(const saltus_branch_point *point) {
            point->kind == SALTUS_POINT_ST || point->kind == SALTUS_POINT_EP;
 }
 
-/* The tangent at a point of a run by the parabola through it and its neighbours, over the way along the
- * chords; at the run's ends by that of the next three. */
-static void tangent(const run *r, int k, double slope[2]) {
-    int middle = k == 0 ? 1 : k == r->count - 1 ? k - 1 : k;
-    const double *a = r->at[middle - 1], *b = r->at[middle], *c = r->at[middle + 1];
+/* The tangent at a point of a smooth run by the parabola through it and its neighbours, over the way along
+ * the chords; at the run's ends by that of the next three. */
+static void tangent(const curve_point *run, int count, int k, double slope[2]) {
+    int middle = k == 0 ? 1 : k == count - 1 ? k - 1 : k;
+    const double *a = run[middle - 1].place, *b = run[middle].place, *c = run[middle + 1].place;
     double first = hypot(b[0] - a[0], b[1] - a[1]), second = hypot(c[0] - b[0], c[1] - b[1]);
     for (int i = 0; i < 2; i++) {
         double before = first > 0 ? (b[i] - a[i]) / first : 0,
@@ -434,64 +423,40 @@ static void tangent(const run *r, int k, double slope[2]) {
 
 /* The rows between points k and k + 1 of a run: a cubic where it can be told from the chord on the page, and
  * where the points stand so near to each other that they tell of its course. */
-static void put_arc(const saltus_plot_page *page, const run *r, int k) {
+static void put_arc(const saltus_plot_page *page, const curve_point *run, int count, int k) {
     enum { pieces = 8 };
     const double seen = 0.8, far = 0.25; /* in units; of the page */
-    double slope[2][2], way = hypot(r->at[k + 1][0] - r->at[k][0], r->at[k + 1][1] - r->at[k][1]);
-    if (r->count < 3 || !(way <= far * (page->frame.right - page->frame.left)))
+    const double *a = run[k].place, *b = run[k + 1].place;
+    double slope[2][2], way = hypot(b[0] - a[0], b[1] - a[1]);
+    if (count < 3 || !(way <= far * (page->frame.right - page->frame.left)))
         return;
-    tangent(r, k, slope[0]);
-    tangent(r, k + 1, slope[1]);
+    tangent(run, count, k, slope[0]);
+    tangent(run, count, k + 1, slope[1]);
     double across = slope[0][0] - slope[1][0], up = slope[0][1] - slope[1][1];
     if (!(way * hypot(across, up) / 8 >= seen))
         return;
     for (int n = 1; n < pieces; n++) {
         double t = (double)n / pieces, place[2];
         for (int i = 0; i < 2; i++)
-            place[i] = (1 + 2 * t) * (1 - t) * (1 - t) * r->at[k][i] + t * t * (3 - 2 * t) * r->at[k + 1][i] +
+            place[i] = (1 + 2 * t) * (1 - t) * (1 - t) * a[i] + t * t * (3 - 2 * t) * b[i] +
                        way * t * (1 - t) * ((1 - t) * slope[0][i] - t * slope[1][i]);
-        fprintf(page->file, "%.12g %.9g\n",
-                value_at(page->x, page->logarithmic[0], place[0] / (page->frame.right - page->frame.left)),
-                value_at(page->y, page->logarithmic[1], place[1] / (page->frame.top - page->frame.bottom)));
+        put_place(page, place);
     }
 }
 
-/* A curve through points of the axes: `drawn[k]` tells whether its piece from point k to the next has the
- * stroke that is put, `corners[k]` where it may have a corner. */
-typedef struct curve {
-    double (*points)[2], (*places)[2]; /* on the axes, and on the page */
-    bool *drawn, *corners;
-    int count;
-} curve;
-
-static bool open_curve(curve *c, int room) {
-    const size_t size = (size_t)room + 1;
-    *c = (curve){calloc(size, sizeof *c->points), calloc(size, sizeof *c->places),
-                 calloc(size, sizeof *c->drawn), calloc(size, sizeof *c->corners), 0};
-    return c->points && c->places && c->drawn && c->corners;
-}
-
-static void close_curve(curve *c) {
-    free(c->points);
-    free(c->places);
-    free(c->drawn);
-    free(c->corners);
-}
-
-static void put_curve(const saltus_plot_page *page, const curve *c) {
-    for (int k = 0; k < c->count; k++)
-        saltus_plot_place(page, c->points[k][0], c->points[k][1], c->places[k]);
-    for (int first = 0, last; first + 1 < c->count; first = last) {
-        for (last = first + 1; last + 1 < c->count && !c->corners[last];)
+static void put_curve(const saltus_plot_page *page, curve_point *p, int count) {
+    for (int k = 0; k < count; k++)
+        saltus_plot_place(page, p[k].value[0], p[k].value[1], p[k].place);
+    for (int first = 0, last; first + 1 < count; first = last) {
+        for (last = first + 1; last + 1 < count && !p[last].corner;)
             last++;
-        const run smooth = {c->places + first, last - first + 1};
         for (int k = first; k < last; k++) {
-            if (!c->drawn[k])
+            if (!p[k].drawn)
                 continue;
-            if (k == 0 || !c->drawn[k - 1])
-                fprintf(page->file, "\n%.12g %.9g\n", c->points[k][0], c->points[k][1]);
-            put_arc(page, &smooth, k - first);
-            fprintf(page->file, "%.12g %.9g\n", c->points[k + 1][0], c->points[k + 1][1]);
+            if (k == 0 || !p[k - 1].drawn)
+                fprintf(page->file, "\n%.12g %.9g\n", p[k].value[0], p[k].value[1]);
+            put_arc(page, p + first, last - first + 1, k - first);
+            fprintf(page->file, "%.12g %.9g\n", p[k + 1].value[0], p[k + 1].value[1]);
         }
     }
 }
@@ -548,29 +513,28 @@ static bool put_uncovered(const saltus_plot_page *page, int file, int branch, co
     between(ends[0], ends[1], part[0], at);
     if (hypot(at[0] - ends[last][0], at[1] - ends[last][1]) < seen)
         return true;
-    fprintf(page->file, "\n%.12g %.9g\n%.12g %.9g\n", first ? to[0] : from[0], first ? to[1] : from[1],
-            value_at(page->x, page->logarithmic[0], at[0] / (page->frame.right - page->frame.left)),
-            value_at(page->y, page->logarithmic[1], at[1] / (page->frame.top - page->frame.bottom)));
+    fprintf(page->file, "\n%.12g %.9g\n", first ? to[0] : from[0], first ? to[1] : from[1]);
+    put_place(page, at);
     return false;
 }
 
 /* A branch of one stroke, by the value that its points show. */
 static void put_branch(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
-                       curve *c) {
+                       curve_point *p) {
     const saltus_branch_file *f = &page->files[file];
     const bool dashed = stroke == SALTUS_STROKE_UNSTABLE && !page->locus;
-    c->count = last - first + 1;
-    for (int k = 0; k < c->count; k++) {
+    const int count = last - first + 1;
+    for (int k = 0; k < count; k++) {
         const saltus_branch_point *point = &f->points[first + k];
-        c->points[k][0] = saltus_plot_x(page, point);
-        c->points[k][1] = saltus_plot_y(page, point);
-        c->corners[k] = corner(point) || isnan(c->points[k][1]);
-        c->drawn[k] = k + 1 < c->count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
+        p[k].value[0] = saltus_plot_x(page, point);
+        p[k].value[1] = saltus_plot_y(page, point);
+        p[k].corner = corner(point) || isnan(p[k].value[1]);
+        p[k].drawn = k + 1 < count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
     }
-    for (int k = 0; k + 1 < c->count && dashed; k++)
-        c->drawn[k] =
-            c->drawn[k] && put_uncovered(page, file, f->points[first].branch, c->points[k], c->points[k + 1]);
-    put_curve(page, c);
+    for (int k = 0; k + 1 < count && dashed; k++)
+        p[k].drawn =
+            p[k].drawn && put_uncovered(page, file, f->points[first].branch, p[k].value, p[k + 1].value);
+    put_curve(page, p, count);
 }
 
 /* The visit of point b that is nearest in time to one of point a, on the same face; -1 when there is none
@@ -604,7 +568,7 @@ int saltus_plot_partner(const saltus_plot_page *page, int file, int k, int v) {
 
 /* Each visit as a curve of its own, from where it is born to where it dies. */
 static void put_visits(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
-                       curve *c) {
+                       curve_point *p) {
     const saltus_branch_file *f = &page->files[file];
     for (int k = first; k < last; k++)
         for (int v = 0; v < page->visits[file][k].count; v++) {
@@ -612,16 +576,15 @@ static void put_visits(const saltus_plot_page *page, int file, int first, int la
             bool begins = true;
             for (int w = 0; k > first && begins && w < page->visits[file][k - 1].count; w++)
                 begins = saltus_plot_partner(page, file, k - 1, w) != v;
-            c->count = 0;
-            for (int at = k, visit = v; begins && visit >= 0 && at <= last; at++) {
-                double value = page->visits[file][at].list[visit].value;
-                c->points[c->count][page->swap] = f->points[at].value[0];
-                c->points[c->count][!page->swap] = value;
-                c->corners[c->count] = corner(&f->points[at]);
+            int count = 0;
+            for (int at = k, visit = v; begins && visit >= 0 && at <= last; at++, count++) {
+                p[count].value[page->swap] = f->points[at].value[0];
+                p[count].value[!page->swap] = page->visits[file][at].list[visit].value;
+                p[count].corner = corner(&f->points[at]);
                 visit = at < last ? saltus_plot_partner(page, file, at, visit) : -1;
-                c->drawn[c->count++] = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
+                p[count].drawn = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
             }
-            put_curve(page, c);
+            put_curve(page, p, count);
         }
 }
 
@@ -631,16 +594,16 @@ static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stro
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
         for (int first = 0, last; first < f->point_count; first = last + 1) {
-            curve c;
             for (last = first;
                  last + 1 < f->point_count && f->points[last + 1].branch == f->points[first].branch;)
                 last++;
             if (saltus_plot_hue(page, i, f->points[first].branch) != hue)
                 continue;
-            sound = open_curve(&c, last - first + 1) && sound;
-            if (sound)
-                (page->visits ? put_visits : put_branch)(page, i, first, last, stroke, &c);
-            close_curve(&c);
+            curve_point *p = calloc((size_t)(last - first) + 1, sizeof *p);
+            sound = sound && p;
+            if (p)
+                (page->visits ? put_visits : put_branch)(page, i, first, last, stroke, p);
+            free(p);
         }
     }
     fputs("\nEOD\n", page->file);
@@ -673,17 +636,6 @@ static void put_signs(const saltus_plot_page *page, int hue) {
     fputs("EOD\n", page->file);
 }
 
-static void put_marks(const saltus_plot_page *page, saltus_point_kind kind) {
-    fprintf(page->file, "$marks_%d << EOD\n# parameter, measure\n", (int)kind);
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++) {
-            const saltus_branch_point *point = &page->files[i].points[k];
-            if (saltus_plot_mark(point->kind) == kind && saltus_plot_marked(&page->files[i], point))
-                fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(page, point), saltus_plot_y(page, point));
-        }
-    fputs("EOD\n", page->file);
-}
-
 bool saltus_plot_data(const saltus_plot_page *page) {
     bool sound = true;
     for (int hue = 0; hue < SALTUS_HUES; hue++) {
@@ -692,7 +644,16 @@ bool saltus_plot_data(const saltus_plot_page *page) {
         if (page->locus)
             put_signs(page, hue);
     }
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
-        put_marks(page, (saltus_point_kind)kind);
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++) {
+        fprintf(page->file, "$marks_%d << EOD\n# parameter, measure\n", kind);
+        for (int i = 0; i < page->count; i++)
+            for (int k = 0; k < page->files[i].point_count; k++) {
+                const saltus_branch_point *point = &page->files[i].points[k];
+                if ((int)saltus_plot_mark(point->kind) == kind && saltus_plot_marked(&page->files[i], point))
+                    fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(page, point),
+                            saltus_plot_y(page, point));
+            }
+        fputs("EOD\n", page->file);
+    }
     return sound;
 }

@@ -44,10 +44,13 @@ static place place_of(const saltus_plot_page *page, const saltus_branch_point *p
     return place_at(page, saltus_plot_x(page, point), saltus_plot_y(page, point), (double)letters);
 }
 
+static double apart(place a, place b) {
+    return hypot(a.x - b.x, a.y - b.y);
+}
+
 /* The way on the page from row k - 1 to row k of a file. */
 static double way_to(const saltus_plot_page *page, const saltus_branch_file *f, int k) {
-    place a = place_of(page, &f->points[k - 1], 0), b = place_of(page, &f->points[k], 0);
-    return hypot(b.x - a.x, b.y - a.y);
+    return apart(place_of(page, &f->points[k], 0), place_of(page, &f->points[k - 1], 0));
 }
 
 static bool is_free(const saltus_plot_page *page, const places *all, place wanted) {
@@ -66,26 +69,8 @@ static void put_label(const saltus_plot_page *page, const saltus_line *line, pla
             where.y / high(page), style);
 }
 
-/* The pieces of one curve from row k of a file to the next: of what a branch shows, or of each visit. */
-static void add_lines(const saltus_plot_page *page, int file, int k, places *all) {
-    const saltus_branch_point *p = &page->files[file].points[k];
-    const saltus_plot_visits *visits = page->visits ? &page->visits[file][k] : NULL;
-    for (int v = 0; p[0].branch == p[1].branch && v < (visits ? visits->count : 1); v++) {
-        int next = visits ? saltus_plot_partner(page, file, k, v) : 0;
-        for (int end = 0; end < 2 && next >= 0; end++) {
-            double *at = all->lines[all->line_count][end], x = saltus_plot_x(page, &p[end]),
-                   y = saltus_plot_y(page, &p[end]);
-            if (visits)
-                *(page->swap ? &x : &y) = end ? visits[1].list[next].value : visits->list[v].value;
-            saltus_plot_place(page, x, y, at);
-            for (int i = 0; i < 2; i++)
-                at[i] /= word_height;
-        }
-        all->line_count += next >= 0;
-    }
-}
-
-/* All curves. Without memory for them names are placed as if there were none. */
+/* The pieces of all curves, of what a branch shows or of each visit. Without memory for them names are placed
+ * as if there were none. */
 static void find_lines(const saltus_plot_page *page, places *all) {
     size_t most = 1;
     for (int i = 0; i < page->count; i++)
@@ -93,8 +78,23 @@ static void find_lines(const saltus_plot_page *page, places *all) {
             most += page->visits ? (size_t)page->visits[i][k].count : 1;
     all->lines = calloc(most, sizeof *all->lines);
     for (int i = 0; i < page->count && all->lines; i++)
-        for (int k = 0; k + 1 < page->files[i].point_count; k++)
-            add_lines(page, i, k, all);
+        for (int k = 0; k + 1 < page->files[i].point_count; k++) {
+            const saltus_branch_point *p = &page->files[i].points[k];
+            const saltus_plot_visits *visits = page->visits ? &page->visits[i][k] : NULL;
+            for (int v = 0; p[0].branch == p[1].branch && v < (visits ? visits->count : 1); v++) {
+                int next = visits ? saltus_plot_partner(page, i, k, v) : 0;
+                for (int end = 0; end < 2 && next >= 0; end++) {
+                    double *at = all->lines[all->line_count][end], x = saltus_plot_x(page, &p[end]),
+                           y = saltus_plot_y(page, &p[end]);
+                    if (visits)
+                        *(page->swap ? &x : &y) = end ? visits[1].list[next].value : visits->list[v].value;
+                    saltus_plot_place(page, x, y, at);
+                    at[0] /= word_height;
+                    at[1] /= word_height;
+                }
+                all->line_count += next >= 0;
+            }
+        }
 }
 
 /* How far the curves stay away from a place, as far as it matters. */
@@ -122,14 +122,12 @@ static void take_place(places *all, place taken) {
 
 /* Whether an earlier point of the same kind, in the order of the files, lies under this one. */
 static bool named_already(const saltus_plot_page *page, const saltus_branch_point *point) {
-    place own = place_of(page, point, 0);
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *other = &page->files[i].points[k];
-            place its = place_of(page, other, 0);
             if (other == point)
                 return false;
-            if (other->kind == point->kind && hypot(its.x - own.x, its.y - own.y) < 0.8)
+            if (other->kind == point->kind && apart(place_of(page, other, 0), place_of(page, point, 0)) < 0.8)
                 return true;
         }
     return false;
@@ -138,14 +136,14 @@ static bool named_already(const saltus_plot_page *page, const saltus_branch_poin
 /* Whether a name there would be nearer to the mark of a point of another kind than to its own. */
 static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted) {
     const double same = 0.3;
-    place own = place_of(page, point, 0);
+    const place own = place_of(page, point, 0);
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *other = &page->files[i].points[k];
-            place its = place_of(page, other, 0);
+            const place its = place_of(page, other, 0);
             if (other->kind != point->kind && saltus_plot_marked(&page->files[i], other) &&
-                saltus_plot_shown(page, other) && hypot(its.x - own.x, its.y - own.y) > same &&
-                hypot(its.x - wanted.x, its.y - wanted.y) < hypot(own.x - wanted.x, own.y - wanted.y))
+                saltus_plot_shown(page, other) && apart(its, own) > same &&
+                apart(its, wanted) < apart(own, wanted))
                 return true;
         }
     return false;
@@ -220,36 +218,20 @@ static int row_at(const saltus_plot_page *page, const saltus_branch_file *f, str
     return s.first;
 }
 
-/* What a stretch is called: n/p, with the kind of point and what the files differ in on curves of these. */
-static int stretch_name(const saltus_plot_page *page, int file, stretch s, saltus_line *name) {
-    const saltus_branch_file *f = &page->files[file];
-    if (page->locus)
-        saltus_line_add(name, "%s ", saltus_point_word(f->options.locus));
-    saltus_line_plain(name, f->points[s.first].label);
-    int letters = (int)name->length;
-    if (page->locus)
-        saltus_plot_add_differences(page, file, name);
-    return (int)name->length > letters ? letters + 10 : letters;
-}
-
-/* Whether a curve is drawn at a row of a file: the row's own visits may have none. */
-static bool has_curve(const saltus_plot_page *page, int file, int k) {
-    return !page->visits || page->visits[file][k].count > 0;
+/* How far a place is from the piece of a curve between row k of a file and the next. */
+static double from_piece(const saltus_plot_page *page, const saltus_branch_file *f, int k, place at) {
+    const place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
+    return saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y});
 }
 
 /* Whether the row of a stretch lies on an earlier curve of the same motion, which has the name. */
-static bool named_below(const saltus_plot_page *page, int file, int row) {
+static bool named_below(const saltus_plot_page *page, const saltus_branch_file *f, int row) {
     const double near = 0.15;
-    const saltus_branch_file *f = &page->files[file];
-    place own = place_of(page, &f->points[row], 0);
-    for (int k = 0; k + 1 < f->point_count && f->points[k].branch < f->points[row].branch; k++) {
-        place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
-        if (strcmp(f->points[k].label, f->points[row].label) == 0 &&
-            f->points[k].branch == f->points[k + 1].branch && f->points[k].stable == f->points[row].stable &&
-            saltus_plot_distance((double[2]){own.x, own.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y}) <
-                near)
+    const saltus_branch_point *own = &f->points[row];
+    for (int k = 0; k + 1 < f->point_count && f->points[k].branch < own->branch; k++)
+        if (strcmp(f->points[k].label, own->label) == 0 && f->points[k].branch == f->points[k + 1].branch &&
+            f->points[k].stable == own->stable && from_piece(page, f, k, place_of(page, own, 0)) < near)
             return true;
-    }
     return false;
 }
 
@@ -258,11 +240,8 @@ static bool strays(const saltus_plot_page *page, const saltus_branch_file *f, st
                    const places *all) {
     const double slack = 0.1;
     double own = INFINITY;
-    for (int k = s.first; k < s.last; k++) {
-        place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
-        own = fmin(own, saltus_plot_distance((double[2]){wanted.x, wanted.y}, (double[2]){a.x, a.y},
-                                             (double[2]){b.x, b.y}));
-    }
+    for (int k = s.first; k < s.last; k++)
+        own = fmin(own, from_piece(page, f, k, wanted));
     return clearance(all, wanted, own) < own - slack;
 }
 
@@ -276,11 +255,18 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                                                     "#7a5c00", "#444444", "#7d004b"};
     const saltus_branch_file *f = &page->files[file];
     saltus_line name = {.length = 0};
-    int letters = stretch_name(page, file, s, &name);
+    /* n/p, with the kind of point and what the files differ in on curves of these */
+    if (page->locus)
+        saltus_line_add(&name, "%s ", saltus_point_word(f->options.locus));
+    saltus_line_plain(&name, f->points[s.first].label);
+    int letters = (int)name.length;
+    if (page->locus)
+        saltus_plot_add_differences(page, file, &name);
+    letters += (int)name.length > letters ? 10 : 0;
     int hue = saltus_plot_hue(page, file, f->points[s.first].branch);
     bool long_enough = s.length >= 1.5 * letter_width * letters + 1;
     const size_t ways = page->locus ? 1 : sizeof shift / sizeof shift[0];
-    if (s.length < 0.8 || (page->locus && !long_enough) || named_below(page, file, row_at(page, f, s, 0.5)))
+    if (s.length < 0.8 || (page->locus && !long_enough) || named_below(page, f, row_at(page, f, s, 0.5)))
         return false;
     for (size_t way = long_enough ? 0 : 1; way < ways; way++)
         for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
@@ -292,7 +278,8 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                                                              : 0) *
                                             fmax(0, 0.5 * letter_width * (letters - 3));
             wanted.y += shift[way][1];
-            if (!has_curve(page, file, row) || !is_free(page, all, wanted) ||
+            /* The row's own visits may have no curve. */
+            if ((page->visits && !page->visits[file][row].count) || !is_free(page, all, wanted) ||
                 (way > 0 && (clearance_of_word(all, wanted) < 0.75 || strays(page, f, s, wanted, all))))
                 continue;
             snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'", way ? "" : "boxed ",
@@ -302,14 +289,6 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
             return true;
         }
     return false;
-}
-
-/* Whether two branches set out from one orbit: what it is called stands on one of them. */
-static bool same_start(const saltus_plot_page *page, const saltus_branch_point *a,
-                       const saltus_branch_point *b) {
-    place here = place_of(page, a, 0), there = place_of(page, b, 0);
-    return a->branch != b->branch && strcmp(a->label, b->label) == 0 &&
-           hypot(here.x - there.x, here.y - there.y) < 0.1;
 }
 
 /* The stretches of one stability; those at the same place of the page with one name have one label. */
@@ -322,7 +301,10 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
             bool solid =
                 s.last > s.first && saltus_plot_stroke(f, s.first, s.first + 1) == SALTUS_STROKE_STABLE;
             bool begins = k == 0 || f->points[k - 1].branch != f->points[k].branch;
-            bool known = begins && begun && same_start(page, begun, &f->points[k]);
+            /* Of branches that set out from one orbit one has its name. */
+            bool known = begins && begun && begun->branch != f->points[k].branch &&
+                         strcmp(begun->label, f->points[k].label) == 0 &&
+                         apart(place_of(page, begun, 0), place_of(page, &f->points[k], 0)) < 0.1;
             if (saltus_plot_shown(page, &f->points[s.first]) && solid == stable && !known &&
                 name_stretch(page, i, s, all))
                 begun = &f->points[k];

@@ -19,6 +19,10 @@ void saltus_line_add(saltus_line *l, const char *format, ...) {
             (size_t)length < sizeof l->text - l->length ? (size_t)length : sizeof l->text - l->length - 1;
 }
 
+void saltus_line_next(saltus_line *l) {
+    saltus_line_add(l, "%s", l->length ? ";  " : "");
+}
+
 void saltus_line_plain(saltus_line *l, const char *text) {
     for (const char *c = text; *c; c++) {
         if (strchr("_^{}@&~\\", *c))
@@ -77,20 +81,6 @@ void saltus_line_state(saltus_line *l, const saltus_system *system, int entry) {
     saltus_line_add(l, "}%s", rate ? "′" : "");
 }
 
-/* The coordinate that a stop limits, w1 x1 + w2 x2, without zeros and ones. */
-static void add_weights(saltus_line *l, const double weight[2]) {
-    bool first = true;
-    for (int i = 0; i < 2; i++) {
-        if (weight[i] == 0)
-            continue;
-        saltus_line_add(l, "%s", weight[i] < 0 ? (first ? "−" : " − ") : first ? "" : " + ");
-        if (fabs(weight[i]) != 1)
-            saltus_line_add(l, "%.6g ", fabs(weight[i]));
-        saltus_line_add(l, "{/:Italic x}_%d", i + 1);
-        first = false;
-    }
-}
-
 /* Whether one of two keys (NULL: none) is the property `name` of stop s. */
 static bool varies(const char *const varied[2], const char *name, int s) {
     return (varied[0] && saltus_key_means(varied[0], name, s)) ||
@@ -109,7 +99,16 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
         saltus_line_symbol(l, key);
         saltus_line_add(l, " = %.6g, ", *place);
     } else if (count > 1 && saltus_system_dof(system) > 1) {
-        add_weights(l, place);
+        /* w1 x1 + w2 x2, without zeros and ones */
+        for (int i = 0, terms = 0; i < 2; i++) {
+            if (place[i] == 0)
+                continue;
+            saltus_line_add(l, "%s", place[i] < 0 ? (terms ? " − " : "−") : terms ? " + " : "");
+            if (fabs(place[i]) != 1)
+                saltus_line_add(l, "%.6g ", fabs(place[i]));
+            saltus_line_add(l, "{/:Italic x}_%d", i + 1);
+            terms++;
+        }
         saltus_line_add(l, ", ");
     } else if (count == 0) {
         saltus_line_plain(l, saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE));
@@ -138,17 +137,15 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     saltus_line_add(l, "%s: ", saltus_model_name(spec->model));
-    const char *separator = "";
-    for (int k = 0; k < count; k++) {
+    for (int k = 0, shown = 0; k < count; k++) {
         bool left_out = (varied[0] && strcmp(varied[0], p[k].name) == 0) ||
                         (varied[1] && strcmp(varied[1], p[k].name) == 0);
         if (left_out || !saltus_parameter_shown(spec, k))
             continue;
-        saltus_line_add(l, "%s", separator);
+        saltus_line_add(l, "%s", shown++ ? ", " : "");
         saltus_line_symbol(l, p[k].name);
         saltus_line_add(l, " = ");
         saltus_line_number(l, "%.6g", spec->parameters[k]);
-        separator = ", ";
     }
     for (int s = 0; s < spec->stop_count; s++) {
         saltus_line_add(l, ";  ");
@@ -239,24 +236,19 @@ void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const cha
     saltus_line_symbol(line, key);
 }
 
-/* A number with a true minus sign, its power of ten as an exponent. */
-static void add_number(saltus_line *line, const char *text) {
-    for (const char *c = text; *c; c++) {
-        if (*c == 'e') {
-            int power = 0;
-            sscanf(c + 1, "%d", &power);
-            saltus_line_add(line, "·10^{%s%d}", power < 0 ? "−" : "", power < 0 ? -power : power);
-            return;
-        }
-        if (*c == '-')
-            saltus_line_add(line, "−");
-        else
-            saltus_line_add(line, "%c", *c);
-    }
-}
-
 void saltus_line_uncertain(saltus_line *line, saltus_uncertain number) {
-    add_number(line, number.value);
-    saltus_line_add(line, " ± ");
-    add_number(line, number.error);
+    for (int k = 0; k < 2; k++) {
+        saltus_line_add(line, k ? " ± " : "");
+        for (const char *c = k ? number.error : number.value; *c; c++) {
+            int power = 0;
+            if (*c == 'e' && sscanf(c + 1, "%d", &power) == 1) {
+                saltus_line_add(line, "·10^{%s%d}", power < 0 ? "−" : "", abs(power));
+                break;
+            }
+            if (*c == '-')
+                saltus_line_add(line, "−");
+            else
+                saltus_line_add(line, "%c", *c);
+        }
+    }
 }

@@ -18,14 +18,16 @@ void saltus_line_add(saltus_line *l, const char *format, ...)
     __attribute__((format(printf, 2, 3)))
 #endif
     ;
+/* ";  " behind what there is already, if there is anything. */
+void saltus_line_next(saltus_line *l);
 /* Text from a user's file: everything that enhanced text or a quoted string would take for a command is
  * escaped. */
 void saltus_line_plain(saltus_line *l, const char *text);
 /* A number, formatted by one conversion, with a true minus sign. */
 void saltus_line_number(saltus_line *l, const char *format, double value);
-/* The symbol of a parameter: a Greek letter or an italic Latin one, digits as subscripts. */
 /* The name of an entry of the state. */
 void saltus_line_state(saltus_line *line, const saltus_system *system, int entry);
+/* The symbol of a parameter: a Greek letter or an italic Latin one, digits as subscripts. */
 void saltus_line_symbol(saltus_line *l, const char *name);
 /* What a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
 void saltus_line_parameter(saltus_line *l, const saltus_spec *spec, const char *key);

@@ -1,11 +1,12 @@
-/* How the largest exponent's estimate converged: a panel for any figure.
+/* How the largest exponent's estimate converged: a panel for any figure, a figure of its own, and a table.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/convergence.h"
 
 #include "record/describe.h"
-#include "record/lyapunov_words.h"
+#include "record/output.h"
 
 #include <math.h>
+#include <sys/stat.h>
 
 saltus_course saltus_lyapunov_course(const saltus_lyapunov *l) {
     return (saltus_course){l->history, l->history_count, l->exponents[0], l->standard_errors[0]};
@@ -33,26 +34,20 @@ static saltus_range vertical_range(const saltus_course *c, saltus_range time) {
     return (saltus_range){range.low - 0.08 * width, range.high + 0.08 * width};
 }
 
-/* Where there is no course to draw, say why. */
-static void put_reason(const saltus_page *page, const saltus_system *system, const saltus_course *c) {
-    saltus_line reason = {.length = 0};
-    if (c->exponent == -INFINITY)
-        saltus_line_add(&reason, "the largest exponent is −∞: every direction is %s",
-                        saltus_lost_words(system));
-    else
-        saltus_line_add(&reason, "too few values for an estimate");
-    saltus_page_text(page, "Reason", reason.text);
-    saltus_page_template(page, "nothing");
-    saltus_page_template(page, "close");
-}
-
 void saltus_course_panel(const saltus_page *page, const saltus_system *system, const saltus_course *c,
                          saltus_frame frame) {
     const double alike = 0.003;
     saltus_line result = {.length = 0}, time_name = {.length = 0};
     saltus_page_frame(page, frame);
     if (!isfinite(c->exponent) || c->count == 0) {
-        put_reason(page, system, c);
+        if (c->exponent == -INFINITY)
+            saltus_line_add(&result, "the largest exponent is −∞: every direction is %s",
+                            saltus_lost_words(system));
+        else
+            saltus_line_add(&result, "too few values for an estimate");
+        saltus_page_text(page, "Reason", result.text);
+        saltus_page_template(page, "nothing");
+        saltus_page_template(page, "close");
         return;
     }
     saltus_range time = {c->history[0].time, c->history[c->count - 1].time};
@@ -85,4 +80,104 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     saltus_page_number(page, "Points", c->count);
     saltus_page_template(page, "convergence");
     saltus_page_template(page, "close");
+}
+
+/* The rows of the history below a header that says what they belong to. */
+static void put_table(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                      const saltus_lyapunov_options *o, const saltus_lyapunov *l) {
+    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], c[SALTUS_NUMBER_MAX];
+    saltus_put_table_head(file, "largest Lyapunov exponent", scene, NULL, saltus_system_spec(system));
+    fprintf(file, "# options: transient = %lld, periods = %lld, members = %d, seed = %lu", o->transient,
+            o->periods, o->members, o->seed);
+    fprintf(file, ", precision = %s, interval = %s, ", saltus_number(o->precision, a),
+            saltus_number(o->interval, b));
+    saltus_put_tolerances(file, system, &o->flow);
+    fprintf(file, ", order = %d\n", o->flow.order);
+    if (isfinite(l->exponents[0]))
+        fprintf(file, "# result: exponent = %s, standard_error = %s\n", saltus_number(l->exponents[0], a),
+                isfinite(l->standard_errors[0]) ? saltus_number(l->standard_errors[0], b) : "unknown");
+    else
+        fputs("# result: exponent = -infinity: every direction is lost for good\n", file);
+    fprintf(file, "# measured: %lld periods, trajectories: %d, transient: %lld periods, T = %s\n", l->periods,
+            l->members, l->transient, saltus_number(l->period, a));
+    fputs("# time: measured by all trajectories together\n"
+          "# exponent, standard_error: the estimate after that time, per unit of time\n"
+          "time,exponent,standard_error\n",
+          file);
+    for (int k = 0; k < l->history_count && isfinite(l->exponents[0]); k++)
+        fprintf(file, "%s,%s,%s\n", saltus_number(l->history[k].time, a),
+                saltus_number(l->history[k].exponent, b), saltus_number(l->history[k].standard_error, c));
+}
+
+/* The result, how long and by how many trajectories it was measured, and what casts doubt on it. */
+static void put_caption(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
+                        const saltus_lyapunov *l, double precision) {
+    const bool finite = isfinite(l->exponents[0]);
+    saltus_line head = {.length = 0}, measurement = {.length = 0}, doubt = {.length = 0};
+    saltus_line_plain(&head, scene->name);
+    saltus_line_add(&head, ":  largest Lyapunov exponent  %s", finite ? "" : "−∞");
+    if (finite) {
+        const double exponent = l->exponents[0], error = l->standard_errors[0];
+        saltus_line_uncertain(&head, saltus_uncertain_text(exponent, error));
+        saltus_line_uncertain(&measurement, saltus_uncertain_text(exponent * l->period, error * l->period));
+        saltus_line_add(&measurement, " per period {/:Italic T} = %.6g;  ", l->period);
+    }
+    saltus_line_add(&measurement,
+                    "%lld periods measured by %d trajector%s%s after a transient of %lld;  impacts per "
+                    "period: %.4g",
+                    l->periods, l->members, l->members == 1 ? "y" : "ies", l->members == 1 ? "" : " together",
+                    l->transient, l->impacts_per_period);
+    if (!l->precise)
+        saltus_line_add(&doubt, "the precision asked for, %.3g %%, was not reached", 100 * precision);
+    if (!l->agree) {
+        saltus_line_next(&doubt);
+        saltus_line_add(&doubt, "the trajectories do not agree: they do not measure the same motion");
+    }
+    saltus_page_scene(page, &head, scene->title, system);
+    saltus_page_words(page, &measurement, "#202020");
+    saltus_page_words(page, &doubt, "#c44e2a");
+}
+
+static void put_figure(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
+                       const saltus_lyapunov *l, double precision) {
+    saltus_course course = saltus_lyapunov_course(l);
+    put_caption(page, scene, system, l, precision);
+    saltus_page_fit_caption(page);
+    saltus_page_begin(page);
+    saltus_course_data(page, &course);
+    put_caption(page, scene, system, l, precision);
+    saltus_course_panel(page, system, &course, saltus_page_rest(page, saltus_page_narrow(page) ? 76 : 36));
+}
+
+saltus_status saltus_convergence_check(const char *path, saltus_message *message) {
+    struct stat facts;
+    if (saltus_figure_check(path, NULL, NULL) != SALTUS_OK && !saltus_path_ends(path, ".csv"))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: the ending must be .png, .pdf, .svg or .csv",
+                           path);
+    if (stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
+        return SALTUS_OK;
+    return saltus_output_test(path, message);
+}
+
+saltus_status saltus_write_convergence(const char *path, const saltus_scene *scene,
+                                       const saltus_system *system, const saltus_lyapunov_options *options,
+                                       const saltus_lyapunov *lyapunov, const saltus_figure_options *look,
+                                       saltus_message *message) {
+    saltus_output output;
+    saltus_page page;
+    saltus_status status = saltus_convergence_check(path, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (!saltus_path_ends(path, ".csv")) {
+        status = saltus_page_open(&page, path, look, message);
+        if (status != SALTUS_OK)
+            return status;
+        put_figure(&page, scene, system, lyapunov, options->precision);
+        return saltus_page_close(&page, SALTUS_OK, message);
+    }
+    status = saltus_output_open(&output, path, message);
+    if (status != SALTUS_OK)
+        return status;
+    put_table(output.file, scene, system, options, lyapunov);
+    return saltus_output_close(&output, SALTUS_OK, message);
 }

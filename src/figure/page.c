@@ -153,10 +153,6 @@ bool saltus_page_narrow(const saltus_page *page) {
     return page->width < 1000;
 }
 
-static double margin_of(const saltus_page *page) {
-    return saltus_page_narrow(page) ? 12 : 48;
-}
-
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style) {
     fprintf(page->file, "set label '%s' at screen %.6g,%.6g %s\n", text, x / page->width, y / page->height,
             style);
@@ -166,11 +162,12 @@ void saltus_page_label(const saltus_page *page, const char *text, double x, doub
  * the height of what comes next. */
 static double put_lines(const saltus_page *page, const char *text, const char *before, const char *after,
                         double letters, const char *style, double height, double step) {
-    double widest = letters * (page->width - 2 * margin_of(page)) / (usual_width - 2 * 48);
+    const double margin = saltus_page_narrow(page) ? 12 : 48;
+    double widest = letters * (page->width - 2 * margin) / (usual_width - 2 * 48);
     while (*text) {
         size_t length = saltus_line_piece(text, (int)widest);
         fprintf(page->file, "set label '%s%.*s%s' at screen %.6g,%.6g left front%s\n", before, (int)length,
-                text, after, margin_of(page) / page->width, height / page->height, style);
+                text, after, margin / page->width, height / page->height, style);
         height -= step;
         text += length;
         text += strspn(text, " ");
@@ -337,48 +334,37 @@ double saltus_page_tic_step(saltus_range range, double tics) {
     return round[k] * power;
 }
 
-/* Tics of a logarithmic axis that is being laid out. */
-typedef struct log_tics {
-    const saltus_page *page;
-    const char *axis;
-    double length;
-    saltus_range range;
-    double taken; /* up to where along the axis there are numbers */
-    int count;
-} log_tics;
-
-/* A tic, where there is room for its number beside the one before and on the page. */
-static void put_log_tic(log_tics *tics, double value) {
-    const double letter = 9.5, apart = 8, beyond = 20;
-    char number[32];
-    snprintf(number, sizeof number, "%.9g", value);
-    double place = tics->length * log(value / tics->range.low) / log(tics->range.high / tics->range.low),
-           half = *tics->axis == 'x' ? 0.5 * letter * (double)strlen(number) : letter;
-    if (place < -1e-6 || place > tics->length + 1e-6 || place - half < tics->taken ||
-        place + half > tics->length + beyond)
-        return;
-    fprintf(tics->page->file, "%s%s", tics->count++ ? ", " : "", number);
-    tics->taken = place + half + apart;
-}
-
 void saltus_page_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range) {
     static const double parts[] = {1, 2, 5};
-    double ratio = range.high / range.low, width = range.high - range.low;
-    log_tics tics = {.page = page, .axis = axis, .length = length, .range = range, .taken = -INFINITY};
+    const double letter = 9.5, apart = 8, beyond = 20;
+    double values[24], ratio = range.high / range.low, width = range.high - range.low;
+    int count = 0, put = 0;
     if (ratio > 3000) {
         fprintf(page->file, "set %stics auto\nset format %s '10^{%%T}'\n", axis, axis);
         return;
     }
-    fprintf(page->file, "set %stics (", axis);
     if (ratio < 4) { /* a decade at 1, 2 and 5 would leave few tics, or none */
         double decade = pow(10, floor(log10(width / 6)));
         double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
-        for (double k = ceil(range.low / step); k * step <= range.high; k++)
-            put_log_tic(&tics, k * step);
+        for (double k = ceil(range.low / step); k * step <= range.high && count < 24; k++)
+            values[count++] = k * step;
     } else
         for (double decade = pow(10, floor(log10(range.low))); decade <= range.high; decade *= 10)
-            for (int k = 0; k < 3; k++)
-                put_log_tic(&tics, parts[k] * decade);
+            for (int k = 0; k < 3 && count < 24; k++)
+                values[count++] = parts[k] * decade;
+    fprintf(page->file, "set %stics (", axis);
+    /* Where there is room for a number beside the one before and on the page. */
+    double taken = -INFINITY;
+    for (int k = 0; k < count; k++) {
+        char number[32];
+        snprintf(number, sizeof number, "%.9g", values[k]);
+        double place = length * log(values[k] / range.low) / log(range.high / range.low),
+               half = *axis == 'x' ? 0.5 * letter * (double)strlen(number) : letter;
+        if (place < -1e-6 || place > length + 1e-6 || place - half < taken || place + half > length + beyond)
+            continue;
+        fprintf(page->file, "%s%s", put++ ? ", " : "", number);
+        taken = place + half + apart;
+    }
     fputs(")\n", page->file);
 }
 

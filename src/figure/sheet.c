@@ -21,7 +21,7 @@ static void put_axes(const saltus_sheet *sheet, saltus_frame frame, const char *
     saltus_page_axis(sheet->page, "x", frame, false, x, across);
     saltus_page_axis(sheet->page, "y", frame, false, y, up);
     if (!saltus_page_narrow(sheet->page))
-        fprintf(sheet->file, "set xtics %.9g\n",
+        fprintf(sheet->page->file, "set xtics %.9g\n",
                 saltus_page_tic_step(across, (frame.right - frame.left) / 100 + 1.5));
 }
 
@@ -36,11 +36,11 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
         double d = face.side * face.d, end = face.side > 0 ? range.high : range.low;
         if (!saltus_system_stop_observed(sheet->system, face.stop) || !(d > range.low && d < range.high))
             continue;
-        fputs("set object rectangle ", sheet->file);
-        fprintf(sheet->file, place, d, end);
-        fputs(" back fc rgb '#e2e2e2' fs solid noborder\nset arrow ", sheet->file);
-        fprintf(sheet->file, place, d, d);
-        fputs(" nohead back lc rgb '#808080' lw 1.5\n", sheet->file);
+        fputs("set object rectangle ", sheet->page->file);
+        fprintf(sheet->page->file, place, d, end);
+        fputs(" back fc rgb '#e2e2e2' fs solid noborder\nset arrow ", sheet->page->file);
+        fprintf(sheet->page->file, place, d, d);
+        fputs(" nohead back lc rgb '#808080' lw 1.5\n", sheet->page->file);
     }
 }
 
@@ -107,27 +107,16 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     put_template(sheet, "section");
 }
 
-static bool is_hit(const saltus_sheet *sheet, int face) {
-    const saltus_trajectory *r = sheet->section;
-    long long k = 0;
-    while (k < sheet->mapped && !(r->events[k].face == face && r->events[k].kind != SALTUS_RELEASE &&
-                                  r->events[k].velocity_before != 0))
-        k++;
-    return k < sheet->mapped;
-}
-
 /* The marks' colours; of more faces than there are colours only those that are hit are shown. */
 enum { mark_colours = 8 };
 
 static bool is_shown(const saltus_sheet *sheet, int face) {
-    return saltus_system_face_count(sheet->system) <= mark_colours || is_hit(sheet, face);
-}
-
-static int count_marks(const saltus_sheet *sheet) {
-    int count = 0;
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++)
-        count += is_shown(sheet, f);
-    return count;
+    bool shown = saltus_system_face_count(sheet->system) <= mark_colours;
+    for (long long k = 0; k < sheet->mapped && !shown; k++) {
+        const saltus_event *event = &sheet->section->events[k];
+        shown = event->face == face && event->kind != SALTUS_RELEASE && event->velocity_before != 0;
+    }
+    return shown;
 }
 
 /* Marks of the impact map: each side of a stop has its colour and its sign; when the colours have all been
@@ -142,7 +131,7 @@ static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
         saltus_face face = saltus_system_face(sheet->system, f);
         if (!is_shown(sheet, f))
             continue;
-        fprintf(sheet->file,
+        fprintf(sheet->page->file,
                 "%s$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc rgb "
                 "'%s%s' title 'stop %d, %s%s'",
                 separator, face.side, face.stop + 1, value,
@@ -152,7 +141,7 @@ static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
         shown++;
         separator = ", \\\n     ";
     }
-    fputc('\n', sheet->file);
+    fputc('\n', sheet->page->file);
 }
 
 /* Chatter spans decades of speed, which a logarithmic axis shows. */
@@ -176,13 +165,15 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
         frame.right -= 156;
     saltus_page_panel(sheet->page, frame, letter, heading);
     if (faces > 1 && narrow) {
-        frame.top -= 8 + 19 * count_marks(sheet);
+        frame.top -= 8;
+        for (int f = 0; f < faces; f++)
+            frame.top -= 19 * is_shown(sheet, f);
         saltus_page_frame(sheet->page, frame);
     }
     if (logarithmic) {
         saltus_range_floor(&size);
         size = (saltus_range){size.low / 3, size.high * 3};
-        fputs("set logscale y\nset format y '10^{%T}'\n", sheet->file);
+        fputs("set logscale y\nset format y '10^{%T}'\n", sheet->page->file);
     }
     snprintf(phase_name, sizeof phase_name, "phase {/:Italic %s}/{/:Italic T} (mod 1)",
              saltus_notation_of(sheet->system)->time);
@@ -190,7 +181,7 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
              logarithmic ? "impact speed |{/:Bold n·q′}|" : "velocity before impact, {/:Bold n·q′}",
              logarithmic ? size : signed_range);
     if (faces > 1)
-        fprintf(sheet->file,
+        fprintf(sheet->page->file,
                 "set key at graph %s left %s vertical Left reverse samplen 0.5 width -2 font "
                 "',11' textcolor rgb '#303030'\n",
                 narrow ? "0, graph 1.01" : "1.02, graph 1.02", narrow ? "bottom" : "top");
@@ -211,55 +202,47 @@ static void put_multipliers(const saltus_sheet *sheet, saltus_frame frame, int l
     put_template(sheet, "multipliers");
 }
 
-/* A stop as a block with its tip at (xi, d). */
-static void put_block(FILE *file, double xi, double d, int side, saltus_range range, int number) {
-    double height = 0.09 * (range.high - range.low) * side, width = 0.025;
-    if (!(d > range.low && d < range.high))
-        return;
-    fprintf(file,
-            "set object %d polygon from %.6g,%.6g to %.6g,%.6g to %.6g,%.6g to %.6g,%.6g front fc rgb "
-            "'#808080' fs solid 1 border lc rgb '#505050'\n",
-            number, xi, d, xi + width, d + height, xi - width, d + height, xi, d);
-}
-
-/* Stops in the picture of the shapes, where they are near enough to be seen with the pipe. */
-static saltus_range shape_range(const saltus_sheet *sheet) {
-    saltus_range range = saltus_sheet_shape_range(sheet);
-    double width = range.high - range.low;
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
+/* Stops are blocks with their tips at (xi, d), where they are near enough to be seen with the pipe. */
+static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter) {
+    const double across = 0.025, up = 0.09; /* a block's half width, its height over the range's */
+    saltus_range range = saltus_sheet_shape_range(sheet), unit = {0, 1},
+                 time = {0, saltus_sheet_shape_time(sheet)};
+    const saltus_spec *spec = saltus_system_spec(sheet->system);
+    const saltus_notation *n = saltus_notation_of(sheet->system);
+    const int faces = saltus_system_face_count(sheet->system);
+    char heading[96], displacement[64];
+    double width = range.high - range.low, least = range.low - width, most = range.high + width;
+    for (int f = 0; f < faces; f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         double d = face.side * face.d;
-        if (d > range.low - width && d < range.high + width)
+        if (d > least && d < most)
             saltus_range_add(&range, d + face.side * 0.12 * width);
     }
     saltus_range_pad(&range, 0.05, saltus_system_scale(sheet->system)[0]);
-    return range;
-}
-
-static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    saltus_range range = shape_range(sheet), unit = {0, 1}, time = {0, saltus_sheet_shape_time(sheet)};
-    const saltus_notation *n = saltus_notation_of(sheet->system);
-    char heading[96], displacement[64];
-    snprintf(heading, sizeof heading, "shapes of the %.40s; grey: all swept",
-             saltus_model_name(saltus_system_spec(sheet->system)->model));
+    snprintf(heading, sizeof heading, "shapes of the %.40s; grey: all swept", saltus_model_name(spec->model));
     snprintf(displacement, sizeof displacement, "displacement {/:Italic %s}", n->displacement);
     saltus_page_panel(sheet->page, frame, letter, heading);
     frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of times */
     saltus_page_frame(sheet->page, frame);
     put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range);
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
+    for (int f = 0; f < faces; f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
-        put_block(sheet->file, saltus_system_spec(sheet->system)->stops[face.stop].xi, face.side * face.d,
-                  face.side, range, 10 + f);
+        double xi = spec->stops[face.stop].xi, d = face.side * face.d,
+               end = d + up * (range.high - range.low) * face.side;
+        if (d > range.low && d < range.high)
+            fprintf(
+                sheet->page->file,
+                "set object %d polygon from %.6g,%.6g to %.6g,%.6g to %.6g,%.6g to %.6g,%.6g front fc rgb "
+                "'#808080' fs solid 1 border lc rgb '#505050'\n",
+                10 + f, xi, d, xi + across, end, xi - across, end, xi, d);
     }
     double place = (frame.right + 19.2) / sheet->page->width, height = sheet->page->height;
-    fprintf(sheet->file,
+    fprintf(sheet->page->file,
             "set colorbox user origin screen %g,%g size %g,%g noborder\n"
-            "set label '{/:Italic %s}/{/:Italic T}' at screen %g, graph 0 offset 0,-1.05 tc rgb '#303030'\n",
+            "set label '{/:Italic %s}/{/:Italic T}' at screen %g, graph 0 offset 0,-1.05 tc rgb '#303030'\n"
+            "set cbrange [0:%g]\nset cbtics %g scale 0.4 offset -0.6,0\n",
             place, frame.bottom / height, 16 / sheet->page->width, (frame.top - frame.bottom) / height,
-            n->time, place);
-    fprintf(sheet->file, "set cbrange [0:%g]\nset cbtics %g scale 0.4 offset -0.6,0\n", time.high,
-            saltus_page_tic_step(time, 5));
+            n->time, place, time.high, saltus_page_tic_step(time, 5));
     put_template(sheet, "shapes");
 }
 
@@ -299,7 +282,7 @@ static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter
                       : named ? "two displacements; grey: stops"
                               : "both masses; grey: stops");
     put_axes(sheet, frame, name[0].text, x1, name[1].text, x2);
-    fputs("set parametric\nset trange [-1:1]\nplot ", sheet->file);
+    fputs("set parametric\nset trange [-1:1]\nplot ", sheet->page->file);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         const double *w = saltus_system_stop_normal(sheet->system, face.stop);
@@ -308,19 +291,34 @@ static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter
         double square = w[0] * w[0] + w[1] * w[1], d = face.side * face.d / square;
         double far = (fabs(d) * sqrt(square) + fabs(x1.high) + fabs(x1.low) + fabs(x2.high) + fabs(x2.low)) /
                      sqrt(square);
-        fprintf(sheet->file,
+        fprintf(sheet->page->file,
                 "(%.9g) + (%.9g)*t, (%.9g) + (%.9g)*t with lines lc rgb '#808080' lw 1.5, \\\n     ",
                 d * w[0], -w[1] * far * 2, d * w[1], w[0] * far * 2);
     }
-    fprintf(sheet->file, "$masses using 1:2 with lines %s\nunset parametric\n",
+    fprintf(sheet->page->file, "$masses using 1:2 with lines %s\nunset parametric\n",
             sheet->orbit ? "lc rgb '#2c5f8a' lw 2" : "lc rgb '#a02c5f8a' lw 1");
     saltus_page_template(sheet->page, "close");
 }
 
 static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
+    const saltus_spectrum *s = sheet->spectrum;
     saltus_line heading = {.length = 0};
-    saltus_sheet_spectrum_heading(sheet, &heading);
+    char name[160];
+    bool forcing = false; /* multiples of its frequency are among the lines that can be seen */
+    for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES; k++)
+        forcing = forcing || (s->lines[k].harmonic % s->periods == 0 && s->lines[k].decibels > -100);
+    saltus_observed_name(sheet->system, false, name, sizeof name);
+    saltus_line_add(&heading, "%s", name);
+    if (s->kind == SALTUS_SPECTRUM_WELCH)
+        saltus_line_add(&heading, "; %g %% band%s", 100 * s->confidence,
+                        s->line_count > 0 ? "; ▾ lines" : "");
+    else if (s->periods == 1)
+        saltus_line_add(&heading, ": multiples of {/:Italic ω}");
+    else if (forcing)
+        saltus_line_add(&heading, "; red: multiples of {/:Italic ω}");
+    else
+        saltus_line_add(&heading, ": multiples of {/:Italic ω}/%d", s->periods);
     saltus_spectrum_low_panel(&source, sheet->page, frame, letter, &heading);
 }
 
@@ -360,52 +358,40 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
     return count;
 }
 
-/* Columns of the grid: panels must be wide enough to be read, and on a narrow page high enough below the
- * caption. With an odd number of panels the time history takes two columns. */
-static int choose_columns(const saltus_page *page, int count) {
-    const double low = 300; /* with heading and axis */
-    bool high = saltus_page_room(page) / count >= low;
-    int most = page->width >= 1500 ? 3 : saltus_page_narrow(page) && high ? 1 : 2;
-    int wanted = count > 4 ? 3 : count > 1 ? 2 : 1;
-    return wanted < most ? wanted : most;
-}
-
-static int choose_rows(int count, int columns) {
-    int cells = columns > 1 && count % 2 ? count + 1 : count;
-    return (cells + columns - 1) / columns;
-}
-
-static void put_panels(const saltus_sheet *sheet, panel *chosen[panels_most], int count, int columns) {
-    if (columns == 2 && count % 2) { /* the time history, which takes two cells, begins a row */
-        chosen[1] = chosen[2];
-        chosen[2] = saltus_sheet_history;
-    }
-    for (int k = 0, cell = 0; k < count; k++) {
-        int span = chosen[k] == saltus_sheet_history && columns > 1 && count % 2 ? 2 : 1;
-        chosen[k](sheet, saltus_page_cell(sheet->page, cell, span, columns, choose_rows(count, columns)), k);
-        cell += span;
-    }
-}
-
 static void put_script(saltus_sheet *sheet, saltus_page *page) {
+    const double low = 300; /* of a panel with heading and axis that is too low to be read */
     panel *chosen[panels_most];
     sheet->page = page;
-    sheet->file = page->file;
     saltus_sheet_caption(sheet, page);
-    int count = choose_panels(sheet, chosen), columns = choose_columns(page, count);
-    double words = page->height - page->top;
-    bool narrow = saltus_page_narrow(page);
+    /* Columns of the grid: panels must be wide enough to be read, and on a narrow page high enough below the
+     * caption. With an odd number of panels the time history takes two columns. */
+    const int count = choose_panels(sheet, chosen), wanted = count > 4 ? 3 : count > 1 ? 2 : 1;
+    const bool narrow = saltus_page_narrow(page), high = saltus_page_room(page) / count >= low;
+    const int most = page->width >= 1500 ? 3
+                     : narrow && high    ? 1
+                                         : 2,
+              columns = wanted < most ? wanted : most;
+    const bool wide = columns > 1 && count % 2;
+    const int rows = (count + wide + columns - 1) / columns;
+    const double words = page->height - page->top;
     if (page->free_height)
-        page->height = choose_rows(count, columns) *
-                           (page->width / columns * 0.62 + (narrow && columns > 1 ? 190 : 110)) +
-                       60 + (narrow ? 0 : words);
+        page->height = rows * (page->width / columns * 0.62 + (narrow && columns > 1 ? 190 : 110)) + 60 +
+                       (narrow ? 0 : words);
     page->top = page->height - words;
     saltus_page_fit_caption(page);
     saltus_page_begin(page);
     saltus_sheet_data(sheet);
     fprintf(page->file, "set multiplot\n%s", narrow && columns > 1 ? "set tics font ',11'\n" : "");
     saltus_sheet_caption(sheet, page);
-    put_panels(sheet, chosen, count, columns);
+    if (wide && columns == 2) { /* the time history, which takes two cells, begins a row */
+        chosen[1] = chosen[2];
+        chosen[2] = saltus_sheet_history;
+    }
+    for (int k = 0, cell = 0; k < count; k++) {
+        const int span = wide && chosen[k] == saltus_sheet_history ? 2 : 1;
+        chosen[k](sheet, saltus_page_cell(page, cell, span, columns, rows), k);
+        cell += span;
+    }
     fputs("unset multiplot\n", page->file);
 }
 

@@ -9,7 +9,6 @@
 
 typedef struct saltus_sheet {
     const saltus_page *page;
-    FILE *file; /* the page's script */
     const saltus_scene *scene;
     const saltus_system *system;
     const saltus_motion *motion;
@@ -53,7 +52,6 @@ double saltus_sheet_shape_time(const saltus_sheet *sheet);
 void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page);
 const char *saltus_sheet_history_heading(const saltus_sheet *sheet);
 void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room);
-void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, saltus_line *line);
 
 enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96 };
 

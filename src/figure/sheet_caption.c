@@ -23,14 +23,6 @@ static void add_uncertain(saltus_line *l, double value, double error) {
     saltus_line_uncertain(l, saltus_uncertain_text(value, error));
 }
 
-static void add_fraction(saltus_line *l, double fraction) {
-    double power = floor(log10(fraction));
-    if (fraction >= 1e-3 || !(fraction > 0))
-        saltus_line_add(l, "%.2g", fraction);
-    else
-        saltus_line_add(l, "%.1f·10^{−%.0f}", fraction / pow(10, power), -power);
-}
-
 /* What a motion without a period is, in words. */
 static void add_irregular(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
@@ -46,13 +38,12 @@ static void add_irregular(saltus_line *l, const saltus_motion *m) {
                                                                  : "next to zero",
                     e->periods, e->members);
     if (e->curves > 0)
-        saltus_line_add(l, ";  section points fill %d closed curve%s", e->curves, e->curves == 1 ? "" : "s");
+        saltus_line_add(l, ";  section points fill %d closed curve%s", e->curves, saltus_plural(e->curves));
 }
 
 /* The numbers that the verdict rests on besides. */
 static void add_evidence(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
-    const char *separator = "";
     if (saltus_verdict_settled(m->verdict) || e->periods == 0)
         return;
     if (m->verdict != SALTUS_QUASIPERIODIC && isfinite(e->half[0]) && isfinite(e->half[1])) {
@@ -60,38 +51,29 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         add_uncertain(l, e->half[0], e->half_errors[0]);
         saltus_line_add(l, " and ");
         add_uncertain(l, e->half[1], e->half_errors[1]);
-        separator = ";  ";
     }
     if (isfinite(e->zero_one)) {
-        saltus_line_add(l, "%s0–1 test ", separator);
+        saltus_line_next(l);
+        saltus_line_add(l, "0–1 test ");
         saltus_line_number(l, "%.3f", e->zero_one);
-        separator = ";  ";
     }
     if (isfinite(e->dimension)) {
-        saltus_line_add(l, "%scorrelation dimension ", separator);
+        saltus_line_next(l);
+        saltus_line_add(l, "correlation dimension ");
         add_uncertain(l, e->dimension, e->dimension_error);
-        separator = ";  ";
     }
     if (isfinite(e->broadband)) {
-        saltus_line_add(l, "%sbroadband fraction ", separator);
-        add_fraction(l, e->broadband);
-        separator = ";  ";
+        const double power = floor(log10(e->broadband));
+        saltus_line_next(l);
+        if (e->broadband >= 1e-3 || !(e->broadband > 0))
+            saltus_line_add(l, "broadband fraction %.2g", e->broadband);
+        else
+            saltus_line_add(l, "broadband fraction %.1f·10^{−%.0f}", e->broadband / pow(10, power), -power);
     }
-    if (e->lifetime_at_least > 0) {
-        saltus_line_add(l, "%smean lifetime at least %.0f {/:Italic T}", separator, e->lifetime_at_least);
-        separator = ";  ";
-    }
-    saltus_line_add(l, "%s%.4g impacts per {/:Italic T}", separator, e->impacts_per_period);
-}
-
-static void add_intermittency(saltus_line *l, const saltus_motion *m) {
-    const saltus_evidence *e = &m->evidence;
-    if (saltus_verdict_settled(m->verdict) || e->laminar_period == 0)
-        return;
-    saltus_line_add(l, "intermittent: %.0f %% of the time near a motion of period ", 100 * e->laminar);
-    if (e->laminar_period > 1)
-        saltus_line_add(l, "%d ", e->laminar_period);
-    saltus_line_add(l, "{/:Italic T}, up to %lld periods at a stretch", e->longest_phase);
+    saltus_line_next(l);
+    if (e->lifetime_at_least > 0)
+        saltus_line_add(l, "mean lifetime at least %.0f {/:Italic T};  ", e->lifetime_at_least);
+    saltus_line_add(l, "%.4g impacts per {/:Italic T}", e->impacts_per_period);
 }
 
 static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
@@ -104,12 +86,12 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
         saltus_line_add(l, "in contact for good");
     else if (m->impacts < 0)
         saltus_line_add(l, "complete chatter, %d sticking interval%s in %d {/:Italic T}",
-                        m->sticking_intervals, m->sticking_intervals == 1 ? "" : "s", m->periods);
+                        m->sticking_intervals, saltus_plural(m->sticking_intervals), m->periods);
     else if (m->impacts == 0)
         saltus_line_add(l, "no impact in %d {/:Italic T}", m->periods);
     else
         saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
-                        m->impacts == 1 ? "" : "s", m->periods, saltus_impacts_per_response(sheet->system, m),
+                        saltus_plural(m->impacts), m->periods, saltus_impacts_per_response(sheet->system, m),
                         saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
     if (m->trivial_multiplier != 0)
         saltus_line_add(l, ";  period %.8g, {/:Italic T} is the mean time between maxima", m->period);
@@ -173,18 +155,25 @@ static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
 }
 
 void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
+    const saltus_motion *m = sheet->motion;
     char verdict[64];
     saltus_line head = {.length = 0}, motion = {.length = 0}, evidence = {.length = 0},
                 phases = {.length = 0}, shown = {.length = 0};
-    saltus_motion_summary(sheet->motion, verdict);
+    saltus_motion_summary(m, verdict);
     saltus_line_plain(&head, sheet->scene->name);
     saltus_line_add(&head, ":  ");
     saltus_line_plain(&head, verdict);
     add_motion(&motion, sheet);
-    add_multipliers(&motion, sheet->motion);
-    add_exponent(&evidence, sheet->motion);
-    add_evidence(&evidence, sheet->motion);
-    add_intermittency(&phases, sheet->motion);
+    add_multipliers(&motion, m);
+    add_exponent(&evidence, m);
+    add_evidence(&evidence, m);
+    if (!saltus_verdict_settled(m->verdict) && m->evidence.laminar_period) {
+        saltus_line_add(&phases, "intermittent: %.0f %% of the time near a motion of period ",
+                        100 * m->evidence.laminar);
+        if (m->evidence.laminar_period > 1)
+            saltus_line_add(&phases, "%d ", m->evidence.laminar_period);
+        saltus_line_add(&phases, "{/:Italic T}, up to %lld periods at a stretch", m->evidence.longest_phase);
+    }
     add_stretch(&shown, sheet);
     saltus_page_scene(page, &head, sheet->scene->title, sheet->system);
     saltus_page_words(page, &motion, "#202020");
@@ -213,27 +202,4 @@ void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t 
         snprintf(text, room, "impacts of %.4g {/:Italic T}", r->time[r->event_rows[sheet->mapped - 1]]);
     else
         snprintf(text, room, "impacts of %.6g {/:Italic T}", r->time[r->samples - 1]);
-}
-
-/* Whether multiples of the forcing frequency are among the lines that can be seen. */
-static bool shows_forcing(const saltus_spectrum *s) {
-    for (long long k = 0; k < s->line_count; k++)
-        if (s->lines[k].harmonic % s->periods == 0 && s->lines[k].decibels > -100)
-            return true;
-    return false;
-}
-
-void saltus_sheet_spectrum_heading(const saltus_sheet *sheet, saltus_line *line) {
-    const saltus_spectrum *s = sheet->spectrum;
-    char name[160];
-    saltus_observed_name(sheet->system, false, name, sizeof name);
-    saltus_line_add(line, "%s", name);
-    if (s->kind == SALTUS_SPECTRUM_WELCH)
-        saltus_line_add(line, "; %g %% band%s", 100 * s->confidence, s->line_count > 0 ? "; ▾ lines" : "");
-    else if (s->periods == 1)
-        saltus_line_add(line, ": multiples of {/:Italic ω}");
-    else if (shows_forcing(s))
-        saltus_line_add(line, "; red: multiples of {/:Italic ω}");
-    else
-        saltus_line_add(line, ": multiples of {/:Italic ω}/%d", s->periods);
 }

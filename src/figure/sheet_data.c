@@ -67,19 +67,6 @@ static long long events_within(const saltus_trajectory *r, long long rows) {
     return events;
 }
 
-/* The last finite stretch of the exponent's history, where the exponent is finite itself. */
-static void choose_course(saltus_sheet *sheet) {
-    const saltus_evidence *e = &sheet->motion->evidence;
-    if (saltus_verdict_settled(sheet->motion->verdict) || !isfinite(sheet->motion->lyapunov) || !e->history)
-        return;
-    int first = e->history_count;
-    while (first > 0 && isfinite(e->history[first - 1].exponent) &&
-           isfinite(e->history[first - 1].standard_error))
-        first--;
-    sheet->course = (saltus_course){e->history + first, e->history_count - first, sheet->motion->lyapunov,
-                                    sheet->motion->lyapunov_error};
-}
-
 /* One closed orbit where the motion has one and the record covers it; otherwise as many whole periods as a
  * picture can hold, the first of them as time history. */
 void saltus_sheet_choose(saltus_sheet *sheet) {
@@ -101,8 +88,18 @@ void saltus_sheet_choose(saltus_sheet *sheet) {
         sheet->mapped = mapped_most;
     sheet->strong = sheet->orbit;
     sheet->timed = true;
-    choose_course(sheet);
     find_ranges(sheet);
+    /* The last finite stretch of the exponent's history, where the exponent is finite itself. */
+    const saltus_motion *m = sheet->motion;
+    const saltus_evidence *e = &m->evidence;
+    int first = e->history_count;
+    if (saltus_verdict_settled(m->verdict) || !isfinite(m->lyapunov) || !e->history)
+        return;
+    while (first > 0 && isfinite(e->history[first - 1].exponent) &&
+           isfinite(e->history[first - 1].standard_error))
+        first--;
+    sheet->course =
+        (saltus_course){e->history + first, e->history_count - first, m->lyapunov, m->lyapunov_error};
 }
 
 void saltus_sheet_choose_all(saltus_sheet *sheet) {
@@ -121,46 +118,47 @@ void saltus_sheet_choose_all(saltus_sheet *sheet) {
 static void put_rows(const saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     long long event = 0;
-    fputs("$orbit << EOD\n# tau/T displacement velocity\n", sheet->file);
+    fputs("$orbit << EOD\n# tau/T displacement velocity\n", sheet->page->file);
     for (long long row = 0; row < sheet->rows; row++) {
-        fprintf(sheet->file, "%.9g %.9g %.9g\n", r->time[row], r->displacement[row], r->velocity[row]);
+        fprintf(sheet->page->file, "%.9g %.9g %.9g\n", r->time[row], r->displacement[row], r->velocity[row]);
         while (event < r->event_count && r->event_rows[event] < row)
             event++;
         if (event < r->event_count && r->event_rows[event] == row && r->events[event].kind != SALTUS_RELEASE)
-            fputc('\n', sheet->file);
+            fputc('\n', sheet->page->file);
     }
-    fputs("EOD\n$history << EOD\n# tau/T displacement\n", sheet->file);
+    fputs("EOD\n$history << EOD\n# tau/T displacement\n", sheet->page->file);
     for (long long row = 0; row < sheet->history_rows; row++)
-        fprintf(sheet->file, "%.9g %.9g\n", r->time[row], r->displacement[row]);
-    fputs("EOD\n", sheet->file);
+        fprintf(sheet->page->file, "%.9g %.9g\n", r->time[row], r->displacement[row]);
+    fputs("EOD\n", sheet->page->file);
 }
 
 static void put_impacts(const saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
-    fputs("$jumps << EOD\n# displacement velocity, before and after each impact\n", sheet->file);
+    fputs("$jumps << EOD\n# displacement velocity, before and after each impact\n", sheet->page->file);
     for (long long k = 0; k < sheet->events; k++) {
         long long row = r->event_rows[k];
         if (r->events[k].kind != SALTUS_RELEASE)
-            fprintf(sheet->file, "%.9g %.9g\n%.9g %.9g\n\n", r->displacement[row], r->velocity[row],
+            fprintf(sheet->page->file, "%.9g %.9g\n%.9g %.9g\n\n", r->displacement[row], r->velocity[row],
                     r->displacement[row + 1], r->velocity[row + 1]);
     }
-    fputs("EOD\n$impacts << EOD\n# tau/T displacement\n", sheet->file);
+    fputs("EOD\n$impacts << EOD\n# tau/T displacement\n", sheet->page->file);
     for (long long k = 0; k < sheet->history_events; k++)
         if (r->events[k].kind != SALTUS_RELEASE)
-            fprintf(sheet->file, "%.9g %.9g\n", r->time[r->event_rows[k]], r->displacement[r->event_rows[k]]);
-    fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->file);
+            fprintf(sheet->page->file, "%.9g %.9g\n", r->time[r->event_rows[k]],
+                    r->displacement[r->event_rows[k]]);
+    fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->page->file);
     for (long long k = 0; k < sheet->mapped; k++) {
         const saltus_event *event = &sheet->section->events[k];
         saltus_face face = saltus_system_face(sheet->system, event->face);
         if (event->kind != SALTUS_RELEASE)
-            fprintf(sheet->file, "%.9g %.9g %d %d\n", event->time.phase, event->velocity_before, face.side,
-                    face.stop + 1);
+            fprintf(sheet->page->file, "%.9g %.9g %d %d\n", event->time.phase, event->velocity_before,
+                    face.side, face.stop + 1);
     }
-    fputs("EOD\n", sheet->file);
+    fputs("EOD\n", sheet->page->file);
 }
 
 static void put_contact(saltus_sheet *sheet, double begin, double end, double displacement) {
-    fprintf(sheet->file, "%.9g %.9g\n%.9g %.9g\n\n", begin, displacement, end, displacement);
+    fprintf(sheet->page->file, "%.9g %.9g\n%.9g %.9g\n\n", begin, displacement, end, displacement);
     sheet->contacts++;
 }
 
@@ -178,7 +176,8 @@ static bool holds_throughout(const saltus_sheet *sheet, int f) {
 static void put_contacts(saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     double end = r->time[sheet->history_rows - 1];
-    fputs("$contacts << EOD\n# tau/T displacement, at the begin and the end of each contact\n", sheet->file);
+    fputs("$contacts << EOD\n# tau/T displacement, at the begin and the end of each contact\n",
+          sheet->page->file);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         bool holds = holds_throughout(sheet, f), met = false;
@@ -198,7 +197,7 @@ static void put_contacts(saltus_sheet *sheet) {
         if (holds)
             put_contact(sheet, begin, end, displacement);
     }
-    fputs("EOD\n", sheet->file);
+    fputs("EOD\n", sheet->page->file);
 }
 
 /* Stroboscopic points of what is shown: rows whose time is a whole number of periods. The end of a closed
@@ -206,30 +205,12 @@ static void put_contacts(saltus_sheet *sheet) {
 static void put_strobes(const saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     double point[2];
-    fputs("$strobe << EOD\n# displacement velocity tau/T\n", sheet->file);
+    fputs("$strobe << EOD\n# displacement velocity tau/T\n", sheet->page->file);
     for (long long k = 0; k < r->strobes && sheet->timed && (double)k < r->time[sheet->rows - 1]; k++) {
         saltus_sheet_strobe(sheet, r, k, point);
-        fprintf(sheet->file, "%.9g %.9g %lld\n", point[0], point[1], k);
+        fprintf(sheet->page->file, "%.9g %.9g %lld\n", point[0], point[1], k);
     }
-    fputs("EOD\n", sheet->file);
-}
-
-static void put_section(const saltus_sheet *sheet) {
-    double point[2];
-    fputs("$section << EOD\n# displacement velocity\n", sheet->file);
-    for (long long k = 0; k < sheet->section->strobes; k++) {
-        saltus_sheet_strobe(sheet, sheet->section, k, point);
-        fprintf(sheet->file, "%.9g %.9g\n", point[0], point[1]);
-    }
-    fputs("EOD\n", sheet->file);
-}
-
-static void put_multipliers(const saltus_sheet *sheet) {
-    fputs("$multipliers << EOD\n# real imaginary\n", sheet->file);
-    for (int k = 0; k < sheet->motion->multiplier_count; k++)
-        fprintf(sheet->file, "%.9g %.9g\n", sheet->motion->multipliers[k].re,
-                sheet->motion->multipliers[k].im);
-    fputs("EOD\n", sheet->file);
+    fputs("EOD\n", sheet->page->file);
 }
 
 static double place(int point) {
@@ -269,32 +250,22 @@ static void put_shapes(const saltus_sheet *sheet) {
     saltus_range range[SALTUS_SHEET_POINTS];
     double begin = r->time[0], length = saltus_sheet_shape_time(sheet);
     long long row = 0;
-    fputs("$shapes << EOD\n# xi displacement tau/T\n", sheet->file);
+    fputs("$shapes << EOD\n# xi displacement tau/T\n", sheet->page->file);
     for (int k = 0; k < SALTUS_SHEET_SHAPES; k++) {
         double time = begin + length * k / SALTUS_SHEET_SHAPES;
         while (row + 1 < sheet->rows && r->time[row] < time - 1e-9)
             row++;
         for (int j = 0; j < SALTUS_SHEET_POINTS; j++)
-            fprintf(sheet->file, "%.4f %.6g %.6g\n", place(j),
+            fprintf(sheet->page->file, "%.4f %.6g %.6g\n", place(j),
                     saltus_system_shape(sheet->system, r->states + row * r->dimension, place(j)),
                     r->time[row]);
-        fputc('\n', sheet->file);
+        fputc('\n', sheet->page->file);
     }
     envelope(sheet, range);
-    fputs("EOD\n$envelope << EOD\n# xi smallest largest\n", sheet->file);
+    fputs("EOD\n$envelope << EOD\n# xi smallest largest\n", sheet->page->file);
     for (int j = 0; j < SALTUS_SHEET_POINTS; j++)
-        fprintf(sheet->file, "%.4f %.6g %.6g\n", place(j), range[j].low, range[j].high);
-    fputs("EOD\n", sheet->file);
-}
-
-/* Displacements of two masses, a row each. */
-static void put_masses(const saltus_sheet *sheet) {
-    const saltus_trajectory *r = sheet->record;
-    fputs("$masses << EOD\n# x1 x2 tau/T\n", sheet->file);
-    for (long long row = 0; row < sheet->rows; row++)
-        fprintf(sheet->file, "%.9g %.9g %.9g\n", r->states[row * r->dimension],
-                r->states[row * r->dimension + 1], r->time[row]);
-    fputs("EOD\n", sheet->file);
+        fprintf(sheet->page->file, "%.4f %.6g %.6g\n", place(j), range[j].low, range[j].high);
+    fputs("EOD\n", sheet->page->file);
 }
 
 void saltus_sheet_record_data(saltus_sheet *sheet) {
@@ -305,15 +276,31 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
 }
 
 void saltus_sheet_data(saltus_sheet *sheet) {
+    const saltus_motion *m = sheet->motion;
+    const saltus_trajectory *r = sheet->record;
     saltus_sheet_record_data(sheet);
-    if (saltus_verdict_settled(sheet->motion->verdict))
-        put_multipliers(sheet);
-    else
-        put_section(sheet);
+    if (saltus_verdict_settled(m->verdict)) {
+        fputs("$multipliers << EOD\n# real imaginary\n", sheet->page->file);
+        for (int k = 0; k < m->multiplier_count; k++)
+            fprintf(sheet->page->file, "%.9g %.9g\n", m->multipliers[k].re, m->multipliers[k].im);
+    } else {
+        fputs("$section << EOD\n# displacement velocity\n", sheet->page->file);
+        for (long long k = 0; k < sheet->section->strobes; k++) {
+            double point[2];
+            saltus_sheet_strobe(sheet, sheet->section, k, point);
+            fprintf(sheet->page->file, "%.9g %.9g\n", point[0], point[1]);
+        }
+    }
+    fputs("EOD\n", sheet->page->file);
     if (saltus_notation_of(sheet->system)->structure == SALTUS_STRUCTURE_LINE)
         put_shapes(sheet);
-    else if (saltus_system_dof(sheet->system) > 1)
-        put_masses(sheet);
+    else if (saltus_system_dof(sheet->system) > 1) {
+        fputs("$masses << EOD\n# x1 x2 tau/T\n", sheet->page->file);
+        for (long long row = 0; row < sheet->rows; row++)
+            fprintf(sheet->page->file, "%.9g %.9g %.9g\n", r->states[row * r->dimension],
+                    r->states[row * r->dimension + 1], r->time[row]);
+        fputs("EOD\n", sheet->page->file);
+    }
     if (sheet->spectrum) {
         const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
         saltus_spectrum_low_data(&source, sheet->page);

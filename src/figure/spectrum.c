@@ -26,25 +26,6 @@ typedef struct row {
     double begin, end; /* of the logarithmic axis */
 } row;
 
-static void add_name(const row *r, saltus_line *line) {
-    char name[160];
-    int k = r->quantity.coordinate;
-    if (k == 0) {
-        saltus_observed_name(r->source->system, r->quantity.velocity, name, sizeof name);
-        saltus_line_add(line, "%s", name);
-        return;
-    }
-    const saltus_system *system = r->source->system;
-    const saltus_notation *n = saltus_notation_of(system);
-    if (saltus_model_text(saltus_system_spec(system)->model)) {
-        int entry = saltus_system_state_index(system, saltus_quantity_name(system, r->quantity).text);
-        saltus_line_state(line, system, entry);
-        return;
-    }
-    saltus_line_add(line, "%s %d, {/:Italic %s}%s_{%d}", n->part, k, n->coordinate,
-                    r->quantity.velocity ? "′" : "", k);
-}
-
 /* Data */
 
 static double decibels(double ratio, double factor) {
@@ -191,43 +172,46 @@ static void plot(const row *r, const char *block, double end, double floor, doub
     saltus_page_template(r->page, "close");
 }
 
-/* Whether a stronger line stands so near that the marks of both would touch. */
-static bool outshone(const saltus_spectrum *s, long long k, double near) {
-    const saltus_spectral_line *line = &s->lines[k];
-    for (long long other = 0; other < s->line_count; other++)
-        if (fabs(s->lines[other].frequency - line->frequency) < near &&
-            s->lines[other].amplitude > line->amplitude)
-            return true;
-    return false;
-}
-
-/* Small marks at the upper edge where strong lines stand out of a continuum. */
-static void put_line_marks(const row *r, double end) {
-    for (long long k = 0; k < r->s->line_count && r->s->kind == SALTUS_SPECTRUM_WELCH; k++) {
-        const saltus_spectral_line *line = &r->s->lines[k];
-        if (line->frequency < end && line->decibels > -60 && !outshone(r->s, k, 0.015 * end))
+static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_line *heading) {
+    const saltus_spectrum *s = r->s;
+    const saltus_range across = {0, r->low_end};
+    double floor = fmax(r->floor, shallow), width = frame.right - frame.left, near = 0.015 * r->low_end;
+    open_panel(r, frame, letter, heading, across, false, floor);
+    fprintf(r->page->file, "set xtics %g\nset mxtics 2\n",
+            width < 200        ? fmax(1, saltus_page_tic_step(across, 5))
+            : r->low_end <= 10 ? 1.0
+                               : 2.0);
+    /* Small marks at the upper edge where strong lines stand out of a continuum, unless a stronger line
+     * stands so near that the marks of both would touch. */
+    for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_WELCH; k++) {
+        const saltus_spectral_line *line = &s->lines[k];
+        bool marked = line->frequency < r->low_end && line->decibels > -60;
+        for (long long other = 0; other < s->line_count && marked; other++)
+            marked = !(fabs(s->lines[other].frequency - line->frequency) < near &&
+                       s->lines[other].amplitude > line->amplitude);
+        if (marked)
             fprintf(r->page->file,
                     "set label '▾' at %.9g, graph 1 center offset 0,0.35 front tc rgb '#c44e2a' font ',11'\n",
                     line->frequency);
     }
-}
-
-static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_line *heading) {
-    double floor = fmax(r->floor, shallow);
-    open_panel(r, frame, letter, heading, (saltus_range){0, r->low_end}, false, floor);
-    double width = frame.right - frame.left;
-    fprintf(r->page->file, "set xtics %g\nset mxtics 2\n",
-            width < 200        ? fmax(1, saltus_page_tic_step((saltus_range){0, r->low_end}, 5))
-            : r->low_end <= 10 ? 1.0
-                               : 2.0);
-    put_line_marks(r, r->low_end);
     plot(r, "low", r->low_end, floor, r->end, 0.7);
 }
 
 static void put_low(const row *r, saltus_frame frame, int letter) {
     const saltus_spectrum *s = r->s;
+    const saltus_system *system = r->source->system;
+    const saltus_notation *n = saltus_notation_of(system);
     saltus_line heading = {.length = 0};
-    add_name(r, &heading);
+    char name[160];
+    if (r->quantity.coordinate == 0) {
+        saltus_observed_name(system, r->quantity.velocity, name, sizeof name);
+        saltus_line_add(&heading, "%s", name);
+    } else if (saltus_model_text(saltus_system_spec(system)->model))
+        saltus_line_state(&heading, system,
+                          saltus_system_state_index(system, saltus_quantity_name(system, r->quantity).text));
+    else
+        saltus_line_add(&heading, "%s %d, {/:Italic %s}%s_{%d}", n->part, r->quantity.coordinate,
+                        n->coordinate, r->quantity.velocity ? "′" : "", r->quantity.coordinate);
     if (s->kind == SALTUS_SPECTRUM_LINES && s->periods > 1)
         saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}/%d; red: of {/:Italic ω}",
                         s->periods);
@@ -264,20 +248,6 @@ static void put_whole(const row *r, saltus_frame frame, int letter) {
 
 /* Caption */
 
-static void add_findings(const saltus_spectra_source *source, saltus_line *line) {
-    for (int k = 0; k < source->spectra->count; k++) {
-        const saltus_spectrum *s = &source->spectra->spectra[k];
-        saltus_line_add(line, "%s", line->length ? ";  " : "");
-        saltus_line_plain(line, saltus_quantity_name(source->system, source->spectra->quantities[k]).text);
-        saltus_line_add(line, ": ");
-        if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
-            saltus_line_number(line, "%.6g", s->mean);
-            saltus_line_add(line, " throughout");
-        } else
-            saltus_line_add(line, "total power %.4g, broadband fraction %.2g", s->variance, s->broadband);
-    }
-}
-
 static void put_caption(const saltus_spectra_source *source, saltus_page *page) {
     char verdict[64], method[256];
     saltus_line head = {.length = 0}, analysed = {.length = 0}, findings = {.length = 0};
@@ -287,20 +257,22 @@ static void put_caption(const saltus_spectra_source *source, saltus_page *page) 
     saltus_line_add(&head, ":  spectrum,  ");
     saltus_line_plain(&head, verdict);
     saltus_line_plain(&analysed, method);
-    add_findings(source, &findings);
+    for (int k = 0; k < source->spectra->count; k++) {
+        const saltus_spectrum *s = &source->spectra->spectra[k];
+        saltus_line_next(&findings);
+        saltus_line_plain(&findings,
+                          saltus_quantity_name(source->system, source->spectra->quantities[k]).text);
+        saltus_line_add(&findings, ": ");
+        if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
+            saltus_line_number(&findings, "%.6g", s->mean);
+            saltus_line_add(&findings, " throughout");
+        } else
+            saltus_line_add(&findings, "total power %.4g, broadband fraction %.2g", s->variance,
+                            s->broadband);
+    }
     saltus_page_scene(page, &head, source->scene->title, source->system);
     saltus_page_words(page, &analysed, "#202020");
     saltus_page_words(page, &findings, "#202020");
-}
-
-/* Two quantities take a row of the page each; one takes both, the low frequencies above. On a narrow page
- * each panel has a row. */
-static void put_panels(const row *rows, int count, const saltus_page *page) {
-    int columns = count > 1 && !saltus_page_narrow(page) ? 2 : 1, cells = 2 * count;
-    for (int cell = 0; cell < cells; cell++) {
-        saltus_frame frame = saltus_page_cell(page, cell, 1, columns, (cells + columns - 1) / columns);
-        (cell % 2 ? put_whole : put_low)(&rows[cell / 2], frame, cell);
-    }
 }
 
 static void put_script(const saltus_spectra_source *source, saltus_page *page) {
@@ -312,9 +284,10 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
             count++;
         }
     put_caption(source, page);
-    double words = page->height - page->top;
+    const double words = page->height - page->top;
+    const bool narrow = saltus_page_narrow(page);
     if (page->free_height && count)
-        page->height = saltus_page_narrow(page) ? page->width * 1.3 * count : page->width * 0.7 + words;
+        page->height = narrow ? page->width * 1.3 * count : page->width * 0.7 + words;
     page->top = page->height - words;
     saltus_page_fit_caption(page);
     saltus_page_begin(page);
@@ -324,7 +297,13 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
     }
     fputs("set multiplot\n", page->file);
     put_caption(source, page);
-    put_panels(rows, count, page);
+    /* Two quantities take a row of the page each; one takes both, the low frequencies above. On a narrow page
+     * each panel has a row. */
+    const int columns = count > 1 && !narrow ? 2 : 1, cells = 2 * count;
+    for (int cell = 0; cell < cells; cell++) {
+        saltus_frame frame = saltus_page_cell(page, cell, 1, columns, (cells + columns - 1) / columns);
+        (cell % 2 ? put_whole : put_low)(&rows[cell / 2], frame, cell);
+    }
     if (count == 0) {
         saltus_page_text(page, "Reason", "nothing moves: there is no spectrum");
         fputs("unset border\n", page->file);

@@ -30,11 +30,12 @@ static saltus_view choose_view(const saltus_sweep_file *sweep, saltus_view wante
                                                         : SALTUS_VIEW_LARGEST;
 }
 
-/* Whether the file holds what the view needs. */
+/* Whether the file holds what the view needs, and ranges are of what it shows. */
 static saltus_status check_view(const saltus_sweep_page *page, saltus_message *message) {
     const saltus_sweep_file *sweep = page->sweep;
     const char *word = saltus_view_word(page->view);
-    if (saltus_view_is_cloud(page->view) && sweep->axis_count > 1)
+    const bool two = sweep->axis_count > 1;
+    if (saltus_view_is_cloud(page->view) && two)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: view %s is over one axis, the file has two (%s and %s): class, "
                            "attractors, largest, rms, speed, rate, contact, lyapunov and settled are maps",
@@ -48,19 +49,13 @@ static saltus_status check_view(const saltus_sweep_page *page, saltus_message *m
                            "%.200s: is not complete, and attractors are told apart at the end: view class "
                            "shows what there is",
                            page->path);
-    return SALTUS_OK;
-}
-
-static saltus_status check_parts(const saltus_sweep_page *page, saltus_message *message) {
-    const saltus_axis *axes = page->sweep->axes;
-    bool two = page->sweep->axis_count > 1;
     for (int k = 0; k < page->wish->part_count; k++) {
         const char *key = page->wish->parts[k].key;
-        if (strcmp(key, axes[0].key) != 0 && !(two && strcmp(key, axes[1].key) == 0) &&
-            strcmp(key, saltus_view_word(page->view)) != 0)
-            return saltus_fail(
-                message, SALTUS_BAD_INPUT, "%.200s: range of %s: the figure shows %s%s%s and %s", page->path,
-                key, axes[0].key, two ? ", " : "", two ? axes[1].key : "", saltus_view_word(page->view));
+        if (strcmp(key, sweep->axes[0].key) != 0 && !(two && strcmp(key, sweep->axes[1].key) == 0) &&
+            strcmp(key, word) != 0)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%.200s: range of %s: the figure shows %s%s%s and %s", page->path, key,
+                               sweep->axes[0].key, two ? ", " : "", two ? sweep->axes[1].key : "", word);
     }
     return SALTUS_OK;
 }
@@ -174,41 +169,15 @@ static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message)
     return saltus_page_close(&page->paper, status, message);
 }
 
-/* What the curves of branches show so that they fit the view of the sweep. */
-static saltus_status find_measure(const saltus_sweep_page *page, saltus_plot_page *curves,
-                                  saltus_message *message) {
-    curves->locus = curves->over_map = page->sweep->axis_count > 1;
-    if (page->sweep->basins)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: nothing is drawn over basins of attraction",
-                           page->path);
-    if (page->view == SALTUS_VIEW_IMPACTS)
-        curves->show = SALTUS_SHOW_IMPACTS;
-    else if (page->view == SALTUS_VIEW_SPEED)
-        curves->show = SALTUS_SHOW_SPEED;
-    else if (page->view == SALTUS_VIEW_STROBOSCOPIC)
-        curves->show = SALTUS_SHOW_DISPLACEMENT;
-    else if (page->view == SALTUS_VIEW_TURNING)
-        curves->turning = true;
-    else if (!curves->locus)
-        return saltus_fail(
-            message, SALTUS_BAD_INPUT,
-            "%.200s: branches can be drawn over the views turning, impacts, speed and stroboscopic, not %s",
-            page->path, saltus_view_word(page->view));
-    return SALTUS_OK;
-}
-
-/* Whether two numbers are the same but for rounding. */
-static bool same(double a, double b) {
-    return fabs(a - b) <= 1e-9 * fmax(fabs(a), fabs(b));
-}
-
 /* Whether two systems of one structure differ in something that is on no axis: in `key`. */
 static bool differ(const saltus_spec *a, const saltus_sweep_file *sweep, char key[SALTUS_KEY_MAX]) {
+    const double rounding = 1e-9;
     const saltus_spec *b = &sweep->spec;
     const char *const axes[2] = {sweep->axes[0].key, sweep->axis_count > 1 ? sweep->axes[1].key : ""};
     saltus_plot_value own, other;
     for (int k = 0; saltus_plot_value_of(a, k, axes, &own) && saltus_plot_value_of(b, k, axes, &other); k++)
-        if (!own.on_axis && !same(own.value, other.value)) {
+        if (!own.on_axis &&
+            !(fabs(own.value - other.value) <= rounding * fmax(fabs(own.value), fabs(other.value)))) {
             memcpy(key, own.key, sizeof own.key);
             return true;
         }
@@ -243,31 +212,47 @@ static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_f
     return SALTUS_OK;
 }
 
-/* Read the branches and draw them with the sweep. */
+/* Read the branches and draw them with the sweep; their curves show what fits its view. */
 static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message) {
+    static const saltus_show shows[SALTUS_VIEW_SETTLED + 1] = {[SALTUS_VIEW_IMPACTS] = SALTUS_SHOW_IMPACTS,
+                                                               [SALTUS_VIEW_SPEED] = SALTUS_SHOW_SPEED,
+                                                               [SALTUS_VIEW_STROBOSCOPIC] =
+                                                                   SALTUS_SHOW_DISPLACEMENT};
     const saltus_plot_options no_labels = {.label_count = 0};
-    saltus_plot_page curves = {.system = page->system, .options = &no_labels};
     const bool two = page->sweep->axis_count > 1;
+    saltus_plot_page curves = {
+        .system = page->system,
+        .options = &no_labels,
+        .locus = two,
+        .over_map = two,
+        .show = shows[page->view],
+        .turning = page->view == SALTUS_VIEW_TURNING,
+        .x = page->x.range,
+        .y = two ? page->y.range : (saltus_range){-INFINITY, INFINITY},
+        .logarithmic = {page->x.logarithmic, two ? page->y.logarithmic : page->logarithmic}};
     int count = page->wish->branch_count, read = 0;
-    saltus_status status = find_measure(page, &curves, message);
-    saltus_branch_file *files = status == SALTUS_OK ? calloc((size_t)count, sizeof *files) : NULL;
-    if (status == SALTUS_OK && !files)
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);
+    if (page->sweep->basins)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: nothing is drawn over basins of attraction",
+                           page->path);
+    if (!two && !curves.turning && curves.show == SALTUS_SHOW_AUTOMATIC)
+        return saltus_fail(
+            message, SALTUS_BAD_INPUT,
+            "%.200s: branches can be drawn over the views turning, impacts, speed and stroboscopic, not %s",
+            page->path, saltus_view_word(page->view));
+    saltus_branch_file *files = calloc((size_t)count, sizeof *files);
+    if (!files)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d branch files", count);
+    saltus_status status = SALTUS_OK;
     for (; read < count && status == SALTUS_OK; read++) {
         status = saltus_branch_file_read(page->wish->branches[read], &files[read], message);
         if (status == SALTUS_OK)
             status = check_branch(page, &files[read], page->wish->branches[read], message);
     }
-    if (status == SALTUS_OK) {
-        curves.files = files;
-        curves.count = count;
-        curves.x = page->x.range;
-        curves.y = two ? page->y.range : (saltus_range){-INFINITY, INFINITY};
-        curves.logarithmic[0] = page->x.logarithmic;
-        curves.logarithmic[1] = two ? page->y.logarithmic : page->logarithmic;
-        page->branches = &curves;
+    curves.files = files;
+    curves.count = count;
+    page->branches = &curves;
+    if (status == SALTUS_OK)
         status = saltus_plot_find_visits(&curves, message);
-    }
     if (status == SALTUS_OK)
         status = draw_page(page, message);
     saltus_plot_free_visits(&curves);
@@ -295,8 +280,6 @@ static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path
                               .system = system};
     if (status == SALTUS_OK)
         status = check_view(&page, message);
-    if (status == SALTUS_OK)
-        status = check_parts(&page, message);
     if (status == SALTUS_OK)
         status = open_axes(&page, message);
     if (status == SALTUS_OK)

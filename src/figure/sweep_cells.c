@@ -21,37 +21,33 @@ static int by_value(const void *a, const void *b) {
                                 : (p->index > q->index) - (p->index < q->index);
 }
 
-/* Edges half way between neighbours; the outer cells are as wide outwards as inwards. */
-static void set_edges(saltus_cells *cells, const ranked *values) {
-    int n = cells->count;
-    for (int k = 1; k < n; k++)
-        cells->edge[k] = 0.5 * (place_of(cells, values[k - 1].value) + place_of(cells, values[k].value));
-    double first = place_of(cells, values[0].value), last = place_of(cells, values[n - 1].value);
-    double lone = 0.05 * fmax(fabs(first), 1e-3);
-    cells->edge[0] = n > 1 ? 2 * first - cells->edge[1] : first - lone;
-    cells->edge[n] = n > 1 ? 2 * last - cells->edge[n - 1] : last + lone;
-    cells->range = (saltus_range){cells->edge[0], cells->edge[n]};
-    if (cells->logarithmic)
-        cells->range = (saltus_range){exp(cells->range.low), exp(cells->range.high)};
-}
-
 bool saltus_cells_open(saltus_cells *cells, const saltus_axis *axis, bool logarithmic) {
-    size_t n = (size_t)axis->count;
-    *cells = (saltus_cells){.key = axis->key, .count = axis->count};
+    const int n = axis->count;
+    *cells = (saltus_cells){.key = axis->key, .count = n};
     cells->logarithmic = axis->spacing == SALTUS_LOGARITHMIC || logarithmic;
-    cells->order = calloc(n, sizeof *cells->order);
-    cells->edge = calloc(n + 1, sizeof *cells->edge);
-    ranked *values = calloc(n, sizeof *values);
+    cells->order = calloc((size_t)n, sizeof *cells->order);
+    cells->edge = calloc((size_t)n + 1, sizeof *cells->edge);
+    ranked *values = calloc((size_t)n, sizeof *values);
     bool sound = cells->order && cells->edge && values;
-    for (size_t k = 0; k < n && sound; k++) {
-        values[k] = (ranked){axis->list[k], (int)k};
+    for (int k = 0; k < n && sound; k++) {
+        values[k] = (ranked){axis->list[k], k};
         cells->logarithmic = cells->logarithmic && axis->list[k] > 0;
     }
     if (sound) {
-        qsort(values, n, sizeof *values, by_value);
-        for (size_t k = 0; k < n; k++)
+        /* Edges half way between neighbours; the outer cells are as wide outwards as inwards. */
+        qsort(values, (size_t)n, sizeof *values, by_value);
+        for (int k = 0; k < n; k++) {
             cells->order[k] = values[k].index;
-        set_edges(cells, values);
+            values[k].value = place_of(cells, values[k].value);
+        }
+        for (int k = 1; k < n; k++)
+            cells->edge[k] = 0.5 * (values[k - 1].value + values[k].value);
+        double first = values[0].value, last = values[n - 1].value, lone = 0.05 * fmax(fabs(first), 1e-3);
+        cells->edge[0] = n > 1 ? 2 * first - cells->edge[1] : first - lone;
+        cells->edge[n] = n > 1 ? 2 * last - cells->edge[n - 1] : last + lone;
+        cells->range = (saltus_range){cells->edge[0], cells->edge[n]};
+        if (cells->logarithmic)
+            cells->range = (saltus_range){exp(cells->range.low), exp(cells->range.high)};
     }
     free(values);
     return sound;
@@ -184,15 +180,6 @@ static int by_share(const void *a, const void *b) {
     return p->periods != q->periods ? p->periods - q->periods : p->impacts - q->impacts;
 }
 
-/* Keep one of each of the sorted keys, in place; their number. */
-static int unify(uint64_t *keys, long long count) {
-    int distinct = 0;
-    for (long long k = 0; k < count; k++)
-        if (distinct == 0 || keys[k] != keys[distinct - 1])
-            keys[distinct++] = keys[k];
-    return distinct;
-}
-
 static int index_of(const uint64_t *keys, int count, uint64_t key) {
     return (int)((const uint64_t *)bsearch(&key, keys, (size_t)count, sizeof key, by_key) - keys);
 }
@@ -288,7 +275,9 @@ bool saltus_classes_open(saltus_classes *classes, const saltus_sweep_file *sweep
             key_of(saltus_sweep_verdict(sweep, row), sweep->rows[row].impacts, sweep->rows[row].periods);
     if (sound) {
         qsort(keys, count, sizeof *keys, by_key);
-        classes->count = unify(keys, sweep->row_count);
+        for (size_t k = 0; k < count; k++)
+            if (k == 0 || keys[k] != keys[classes->count - 1])
+                keys[classes->count++] = keys[k];
         classes->list = calloc((size_t)classes->count, sizeof *classes->list);
         sound = classes->list && fill(classes, sweep, keys, of_rows);
     }

@@ -6,16 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a point of a figure of basins is that belongs to no attractor; these kinds follow those of the
- * attractors. */
-typedef enum plain_kind {
-    plain_irregular,
-    plain_failed,
-    plain_beyond,
-    plain_pending,
-    plain_kinds
-} plain_kind;
-
 static bool open_kinds(saltus_sweep_map *map, int count) {
     map->kind_count = count;
     map->kinds = calloc((size_t)count, sizeof *map->kinds);
@@ -48,23 +38,19 @@ static void add_shares(saltus_sweep_map *map) {
 }
 
 void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]) {
+    static const char *const words[SALTUS_VERDICTS] = {[SALTUS_LONG_PERIOD] = "long period, or slow",
+                                                       [SALTUS_HELD] = "held by the stop",
+                                                       [SALTUS_EQUILIBRIUM] = "at rest, no contact",
+                                                       [SALTUS_PENDING] = "not computed yet",
+                                                       [SALTUS_FAILED] = "failed"};
     bool measured = (sweep->options.keep & SALTUS_KEEP_LYAPUNOV) && sweep->options.measure > 0;
     if ((c->verdict == SALTUS_UNDECIDED || c->verdict == SALTUS_IRREGULAR) && !measured)
         snprintf(label, 64, "no period up to %d", sweep->options.longest);
-    else if (c->verdict == SALTUS_LONG_PERIOD)
-        snprintf(label, 64, "long period, or slow");
-    else if (c->verdict == SALTUS_HELD)
-        snprintf(label, 64, "held by the stop");
-    else if (c->verdict == SALTUS_EQUILIBRIUM)
-        snprintf(label, 64, "at rest, no contact");
-    else if (c->verdict == SALTUS_PENDING)
-        snprintf(label, 64, "not computed yet");
-    else if (c->verdict == SALTUS_FAILED)
-        snprintf(label, 64, "failed");
-    else if (c->verdict == SALTUS_PERIODIC && c->impacts == 0)
-        snprintf(label, 64, "%.31s  no impact", c->label);
+    else if (c->verdict < SALTUS_VERDICTS && words[c->verdict])
+        snprintf(label, 64, "%s", words[c->verdict]);
     else
-        snprintf(label, 64, "%.31s", c->label);
+        snprintf(label, 64, "%.31s%s", c->label,
+                 c->verdict == SALTUS_PERIODIC && c->impacts == 0 ? "  no impact" : "");
 }
 
 bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind) {
@@ -143,17 +129,6 @@ static const saltus_sweep_class *class_of(const saltus_sweep_map *map, int attra
     return NULL;
 }
 
-/* Whether motions of two attractors have colours so near that shades of them are not told apart. */
-static bool any_alike(const saltus_sweep_map *map) {
-    for (int k = 0; k < map->page->sweep->attractor_count; k++)
-        for (int j = 0; j < k; j++) {
-            const saltus_sweep_class *a = class_of(map, k), *b = class_of(map, j);
-            if (a && b && a->verdict == b->verdict && a->periods == b->periods)
-                return true;
-        }
-    return false;
-}
-
 /* How an attractor's basin is painted: as its motion is everywhere; of several attractors of one motion the
  * later ones are darker, with other textures. */
 static saltus_paint basin_paint(const saltus_sweep_map *map, int attractor) {
@@ -186,6 +161,15 @@ static void shade_basins(saltus_sweep_map *map) {
 }
 
 bool saltus_sweep_map_basins(saltus_sweep_map *map) {
+    /* What belongs to no attractor; these kinds follow those of the attractors. All else is of the first. */
+    static const struct {
+        const char *label;
+        int verdict;
+    } plain[] = {{"irregular", SALTUS_IRREGULAR},
+                 {"failed", SALTUS_FAILED},
+                 {"beyond a stop", SALTUS_BEYOND},
+                 {"not computed yet", SALTUS_PENDING}};
+    enum { plain_kinds = sizeof plain / sizeof plain[0] };
     const saltus_sweep_file *sweep = map->page->sweep;
     int n = sweep->attractor_count;
     map->number = calloc((size_t)sweep->points, sizeof *map->number);
@@ -197,25 +181,23 @@ bool saltus_sweep_map_basins(saltus_sweep_map *map) {
             snprintf(map->kinds[k].figures, sizeof map->kinds[k].figures, "|{/:Italic μ}| = %.3g",
                      sweep->attractor_multiplier[k]);
     }
-    static const struct {
-        const char *label;
-        int verdict;
-    } plain[plain_kinds] = {[plain_irregular] = {"irregular", SALTUS_IRREGULAR},
-                            [plain_failed] = {"failed", SALTUS_FAILED},
-                            [plain_beyond] = {"beyond a stop", SALTUS_BEYOND},
-                            [plain_pending] = {"not computed yet", SALTUS_PENDING}};
     for (int k = 0; k < plain_kinds; k++)
         name_kind(&map->kinds[n + k], plain[k].label, saltus_class_paint(plain[k].verdict, 0, 0));
     for (long long p = 0; p < sweep->points; p++) {
-        const saltus_sweep_row *row = &sweep->rows[saltus_sweep_visit(sweep, p, 0)];
-        int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, p, 0));
-        map->kind[p] = row->attractor >= 0         ? row->attractor
-                       : verdict == SALTUS_BEYOND  ? n + (int)plain_beyond
-                       : verdict == SALTUS_FAILED  ? n + (int)plain_failed
-                       : verdict == SALTUS_PENDING ? n + (int)plain_pending
-                                                   : n + (int)plain_irregular;
+        const long long row = saltus_sweep_visit(sweep, p, 0);
+        const int verdict = saltus_sweep_verdict(sweep, row);
+        int k = plain_kinds - 1;
+        while (k > 0 && plain[k].verdict != verdict)
+            k--;
+        map->kind[p] = sweep->rows[row].attractor >= 0 ? sweep->rows[row].attractor : n + k;
     }
-    map->shaded = !any_alike(map);
+    /* Shades of colours so near as those of two motions of one period would not be told apart. */
+    map->shaded = true;
+    for (int k = 0; k < n; k++)
+        for (int j = 0; j < k; j++) {
+            const saltus_sweep_class *a = class_of(map, k), *b = class_of(map, j);
+            map->shaded = map->shaded && !(a && b && a->verdict == b->verdict && a->periods == b->periods);
+        }
     if (map->shaded)
         shade_basins(map);
     add_shares(map);

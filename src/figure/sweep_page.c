@@ -32,17 +32,6 @@ static const struct {
     [SALTUS_VIEW_SETTLED] = {"periods until settled", "time until settled", "periods until settled",
                              .unforced = "time until settled"}};
 
-/* What the figure is, in a few words. */
-static const char *subject(const saltus_sweep_page *page) {
-    if (page->view == SALTUS_VIEW_CLASS && page->sweep->axis_count == 1)
-        return "period";
-    if (words[page->view].returns && !saltus_system_forced(page->system))
-        return words[page->view].returns;
-    if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
-        return "basins of attraction";
-    return words[page->view].called;
-}
-
 void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line) {
     char name[160] = "";
     if (page->view == SALTUS_VIEW_IMPACTS && page->sides) {
@@ -71,37 +60,6 @@ static void add_symbol(const saltus_system *system, const char *key, saltus_line
         saltus_line_symbol(line, key);
 }
 
-static void add_head(const saltus_sweep_page *page, saltus_line *line) {
-    const saltus_sweep_file *sweep = page->sweep;
-    saltus_line_plain(line, sweep->scene);
-    saltus_line_add(line, ":  %s in ", subject(page));
-    add_symbol(page->system, sweep->axes[0].key, line);
-    if (sweep->axis_count > 1) {
-        saltus_line_add(line, " and ");
-        add_symbol(page->system, sweep->axes[1].key, line);
-    }
-    if (sweep->complete)
-        return;
-    long long done = 0;
-    for (long long k = 0; k < sweep->row_count; k++)
-        done += sweep->rows[k].verdict != SALTUS_PENDING;
-    double part = (double)done / (double)sweep->row_count;
-    saltus_line_add(line, "  (interrupted: %.*f %% done)", part > 0.99 ? 1 : 0, floor(1000 * part) / 10);
-}
-
-/* How exponents were measured, where they are shown. */
-static void add_exponents(const saltus_sweep_page *page, saltus_line *line) {
-    const saltus_sweep_options *o = &page->sweep->options;
-    if (page->view != SALTUS_VIEW_LYAPUNOV)
-        return;
-    if (o->measure > 0)
-        saltus_line_add(line, ";  without a period: measured over up to %lld periods", o->measure);
-    if (page->sweep->axis_count == 1 && o->measure > 0)
-        saltus_line_add(line, ", bars ± one standard error");
-    if (saltus_sweep_any_lost(page))
-        saltus_line_add(line, ";  %s: all directions lost", page->sweep->axis_count > 1 ? "black" : "▼");
-}
-
 /* How many values there are, how each began, and how long it was given to settle. */
 static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_file *sweep = page->sweep;
@@ -124,11 +82,16 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
         saltus_line_add(line, ";  at most %lld periods until settled", o->transient);
     else if (o->adaptive)
         saltus_line_add(line, ";  recorded: one orbit, or %lld period%s where no period is found after %lld",
-                        o->record, o->record == 1 ? "" : "s", o->transient);
+                        o->record, saltus_plural(o->record), o->transient);
     else
-        saltus_line_add(line, ";  recorded: %lld period%s after %lld", o->record, o->record == 1 ? "" : "s",
+        saltus_line_add(line, ";  recorded: %lld period%s after %lld", o->record, saltus_plural(o->record),
                         o->transient);
-    add_exponents(page, line);
+    /* How exponents were measured, where they are shown. */
+    if (page->view == SALTUS_VIEW_LYAPUNOV && o->measure > 0)
+        saltus_line_add(line, ";  without a period: measured over up to %lld periods%s", o->measure,
+                        sweep->axis_count == 1 ? ", bars ± one standard error" : "");
+    if (page->view == SALTUS_VIEW_LYAPUNOV && saltus_sweep_any_lost(page))
+        saltus_line_add(line, ";  %s: all directions lost", sweep->axis_count > 1 ? "black" : "▼");
     bool numbers = page->view >= SALTUS_VIEW_LARGEST && saltus_sweep_visits(sweep) > 1;
     if (numbers && sweep->axis_count > 1)
         saltus_line_add(line, ";  shown: the first");
@@ -137,8 +100,26 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
 void saltus_sweep_caption(saltus_sweep_page *page) {
     const saltus_sweep_file *sweep = page->sweep;
     const char *const varied[2] = {sweep->axes[0].key, sweep->axis_count > 1 ? sweep->axes[1].key : NULL};
+    const bool forced = saltus_system_forced(page->system), counts = page->view == SALTUS_VIEW_ATTRACTORS;
+    const char *called = page->view == SALTUS_VIEW_CLASS && !varied[1] ? "period"
+                         : words[page->view].returns && !forced        ? words[page->view].returns
+                         : counts && sweep->basins                     ? "basins of attraction"
+                                                                       : words[page->view].called;
     saltus_line head = {.length = 0}, parameters = {.length = 0}, method = {.length = 0};
-    add_head(page, &head);
+    saltus_line_plain(&head, sweep->scene);
+    saltus_line_add(&head, ":  %s in ", called);
+    add_symbol(page->system, varied[0], &head);
+    if (varied[1]) {
+        saltus_line_add(&head, " and ");
+        add_symbol(page->system, varied[1], &head);
+    }
+    if (!sweep->complete) {
+        long long done = 0;
+        for (long long k = 0; k < sweep->row_count; k++)
+            done += sweep->rows[k].verdict != SALTUS_PENDING;
+        double part = (double)done / (double)sweep->row_count;
+        saltus_line_add(&head, "  (interrupted: %.*f %% done)", part > 0.99 ? 1 : 0, floor(1000 * part) / 10);
+    }
     saltus_line_parameters(&parameters, page->system, varied);
     add_method(page, &method);
     saltus_page_heading(&page->paper, &head);

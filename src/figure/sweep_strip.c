@@ -27,58 +27,48 @@ static int count_classes(const saltus_sweep_page *page, int pass, int width, int
     return total;
 }
 
-/* A column of a pass's band: the classes one above the other, each as high as its share. */
-static void paint_column(const saltus_sweep_page *page, const int *counts, int total, saltus_raster *raster,
-                         int x, int bottom, int height) {
-    int passed = 0, fineness = saltus_sweep_fineness(page);
-    for (int k = 0; k < page->classes.count; k++) {
-        int from = height * passed / total;
-        passed += counts[k];
-        for (int y = from; y < height * passed / total; y++)
-            saltus_raster_set(
-                raster, x, bottom + y,
-                saltus_paint_at(page->classes.list[k].paint, x / fineness, (bottom + y) / fineness), 1);
-    }
-}
-
 /* Whether a stretch of the band is wide enough for the name of its class. */
 static bool has_room(const saltus_sweep_page *page, const saltus_sweep_class *c, double from, double to) {
     const double letter = 9.2, room = 8;
     return (to - from) * (page->frame.right - page->frame.left) >= letter * (double)strlen(c->label) + room;
 }
 
-static void put_name(const saltus_sweep_page *page, const saltus_sweep_class *c, double from, double to,
-                     double middle) {
-    if (c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
-        return;
-    saltus_line name = {.length = 0};
-    saltus_line_plain(&name, c->label);
-    fprintf(page->file, "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
-            name.text, 0.5 * (from + to), middle,
-            saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
-}
-
 /* Names of the stretches along which one class prevails. */
 static void put_names(const saltus_sweep_page *page, const int *winners, int width, double middle) {
     for (int x = 0, end; x < width; x = end) {
+        const double from = (double)x / width;
         for (end = x + 1; end < width && winners[end] == winners[x];)
             end++;
-        if (winners[x] >= 0)
-            put_name(page, &page->classes.list[winners[x]], (double)x / width, (double)end / width, middle);
+        const double to = (double)end / width;
+        const saltus_sweep_class *c = winners[x] >= 0 ? &page->classes.list[winners[x]] : NULL;
+        saltus_line name = {.length = 0};
+        if (!c || c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
+            continue;
+        saltus_line_plain(&name, c->label);
+        fprintf(page->file, "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
+                name.text, 0.5 * (from + to), middle,
+                saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
     }
 }
 
 /* All bands, the first pass uppermost. */
 static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
-    int passes = page->sweep->pass_count, height = raster->height / passes;
+    int passes = page->sweep->pass_count, height = raster->height / passes,
+        fineness = saltus_sweep_fineness(page);
     int *counts = calloc((size_t)page->classes.count, sizeof *counts),
         *winners = calloc((size_t)raster->width, sizeof *winners);
     for (int pass = 0; pass < passes && counts && winners; pass++) {
         int bottom = (passes - 1 - pass) * height;
         for (int x = 0; x < raster->width; x++) {
             int total = count_classes(page, pass, raster->width, x, counts, &winners[x]);
-            if (total)
-                paint_column(page, counts, total, raster, x, bottom, height - (passes > 1));
+            /* The classes one above the other, each as high as its share. */
+            for (int k = 0, y = 0, passed = 0, high = height - (passes > 1); k < page->classes.count && total;
+                 k++)
+                for (passed += counts[k]; y < high * passed / total; y++)
+                    saltus_raster_set(
+                        raster, x, bottom + y,
+                        saltus_paint_at(page->classes.list[k].paint, x / fineness, (bottom + y) / fineness),
+                        1);
         }
         put_names(page, winners, raster->width, (bottom + 0.5 * height) / raster->height);
     }

@@ -102,7 +102,7 @@ static void put_caption(const record *r, saltus_page *page) {
 
 /* Side by side, or one above the other on a narrow page. */
 static void put_page(const record *r, saltus_page *page) {
-    saltus_sheet sheet = {.page = page, .file = page->file, .system = r->system, .record = &r->made};
+    saltus_sheet sheet = {.page = page, .system = r->system, .record = &r->made};
     const bool narrow = saltus_page_narrow(page);
     const int columns = narrow ? 1 : 2, rows = narrow ? 2 : 1;
     if (page->free_height)

@@ -32,41 +32,22 @@ struct saltus_branch_output {
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 
-/* Add a parameter table's names, so that rows can be read without this program. */
-static void put_names(saltus_h5 *w, hid_t group, const saltus_spec *spec) {
-    char names[SALTUS_PARAMETERS_MAX * SALTUS_KEY_MAX] = "";
-    int count;
-    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    size_t used = 0;
-    for (int k = 0; k < count && used < sizeof names; k++)
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k ? "," : "", p[k].name);
-    hid_t set = w->sound ? H5Dopen2(group, "parameters", H5P_DEFAULT) : -1;
-    if (saltus_h5_note(w, set >= 0))
-        saltus_h5_text(w, set, "names", names);
-    saltus_h5_close(set);
-}
-
-static void put_options(saltus_h5 *w, const saltus_branch_file *head, bool complete) {
+static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
+    const saltus_branch_file *head = &o->head;
     const saltus_branch_options *options = &head->options;
+    saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, head->complete);
+    saltus_h5_put_origin(w, &o->origin);
+    saltus_h5_text(w, w->file, "integrator",
+                   saltus_integrator_used(o->system, options->orbit.flow.integrator));
     hid_t group = saltus_h5_open_group(w, "continuation", "options of the run");
     saltus_h5_options(w, group, &saltus_branch_table, options);
     saltus_h5_reals(w, group, "values", "where points were asked for", options->values, options->value_count);
     saltus_h5_reals(w, group, "resume", "what the run goes on from; empty once it is complete", head->resume,
-                    complete ? 0 : head->resume_count);
+                    head->complete ? 0 : head->resume_count);
     saltus_h5_close(group);
-}
-
-static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
-    const saltus_branch_file *head = &o->head;
-    saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, head->complete);
-    saltus_h5_put_origin(w, &o->origin);
-    saltus_h5_text(w, w->file, "integrator",
-                   saltus_integrator_used(o->system, head->options.orbit.flow.integrator));
-    put_options(w, head, head->complete);
-    hid_t group = saltus_h5_open_group(w, "start", "the orbit that the branch was begun with");
-    if (w->sound)
-        saltus_h5_integer(w, group, "periods", head->periods);
-    if (w->sound && head->options.orbit.free_period)
+    group = saltus_h5_open_group(w, "start", "the orbit that the branch was begun with");
+    saltus_h5_integer(w, group, "periods", head->periods);
+    if (options->orbit.free_period)
         saltus_h5_double(w, group, "period", 2 * M_PI / saltus_spec_omega(&head->spec));
     saltus_h5_reals(w, group, "state", "q, q', further states at phase 0", head->state, head->dimension);
     saltus_h5_close(group);
@@ -74,11 +55,21 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
 
 static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
     const saltus_branch_output *o = context;
+    char names[SALTUS_PARAMETERS_MAX * SALTUS_KEY_MAX] = "";
+    int count;
+    size_t used = 0;
     (void)message;
     put_head(w, o);
     hid_t group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
     saltus_h5_rows(w, group, &o->points);
-    put_names(w, group, &o->head.spec);
+    /* The parameters' names, so that rows can be read without this program. */
+    const saltus_parameter *p = saltus_model_parameters(o->head.spec.model, &count);
+    for (int k = 0; k < count && used < sizeof names; k++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k ? "," : "", p[k].name);
+    hid_t set = w->sound ? H5Dopen2(group, "parameters", H5P_DEFAULT) : -1;
+    if (saltus_h5_note(w, set >= 0))
+        saltus_h5_text(w, set, "names", names);
+    saltus_h5_close(set);
     saltus_h5_close(group);
     group = saltus_h5_open_group(w, "events", "contact events of the orbits, see /points/event_first");
     saltus_h5_rows(w, group, &o->events);
@@ -167,21 +158,16 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
     return status;
 }
 
-/* Append the events of a point; false when there is no memory. */
-static bool add_events(saltus_branch_output *o, const saltus_branch_point *point) {
-    for (int k = 0; k < point->event_count; k++) {
-        saltus_event_row row = saltus_event_row_of(o->system, &point->events[k]);
-        if (!saltus_rows_add(&o->events, &row))
-            return false;
-    }
-    return true;
-}
-
-/* One row more, in memory. */
+/* One row more, in memory, with its events. */
 static saltus_status append_point(saltus_branch_output *o, const saltus_branch_point *point,
                                   saltus_message *message) {
     const saltus_point_row row = {.point = *point, .event_first = o->events.count};
-    if (!add_events(o, point) || !saltus_rows_add(&o->points, &row))
+    bool there = true;
+    for (int k = 0; k < point->event_count && there; k++) {
+        const saltus_event_row event = saltus_event_row_of(o->system, &point->events[k]);
+        there = saltus_rows_add(&o->events, &event);
+    }
+    if (!there || !saltus_rows_add(&o->points, &row))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for another point of the branch");
     return SALTUS_OK;
 }

@@ -106,61 +106,27 @@ static saltus_status read_events(reader *r, long long *count) {
     return status;
 }
 
-/* Whether a touch is at a face there is, at a time of the orbit. */
-static bool is_touch(const saltus_system *system, const saltus_branch_point *point) {
-    if (point->grazing_stop == 0)
-        return point->grazing_side == 0 && isnan(point->grazing_time);
-    return saltus_face_of(system, point->grazing_stop, point->grazing_side) >= 0 &&
-           point->grazing_time >= 0 &&
-           (point->grazing_time < point->periods || (!point->periods && point->grazing_time == 0));
-}
-
-/* Whether a row is one of a branch. */
+/* Whether a row is one of a branch; a touch is at a face there is, at a time of the orbit. */
 static bool is_point(const reader *r, const saltus_point_row *row, long long events) {
     const saltus_branch_point *point = &row->point;
+    const double time = point->grazing_time;
     const bool on_locus = point->locus >= SALTUS_POINT_LP && point->locus <= SALTUS_POINT_BE;
     const bool fits = r->made->options.locus ? on_locus : point->locus == SALTUS_POINT_REGULAR;
-    return fits && point->event_count >= 0 && row->event_first >= 0 &&
+    const bool touches = point->grazing_stop == 0
+                             ? point->grazing_side == 0 && isnan(time)
+                             : saltus_face_of(r->system, point->grazing_stop, point->grazing_side) >= 0 &&
+                                   time >= 0 && (time < point->periods || (!point->periods && time == 0));
+    return fits && touches && point->event_count >= 0 && row->event_first >= 0 &&
            row->event_first <= events - point->event_count &&
            point->periods >= saltus_system_forced(r->system) &&
            all_finite(point->state, r->made->dimension) &&
            all_finite(point->spec.parameters, r->counts[SALTUS_COUNT_PARAMETERS]) &&
-           isfinite(point->value[0]) && is_touch(r->system, point);
-}
-
-static saltus_status fill_points(reader *r, const saltus_h5_shape *shape, saltus_point_row *rows,
-                                 long long events) {
-    saltus_branch_file *made = r->made;
-    int n = made->dimension;
-    for (int k = 0; k < made->point_count; k++)
-        rows[k].point = (saltus_branch_point){.spec = made->spec,
-                                              .dimension = n,
-                                              .state = made->states + (size_t)k * (size_t)n,
-                                              .multipliers = made->multipliers + (size_t)k * (size_t)n};
-    saltus_status status =
-        saltus_h5_get_rows(&r->h5, "points", &saltus_point_fields, r->counts, shape, rows, sizeof *rows);
-    for (int k = 0; k < made->point_count && status == SALTUS_OK; k++) {
-        char what[64];
-        snprintf(what, sizeof what, "row %d of /points is not a point", k + 1);
-        if (!is_point(r, &rows[k], events))
-            return saltus_h5_refuse(&r->h5, what);
-        made->points[k] = rows[k].point;
-        saltus_branch_point *point = &made->points[k];
-        const bool own_period = point->trivial_multiplier != 0;
-        point->multiplier_count = n - own_period;
-        while (point->periods == 0 && point->multiplier_count > 0 &&
-               isnan(point->multipliers[point->multiplier_count - 1].re))
-            point->multiplier_count--;
-        if (own_period)
-            saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
-        made->points[k].events = made->events + rows[k].event_first;
-    }
-    return status;
+           isfinite(point->value[0]);
 }
 
 static saltus_status read_points(reader *r, long long events) {
     saltus_branch_file *made = r->made;
-    size_t n = (size_t)made->dimension;
+    const int n = made->dimension;
     saltus_h5_shape shape = {.rank = 0};
     saltus_status status =
         saltus_h5_find_rows(&r->h5, "points", &saltus_point_fields, r->counts, most_rows, false, &shape);
@@ -168,16 +134,39 @@ static saltus_status read_points(reader *r, long long events) {
         status = saltus_h5_refuse(&r->h5, "it has no points");
     if (status != SALTUS_OK)
         return status;
-    size_t count = (size_t)shape.size[0];
+    const size_t count = (size_t)shape.size[0], entries = count * (size_t)n;
     saltus_point_row *rows = calloc(count, sizeof *rows);
     made->points = calloc(count, sizeof *made->points);
-    made->states = calloc(count * n, sizeof *made->states);
-    made->multipliers = calloc(count * n, sizeof *made->multipliers);
+    made->states = calloc(entries, sizeof *made->states);
+    made->multipliers = calloc(entries, sizeof *made->multipliers);
     made->point_count = (int)count;
-    if (rows && made->points && made->states && made->multipliers)
-        status = fill_points(r, &shape, rows, events);
-    else
-        status = saltus_h5_no_memory(&r->h5);
+    const bool memory = rows && made->points && made->states && made->multipliers;
+    for (size_t k = 0; k < count && memory; k++)
+        rows[k].point = (saltus_branch_point){.spec = made->spec,
+                                              .dimension = n,
+                                              .state = made->states + k * (size_t)n,
+                                              .multipliers = made->multipliers + k * (size_t)n};
+    status = memory ? saltus_h5_get_rows(&r->h5, "points", &saltus_point_fields, r->counts, &shape, rows,
+                                         sizeof *rows)
+                    : saltus_h5_no_memory(&r->h5);
+    for (size_t k = 0; k < count && status == SALTUS_OK; k++) {
+        saltus_branch_point *point = &made->points[k];
+        char what[64];
+        snprintf(what, sizeof what, "row %zu of /points is not a point", k + 1);
+        if (!is_point(r, &rows[k], events)) {
+            status = saltus_h5_refuse(&r->h5, what);
+            break;
+        }
+        *point = rows[k].point;
+        const bool own_period = point->trivial_multiplier != 0;
+        point->multiplier_count = n - own_period;
+        while (point->periods == 0 && point->multiplier_count > 0 &&
+               isnan(point->multipliers[point->multiplier_count - 1].re))
+            point->multiplier_count--;
+        if (own_period)
+            saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
+        point->events = made->events + rows[k].event_first;
+    }
     free(rows);
     return status;
 }

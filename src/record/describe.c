@@ -99,6 +99,13 @@ void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *sce
     fputc('\n', file);
 }
 
+void saltus_put_tolerances(FILE *file, const saltus_system *system, const saltus_flow_options *flow) {
+    char rtol[SALTUS_NUMBER_MAX], atol[SALTUS_NUMBER_MAX];
+    fprintf(file, "rtol = %s, atol = %s, integrator = %s (%s)", saltus_number(flow->rtol, rtol),
+            saltus_number(flow->atol, atol), saltus_integrator_word(flow->integrator),
+            saltus_integrator_used(system, flow->integrator));
+}
+
 void saltus_put_section(FILE *file, const saltus_system *system) {
     const saltus_poincare section = saltus_system_poincare(system);
     if (section.kind == SALTUS_POINCARE_ZERO)

@@ -50,6 +50,8 @@ void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
  * motion (NULL: none), model, parameters and stops. */
 void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *scene, const char *motion,
                            const saltus_spec *spec);
+/* How accurately trajectories were followed, and by which integrator, as `key = value` phrases. */
+void saltus_put_tolerances(FILE *file, const saltus_system *system, const saltus_flow_options *flow);
 /* Whether the multiplier k is the first of a complex conjugate pair. */
 bool saltus_multiplier_pair(const saltus_motion *motion, int k);
 /* The leading eigenvalues of a rest as a line for people; a complex pair is named once. `held`: of the motion

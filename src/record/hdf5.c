@@ -165,19 +165,6 @@ static void put_parameters(saltus_h5 *w, const saltus_spec *spec) {
     }
 }
 
-/* The names of the state's entries, separated by blanks. */
-static void put_state_names(saltus_h5 *w, const saltus_spec *spec) {
-    char text[SALTUS_STATE_MAX * sizeof(saltus_state_name)] = "";
-    const int dimension = saltus_spec_dimension(spec, NULL);
-    size_t used = 0;
-    if (!saltus_h5_note_memory(w, dimension >= 0))
-        return;
-    for (int i = 0; i < dimension; i++)
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", i ? " " : "",
-                                 saltus_spec_state_name(spec, i).text);
-    saltus_h5_text(w, w->file, "state", text);
-}
-
 void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const char *title,
                         const saltus_spec *spec, bool complete) {
     saltus_h5_text(w, w->file, "kind", kind);
@@ -189,7 +176,15 @@ void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const
         saltus_h5_text(w, w->file, "equations", saltus_model_text(spec->model));
     if (spec->observe[0])
         saltus_h5_text(w, w->file, "observe", spec->observe);
-    put_state_names(w, spec);
+    /* The names of the state's entries, separated by blanks. */
+    char names[SALTUS_STATE_MAX * sizeof(saltus_state_name)] = "";
+    const int dimension = saltus_spec_dimension(spec, NULL);
+    size_t used = 0;
+    for (int i = 0; i < dimension; i++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? " " : "",
+                                 saltus_spec_state_name(spec, i).text);
+    if (saltus_h5_note_memory(w, dimension >= 0))
+        saltus_h5_text(w, w->file, "state", names);
     saltus_h5_integer(w, w->file, "complete", complete);
     put_parameters(w, spec);
 }
@@ -281,18 +276,6 @@ hid_t saltus_h5_find_group(hid_t file, const char *name) {
     return H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Gopen2(file, name, H5P_DEFAULT) : -1;
 }
 
-/* Whether all is there, and the numbers are finite. */
-static bool get_stop(hid_t file, const char *name, const saltus_field_table *table, saltus_stop *stop) {
-    hid_t group = H5Gopen2(file, name, H5P_DEFAULT);
-    bool whole = group >= 0;
-    *stop = saltus_stop_defaults();
-    for (int k = 0; k < table->count && whole; k++)
-        whole = get_field(group, &table->fields[k], stop) &&
-                isfinite(saltus_field_number(&table->fields[k], stop));
-    saltus_h5_close(group);
-    return whole;
-}
-
 saltus_status saltus_h5_reader_open(saltus_h5_reader *r) {
     r->file = -1;
     if (!saltus_h5_quiet(&r->silence))
@@ -345,7 +328,17 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
         snprintf(name, sizeof name, "parameters/stop_%d", spec->stop_count + 1);
         if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0)
             break;
-        if (!get_stop(r->file, name, stop_table(model), &spec->stops[spec->stop_count]))
+        /* All of it is there, and the numbers are finite. */
+        const saltus_field_table *table = stop_table(model);
+        saltus_stop *stop = &spec->stops[spec->stop_count];
+        *stop = saltus_stop_defaults();
+        group = H5Gopen2(r->file, name, H5P_DEFAULT);
+        bool whole = group >= 0;
+        for (int k = 0; k < table->count && whole; k++)
+            whole = get_field(group, &table->fields[k], stop) &&
+                    isfinite(saltus_field_number(&table->fields[k], stop));
+        saltus_h5_close(group);
+        if (!whole)
             return saltus_h5_refuse_part(r, name, "d, r, sides");
     }
     if (H5Aexists(r->file, "observe") > 0 &&

@@ -181,14 +181,13 @@ static void describe_quantity(FILE *file, const saltus_spectrum *s, const char *
 
 static void put_header(const saltus_spectra_source *source, FILE *file) {
     const saltus_spectra *spectra = source->spectra;
-    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], method[256];
+    char method[256];
     saltus_spectra_method(spectra, method, sizeof method);
     saltus_put_table_head(file, "spectrum", source->scene, source->motion->label,
                           saltus_system_spec(source->system));
-    fprintf(file, "# options: rtol = %s, atol = %s, integrator = %s (%s)\n# analysed: %s\n",
-            saltus_number(source->flow->rtol, a), saltus_number(source->flow->atol, b),
-            saltus_integrator_word(source->flow->integrator),
-            saltus_integrator_used(source->system, source->flow->integrator), method);
+    fputs("# options: ", file);
+    saltus_put_tolerances(file, source->system, source->flow);
+    fprintf(file, "\n# analysed: %s\n", method);
     for (int k = 0; k < spectra->count; k++)
         describe_quantity(file, &spectra->spectra[k],
                           saltus_quantity_name(source->system, spectra->quantities[k]).text);

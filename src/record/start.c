@@ -173,11 +173,6 @@ static saltus_status read_document(const source *s, const saltus_source *json, s
     return status;
 }
 
-/* Whether a text's line begins with another object. */
-static bool object_begins(const char *text, size_t length, int line) {
-    return find_line(&text, &length, line) && *text == '{';
-}
-
 /* Read the object that describes the orbit: the whole text, one of its lines, or one of a list of attractors.
  * *json says what was read. */
 static saltus_status find_object(const source *s, saltus_source *json, saltus_document *document,
@@ -204,7 +199,7 @@ static saltus_status find_object(const source *s, saltus_source *json, saltus_do
         status = read_document(s, json, document);
         *object = document->root;
     } else if (status != SALTUS_OK && message->cause == SALTUS_CAUSE_SEVERAL &&
-               object_begins(text, length, message->line))
+               find_line(&text, &length, message->line) && *text == '{')
         return refuse(s, message, "holds several orbits; name one by its line, as in FILE:1");
     return status;
 }
@@ -333,22 +328,11 @@ static saltus_status row_spec(const source *s, const saltus_sweep_file *file, lo
     return SALTUS_OK;
 }
 
-/* The state that a row keeps, on its motion; NULL where it keeps none. */
-static const double *row_state(const saltus_sweep_file *file, long long row) {
-    int attractor = file->rows[row].attractor;
-    if (file->basins)
-        return attractor >= 0 && file->attractor_points[attractor] > 0
-                   ? file->attractor_states + file->attractor_first[attractor] * file->dimension
-                   : NULL;
-    return file->strobe_count && file->strobe_count[row] > 0
-               ? file->strobes + file->strobe_first[row] * file->dimension
-               : NULL;
-}
-
 static saltus_status take_row(const source *s, const saltus_sweep_file *file, long long row,
                               saltus_start *start, saltus_message *message) {
     const saltus_sweep_row *told = &file->rows[row];
-    const double *state = row_state(file, row);
+    const int attractor = told->attractor;
+    const double *state = NULL; /* that it keeps, on its motion */
     bool moves_start;
     long long pass = row / file->options.seeds / file->points;
     if (told->verdict == SALTUS_FAILED || told->verdict == SALTUS_PENDING)
@@ -359,6 +343,10 @@ static saltus_status take_row(const source *s, const saltus_sweep_file *file, lo
     saltus_status status = row_spec(s, file, row, &start->spec, &moves_start, message);
     if (status != SALTUS_OK)
         return status;
+    if (file->basins && attractor >= 0 && file->attractor_points[attractor] > 0)
+        state = file->attractor_states + file->attractor_first[attractor] * file->dimension;
+    if (!file->basins && file->strobe_count && file->strobe_count[row] > 0)
+        state = file->strobes + file->strobe_first[row] * file->dimension;
     /* Without a state the scene's own initial state leads to the motion, if it has done so in the sweep. */
     bool own = file->pass_count > 0 && file->passes[pass] == SALTUS_PASS_RESET &&
                row % file->options.seeds == 0 && !moves_start;
@@ -440,7 +428,7 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
                            saltus_spec_get(&scene->spec, "N"), dimension);
     if (start->spec.stop_count != scene->spec.stop_count)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: its orbit has %d stop%s, the scene %d", name,
-                           start->spec.stop_count, start->spec.stop_count == 1 ? "" : "s",
+                           start->spec.stop_count, saltus_plural(start->spec.stop_count),
                            scene->spec.stop_count);
     /* A title describes the scene as it was written. */
     if (!saltus_spec_equal(&scene->spec, &start->spec))

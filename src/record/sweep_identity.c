@@ -80,17 +80,6 @@ static void put_axis(const writer *w, const saltus_axis *axis, int k) {
     }
 }
 
-static void put_options(const writer *w, const saltus_sweep_options *o) {
-    char text[SALTUS_FIELD_TEXT_MAX];
-    for (int k = 0; k < saltus_sweep_table.count; k++) {
-        const saltus_option *option = &saltus_sweep_table.options[k];
-        const char *value = saltus_field_text(&option->field, o, text);
-        /* Where nothing is kept beside the rows. */
-        if (!option->apart)
-            put_word(w, option->field.name, value[0] ? value : "rows");
-    }
-}
-
 void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const char *prefix) {
     const writer w = {file, prefix};
     put_word(&w, "version", head->version);
@@ -105,7 +94,14 @@ void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const 
     put_whole(&w, "axes", head->axis_count);
     for (int k = 0; k < head->axis_count; k++)
         put_axis(&w, &head->axes[k], k);
-    put_options(&w, &head->options);
+    for (int k = 0; k < saltus_sweep_table.count; k++) {
+        const saltus_option *option = &saltus_sweep_table.options[k];
+        char text[SALTUS_FIELD_TEXT_MAX];
+        const char *value = saltus_field_text(&option->field, &head->options, text);
+        /* Where nothing is kept beside the rows. */
+        if (!option->apart)
+            put_word(&w, option->field.name, value[0] ? value : "rows");
+    }
 }
 
 char *saltus_sweep_identity_text(const saltus_sweep_file *head) {

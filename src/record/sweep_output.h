@@ -78,10 +78,6 @@ const void *saltus_sweep_stream_cloud(const saltus_sweep_stream *stream, int clo
  */
 saltus_h5_put saltus_sweep_put_hdf5;
 
-/* sweep_head.c: its parts other than rows and clouds; what fails is noted. */
-void saltus_sweep_put_head(saltus_h5 *w, const saltus_sweep_stream *stream);
-void saltus_sweep_put_attractors(saltus_h5 *w, const saltus_sweep_stream *stream);
-
 /* sweep_csv.c: write all rows. Errors: those of the stream. */
 saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, saltus_message *message);
 

@@ -158,52 +158,49 @@ static bool split_spans(const saltus_span *spans, size_t rows, long long total, 
     return true;
 }
 
-static saltus_status read_spans(reader *r, const char *group, long long total, long long **first,
-                                long long **count) {
-    size_t rows = (size_t)r->made->row_count;
-    saltus_status status = saltus_h5_find_rows(&r->h5, group, &saltus_span_fields, NULL, most_rows,
-                                               !r->made->complete, &r->grid);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_span *spans = calloc(rows, sizeof *spans);
-    *first = malloc(rows * sizeof **first);
-    *count = malloc(rows * sizeof **count);
-    status = spans && *first && *count ? saltus_h5_get_rows(&r->h5, group, &saltus_span_fields, NULL,
-                                                            &r->grid, spans, sizeof *spans)
-                                       : saltus_h5_no_memory(&r->h5);
-    if (status == SALTUS_OK && !split_spans(spans, rows, total, *first, *count))
-        status = saltus_h5_refuse_part(&r->h5, group, "first, count");
-    free(spans);
-    return status;
-}
-
+/* A cloud, where it was kept: its entries, and which of them each row has. */
 static saltus_status read_cloud(reader *r, int which, long long **first, long long **count, void **entries,
                                 long long *total) {
     const saltus_cloud_kind *cloud = &saltus_clouds[which];
-    size_t stride = cloud->bytes ? cloud->bytes : (size_t)r->made->dimension * sizeof(double);
+    const size_t rows = (size_t)r->made->row_count,
+                 stride = cloud->bytes ? cloud->bytes : (size_t)r->made->dimension * sizeof(double);
     *total = 0;
     if (!(r->made->options.keep & cloud->keep))
         return SALTUS_OK;
     saltus_status status = saltus_h5_get_all(&r->h5, cloud->group, &cloud->fields, r->counts,
                                              LLONG_MAX / 1024, stride, entries, total);
-    return status == SALTUS_OK ? read_spans(r, cloud->group, *total, first, count) : status;
+    if (status == SALTUS_OK)
+        status = saltus_h5_find_rows(&r->h5, cloud->group, &saltus_span_fields, NULL, most_rows,
+                                     !r->made->complete, &r->grid);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_span *spans = calloc(rows, sizeof *spans);
+    *first = malloc(rows * sizeof **first);
+    *count = malloc(rows * sizeof **count);
+    status = spans && *first && *count ? saltus_h5_get_rows(&r->h5, cloud->group, &saltus_span_fields, NULL,
+                                                            &r->grid, spans, sizeof *spans)
+                                       : saltus_h5_no_memory(&r->h5);
+    if (status == SALTUS_OK && !split_spans(spans, rows, *total, *first, *count))
+        status = saltus_h5_refuse_part(&r->h5, cloud->group, "first, count");
+    free(spans);
+    return status;
 }
 
 static saltus_status read_clouds(reader *r) {
     saltus_sweep_file *made = r->made;
-    void *turning = NULL, *impacts = NULL, *strobes = NULL;
-    long long total;
-    saltus_status status = read_cloud(r, 0, &made->turning_first, &made->turning_count, &turning, &total);
-    made->turning = turning;
-    if (status == SALTUS_OK)
-        status = read_cloud(r, 1, &made->impact_first, &made->impact_count, &impacts, &total);
-    made->impacts = impacts;
-    for (long long i = 0; i < total && status == SALTUS_OK; i++)
+    void *entries[SALTUS_CLOUDS] = {NULL, NULL, NULL};
+    long long **const first[] = {&made->turning_first, &made->impact_first, &made->strobe_first},
+                      **const count[] = {&made->turning_count, &made->impact_count, &made->strobe_count},
+                      total[SALTUS_CLOUDS] = {0, 0, 0};
+    saltus_status status = SALTUS_OK;
+    for (int c = 0; c < SALTUS_CLOUDS && status == SALTUS_OK; c++)
+        status = read_cloud(r, c, first[c], count[c], &entries[c], &total[c]);
+    made->turning = entries[0];
+    made->impacts = entries[1];
+    made->strobes = entries[2];
+    for (long long i = 0; i < total[1] && status == SALTUS_OK; i++)
         if (made->impacts[i].face < 0 || made->impacts[i].face >= SALTUS_FACES_MAX)
             status = saltus_h5_refuse_part(&r->h5, "impacts", "face");
-    if (status == SALTUS_OK)
-        status = read_cloud(r, 2, &made->strobe_first, &made->strobe_count, &strobes, &total);
-    made->strobes = strobes;
     return status;
 }
 

@@ -21,12 +21,11 @@ typedef struct source {
 
 static void put_header(const source *s, FILE *file) {
     const saltus_system *system = s->system;
-    const saltus_flow_options *o = s->options;
-    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX];
+    char a[SALTUS_NUMBER_MAX];
     saltus_put_table_head(file, "trajectory", s->scene, NULL, saltus_system_spec(system));
-    fprintf(file, "# options: rtol = %s, atol = %s, integrator = %s (%s), order = %d\n",
-            saltus_number(o->rtol, a), saltus_number(o->atol, b), saltus_integrator_word(o->integrator),
-            saltus_integrator_used(system, o->integrator), o->order);
+    fputs("# options: ", file);
+    saltus_put_tolerances(file, system, s->options);
+    fprintf(file, ", order = %d\n", s->options->order);
     fprintf(file, "# time_over_T: time from the start of the recording in %s T = %s\n",
             saltus_system_forced(system) ? "forcing periods" : "units of",
             saltus_number(saltus_system_period(system), a));
@@ -45,15 +44,6 @@ static void put_header(const source *s, FILE *file) {
           file);
 }
 
-static void put_columns(const saltus_system *system, FILE *file) {
-    fputs("time_over_T,displacement,velocity", file);
-    for (int i = 0; i < saltus_system_dimension(system); i++)
-        fprintf(file, ",%s", saltus_system_state_name(system, i).text);
-    for (int k = 0; k < saltus_system_observable_count(system); k++)
-        fprintf(file, ",%s", saltus_system_observable_name(system, k));
-    fputs(",stop,side,event\n", file);
-}
-
 /* Comment lines and one row per sample; failures are left in the file's error flag. */
 static saltus_status write_csv(const source *s, FILE *file) {
     const saltus_trajectory *r = s->record;
@@ -63,7 +53,12 @@ static saltus_status write_csv(const source *s, FILE *file) {
     if (!seen)
         return SALTUS_NO_MEMORY;
     put_header(s, file);
-    put_columns(s->system, file);
+    fputs("time_over_T,displacement,velocity", file);
+    for (int i = 0; i < r->dimension; i++)
+        fprintf(file, ",%s", saltus_system_state_name(s->system, i).text);
+    for (int k = 0; k < observables; k++)
+        fprintf(file, ",%s", saltus_system_observable_name(s->system, k));
+    fputs(",stop,side,event\n", file);
     for (long long row = 0; row < r->samples && !ferror(file); row++) {
         const double observed[] = {r->displacement[row], r->velocity[row]};
         saltus_put_number(file, r->time[row]);
