@@ -525,6 +525,53 @@ static void names_are_nearest_to_their_own_marks(void **state) {
     assert_true(names > 20);
 }
 
+/* Where marks lie on each other, names that have no place beside them stand farther away, and lines lead from
+ * the marks to them. */
+static void crowded_marks_have_their_names(void **state) {
+    (void)state;
+    static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
+                                             SALTUS_POINT_GR, SALTUS_POINT_BP, SALTUS_POINT_CH};
+    enum { crowd = 6, first = 48 };
+    saltus_plot_options how = saltus_plot_defaults();
+    int led = 0;
+    make_branch();
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    how.look.width = 85;
+    for (int k = 0; k < crowd; k++) {
+        made.point[first + k].kind = list[k];
+        made.point[first + k].value[0] = made.point[first].value[0] + 1e-4 * k;
+        made.state[first + k][0] = made.state[first][0] - 1e-5 * k;
+    }
+    write_branch("b.h5");
+    figure f = draw(&how);
+    const figure_panel *panel = &f.panel[0];
+    for (int k = 0; k < crowd; k++) {
+        const char *word = saltus_point_word(list[k]);
+        const figure_mark *label = NULL, *arrow;
+        for (int m = 0; m < panel->mark_count; m++)
+            if (panel->mark[m].kind == 'l' && strcmp(panel->mark[m].text, word) == 0) {
+                assert_null(label);
+                label = &panel->mark[m];
+            }
+        if (!label)
+            fail_msg("%s has no name", word);
+        const double own[2] = {
+            (made.point[first + k].value[0] - panel->range[0][0]) / (panel->range[0][1] - panel->range[0][0]),
+            (made.state[first + k][0] - panel->range[1][0]) / (panel->range[1][1] - panel->range[1][0])};
+        for (int a = 0; (arrow = figure_mark_of(panel, 'a', "nohead", a)) != NULL; a++) {
+            /* From the mark towards the name, and short of it. */
+            const double *from = arrow->place[0], *to = arrow->place[1], *end = label->place[0];
+            if (hypot(from[0] - own[0], from[1] - own[1]) > 1e-3 ||
+                hypot(to[0] - end[0], to[1] - end[1]) > 0.06)
+                continue;
+            assert_true(hypot(to[0] - end[0], to[1] - end[1]) < hypot(from[0] - end[0], from[1] - end[1]));
+            led++;
+        }
+    }
+    assert_true(led > 0);
+    figure_free(&f);
+}
+
 /* Two files with the same curves do not have their names on each other. */
 static void names_do_not_lie_on_each_other(void **state) {
     (void)state;
@@ -1383,6 +1430,7 @@ int main(void) {
         cmocka_unit_test(names_stand_on_their_stretches),
         cmocka_unit_test(names_do_not_lie_on_each_other),
         cmocka_unit_test(names_are_nearest_to_their_own_marks),
+        cmocka_unit_test(crowded_marks_have_their_names),
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(longer_names_are_other_parameters),
         cmocka_unit_test(zero_has_an_axis),

@@ -24,6 +24,8 @@ typedef struct places {
     int count;
     double (*lines)[2][2]; /* the pieces of all curves, in heights of a word too */
     int line_count;
+    const saltus_branch_point *unnamed[places_max]; /* special points without a place for their names */
+    int unnamed_count;
 } places;
 
 static double wide(const saltus_plot_page *page) {
@@ -149,6 +151,15 @@ static bool misleads(const saltus_plot_page *page, const saltus_branch_point *po
     return false;
 }
 
+static void put_point_name(const saltus_plot_page *page, const char *word, place where, places *all) {
+    saltus_line line = {.length = 0};
+    saltus_line_plain(&line, word);
+    put_label(page, &line, where,
+              page->over_map ? "center front boxed tc rgb '#202020' font ',10'"
+                             : "center front tc rgb '#303030' font ',10'");
+    take_place(all, where);
+}
+
 /* A special point's name beside it, as near as the curves allow. */
 static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, places *all) {
     static const double shift[][2] = {
@@ -176,14 +187,62 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
         widest = away;
         best = wanted;
     }
-    if (widest == least)
-        return;
-    saltus_line line = {.length = 0};
-    saltus_line_plain(&line, word);
-    put_label(page, &line, best,
-              page->over_map ? "center front boxed tc rgb '#202020' font ',10'"
-                             : "center front tc rgb '#303030' font ',10'");
-    take_place(all, best);
+    if (widest > least)
+        put_point_name(page, word, best, all);
+    else if (all->unnamed_count < places_max)
+        all->unnamed[all->unnamed_count++] = point;
+}
+
+/* Whether a line from a point to a place crosses no name, no mark but those at the point, and no curve but
+ * there. */
+static bool leads(const places *all, place from, place to) {
+    const double step = 0.2, begin = 0.9, near = 0.12, mark = 0.42; /* in heights of a word */
+    const double length = apart(from, to);
+    for (double way = begin; way < length; way += step) {
+        const place at = {from.x + way / length * (to.x - from.x), from.y + way / length * (to.y - from.y), 0,
+                          0};
+        if (clearance(all, at, near) < near)
+            return false;
+        for (int k = 0; k < all->count; k++) {
+            /* Of what is taken by a word some is the room around it. */
+            const place *taken = &all->taken[k];
+            if (apart(*taken, from) > begin && fabs(taken->x - at.x) < fmax(mark, taken->half_width - 0.3) &&
+                fabs(taken->y - at.y) < fmax(mark, taken->half_height - 0.25))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* The names for which there was no place beside their points, farther away with lines that lead to them. */
+static void lead_to_names(const saltus_plot_page *page, places *all) {
+    enum { ways = 36 };
+    const double nearest = 2.2, farthest = 8, step = 0.6, enough = 0.6;
+    for (int u = 0; u < all->unnamed_count; u++) {
+        const saltus_branch_point *point = all->unnamed[u];
+        const char *word = saltus_point_word(point->kind);
+        const place own = place_of(page, point, 0);
+        bool named = false;
+        for (double away = nearest; away < farthest && !named; away += step)
+            for (int k = 0; k < ways && !named; k++) {
+                const double angle = 2 * M_PI * k / ways, across = cos(angle), up = sin(angle);
+                place wanted = place_of(page, point, strlen(word));
+                wanted.x += away * across;
+                wanted.y += away * up;
+                /* The line ends at the border of the word. */
+                const double rest = fmin(fabs((wanted.half_width - 0.4) / across), fabs(0.5 / up));
+                const place end = {wanted.x - rest * across, wanted.y - rest * up, 0, 0};
+                named = is_free(page, all, wanted) && !misleads(page, point, wanted) &&
+                        clearance_of_word(all, wanted) >= enough && leads(all, own, end);
+                if (!named)
+                    continue;
+                fprintf(
+                    page->file,
+                    "set arrow from graph %.4f,%.4f to graph %.4f,%.4f nohead back lc rgb '#808080' lw 0.8\n",
+                    own.x / wide(page), own.y / high(page), end.x / wide(page), end.y / high(page));
+                put_point_name(page, word, wanted, all);
+            }
+    }
 }
 
 /* A stretch of one branch on which the motion has one name. */
@@ -421,8 +480,10 @@ void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, 
     name_points(page, false, &all);
     if (!page->over_map && page->locus)
         name_stretches(page, true, &all);
-    if (!page->over_map)
+    if (!page->over_map) {
         name_stretches(page, false, &all);
+        lead_to_names(page, &all);
+    }
     for (int k = 0; k < all.count && block; k++) {
         const place *p = &all.taken[k];
         block(context, (saltus_frame){h * (p->x - p->half_width), h * (p->x + p->half_width),
