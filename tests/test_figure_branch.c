@@ -569,6 +569,8 @@ static void crowded_marks_have_their_names(void **state) {
         }
     }
     assert_true(led > 0);
+    /* With a name as long as that of branch points a column has room for one entry in a row. */
+    check_rows_of_legend(panel, 1);
     figure_free(&f);
 }
 

@@ -3,6 +3,7 @@
 #include "figure/branch.h"
 
 #include <math.h>
+#include <string.h>
 
 static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f", "#8a5aa0",
                                               "#b08a00", "#555555", "#b0006a"};
@@ -56,9 +57,14 @@ static const char *hue_colour(const saltus_plot_page *page, int hue) {
 }
 
 double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows) {
+    const double letter = 9.4, sign = 5.6 * letter, beside = 148;
     const content c = find_content(page);
-    bool long_names = page->locus || page->count > 1;
-    int most = (int)(width / (long_names ? 310 : 190)), columns = most > 1 ? most : 1;
+    int most = (int)(width / (page->locus || page->count > 1 ? 310 : 190));
+    /* gnuplot gives all entries the room of the longest, and as many columns as the panel is wide. */
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS && width < 1000; kind++)
+        if (c.kind[kind])
+            most = (int)fmin(most, (width - beside) / (letter * (double)strlen(marks[kind].meaning) + sign));
+    const int columns = most > 1 ? most : 1;
     int entries = page->locus ? c.dots : page->count == 1 ? 2 : 2 + page->count;
     for (int hue = 0; hue < SALTUS_HUES; hue++)
         entries += page->locus && c.hue[hue];
