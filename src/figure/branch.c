@@ -52,7 +52,7 @@ static void put_axes(const saltus_plot_page *page) {
     else
         name_measure(page, &name[!page->swap]);
     for (int axis = 0; axis < 2; axis++)
-        saltus_page_axis(page->page, axis ? "y" : "x", page->frame, page->logarithmic[axis], name[axis].text,
+        saltus_page_axis(page->paper, axis ? "y" : "x", page->frame, page->logarithmic[axis], name[axis].text,
                          axis ? page->y : page->x);
 }
 
@@ -83,21 +83,18 @@ static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
 }
 
 static bool write_script(saltus_plot_page *page, saltus_page *paper) {
-    int rows;
     if (paper->free_height)
-        paper->height += saltus_plot_legend_height(page, paper->width, &rows);
+        paper->height += saltus_plot_legend_height(page, paper->width, NULL);
     put_caption(page, paper);
-    saltus_page_fit_caption(paper);
     saltus_page_begin(paper);
-    put_caption(page, paper);
-    page->page = paper;
-    page->file = paper->file;
-    page->frame = saltus_page_rest(paper, 31.2 + saltus_plot_legend_place(page, paper->top));
+    saltus_page_caption(paper);
+    page->paper = paper;
+    page->frame = saltus_page_rest(paper, 31.2 + saltus_plot_legend_place(page));
     bool sound = saltus_plot_data(page);
     saltus_page_frame(paper, page->frame);
     put_axes(page);
     saltus_plot_labels(page, NULL, NULL);
-    fputs("plot \\\n", page->file);
+    fputs("plot \\\n", page->paper->file);
     saltus_plot_elements(page);
     return sound;
 }

@@ -20,8 +20,7 @@ typedef struct saltus_plot_visits {
 
 /* Branch files over each other in one pair of axes. */
 typedef struct saltus_plot_page {
-    const saltus_page *page;
-    FILE *file;                      /* the page's script */
+    const saltus_page *paper;
     saltus_frame frame;              /* of the panel */
     const saltus_branch_file *files; /* all with the same keys in the same order */
     int count;
@@ -91,10 +90,10 @@ saltus_point_kind saltus_plot_mark(saltus_point_kind kind);
 /* branch_curves.c: elements of a plot command that goes on: curves, marks, and what they are in the legend.
  */
 void saltus_plot_elements(const saltus_plot_page *page);
-/* The height of a legend's rows on a page of that width, and how many there are. */
+/* The height of a legend's rows on a page of that width, and how many there are, unless that is NULL. */
 double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows);
-/* Ask for a legend that begins so high on the page; the height of its rows. */
-double saltus_plot_legend_place(const saltus_plot_page *page, double top);
+/* Ask for a legend below the caption; the height of its rows. */
+double saltus_plot_legend_place(const saltus_plot_page *page);
 /* branch_data.c: the datablocks $curve_HUE_STROKE, $marks_KIND and, along curves of special points,
  * $signs_HUE. */
 bool saltus_plot_data(const saltus_plot_page *page);

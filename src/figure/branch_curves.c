@@ -70,18 +70,16 @@ double saltus_plot_legend_height(const saltus_plot_page *page, double width, int
         entries += page->locus && c.hue[hue];
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         entries += c.kind[kind];
-    *rows = (entries + columns - 1) / columns;
-    return 10 + 19 * *rows;
+    const int own = (entries + columns - 1) / columns;
+    if (rows)
+        *rows = own;
+    return 10 + 19 * own;
 }
 
-double saltus_plot_legend_place(const saltus_plot_page *page, double top) {
+double saltus_plot_legend_place(const saltus_plot_page *page) {
     int rows;
-    double height = saltus_plot_legend_height(page, page->page->width, &rows);
-    fprintf(page->page->file,
-            "set key at screen %.4f, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
-            "maxrows %d font ',11' textcolor rgb '#303030'\n",
-            page->page->width < 1000 ? 0.01 : 0.03,
-            fmin(top + 9.6, page->page->height - 4) / page->page->height, rows);
+    double height = saltus_plot_legend_height(page, page->paper->width, &rows);
+    saltus_page_legend(page->paper, rows);
     return height;
 }
 
@@ -95,16 +93,16 @@ static void put_curves(const saltus_plot_page *page, const content *c) {
             if (!c->hue[hue])
                 continue;
             if (page->over_map)
-                fprintf(page->file,
+                fprintf(page->paper->file,
                         "     $curve_%d_%d using 1:2 with lines lw %s lc rgb '#ffffff' notitle, \\\n", hue,
                         stroke, stroke ? "4" : "5.4");
-            fprintf(page->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n", hue,
-                    stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
+            fprintf(page->paper->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n",
+                    hue, stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
         }
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
         if (c->hue[hue]) {
             const saltus_point_kind kind = saltus_plot_locus(hue);
-            fprintf(page->file,
+            fprintf(page->paper->file,
                     "     $signs_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n"
                     "     $signs_%d using 1:2 with points pt %d ps %g lc rgb '%s' notitle, \\\n",
                     hue, marks[kind].point_type, 0.7 * marks[kind].size + 0.4, hue, marks[kind].point_type,
@@ -117,20 +115,21 @@ static void put_line_legend(const saltus_plot_page *page, const content *c) {
     static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
         if (c->hue[hue])
-            fprintf(page->file, "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
+            fprintf(page->paper->file,
+                    "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
                     marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
                     hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
     for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
         saltus_line name = {.length = 0};
         saltus_line_plain(&name, page->files[i].scene);
         saltus_plot_add_differences(page, i, &name);
-        fprintf(page->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
+        fprintf(page->paper->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
     }
     if (c->dots)
-        fprintf(page->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
+        fprintf(page->paper->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
     if (!page->locus) {
-        fprintf(page->file, line, "lw 2.6", "#404040", "stable");
-        fprintf(page->file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
+        fprintf(page->paper->file, line, "lw 2.6", "#404040", "stable");
+        fprintf(page->paper->file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
     }
 }
 
@@ -143,18 +142,18 @@ void saltus_plot_elements(const saltus_plot_page *page) {
         bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
                      kind != SALTUS_POINT_BE;
         if (c.kind[kind] && solid)
-            fprintf(page->file,
+            fprintf(page->paper->file,
                     "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", kind,
                     marks[kind].point_type, marks[kind].size + 0.45);
         if (c.kind[kind])
-            fprintf(page->file,
+            fprintf(page->paper->file,
                     "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", kind,
                     marks[kind].point_type, marks[kind].size, marks[kind].colour);
     }
     put_line_legend(page, &c);
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         if (c.kind[kind])
-            fprintf(page->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
+            fprintf(page->paper->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
                     marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
-    fputs("     NaN notitle\n", page->file);
+    fputs("     NaN notitle\n", page->paper->file);
 }

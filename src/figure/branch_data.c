@@ -66,27 +66,17 @@ void saltus_plot_turn(saltus_branch_file *file) {
     }
 }
 
-static double part_of(saltus_range range, bool logarithmic, double value) {
-    return logarithmic ? log(value / range.low) / log(range.high / range.low)
-                       : (value - range.low) / (range.high - range.low);
-}
-
 void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]) {
-    place[0] = (page->frame.right - page->frame.left) * part_of(page->x, page->logarithmic[0], x);
-    place[1] = (page->frame.top - page->frame.bottom) * part_of(page->y, page->logarithmic[1], y);
+    place[0] = (page->frame.right - page->frame.left) * saltus_range_part(page->x, page->logarithmic[0], x);
+    place[1] = (page->frame.top - page->frame.bottom) * saltus_range_part(page->y, page->logarithmic[1], y);
 }
 
 /* A row of a place on the page as values of the axes. */
 static void put_place(const saltus_plot_page *page, const double place[2]) {
-    double value[2];
-    for (int i = 0; i < 2; i++) {
-        const saltus_range range = i ? page->y : page->x;
-        double part =
-            place[i] / (i ? page->frame.top - page->frame.bottom : page->frame.right - page->frame.left);
-        value[i] = page->logarithmic[i] ? range.low * pow(range.high / range.low, part)
-                                        : range.low + part * (range.high - range.low);
-    }
-    fprintf(page->file, "%.12g %.9g\n", value[0], value[1]);
+    const saltus_frame *f = &page->frame;
+    fprintf(page->paper->file, "%.12g %.9g\n",
+            saltus_range_value(page->x, page->logarithmic[0], place[0] / (f->right - f->left)),
+            saltus_range_value(page->y, page->logarithmic[1], place[1] / (f->top - f->bottom)));
 }
 
 /* Speed of an event where it is an impact, otherwise NAN. */
@@ -454,9 +444,9 @@ static void put_curve(const saltus_plot_page *page, curve_point *p, int count) {
             if (!p[k].drawn)
                 continue;
             if (k == 0 || !p[k - 1].drawn)
-                fprintf(page->file, "\n%.12g %.9g\n", p[k].value[0], p[k].value[1]);
+                fprintf(page->paper->file, "\n%.12g %.9g\n", p[k].value[0], p[k].value[1]);
             put_arc(page, p + first, last - first + 1, k - first);
-            fprintf(page->file, "%.12g %.9g\n", p[k + 1].value[0], p[k + 1].value[1]);
+            fprintf(page->paper->file, "%.12g %.9g\n", p[k + 1].value[0], p[k + 1].value[1]);
         }
     }
 }
@@ -513,7 +503,7 @@ static bool put_uncovered(const saltus_plot_page *page, int file, int branch, co
     between(ends[0], ends[1], part[0], at);
     if (hypot(at[0] - ends[last][0], at[1] - ends[last][1]) < seen)
         return true;
-    fprintf(page->file, "\n%.12g %.9g\n", first ? to[0] : from[0], first ? to[1] : from[1]);
+    fprintf(page->paper->file, "\n%.12g %.9g\n", first ? to[0] : from[0], first ? to[1] : from[1]);
     put_place(page, at);
     return false;
 }
@@ -590,7 +580,7 @@ static void put_visits(const saltus_plot_page *page, int file, int first, int la
 
 static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stroke) {
     bool sound = true;
-    fprintf(page->file, "$curve_%d_%d << EOD\n# parameter, measure\nNaN NaN\n", hue, (int)stroke);
+    fprintf(page->paper->file, "$curve_%d_%d << EOD\n# parameter, measure\nNaN NaN\n", hue, (int)stroke);
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
         for (int first = 0, last; first < f->point_count; first = last + 1) {
@@ -606,7 +596,7 @@ static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stro
             free(p);
         }
     }
-    fputs("\nEOD\n", page->file);
+    fputs("\nEOD\n", page->paper->file);
     return sound;
 }
 
@@ -614,7 +604,7 @@ static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stro
  * hue. */
 static void put_signs(const saltus_plot_page *page, int hue) {
     const double apart = 130; /* units */
-    fprintf(page->file, "$signs_%d << EOD\n# parameters\nNaN NaN\n", hue);
+    fprintf(page->paper->file, "$signs_%d << EOD\n# parameters\nNaN NaN\n", hue);
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
         double passed = 0.5 * apart;
@@ -629,11 +619,11 @@ static void put_signs(const saltus_plot_page *page, int hue) {
             passed += hypot(b[0] - a[0], b[1] - a[1]);
             if (passed < apart || saltus_plot_marked(f, q))
                 continue;
-            fprintf(page->file, "%.12g %.9g\n", q->value[0], q->value[1]);
+            fprintf(page->paper->file, "%.12g %.9g\n", q->value[0], q->value[1]);
             passed = 0;
         }
     }
-    fputs("EOD\n", page->file);
+    fputs("EOD\n", page->paper->file);
 }
 
 bool saltus_plot_data(const saltus_plot_page *page) {
@@ -645,15 +635,15 @@ bool saltus_plot_data(const saltus_plot_page *page) {
             put_signs(page, hue);
     }
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++) {
-        fprintf(page->file, "$marks_%d << EOD\n# parameter, measure\n", kind);
+        fprintf(page->paper->file, "$marks_%d << EOD\n# parameter, measure\n", kind);
         for (int i = 0; i < page->count; i++)
             for (int k = 0; k < page->files[i].point_count; k++) {
                 const saltus_branch_point *point = &page->files[i].points[k];
                 if ((int)saltus_plot_mark(point->kind) == kind && saltus_plot_marked(&page->files[i], point))
-                    fprintf(page->file, "%.12g %.9g\n", saltus_plot_x(page, point),
+                    fprintf(page->paper->file, "%.12g %.9g\n", saltus_plot_x(page, point),
                             saltus_plot_y(page, point));
             }
-        fputs("EOD\n", page->file);
+        fputs("EOD\n", page->paper->file);
     }
     return sound;
 }

@@ -67,7 +67,7 @@ static bool is_free(const saltus_plot_page *page, const places *all, place wante
 }
 
 static void put_label(const saltus_plot_page *page, const saltus_line *line, place where, const char *style) {
-    fprintf(page->file, "set label '%s' at graph %.4f,%.4f %s\n", line->text, where.x / wide(page),
+    fprintf(page->paper->file, "set label '%s' at graph %.4f,%.4f %s\n", line->text, where.x / wide(page),
             where.y / high(page), style);
 }
 
@@ -237,7 +237,7 @@ static void lead_to_names(const saltus_plot_page *page, places *all) {
                 if (!named)
                     continue;
                 fprintf(
-                    page->file,
+                    page->paper->file,
                     "set arrow from graph %.4f,%.4f to graph %.4f,%.4f nohead back lc rgb '#808080' lw 0.8\n",
                     own.x / wide(page), own.y / high(page), end.x / wide(page), end.y / high(page));
                 put_point_name(page, word, wanted, all);

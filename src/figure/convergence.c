@@ -142,10 +142,9 @@ static void put_figure(saltus_page *page, const saltus_scene *scene, const saltu
                        const saltus_lyapunov *l, double precision) {
     saltus_course course = saltus_lyapunov_course(l);
     put_caption(page, scene, system, l, precision);
-    saltus_page_fit_caption(page);
     saltus_page_begin(page);
     saltus_course_data(page, &course);
-    put_caption(page, scene, system, l, precision);
+    saltus_page_caption(page);
     saltus_course_panel(page, system, &course, saltus_page_rest(page, saltus_page_narrow(page) ? 76 : 36));
 }
 

@@ -1,7 +1,7 @@
 /* Running gnuplot. Script, picture and error messages pass through temporary files without a name: nothing
  * can be left behind, and no pipe can fill up and block.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/gnuplot.h"
+#include "figure/page.h"
 
 #include "record/output.h"
 

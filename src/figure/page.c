@@ -2,13 +2,11 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/page.h"
 
-#include "figure/gnuplot.h"
 #include "record/output.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 /* A page whose size is asked for has type of eight points, of which the usual letter has 52/3 units. */
 static const double tallest = 235; /* of a journal's page, in millimetres */
@@ -77,11 +75,6 @@ static void put_terminal(const saltus_page *page) {
         fputs("pdfcairo size 11.69in,8.77in enhanced font 'DejaVu Sans,13' fontscale 0.58 linewidth 0.75 "
               "pointscale 0.75 rounded\n",
               page->file);
-}
-
-void saltus_page_begin(const saltus_page *page) {
-    put_terminal(page);
-    saltus_page_template(page, "style");
 }
 
 /* Copy the picture to its place. One in an SVG file is told in units; its size on paper is added. */
@@ -158,46 +151,68 @@ void saltus_page_label(const saltus_page *page, const char *text, double x, doub
             style);
 }
 
-/* Text of which so many letters fit between the page's margins, one line below the other from a height on;
- * the height of what comes next. */
-static double put_lines(const saltus_page *page, const char *text, const char *before, const char *after,
-                        double letters, const char *style, double height, double step) {
-    const double margin = saltus_page_narrow(page) ? 12 : 48;
-    double widest = letters * (page->width - 2 * margin) / (usual_width - 2 * 48);
-    while (*text) {
-        size_t length = saltus_line_piece(text, (int)widest);
-        fprintf(page->file, "set label '%s%.*s%s' at screen %.6g,%.6g left front%s\n", before, (int)length,
-                text, after, margin / page->width, height / page->height, style);
-        height -= step;
-        text += length;
-        text += strspn(text, " ");
+/* Lay the caption out from the page's upper edge down, and put it where that is asked for. */
+static void lay_caption(saltus_page *page, bool put) {
+    const bool narrow = saltus_page_narrow(page);
+    const double margin = narrow ? 12 : 48;
+    page->top = page->height - 6;
+    for (int k = 0; k < page->caption_lines; k++) {
+        const bool heading = k == 0;
+        const double usual = heading  ? (narrow ? 118 : 96)
+                             : narrow ? 184
+                                      : 151,
+                     step = heading  ? (narrow ? 34 : 42)
+                            : narrow ? 26
+                                     : 30.6;
+        const int letters = (int)(usual * (page->width - 2 * margin) / (usual_width - 2 * 48));
+        char style[64] = "";
+        if (heading)
+            page->top = page->height - (narrow ? 26 : 39.6);
+        else
+            snprintf(style, sizeof style, " tc rgb '%s'%s", page->colour[k], narrow ? " font ',11.5'" : "");
+        for (const char *text = page->caption[k].text; *text; page->top -= step) {
+            const int length = (int)saltus_line_piece(text, letters);
+            if (put)
+                fprintf(page->file, "set label '%s%.*s%s' at screen %.6g,%.6g left front%s\n",
+                        !heading ? ""
+                        : narrow ? "{/=16:Bold "
+                                 : "{/=20:Bold ",
+                        length, text, heading ? "}" : "", margin / page->width, page->top / page->height,
+                        style);
+            text += length;
+            text += strspn(text, " ");
+        }
+        if (put && heading && !narrow)
+            saltus_page_label(page, "Saltus " SALTUS_VERSION, page->width - 24, 14.4,
+                              "right tc rgb '#909090' font ',9' front");
     }
-    return height;
 }
 
 void saltus_page_heading(saltus_page *page, const saltus_line *own) {
     saltus_line asked = {.length = 0};
     if (page->look.title)
         saltus_line_plain(&asked, page->look.title);
-    page->top = page->height - 6;
-    if (page->look.no_heading)
-        return;
-    const char *text = page->look.title ? asked.text : own->text;
-    page->top = saltus_page_narrow(page)
-                    ? put_lines(page, text, "{/=16:Bold ", "}", 118, "", page->height - 26, 34)
-                    : put_lines(page, text, "{/=20:Bold ", "}", 96, "", page->height - 39.6, 42);
-    if (!saltus_page_narrow(page))
-        saltus_page_label(page, "Saltus " SALTUS_VERSION, page->width - 24, 14.4,
-                          "right tc rgb '#909090' font ',9' front");
+    saltus_page_words(page, page->look.title ? &asked : own, NULL);
 }
 
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour) {
-    char style[64];
-    snprintf(style, sizeof style, " tc rgb '%s'%s", colour, saltus_page_narrow(page) ? " font ',11.5'" : "");
-    if (!page->look.no_heading)
-        page->top = saltus_page_narrow(page)
-                        ? put_lines(page, line->text, "", "", 184, style, page->top, 26)
-                        : put_lines(page, line->text, "", "", 151, style, page->top, 30.6);
+    if (!page->look.no_heading && page->caption_lines < SALTUS_CAPTION_LINES) {
+        page->caption[page->caption_lines] = *line;
+        page->colour[page->caption_lines++] = colour;
+    }
+    lay_caption(page, false);
+}
+
+void saltus_page_caption(saltus_page *page) {
+    lay_caption(page, true);
+}
+
+void saltus_page_legend(const saltus_page *page, int rows) {
+    fprintf(page->file,
+            "set key at screen %.4f, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
+            "maxrows %d font ',11' textcolor rgb '#303030'\n",
+            saltus_page_narrow(page) ? 0.01 : 0.03, fmin(page->top + 9.6, page->height - 4) / page->height,
+            rows);
 }
 
 void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *words,
@@ -214,16 +229,15 @@ double saltus_page_room(const saltus_page *page) {
     return (page->free_height ? tallest / mm_per_unit : page->height) - (page->height - page->top);
 }
 
-void saltus_page_fit_caption(saltus_page *page) {
+void saltus_page_begin(saltus_page *page) {
+    lay_caption(page, false);
     if (page->free_height && saltus_page_narrow(page))
         page->height += page->height - page->top;
     if (page->free_height)
         page->height = fmin(page->height, tallest / mm_per_unit);
-    fflush(page->file);
-    rewind(page->file);
-    /* Should it fail, what is put later stands over it: a script is longer than its caption. */
-    if (ftruncate(fileno(page->file), 0) != 0)
-        rewind(page->file);
+    lay_caption(page, false);
+    put_terminal(page);
+    saltus_page_template(page, "style");
 }
 
 /* Panels */
@@ -298,43 +312,10 @@ void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
             frame.top / page->height);
 }
 
-void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
-                      const char *name, saltus_range range) {
-    const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* over the axis's ends */
-    const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
-    const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
-                 size = usual * (length + over) / (letter * saltus_line_letters(name));
-    fprintf(page->file, "set %slabel '%s'%s", axis, name,
-            across                    ? ""
-            : strcmp(axis, "y2") == 0 ? (narrow ? " offset -1,0" : " offset 0.8,0")
-            : narrow                  ? " offset -0.2,0"
-                                      : " offset -0.6,0");
-    if (page->look.width > 0 && size < usual)
-        fprintf(page->file, " font ',%.3g'", fmax(size, smallest));
-    fprintf(page->file, "\nset %srange [%.12g:%.12g]\n", axis, range.low, range.high);
-    if (logarithmic) {
-        fprintf(page->file, "set logscale %s\n", axis);
-        saltus_page_log_tics(page, axis, length, range);
-    } else if (narrow || length < 220) {
-        /* Long numbers need room beside each other; but a scale needs three of them, or two. */
-        double tics = across ? fmin(fmax(length / 45, 2), 5) : 5, step = saltus_page_tic_step(range, tics);
-        if (floor(range.high / step) - ceil(range.low / step) < (tics < 5 ? 1 : 2))
-            step /= 2;
-        fprintf(page->file, "set %stics %.9g\n", axis, step);
-    }
-}
-
-double saltus_page_tic_step(saltus_range range, double tics) {
-    static const double round[] = {1, 2, 5, 10};
-    double least = (range.high - range.low) / tics;
-    double power = pow(10, floor(log10(least)));
-    int k = 0;
-    while (k < 3 && round[k] * power < least)
-        k++;
-    return round[k] * power;
-}
-
-void saltus_page_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range) {
+/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis of that length, as far as
+ * there is room for their numbers; at powers of ten alone over many decades, equally spaced over less than
+ * one. */
+static void put_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range) {
     static const double parts[] = {1, 2, 5};
     const double letter = 9.5, apart = 8, beyond = 20;
     double values[24], ratio = range.high / range.low, width = range.high - range.low;
@@ -358,7 +339,7 @@ void saltus_page_log_tics(const saltus_page *page, const char *axis, double leng
     for (int k = 0; k < count; k++) {
         char number[32];
         snprintf(number, sizeof number, "%.9g", values[k]);
-        double place = length * log(values[k] / range.low) / log(range.high / range.low),
+        double place = length * saltus_range_part(range, true, values[k]),
                half = *axis == 'x' ? 0.5 * letter * (double)strlen(number) : letter;
         if (place < -1e-6 || place > length + 1e-6 || place - half < taken || place + half > length + beyond)
             continue;
@@ -366,6 +347,42 @@ void saltus_page_log_tics(const saltus_page *page, const char *axis, double leng
         taken = place + half + apart;
     }
     fputs(")\n", page->file);
+}
+
+void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
+                      const char *name, saltus_range range) {
+    const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* over the axis's ends */
+    const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
+    const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
+                 size = usual * (length + over) / (letter * saltus_line_letters(name));
+    fprintf(page->file, "set %slabel '%s'%s", axis, name,
+            across                    ? ""
+            : strcmp(axis, "y2") == 0 ? (narrow ? " offset -1,0" : " offset 0.8,0")
+            : narrow                  ? " offset -0.2,0"
+                                      : " offset -0.6,0");
+    if (page->look.width > 0 && size < usual)
+        fprintf(page->file, " font ',%.3g'", fmax(size, smallest));
+    fprintf(page->file, "\nset %srange [%.12g:%.12g]\n", axis, range.low, range.high);
+    if (logarithmic) {
+        fprintf(page->file, "set logscale %s\n", axis);
+        put_log_tics(page, axis, length, range);
+    } else if (narrow || length < 220) {
+        /* Long numbers need room beside each other; but a scale needs three of them, or two. */
+        double tics = across ? fmin(fmax(length / 45, 2), 5) : 5, step = saltus_page_tic_step(range, tics);
+        if (floor(range.high / step) - ceil(range.low / step) < (tics < 5 ? 1 : 2))
+            step /= 2;
+        fprintf(page->file, "set %stics %.9g\n", axis, step);
+    }
+}
+
+double saltus_page_tic_step(saltus_range range, double tics) {
+    static const double round[] = {1, 2, 5, 10};
+    double least = (range.high - range.low) / tics;
+    double power = pow(10, floor(log10(least)));
+    int k = 0;
+    while (k < 3 && round[k] * power < least)
+        k++;
+    return round[k] * power;
 }
 
 void saltus_page_number(const saltus_page *page, const char *name, double value) {
@@ -400,6 +417,16 @@ void saltus_range_pad(saltus_range *range, double part, double scale) {
     }
     range->low -= part * width;
     range->high += part * width;
+}
+
+double saltus_range_part(saltus_range range, bool logarithmic, double value) {
+    return logarithmic ? log(value / range.low) / log(range.high / range.low)
+                       : (value - range.low) / (range.high - range.low);
+}
+
+double saltus_range_value(saltus_range range, bool logarithmic, double part) {
+    return logarithmic ? range.low * pow(range.high / range.low, part)
+                       : range.low + part * (range.high - range.low);
 }
 
 void saltus_range_floor(saltus_range *range) {

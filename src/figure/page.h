@@ -9,6 +9,8 @@
 
 #include <stdint.h>
 
+enum { SALTUS_CAPTION_LINES = 8 };
+
 /* Lengths on a page are in units of which a letter of the usual size takes 17.3 in height, whatever the size
  * of the page: one of 1600 by 1200 units is the usual one, a column of a journal has 522. */
 typedef struct saltus_page {
@@ -18,6 +20,9 @@ typedef struct saltus_page {
     double width, height;
     bool free_height; /* no height was asked for: the figure chooses it before the page begins */
     double top;       /* lower edge of the caption */
+    saltus_line caption[SALTUS_CAPTION_LINES]; /* the heading first */
+    const char *colour[SALTUS_CAPTION_LINES];
+    int caption_lines;
 } saltus_page;
 
 /* A rectangle of the page in its units, from the lower left corner. */
@@ -36,30 +41,38 @@ void saltus_range_pad(saltus_range *range, double part, double scale);
 /* The range of a logarithmic axis of measured values ends ten decades below the largest: less is rounding. */
 void saltus_range_floor(saltus_range *range);
 
+/* Where a value lies in a range, from 0 to 1, by logarithms where it is of a logarithmic axis, and the value
+ * there. */
+double saltus_range_part(saltus_range range, bool logarithmic, double value);
+double saltus_range_value(saltus_range range, bool logarithmic, double part);
+
 /* A page without anything on it; `look` NULL: the usual one. Errors: those of the check, SALTUS_IO. */
 saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus_figure_options *look,
                                saltus_message *message);
-/* The terminal and the style. What comes after is data and panels. */
-void saltus_page_begin(const saltus_page *page);
+/* The terminal and the style. A narrow page whose height is free, on which a caption has many lines, is given
+ * room for it, and no page more than a journal has. What comes after is the caption, data and panels. */
+void saltus_page_begin(saltus_page *page);
 /* Draw the page unless `status` is an error, keep its script where that is asked for, and close it. Returns
  * `status` or SALTUS_IO with gnuplot's complaint. */
 saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message);
 
-/* The figure's heading, with the name of the program in a corner, and lines below it. All of it is left out
- * where no heading is wanted; a title that was asked for stands in place of the figure's own. */
+/* The caption, told before the page begins: the figure's heading, with the name of the program in a corner,
+ * and lines below it. All of it is left out where no heading is wanted; a title that was asked for stands in
+ * place of the figure's own. Colours are static. */
 void saltus_page_heading(saltus_page *page, const saltus_line *own);
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour);
 /* The heading, and below it a scene's title, parameters and stops. */
 void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *title,
                        const saltus_system *system);
+/* Put it, once the page has begun. */
+void saltus_page_caption(saltus_page *page);
 
-/* Before the page begins: take back a caption that was put on trial, and where the height is free give a
- * narrow page, on which a caption has many lines, room for it, and no page more than a journal has. */
-void saltus_page_fit_caption(saltus_page *page);
+/* Ask for a legend of so many rows below the caption. */
+void saltus_page_legend(const saltus_page *page, int rows);
 
 /* Whether a page is too narrow for panels beside each other in the usual type: a column of a journal. */
 bool saltus_page_narrow(const saltus_page *page);
-/* The height for panels below a caption that was put on trial: of the page asked for, or of a journal's. */
+/* The height for panels below the caption: of the page asked for, or of a journal's. */
 double saltus_page_room(const saltus_page *page);
 
 /* What is left of the page for a panel that stays that far below the caption. */
@@ -81,15 +94,16 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
                       const char *name, saltus_range range);
 /* A round distance of tics of which there are so many at most. */
 double saltus_page_tic_step(saltus_range range, double tics);
-/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis ("x", "y" or "y2") of that length, as far as
- * there is room for their numbers; at powers of ten alone over many decades, equally spaced over less than
- * one. */
-void saltus_page_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range);
 /* Variables of the script, for the templates: a number, and a text without single quotes around it. */
 void saltus_page_number(const saltus_page *page, const char *name, double value);
 void saltus_page_text(const saltus_page *page, const char *name, const char *text);
 /* The fixed part of a figure: the file of that name with the ending .gp. */
 void saltus_page_template(const saltus_page *page, const char *name);
+
+/* gnuplot.c: run gnuplot on a script (read from its beginning) that draws to standard output; what it draws,
+ * complete, in *picture, the caller's to close. The user's own start-up files are not read. Errors: SALTUS_IO
+ * with gnuplot's complaint; *picture is NULL then. */
+saltus_status saltus_gnuplot_run(FILE *script, FILE **picture, saltus_message *message);
 
 /* The templates, in no order; made by the build. */
 typedef struct saltus_template {

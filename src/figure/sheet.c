@@ -377,12 +377,10 @@ static void put_script(saltus_sheet *sheet, saltus_page *page) {
     if (page->free_height)
         page->height = rows * (page->width / columns * 0.62 + (narrow && columns > 1 ? 190 : 110)) + 60 +
                        (narrow ? 0 : words);
-    page->top = page->height - words;
-    saltus_page_fit_caption(page);
     saltus_page_begin(page);
     saltus_sheet_data(sheet);
     fprintf(page->file, "set multiplot\n%s", narrow && columns > 1 ? "set tics font ',11'\n" : "");
-    saltus_sheet_caption(sheet, page);
+    saltus_page_caption(page);
     if (wide && columns == 2) { /* the time history, which takes two cells, begins a row */
         chosen[1] = chosen[2];
         chosen[2] = saltus_sheet_history;

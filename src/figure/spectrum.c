@@ -288,15 +288,13 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
     const bool narrow = saltus_page_narrow(page);
     if (page->free_height && count)
         page->height = narrow ? page->width * 1.3 * count : page->width * 0.7 + words;
-    page->top = page->height - words;
-    saltus_page_fit_caption(page);
     saltus_page_begin(page);
     for (int k = 0; k < count; k++) {
         put_low_data(&rows[k]);
         put_whole_data(&rows[k]);
     }
     fputs("set multiplot\n", page->file);
-    put_caption(source, page);
+    saltus_page_caption(page);
     /* Two quantities take a row of the page each; one takes both, the low frequencies above. On a narrow page
      * each panel has a row. */
     const int columns = count > 1 && !narrow ? 2 : 1, cells = 2 * count;

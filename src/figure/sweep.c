@@ -163,7 +163,6 @@ static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message)
     saltus_status status = saltus_page_open(&page->paper, page->figure, &page->wish->look, message);
     if (status != SALTUS_OK)
         return status;
-    page->file = page->paper.file;
     status = page->sweep->axis_count > 1 ? saltus_sweep_put_map(page, message)
                                          : saltus_sweep_put_diagram(page, message);
     return saltus_page_close(&page->paper, status, message);

@@ -25,8 +25,6 @@ double saltus_cells_part(const saltus_cells *cells, double value);
 double saltus_cells_value(const saltus_cells *cells, double part);
 /* The edge k as a part of the range shown. */
 double saltus_cells_edge(const saltus_cells *cells, int k);
-/* How much of cell k is in the range shown, from 0 to 1; of a sliver that no page shows, nothing. */
-double saltus_cells_shown(const saltus_cells *cells, int k);
 /* The cells that a pixel out of `pixels` shows: those with their middle in it, or the one that it lies in.
  * False when there is none. */
 bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *first, int *last);
@@ -67,7 +65,6 @@ void saltus_classes_close(saltus_classes *classes);
 
 typedef struct saltus_sweep_page {
     saltus_page paper;
-    FILE *file; /* gnuplot's script */
     const saltus_sweep_file *sweep;
     const saltus_sweep_view *wish;
     const char *path, *figure;

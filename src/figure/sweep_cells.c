@@ -74,7 +74,8 @@ double saltus_cells_edge(const saltus_cells *cells, int k) {
     return saltus_cells_part(cells, cells->logarithmic ? exp(cells->edge[k]) : cells->edge[k]);
 }
 
-double saltus_cells_shown(const saltus_cells *cells, int k) {
+/* How much of cell k is in the range shown, from 0 to 1; of a sliver that no page shows, nothing. */
+static double part_shown(const saltus_cells *cells, int k) {
     const double sliver = 5e-4; /* of the range */
     double low = saltus_cells_edge(cells, k), high = saltus_cells_edge(cells, k + 1),
            shown = fmin(high, 1) - fmax(low, 0), part = shown / (high - low);
@@ -341,7 +342,7 @@ long long saltus_sweep_point(const saltus_sweep_page *page, int column, int row)
 }
 
 double saltus_sweep_shown(const saltus_sweep_page *page, int column, int row) {
-    return saltus_cells_shown(&page->x, column) * saltus_cells_shown(&page->y, row);
+    return part_shown(&page->x, column) * part_shown(&page->y, row);
 }
 
 int saltus_sweep_visits(const saltus_sweep_file *sweep) {

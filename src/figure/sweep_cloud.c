@@ -84,19 +84,20 @@ static double cloud_value(const saltus_sweep_page *page, long long row, long lon
     }
 }
 
-/* The first row of a pass at the sorted cell k. */
-static long long row_of(const saltus_sweep_page *page, int pass, int k) {
-    return (pass * page->sweep->points + page->x.order[k]) * page->sweep->options.seeds;
-}
-
 /* The value of the axis at the sorted cell k. */
 static double axis_value(const saltus_sweep_page *page, int k) {
     return page->sweep->axes[0].list[page->x.order[k]];
 }
 
-static bool in_range(const saltus_sweep_page *page, int k) {
+/* The first row of a pass at the sorted cell k. */
+static long long row_of(const saltus_sweep_page *page, int pass, int k) {
+    return (pass * page->sweep->points + page->x.order[k]) * page->sweep->options.seeds;
+}
+
+/* How many rows are shown from there on: those of all seeds where the cell is in range. */
+static int rows_shown(const saltus_sweep_page *page, int k) {
     const double middle = saltus_cells_part(&page->x, axis_value(page, k));
-    return middle >= 0 && middle <= 1;
+    return middle >= 0 && middle <= 1 ? page->sweep->options.seeds : 0;
 }
 
 /* Whether impacts come with both signs. */
@@ -150,7 +151,7 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
     for (int pass = 0; pass < page->sweep->pass_count; pass++)
         for (int cell = 0; cell < page->x.count; cell++) {
             long long row = row_of(page, pass, cell);
-            for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++)
+            for (int seed = 0; seed < rows_shown(page, cell); seed++)
                 for (long long k = 0; k < cloud_count(page, row + seed); k++) {
                     double value = cloud_value(page, row + seed, k);
                     if (!page->logarithmic || value > 0)
@@ -187,7 +188,7 @@ static long long points_shown(const saltus_sweep_page *page) {
     long long count = 0;
     for (int pass = 0; pass < page->sweep->pass_count; pass++)
         for (int cell = 0; cell < page->x.count; cell++)
-            for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++)
+            for (int seed = 0; seed < rows_shown(page, cell); seed++)
                 count += cloud_count(page, row_of(page, pass, cell) + seed);
     return count;
 }
@@ -195,19 +196,19 @@ static long long points_shown(const saltus_sweep_page *page) {
 /* Points as numbers of the script. */
 static void put_points(const saltus_sweep_page *page) {
     for (int pass = 0; pass < page->sweep->pass_count; pass++) {
-        fprintf(page->file, "$cloud_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
+        fprintf(page->paper.file, "$cloud_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
         for (int cell = 0; cell < page->x.count; cell++) {
             double x = axis_value(page, cell);
-            for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++) {
+            for (int seed = 0; seed < rows_shown(page, cell); seed++) {
                 long long row = row_of(page, pass, cell) + seed;
                 for (long long k = 0; k < cloud_count(page, row); k++) {
                     double y = cloud_value(page, row, k);
                     if (y >= page->up.low && y <= page->up.high)
-                        fprintf(page->file, "%.9g %.7g\n", x, y);
+                        fprintf(page->paper.file, "%.9g %.7g\n", x, y);
                 }
             }
         }
-        fputs("EOD\n", page->file);
+        fputs("EOD\n", page->paper.file);
     }
 }
 
@@ -215,17 +216,17 @@ static void put_points(const saltus_sweep_page *page) {
 static void put_links(const saltus_sweep_page *page) {
     for (int pass = 0; pass < page->sweep->pass_count; pass++) {
         int last = -1;
-        fprintf(page->file, "$links_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
+        fprintf(page->paper.file, "$links_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
         for (int cell = 0; cell < page->x.count; cell++) {
             long long row = row_of(page, pass, cell);
             double y = cloud_value(page, row, 0);
             if (page->classes.of_row[row] != last || isnan(y))
-                fputc('\n', page->file);
+                fputc('\n', page->paper.file);
             last = isnan(y) ? -1 : page->classes.of_row[row];
             if (!isnan(y))
-                fprintf(page->file, "%.9g %.7g\n", axis_value(page, cell), y);
+                fprintf(page->paper.file, "%.9g %.7g\n", axis_value(page, cell), y);
         }
-        fputs("EOD\n", page->file);
+        fputs("EOD\n", page->paper.file);
     }
 }
 
@@ -239,7 +240,7 @@ static bool linked(const saltus_sweep_page *page, bool dense) {
 static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
     const double widest = 4, dot = 2.4, flat = 1.6;
     saltus_tally tally;
-    double width = raster->width, height = raster->height, low = page->up.low, high = page->up.high;
+    double width = raster->width, height = raster->height;
     if (!saltus_tally_open(&tally, raster->width, raster->height))
         return false;
     for (int cell = 0; cell < page->x.count; cell++) {
@@ -247,12 +248,13 @@ static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, sa
         double own = width * (saltus_cells_edge(&page->x, cell + 1) - saltus_cells_edge(&page->x, cell));
         bool apart = own > widest * fineness;
         double half = 0.5 * (apart ? dot * fineness : fmax(own, fineness));
-        for (int seed = 0; seed < page->sweep->options.seeds && in_range(page, cell); seed++) {
+        for (int seed = 0; seed < rows_shown(page, cell); seed++) {
             long long row = row_of(page, pass, cell) + seed, count = cloud_count(page, row);
             for (long long k = 0; k < count; k++) {
-                double value = cloud_value(page, row, k),
-                       part = page->logarithmic ? log(fmax(value, 1e-300) / low) / log(high / low)
-                                                : (value - low) / (high - low);
+                double value = cloud_value(page, row, k);
+                if (page->logarithmic)
+                    value = fmax(value, 1e-300);
+                double part = saltus_range_part(page->up, page->logarithmic, value);
                 saltus_tally_add(&tally, middle - half, middle + half, height * part,
                                  (apart ? dot : flat) * fineness, 1 / (double)count);
             }
@@ -291,13 +293,14 @@ static void put_faces(const saltus_sweep_page *page) {
     for (int f = 0; f < saltus_system_face_count(page->system); f++) {
         saltus_face face = saltus_system_face(page->system, f);
         double beyond = face.side > 0 ? page->up.high : page->up.low;
-        fprintf(page->file, "$face_%d << EOD\n# parameter, clearance, edge of the page\nNaN NaN NaN\n", f);
+        fprintf(page->paper.file, "$face_%d << EOD\n# parameter, clearance, edge of the page\nNaN NaN NaN\n",
+                f);
         for (int k = 0; k <= steps && limits(page, face); k++) {
             double x = saltus_cells_value(&page->x, (double)k / steps), d = clearance(page, face, x);
             if (d > page->up.low && d < page->up.high)
-                fprintf(page->file, "%.9g %.9g %.9g\n", x, d, beyond);
+                fprintf(page->paper.file, "%.9g %.9g %.9g\n", x, d, beyond);
         }
-        fputs("EOD\n", page->file);
+        fputs("EOD\n", page->paper.file);
     }
 }
 
@@ -320,7 +323,7 @@ static void put_exponents(const saltus_sweep_page *page, bool lost) {
             error = isfinite(error) ? error : 0;
             for (int i = 0; i < 3 && !lost; i++)
                 told[i] = fmin(fmax(exponent + (i == 1 ? -error : i == 2 ? error : 0), up.low), up.high);
-            fprintf(page->file, "%.9g %.9g %.9g %.7g %.7g %.7g\n", axis_value(page, cell),
+            fprintf(page->paper.file, "%.9g %.9g %.9g %.7g %.7g %.7g\n", axis_value(page, cell),
                     saltus_cells_value(x, fmin(fmax(edge[0], 0), 1)),
                     saltus_cells_value(x, fmin(fmax(edge[1], 0), 1)), told[0], told[1], told[2]);
         }
@@ -332,17 +335,18 @@ static void put_exponent_elements(const saltus_sweep_page *page) {
     double zero = fmin(fmax(0, page->up.low), page->up.high);
     /* Columns only where each value of the axis has one exponent. */
     for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
-        fprintf(page->file,
+        fprintf(page->paper.file,
                 "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc "
                 "rgb '#%06x' notitle, \\\n",
                 k ? "<" : ">", zero, (unsigned)(k ? negative : positive));
     if (zero == 0)
-        fputs("     0 with lines lc rgb '#707070' lw 1.2 notitle, \\\n", page->file);
-    fprintf(page->file,
+        fputs("     0 with lines lc rgb '#707070' lw 1.2 notitle, \\\n", page->paper.file);
+    fprintf(page->paper.file,
             "     $exponents using 1:5:(0):($6-$5) with vectors nohead lw 1.3 lc rgb '#40%06x' notitle, \\\n",
             (unsigned)error_colour);
     if (saltus_sweep_any_lost(page))
-        fputs("     $lost using 1:4 with points pt 11 ps 0.9 lc rgb '#404040' notitle, \\\n", page->file);
+        fputs("     $lost using 1:4 with points pt 11 ps 0.9 lc rgb '#404040' notitle, \\\n",
+              page->paper.file);
 }
 
 /* The cloud as elements of the plot command, rasters or points, and what its colours mean. */
@@ -351,23 +355,24 @@ static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raste
     for (int k = 0; k < page->sweep->pass_count; k++) {
         int pass = pass_drawn(page, k);
         if (linked(page, dense))
-            fprintf(page->file, "     $links_%d using 1:2 with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n",
-                    pass, faint, (unsigned)look_of(page, pass).colour);
-        fputs("     ", page->file);
+            fprintf(page->paper.file,
+                    "     $links_%d using 1:2 with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n", pass, faint,
+                    (unsigned)look_of(page, pass).colour);
+        fputs("     ", page->paper.file);
         if (dense)
-            saltus_raster_element(page->file, &rasters[pass], "x2y2");
+            saltus_raster_element(page->paper.file, &rasters[pass], "x2y2");
         else
-            fprintf(page->file, "$cloud_%d using 1:2 with points pt 7 ps %g lc rgb '#%06x' notitle", pass,
-                    points_shown(page) < 2000 ? 0.45 : 0.32, (unsigned)look_of(page, pass).colour);
-        fputs(", \\\n", page->file);
+            fprintf(page->paper.file, "$cloud_%d using 1:2 with points pt 7 ps %g lc rgb '#%06x' notitle",
+                    pass, points_shown(page) < 2000 ? 0.45 : 0.32, (unsigned)look_of(page, pass).colour);
+        fputs(", \\\n", page->paper.file);
     }
     for (int pass = 0; pass < page->sweep->pass_count && page->sweep->pass_count > 1; pass++)
-        fprintf(page->file, "     NaN with points pt 7 ps 1.1 lc rgb '#%06x' title '%s', \\\n",
+        fprintf(page->paper.file, "     NaN with points pt 7 ps 1.1 lc rgb '#%06x' title '%s', \\\n",
                 (unsigned)look_of(page, pass).colour, look_of(page, pass).name);
 }
 
 static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
-    FILE *file = page->file;
+    FILE *file = page->paper.file;
     if (dense)
         saltus_sweep_put_raster_ranges(file, rasters[0].width, rasters[0].height);
     /* The end of each face's line has a name; labels are set before the plot command. */
@@ -417,15 +422,10 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
     double height = 0;
     page->frame = saltus_page_rest(paper, 26.4);
     if (page->branches) {
-        curves->page = paper;
-        curves->file = page->file;
-        page->frame.top -= saltus_plot_legend_place(curves, paper->top);
+        curves->paper = paper;
+        page->frame.top -= saltus_plot_legend_place(curves);
     } else if (page->sweep->pass_count > 1) {
-        fprintf(page->file,
-                "set key at screen %.4f, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
-                "maxrows %d font ',11' textcolor rgb '#303030'\n",
-                saltus_page_narrow(paper) ? 0.01 : 0.03,
-                fmin(paper->top + 9.6, paper->height - 4) / paper->height, pass_rows(page));
+        saltus_page_legend(paper, pass_rows(page));
         page->frame.top -= 3 + 19 * pass_rows(page);
     }
     set_sides(page);
@@ -441,14 +441,13 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
 /* A page whose height is free has room for the legends. */
 static bool choose_height(saltus_sweep_page *page) {
     double height = 0;
-    int rows;
     if (!page->paper.free_height)
         return true;
     set_sides(page);
     bool sound = saltus_sweep_put_strip_legend(page, page->frame, 0, false, &height);
     page->paper.height +=
         height + 19 * (pass_rows(page) - 1) +
-        (page->branches ? saltus_plot_legend_height(page->branches, page->paper.width, &rows) : 0);
+        (page->branches ? saltus_plot_legend_height(page->branches, page->paper.width, NULL) : 0);
     return sound;
 }
 
@@ -457,14 +456,13 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
     saltus_plot_page curves;
     saltus_frame strip;
     saltus_line name = {.length = 0};
-    FILE *file = page->file;
+    FILE *file = page->paper.file;
     saltus_status status = find_range(page, message);
     if (status != SALTUS_OK)
         return status;
     bool dense = points_shown(page) > drawn_singly;
     bool sound = choose_height(page);
     saltus_sweep_caption(page);
-    saltus_page_fit_caption(&page->paper);
     saltus_page_begin(&page->paper);
     put_faces(page);
     if (!dense)
@@ -476,7 +474,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         curves.y = page->up;
     }
     fputs("set multiplot\n", file);
-    saltus_sweep_caption(page);
+    saltus_page_caption(&page->paper);
     sound = sound && place_frames(page, &curves, &strip);
     if (page->branches) {
         curves.frame = page->frame;

@@ -209,20 +209,21 @@ void saltus_sweep_map_put_orbits(const saltus_sweep_map *map) {
     int across = saltus_system_state_index(map->page->system, map->page->x.key),
         up = saltus_system_state_index(map->page->system, map->page->y.key);
     for (int k = 0; k < sweep->attractor_count; k++) {
-        fprintf(map->page->file, "$orbit_%d << EOD\n# stroboscopic points of an attractor\nNaN NaN\n", k);
+        fprintf(map->page->paper.file, "$orbit_%d << EOD\n# stroboscopic points of an attractor\nNaN NaN\n",
+                k);
         for (long long p = 0; p < sweep->attractor_points[k]; p++) {
             const double *state =
                 sweep->attractor_states + (sweep->attractor_first[k] + p) * sweep->dimension;
             if (across >= 0 && up >= 0)
-                fprintf(map->page->file, "%.9g %.9g\n", state[across], state[up]);
+                fprintf(map->page->paper.file, "%.9g %.9g\n", state[across], state[up]);
         }
-        fputs("EOD\n", map->page->file);
+        fputs("EOD\n", map->page->paper.file);
     }
 }
 
 void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map) {
     for (int k = 0; k < map->page->sweep->attractor_count; k++)
-        fprintf(map->page->file,
+        fprintf(map->page->paper.file,
                 ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#%s' notitle"
                 ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.2 lc rgb '#%06x' notitle",
                 k, saltus_colour_light(map->kinds[k].paint.colour) ? "101010" : "ffffff", k,

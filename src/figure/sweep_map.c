@@ -189,8 +189,9 @@ static void put_region_name(const saltus_sweep_page *page, const saltus_map_kind
     if (size < least)
         return;
     saltus_line_plain(&name, kind->name);
-    fprintf(page->file, "set label '%s' at graph %.5f,%.5f center front font ':Bold,%.3g' tc rgb '%s'\n",
-            name.text, (place % columns + 0.5) / columns, ((double)(place / columns) + 0.5) / rows, size,
+    fprintf(page->paper.file,
+            "set label '%s' at graph %.5f,%.5f center front font ':Bold,%.3g' tc rgb '%s'\n", name.text,
+            (place % columns + 0.5) / columns, ((double)(place / columns) + 0.5) / rows, size,
             saltus_colour_light(kind->paint.colour) ? "#101010" : "#ffffff");
 }
 
@@ -368,7 +369,7 @@ static void put_exceptions(const saltus_sweep_map *map) {
 /* Names, marks, the map itself, its axes and what is drawn over it. */
 static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
-    FILE *file = page->file;
+    FILE *file = page->paper.file;
     saltus_page_frame(&page->paper, page->frame);
     saltus_sweep_put_axis(page, "x", &page->x);
     saltus_sweep_put_axis(page, "y", &page->y);
@@ -414,12 +415,11 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     if (paper->free_height)
         paper->height += 32 * map.legend_rows;
     saltus_sweep_caption(page);
-    saltus_page_fit_caption(paper);
     saltus_page_begin(paper);
     if (sound && basins)
         saltus_sweep_map_put_orbits(&map);
-    fputs("set multiplot\n", page->file);
-    saltus_sweep_caption(page);
+    fputs("set multiplot\n", page->paper.file);
+    saltus_page_caption(paper);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
     page->frame.left = narrow ? 124 : 150;
     page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 160)
@@ -428,15 +428,14 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     page->frame.bottom += narrow ? 32 * map.legend_rows : 2.4;
     if (page->branches) {
         curves = *page->branches;
-        curves.page = paper;
-        curves.file = page->file;
-        page->frame.top -= saltus_plot_legend_place(&curves, paper->top);
+        curves.paper = paper;
+        page->frame.top -= saltus_plot_legend_place(&curves);
         curves.frame = page->frame;
         page->branches = &curves;
         sound = saltus_plot_data(&curves) && sound;
     }
     sound = sound && paint(&map) && put_panel(&map) && (map.kind || saltus_sweep_map_put_bar(&map));
-    fputs("unset multiplot\n", page->file);
+    fputs("unset multiplot\n", page->paper.file);
     saltus_raster_close(&map.raster);
     free(map.columns);
     free(map.rows);

@@ -151,7 +151,7 @@ void saltus_sweep_put_axis(const saltus_sweep_page *page, const char *axis, cons
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,
                             bool hatched, const char *text, const char *figures) {
     const double size = 18, reach = 344, w = page->paper.width, h = page->paper.height;
-    fprintf(page->file,
+    fprintf(page->paper.file,
             "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
             "border lc rgb '#909090' lw 0.6\n",
             x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)paint.colour);
@@ -165,13 +165,14 @@ void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, s
         const bool drawn[3] = {hatched && k > 0 && k < 6, texture & SALTUS_BARS, texture & SALTUS_POSTS};
         for (int n = 0; n < 3; n++)
             if (drawn[n])
-                fprintf(page->file,
+                fprintf(page->paper.file,
                         "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead front lc rgb '#404040' "
                         "lw 0.8\n",
                         (x + lines[n][0]) / w, (y + lines[n][1]) / h, (x + lines[n][2]) / w,
                         (y + lines[n][3]) / h);
         for (int n = 0; n < 2 && (texture & SALTUS_DOTS); n++)
-            fprintf(page->file, "set label '' at screen %.6f,%.6f point pt 7 ps 0.2 lc rgb '#404040' front\n",
+            fprintf(page->paper.file,
+                    "set label '' at screen %.6f,%.6f point pt 7 ps 0.2 lc rgb '#404040' front\n",
                     (x + c) / w, (y + (0.5 * n + 0.2 + 0.25 * (k % 2)) * size * 0.9) / h);
     }
     if (figures && *figures)

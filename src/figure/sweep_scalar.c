@@ -80,12 +80,11 @@ bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     saltus_raster raster;
     saltus_line name = {.length = 0};
-    double low = map->range.low, high = map->range.high;
     if (!saltus_raster_open(&raster, columns, steps))
         return false;
     for (int k = 0; k < steps; k++) {
         double part = (k + 0.5) / steps;
-        double number = map->logarithmic ? low * pow(high / low, part) : low + part * (high - low);
+        double number = saltus_range_value(map->range, map->logarithmic, part);
         for (int x = 0; x < columns; x++)
             saltus_raster_set(&raster, x, k, saltus_sweep_map_colour(map, number), 1);
     }
@@ -96,15 +95,15 @@ bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
     saltus_page_frame(&page->paper,
                       (saltus_frame){page->frame.right + apart, page->frame.right + apart + wide,
                                      page->frame.bottom, page->frame.top});
-    fprintf(page->file,
+    fprintf(page->paper.file,
             "unset logscale\nunset xtics\nunset ytics\nunset xlabel\nunset ylabel\nset xrange [0:%d]\n"
             "set yrange [0:%d]\nset y2tics out nomirror scale 0.5 offset -0.4,0\n",
             columns, steps);
     saltus_page_axis(&page->paper, "y2", page->frame, map->logarithmic, name.text, map->range);
-    fputs("plot ", page->file);
-    saltus_raster_element(page->file, &raster, "x1y1");
-    fputs(", NaN notitle axes x1y2\n", page->file);
-    saltus_raster_bytes(page->file, &raster);
+    fputs("plot ", page->paper.file);
+    saltus_raster_element(page->paper.file, &raster, "x1y1");
+    fputs(", NaN notitle axes x1y2\n", page->paper.file);
+    saltus_raster_bytes(page->paper.file, &raster);
     saltus_raster_close(&raster);
     return true;
 }

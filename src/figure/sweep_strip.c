@@ -45,7 +45,7 @@ static void put_names(const saltus_sweep_page *page, const int *winners, int wid
         if (!c || c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
             continue;
         saltus_line_plain(&name, c->label);
-        fprintf(page->file, "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
+        fprintf(page->paper.file, "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
                 name.text, 0.5 * (from + to), middle,
                 saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
     }
@@ -129,7 +129,7 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame s
 }
 
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
-    FILE *file = page->file;
+    FILE *file = page->paper.file;
     saltus_raster raster;
     int fineness = saltus_sweep_fineness(page), passes = page->sweep->pass_count;
     if (!saltus_raster_open(&raster, (int)(fineness * (frame.right - frame.left)),

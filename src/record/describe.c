@@ -40,12 +40,9 @@ const char *saltus_sides_word(saltus_sides sides) {
     return saltus_word_of(saltus_side_words, (int)sides);
 }
 
-const char *saltus_integrator_word(saltus_integrator integrator) {
-    return saltus_word_of(saltus_integrator_words, (int)integrator);
-}
-
 const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked) {
-    return asked == SALTUS_AUTOMATIC ? saltus_system_integrator(system) : saltus_integrator_word(asked);
+    return asked == SALTUS_AUTOMATIC ? saltus_system_integrator(system)
+                                     : saltus_word_of(saltus_integrator_words, (int)asked);
 }
 
 double saltus_event_after(const saltus_event *event) {
@@ -102,7 +99,7 @@ void saltus_put_table_head(FILE *file, const char *what, const saltus_scene *sce
 void saltus_put_tolerances(FILE *file, const saltus_system *system, const saltus_flow_options *flow) {
     char rtol[SALTUS_NUMBER_MAX], atol[SALTUS_NUMBER_MAX];
     fprintf(file, "rtol = %s, atol = %s, integrator = %s (%s)", saltus_number(flow->rtol, rtol),
-            saltus_number(flow->atol, atol), saltus_integrator_word(flow->integrator),
+            saltus_number(flow->atol, atol), saltus_word_of(saltus_integrator_words, (int)flow->integrator),
             saltus_integrator_used(system, flow->integrator));
 }
 
@@ -119,7 +116,8 @@ void saltus_put_section(FILE *file, const saltus_system *system) {
         fputs("the maxima of the displacement", file);
 }
 
-void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
+/* Where a stop sits, as `key = value` with so many digits. */
+static void put_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
     int count;
     char text[SALTUS_NUMBER_MAX];
     const double *place = saltus_stop_place(spec->model, &spec->stops[stop], &count);
@@ -137,7 +135,7 @@ void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits)
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop) {
     const saltus_stop *s = &spec->stops[stop];
     char d[SALTUS_NUMBER_MAX], r[SALTUS_NUMBER_MAX];
-    saltus_put_place(file, spec, stop, 17);
+    put_place(file, spec, stop, 17);
     const char *law = saltus_restitution_law(spec, stop);
     fprintf(file, ", d = %s, r = %s, sides = %s", saltus_number(s->d, d), law ? law : saltus_number(s->r, r),
             saltus_sides_word(s->sides));
@@ -193,7 +191,7 @@ void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system
     for (int s = 0; s < spec->stop_count; s++) {
         const saltus_stop *stop = &spec->stops[s];
         fprintf(file, "  stop %-9d", s + 1);
-        saltus_put_place(file, spec, s, 10);
+        put_place(file, spec, s, 10);
         const char *law = saltus_restitution_law(spec, s);
         char r[32];
         snprintf(r, sizeof r, "%.10g", stop->r);

@@ -21,7 +21,6 @@ extern const saltus_word saltus_event_words[], saltus_side_words[];
 const char *saltus_event_word(saltus_event_kind kind); /* "impact", "stick", "release", ... */
 const char *saltus_side_word(int side);                /* +1 upper, -1 lower */
 const char *saltus_sides_word(saltus_sides sides);     /* "upper", "lower", "both" */
-const char *saltus_integrator_word(saltus_integrator integrator);
 /* The integrator that is used for a system when `asked` is chosen: what automatic stands for. */
 const char *saltus_integrator_used(const saltus_system *system, saltus_integrator asked);
 /* Velocity after an event: none once a contact holds. */
@@ -42,8 +41,6 @@ bool saltus_parameter_shown(const saltus_spec *spec, int k);
 /* What the section of a scene without forcing is: "the maxima of the displacement", "the impacts on stop 1",
  * ... */
 void saltus_put_section(FILE *file, const saltus_system *system);
-/* Where a stop sits, as `key = value` with so many digits. */
-void saltus_put_place(FILE *file, const saltus_spec *spec, int stop, int digits);
 /* A stop as `key = value` phrases with all digits. */
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
 /* The comment lines that begin a table of comma-separated values: what it is, its scene, the label of the

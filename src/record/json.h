@@ -25,13 +25,13 @@ void saltus_json_key(FILE *file, const char *key);
 void saltus_json_member(FILE *file, const char *key, double value);
 void saltus_json_text(FILE *file, const char *key, const char *text);
 void saltus_json_list(FILE *file, const char *key, const double *vector, int length);
-/* A list of rows of numbers, that begin `stride` numbers apart; `rows` may be NULL where there are none. */
+/* A list of rows of numbers that begin `stride` numbers apart, such as pairs of real and imaginary part;
+ * `rows` may be NULL where there are none. */
 void saltus_json_rows(FILE *file, const char *key, const void *rows, int count, int length, int stride);
-/* The member `contact_force`, an entry for each face; without `force` null. `gap` may be NULL. */
+/* The members `contact_force`, an entry for each face (without `force` null, `gap` may be NULL), `events`,
+ * and `multipliers` with `log_moduli`. */
 void saltus_json_contact_force(FILE *file, const saltus_system *system, const double *force,
                                const double *gap);
-/* The members `events`, and `multipliers` with `log_moduli`; eigenvalues and multipliers are rows of pairs.
- */
 void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count);
 void saltus_json_multipliers(FILE *file, const saltus_multiplier *multipliers, int count);
 

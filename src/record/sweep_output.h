@@ -53,7 +53,7 @@ saltus_status saltus_journal_get(saltus_journal *journal, long long place, saltu
 /* Close the journal; with `discard` it is removed. A zeroed one is accepted. */
 void saltus_journal_close(saltus_journal *journal, bool discard);
 
-/* sweep_stream.c: the results in the order of the file. */
+/* The results in the order of the file. */
 typedef struct saltus_sweep_stream {
     const saltus_sweep *sweep;
     saltus_journal *journal;

@@ -1,5 +1,7 @@
-/* Records of trajectories as files: comma-separated values, or HDF5.
+/* Records of trajectories as files: comma-separated values, or HDF5, which is read back.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "record/trajectory.h"
+
 #include "flow/options.h"
 #include "record/describe.h"
 #include "record/fields.h"
@@ -9,6 +11,8 @@
 
 #include <math.h>
 #include <stdlib.h>
+
+enum { most_rows = 1000000000 };
 
 /* A record with what explains it. */
 typedef struct source {
@@ -148,4 +152,87 @@ saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scen
     if (status != SALTUS_OK)
         saltus_fail(message, status, "no memory for the observed quantities");
     return saltus_output_close(&output, status, message);
+}
+
+/* One column of a table of samples, each of as many numbers as a state has where it is that. */
+static saltus_status read_column(const saltus_h5_reader *r, const char *group, const saltus_field *field,
+                                 int dimension, double **values, long long *count) {
+    const int counts[SALTUS_COUNTS_MAX] = {[SALTUS_COUNT_DIMENSION] = dimension};
+    const saltus_field_table table = {field, 1};
+    const size_t entries = field->length ? (size_t)dimension : 1;
+    void *read = NULL;
+    saltus_status status =
+        saltus_h5_get_all(r, group, &table, counts, most_rows, entries * sizeof **values, &read, count);
+    *values = read;
+    for (size_t k = 0; k < (size_t)*count * entries && status == SALTUS_OK; k++)
+        if (!isfinite((*values)[k]))
+            status = saltus_h5_refuse_part(r, group, field->name);
+    return status;
+}
+
+static saltus_status read_samples(const saltus_h5_reader *r, saltus_trajectory *made) {
+    double **const columns[] = {&made->time, &made->states, &made->displacement, &made->velocity};
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < 4 && status == SALTUS_OK; k++) {
+        const saltus_field *field = &saltus_sample_fields.fields[k];
+        long long count = 0;
+        status = read_column(r, "trajectory", field, made->dimension, columns[k], &count);
+        if (status == SALTUS_OK && (count < 1 || (k > 0 && count != made->samples)))
+            status = saltus_h5_refuse_part(r, "trajectory", field->name);
+        made->samples = count;
+    }
+    return status;
+}
+
+/* The events, each with two rows of the samples. */
+static saltus_status read_events(const saltus_h5_reader *r, const saltus_system *system,
+                                 saltus_trajectory *made) {
+    void *rows = NULL;
+    long long count = 0;
+    saltus_status status = saltus_h5_get_all(r, "events", &saltus_trajectory_event_fields, NULL, most_rows,
+                                             sizeof(saltus_event_row), &rows, &count);
+    made->events = calloc((size_t)count + 1, sizeof *made->events);
+    made->event_rows = calloc((size_t)count + 1, sizeof *made->event_rows);
+    if (status == SALTUS_OK && !(made->events && made->event_rows))
+        status = saltus_h5_no_memory(r);
+    for (long long k = 0; k < count && status == SALTUS_OK; k++) {
+        const saltus_event_row *row = (const saltus_event_row *)rows + k;
+        if (!saltus_event_of_row(system, row, &made->events[k]) ||
+            row->row >= made->samples - (row->kind != SALTUS_RELEASE) ||
+            row->row < (k ? made->event_rows[k - 1] : 0))
+            status = saltus_h5_refuse_part(r, "events", "row");
+        made->event_rows[k] = row->row;
+        made->event_count++;
+    }
+    free(rows);
+    return status;
+}
+
+saltus_status saltus_trajectory_file_read(const char *path, saltus_trajectory_file *file,
+                                          saltus_message *message) {
+    saltus_h5_reader r = {.path = path, .kind = "trajectory", .message = message};
+    saltus_trajectory *made = &file->record;
+    *file = (saltus_trajectory_file){.system = NULL};
+    saltus_status status = saltus_h5_reader_open(&r);
+    if (status == SALTUS_OK)
+        status = saltus_h5_get_head(&r, "trajectory", "trajectory", &file->head);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&file->head.spec, &file->system, message);
+    if (status == SALTUS_OK) {
+        made->dimension = saltus_system_dimension(file->system);
+        status = read_samples(&r, made);
+    }
+    if (status == SALTUS_OK)
+        status = read_events(&r, file->system, made);
+    if (status == SALTUS_OK)
+        status = read_column(&r, "strobe", saltus_strobe_fields.fields, made->dimension, &made->strobe_states,
+                             &made->strobes);
+    saltus_h5_reader_close(&r);
+    return status;
+}
+
+void saltus_trajectory_file_clear(saltus_trajectory_file *file) {
+    saltus_system_free(file->system);
+    saltus_trajectory_clear(&file->record);
+    saltus_h5_head_clear(&file->head);
 }

@@ -1,0 +1,21 @@
+/* Private: the file of a trajectory read back.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_RECORD_TRAJECTORY_H
+#define SALTUS_RECORD_TRAJECTORY_H
+
+#include "record/hdf5.h"
+
+typedef struct saltus_trajectory_file {
+    saltus_h5_head head;
+    saltus_system *system; /* of its parameters */
+    saltus_trajectory record;
+} saltus_trajectory_file;
+
+/* Read a file, whoever may have written it; to be cleared, also after a failure. Errors: SALTUS_BAD_INPUT,
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_trajectory_file_read(const char *path, saltus_trajectory_file *file,
+                                          saltus_message *message);
+/* A zeroed one is accepted. */
+void saltus_trajectory_file_clear(saltus_trajectory_file *file);
+
+#endif
