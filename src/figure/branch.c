@@ -29,13 +29,14 @@ static bool shows_cycles(const saltus_plot_page *page) {
 static void name_measure(const saltus_plot_page *page, saltus_line *line) {
     const saltus_show show = page->show;
     const bool cycles = shows_cycles(page);
-    char name[160];
-    saltus_observed_name(page->system, show == SALTUS_SHOW_VELOCITY, name, sizeof name);
-    if (show == SALTUS_SHOW_DISPLACEMENT || show == SALTUS_SHOW_VELOCITY)
-        saltus_line_add(line, "%s  %s", name, cycles ? "at its maximum" : "at phase 0");
-    else if (show == SALTUS_SHOW_AMPLITUDE)
-        saltus_line_add(line, "%s%s", name, shows(page, false) ? "  largest and smallest of an orbit" : "");
-    else if (show == SALTUS_SHOW_PERIOD)
+    const bool largest = show == SALTUS_SHOW_AMPLITUDE;
+    if (show == SALTUS_SHOW_DISPLACEMENT || show == SALTUS_SHOW_VELOCITY || largest) {
+        saltus_line_observed(line, page->system, show == SALTUS_SHOW_VELOCITY);
+        saltus_line_add(line, "%s",
+                        !largest             ? (cycles ? "  at its maximum" : "  at phase 0")
+                        : shows(page, false) ? "  largest and smallest of an orbit"
+                                             : "");
+    } else if (show == SALTUS_SHOW_PERIOD)
         saltus_line_add(line, cycles ? "period" : "period in {/:Italic T}");
     else
         saltus_line_add(line, "%s  |{/:Bold n·q′}|",

@@ -191,7 +191,7 @@ int saltus_line_letters(const char *text) {
     return shown;
 }
 
-void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room) {
+void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velocity) {
     const double *observer = saltus_system_observer(system), xi = saltus_system_observed_place(system);
     bool single_mass = saltus_system_dof(system) > 1
                            ? observer[0] + observer[1] == 1 && observer[0] * observer[1] == 0
@@ -201,23 +201,24 @@ void saltus_observed_name(const saltus_system *system, bool velocity, char *text
         snprintf(place, sizeof place, "%.4g", xi);
     const saltus_notation *n = saltus_notation_of(system);
     const char *x = n->displacement, *t = n->time, *own = saltus_system_observed_name(system);
+    const int mass = observer[0] == 1 ? 1 : 2;
     if (own) {
         saltus_line name = {.length = 0};
         saltus_line_plain(&name, own);
-        snprintf(text, room, velocity ? "velocity d({/:Italic %.80s})/d{/:Italic %s}" : "{/:Italic %.120s}",
-                 name.text, t);
+        saltus_line_add(l, velocity ? "velocity d({/:Italic %.80s})/d{/:Italic %s}" : "{/:Italic %.120s}",
+                        name.text, t);
     } else if (n->structure == SALTUS_STRUCTURE_LINE && velocity)
-        snprintf(text, room, "velocity ∂{/:Italic %s}/∂{/:Italic %s} (%s, {/:Italic %s})", x, t, place, t);
+        saltus_line_add(l, "velocity ∂{/:Italic %s}/∂{/:Italic %s} (%s, {/:Italic %s})", x, t, place, t);
     else if (n->structure == SALTUS_STRUCTURE_LINE)
-        snprintf(text, room, "displacement {/:Italic %s}(%s, {/:Italic %s})", x, place, t);
+        saltus_line_add(l, "displacement {/:Italic %s}(%s, {/:Italic %s})", x, place, t);
     else if (single_mass && velocity)
-        snprintf(text, room, "velocity d{/:Italic %s}_%d/d{/:Italic %s}", x, observer[0] == 1 ? 1 : 2, t);
+        saltus_line_add(l, "velocity d{/:Italic %s}_%d/d{/:Italic %s}", x, mass, t);
     else if (single_mass)
-        snprintf(text, room, "displacement {/:Italic %s}_%d", x, observer[0] == 1 ? 1 : 2);
+        saltus_line_add(l, "displacement {/:Italic %s}_%d", x, mass);
     else if (velocity)
-        snprintf(text, room, "velocity d{/:Italic g}/d{/:Italic %s}", t);
+        saltus_line_add(l, "velocity d{/:Italic g}/d{/:Italic %s}", t);
     else
-        snprintf(text, room, "contact coordinate {/:Italic g}");
+        saltus_line_add(l, "contact coordinate {/:Italic g}");
 }
 
 void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const char *key) {

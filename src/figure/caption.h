@@ -32,7 +32,7 @@ void saltus_line_symbol(saltus_line *l, const char *name);
 /* What a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
 void saltus_line_parameter(saltus_line *l, const saltus_spec *spec, const char *key);
 /* Name of an axis that shows the observed displacement, or its rate. */
-void saltus_observed_name(const saltus_system *system, bool velocity, char *text, size_t room);
+void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velocity);
 /* "0.756 ± 0.008" in gnuplot's enhanced text. */
 void saltus_line_uncertain(saltus_line *line, saltus_uncertain number);
 /* Model, parameters and stops, without the keys (NULL: none) that vary in the figure. */

@@ -46,8 +46,7 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
         else
             saltus_line_add(&result, "too few values for an estimate");
         saltus_page_text(page, "Reason", result.text);
-        saltus_page_template(page, "nothing");
-        saltus_page_template(page, "close");
+        saltus_page_draw(page, "nothing");
         return;
     }
     saltus_range time = {c->history[0].time, c->history[c->count - 1].time};
@@ -78,8 +77,7 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     saltus_page_number(page, "High", range.high);
     saltus_page_number(page, "Zero", origin == 0 && range.low < 0 && range.high > 0);
     saltus_page_number(page, "Points", c->count);
-    saltus_page_template(page, "convergence");
-    saltus_page_template(page, "close");
+    saltus_page_draw(page, "convergence");
 }
 
 /* The rows of the history below a header that says what they belong to. */

@@ -399,6 +399,11 @@ void saltus_page_template(const saltus_page *page, const char *name) {
             fputs(saltus_templates[k].text, page->file);
 }
 
+void saltus_page_draw(const saltus_page *page, const char *name) {
+    saltus_page_template(page, name);
+    saltus_page_template(page, "close");
+}
+
 void saltus_range_add(saltus_range *range, double value) {
     if (!isfinite(value))
         return;

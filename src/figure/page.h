@@ -99,6 +99,8 @@ void saltus_page_number(const saltus_page *page, const char *name, double value)
 void saltus_page_text(const saltus_page *page, const char *name, const char *text);
 /* The fixed part of a figure: the file of that name with the ending .gp. */
 void saltus_page_template(const saltus_page *page, const char *name);
+/* The same, after which nothing of the panel stays for the next one. */
+void saltus_page_draw(const saltus_page *page, const char *name);
 
 /* gnuplot.c: run gnuplot on a script (read from its beginning) that draws to standard output; what it draws,
  * complete, in *picture, the caller's to close. The user's own start-up files are not read. Errors: SALTUS_IO

@@ -25,6 +25,14 @@ static void put_axes(const saltus_sheet *sheet, saltus_frame frame, const char *
                 saltus_page_tic_step(across, (frame.right - frame.left) / 100 + 1.5));
 }
 
+/* The axes of the observed displacement and its rate. */
+static void put_observed(const saltus_sheet *sheet, saltus_frame frame, saltus_range x, saltus_range v) {
+    saltus_line displacement = {.length = 0}, velocity = {.length = 0};
+    saltus_line_observed(&displacement, sheet->system, false);
+    saltus_line_observed(&velocity, sheet->system, true);
+    put_axes(sheet, frame, displacement.text, x, velocity.text, v);
+}
+
 /* The stops of the observed coordinate that lie in its range: grey beyond the clearance, a line at it.
  * `vertical`: the displacement is drawn across the page. */
 static void put_stops(const saltus_sheet *sheet, bool vertical) {
@@ -53,36 +61,30 @@ static void put_facts(const saltus_sheet *sheet, long long events) {
                        sheet->motion ? saltus_verdict_settled(sheet->motion->verdict) : sheet->strong);
 }
 
-static void put_template(const saltus_sheet *sheet, const char *name) {
-    saltus_page_template(sheet->page, name);
-    saltus_page_template(sheet->page, "close");
-}
-
 void saltus_sheet_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    char x[160], y[160], heading[96];
-    saltus_observed_name(sheet->system, false, x, sizeof x);
-    saltus_observed_name(sheet->system, true, y, sizeof y);
+    char heading[96];
     snprintf(heading, sizeof heading, "phase portrait, dots at {/:Italic %s} = 0 (mod {/:Italic T})",
              saltus_notation_of(sheet->system)->time);
     saltus_page_panel(sheet->page, frame, letter, sheet->timed ? heading : "phase portrait");
-    put_axes(sheet, frame, x, sheet->displacement, y, sheet->velocity);
+    put_observed(sheet, frame, sheet->displacement, sheet->velocity);
     put_stops(sheet, true);
     put_facts(sheet, sheet->events);
-    put_template(sheet, "portrait");
+    saltus_page_draw(sheet->page, "portrait");
 }
 
 void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->record;
     saltus_range time = {r->time[0], r->time[sheet->history_rows - 1]};
-    char name[160], elapsed[64];
-    saltus_observed_name(sheet->system, false, name, sizeof name);
+    saltus_line name = {.length = 0};
+    char elapsed[64];
+    saltus_line_observed(&name, sheet->system, false);
     saltus_page_panel(sheet->page, frame, letter, saltus_sheet_history_heading(sheet));
     snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}%s", saltus_notation_of(sheet->system)->time,
              sheet->timed ? "/{/:Italic T}" : "");
-    put_axes(sheet, frame, elapsed, time, name, sheet->displacement);
+    put_axes(sheet, frame, elapsed, time, name.text, sheet->displacement);
     put_stops(sheet, false);
     put_facts(sheet, sheet->history_events);
-    put_template(sheet, "history");
+    saltus_page_draw(sheet->page, "history");
 }
 
 /* The section points of a long record, in their own range. */
@@ -90,7 +92,7 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     const double *scale = saltus_system_scale(sheet->system);
     long long count = sheet->section->strobes;
     saltus_range x = {INFINITY, -INFINITY}, v = x;
-    char heading[96], across[160], up[160];
+    char heading[96];
     for (long long k = 0; k < count; k++) {
         double point[2];
         saltus_sheet_strobe(sheet, sheet->section, k, point);
@@ -100,11 +102,9 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     saltus_range_pad(&x, 0.06, scale[0]);
     saltus_range_pad(&v, 0.06, scale[saltus_system_dof(sheet->system)]);
     snprintf(heading, sizeof heading, "stroboscopic section, %lld points", count);
-    saltus_observed_name(sheet->system, false, across, sizeof across);
-    saltus_observed_name(sheet->system, true, up, sizeof up);
     saltus_page_panel(sheet->page, frame, letter, heading);
-    put_axes(sheet, frame, across, x, up, v);
-    put_template(sheet, "section");
+    put_observed(sheet, frame, x, v);
+    saltus_page_draw(sheet->page, "section");
 }
 
 /* The marks' colours; of more faces than there are colours only those that are hit are shown. */
@@ -199,7 +199,7 @@ static void put_multipliers(const saltus_sheet *sheet, saltus_frame frame, int l
     saltus_range imaginary = {-reach, reach}, real = {-reach * aspect, reach * aspect};
     saltus_page_panel(sheet->page, frame, letter, "Floquet multipliers and the unit circle");
     put_axes(sheet, frame, "real part", real, "imaginary part", imaginary);
-    put_template(sheet, "multipliers");
+    saltus_page_draw(sheet->page, "multipliers");
 }
 
 /* Stops are blocks with their tips at (xi, d), where they are near enough to be seen with the pipe. */
@@ -243,7 +243,7 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
             "set cbrange [0:%g]\nset cbtics %g scale 0.4 offset -0.6,0\n",
             place, frame.bottom / height, 16 / sheet->page->width, (frame.top - frame.bottom) / height,
             n->time, place, time.high, saltus_page_tic_step(time, 5));
-    put_template(sheet, "shapes");
+    saltus_page_draw(sheet->page, "shapes");
 }
 
 /* Whether a face is a line in the plane of the first two displacements. */
@@ -304,12 +304,10 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
     const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
     const saltus_spectrum *s = sheet->spectrum;
     saltus_line heading = {.length = 0};
-    char name[160];
     bool forcing = false; /* multiples of its frequency are among the lines that can be seen */
     for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES; k++)
         forcing = forcing || (s->lines[k].harmonic % s->periods == 0 && s->lines[k].decibels > -100);
-    saltus_observed_name(sheet->system, false, name, sizeof name);
-    saltus_line_add(&heading, "%s", name);
+    saltus_line_observed(&heading, sheet->system, false);
     if (s->kind == SALTUS_SPECTRUM_WELCH)
         saltus_line_add(&heading, "; %g %% band%s", 100 * s->confidence,
                         s->line_count > 0 ? "; ▾ lines" : "");

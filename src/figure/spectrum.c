@@ -202,11 +202,9 @@ static void put_low(const row *r, saltus_frame frame, int letter) {
     const saltus_system *system = r->source->system;
     const saltus_notation *n = saltus_notation_of(system);
     saltus_line heading = {.length = 0};
-    char name[160];
-    if (r->quantity.coordinate == 0) {
-        saltus_observed_name(system, r->quantity.velocity, name, sizeof name);
-        saltus_line_add(&heading, "%s", name);
-    } else if (saltus_model_text(saltus_system_spec(system)->model))
+    if (r->quantity.coordinate == 0)
+        saltus_line_observed(&heading, system, r->quantity.velocity);
+    else if (saltus_model_text(saltus_system_spec(system)->model))
         saltus_line_state(&heading, system,
                           saltus_system_state_index(system, saltus_quantity_name(system, r->quantity).text));
     else

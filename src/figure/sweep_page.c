@@ -33,19 +33,18 @@ static const struct {
                              .unforced = "time until settled"}};
 
 void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line) {
-    char name[160] = "";
-    if (page->view == SALTUS_VIEW_IMPACTS && page->sides) {
-        saltus_line_add(line, "velocity at impact  {/:Bold n·q′}");
-        return;
-    }
-    if (words[page->view].displacement && strncmp(page->x.key, "xi", 2) == 0 && !page->sweep->spec.observe[0])
-        snprintf(name, sizeof name, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
-    else if (words[page->view].displacement)
-        saltus_observed_name(page->system, false, name, sizeof name);
+    const bool displacement = words[page->view].displacement;
     const char *before = words[page->view].before, *after = words[page->view].after;
+    if (page->view == SALTUS_VIEW_IMPACTS && page->sides)
+        before = "velocity at impact  {/:Bold n·q′}";
     if (words[page->view].unforced && !saltus_system_forced(page->system))
-        *(words[page->view].displacement ? &after : &before) = words[page->view].unforced;
-    saltus_line_add(line, "%s%s%s", before ? before : "", name, after ? after : "");
+        *(displacement ? &after : &before) = words[page->view].unforced;
+    saltus_line_add(line, "%s", before ? before : "");
+    if (displacement && strncmp(page->x.key, "xi", 2) == 0 && !page->sweep->spec.observe[0])
+        saltus_line_add(line, "displacement {/:Italic η}({/:Italic ξ}, {/:Italic τ})");
+    else if (displacement)
+        saltus_line_observed(line, page->system, false);
+    saltus_line_add(line, "%s", after ? after : "");
 }
 
 /* The symbol of a key: q1 and v1 of built-in models are letters with numbers, names of a text stay words. */
@@ -175,7 +174,7 @@ void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, s
                     "set label '' at screen %.6f,%.6f point pt 7 ps 0.2 lc rgb '#404040' front\n",
                     (x + c) / w, (y + (0.5 * n + 0.2 + 0.25 * (k % 2)) * size * 0.9) / h);
     }
-    if (figures && *figures)
+    if (*figures)
         saltus_page_label(&page->paper, figures, x + reach, y + 0.5 * size,
                           "right front font ',12' tc rgb '#606060'");
 }
