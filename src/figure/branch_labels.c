@@ -142,10 +142,11 @@ static bool misleads(const saltus_plot_page *page, const saltus_branch_point *po
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *other = &page->files[i].points[k];
+            if (other->kind == point->kind || !saltus_plot_marked(&page->files[i], other) ||
+                !saltus_plot_shown(page, other))
+                continue;
             const place its = place_of(page, other, 0);
-            if (other->kind != point->kind && saltus_plot_marked(&page->files[i], other) &&
-                saltus_plot_shown(page, other) && apart(its, own) > same &&
-                apart(its, wanted) < apart(own, wanted))
+            if (apart(its, own) > same && apart(its, wanted) < apart(own, wanted))
                 return true;
         }
     return false;
@@ -214,11 +215,12 @@ static bool leads(const places *all, place from, place to) {
     return true;
 }
 
-/* The names for which there was no place beside their points, farther away with lines that lead to them. */
+/* The names for which there was no place beside their points, farther away with lines that lead to them; no
+ * more of these than can be told apart. */
 static void lead_to_names(const saltus_plot_page *page, places *all) {
-    enum { ways = 36 };
+    enum { ways = 36, most = 40 };
     const double nearest = 2.2, farthest = 8, step = 0.6, enough = 0.6;
-    for (int u = 0; u < all->unnamed_count; u++) {
+    for (int u = 0; u < all->unnamed_count && u < most; u++) {
         const saltus_branch_point *point = all->unnamed[u];
         const char *word = saltus_point_word(point->kind);
         const place own = place_of(page, point, 0);
