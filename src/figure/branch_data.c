@@ -159,18 +159,6 @@ double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *po
     return page->locus ? point->value[1] : page->swap ? point->value[0] : measure(page, point);
 }
 
-/* The impacts of an orbit. */
-static bool find_impacts(const saltus_branch_point *point, saltus_plot_visits *visits) {
-    visits->list = calloc((size_t)point->event_count + 1, sizeof *visits->list);
-    for (int k = 0; k < point->event_count && visits->list; k++) {
-        double speed = impact_speed(&point->events[k]);
-        if (!isnan(speed))
-            visits->list[visits->count++] =
-                (saltus_plot_visit){saltus_time_periods(point->events[k].time), speed, point->events[k].face};
-    }
-    return visits->list != NULL;
-}
-
 /* The displacements at which an orbit turns, freely or at a stop, from once around it, and that of a rest.
  * One that cannot be followed, such as one that the equations have beyond a stop, shows none. */
 static saltus_status find_turnings(const saltus_plot_page *page, const saltus_branch_point *point,
@@ -237,11 +225,22 @@ saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *me
         const saltus_branch_file *f = &page->files[i];
         saltus_plot_visits *visits = page->visits[i] = calloc((size_t)f->point_count + 1, sizeof *visits);
         memory = visits != NULL;
-        for (int k = 0; k < f->point_count && memory && status == SALTUS_OK; k++)
-            if (page->turning)
-                status = find_turnings(page, &f->points[k], &visits[k], message);
-            else
-                memory = find_impacts(&f->points[k], &visits[k]);
+        for (int k = 0; k < f->point_count && memory && status == SALTUS_OK; k++) {
+            const saltus_branch_point *point = &f->points[k];
+            if (page->turning) {
+                status = find_turnings(page, point, &visits[k], message);
+                continue;
+            }
+            visits[k].list = calloc((size_t)point->event_count + 1, sizeof *visits[k].list);
+            memory = visits[k].list != NULL;
+            for (int e = 0; e < point->event_count && memory; e++) {
+                const saltus_event *event = &point->events[e];
+                double speed = impact_speed(event);
+                if (!isnan(speed))
+                    visits[k].list[visits[k].count++] =
+                        (saltus_plot_visit){saltus_time_periods(event->time), speed, event->face};
+            }
+        }
     }
     return memory ? status : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the impacts of a branch");
 }

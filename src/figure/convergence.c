@@ -136,16 +136,6 @@ static void put_caption(saltus_page *page, const saltus_scene *scene, const salt
     saltus_page_words(page, &doubt, "#c44e2a");
 }
 
-static void put_figure(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
-                       const saltus_lyapunov *l, double precision) {
-    saltus_course course = saltus_lyapunov_course(l);
-    put_caption(page, scene, system, l, precision);
-    saltus_page_begin(page);
-    saltus_course_data(page, &course);
-    saltus_page_caption(page);
-    saltus_course_panel(page, system, &course, saltus_page_rest(page, saltus_page_narrow(page) ? 76 : 36));
-}
-
 saltus_status saltus_convergence_check(const char *path, saltus_message *message) {
     struct stat facts;
     if (saltus_figure_check(path, NULL, NULL) != SALTUS_OK && !saltus_path_ends(path, ".csv"))
@@ -169,7 +159,13 @@ saltus_status saltus_write_convergence(const char *path, const saltus_scene *sce
         status = saltus_page_open(&page, path, look, message);
         if (status != SALTUS_OK)
             return status;
-        put_figure(&page, scene, system, lyapunov, options->precision);
+        saltus_course course = saltus_lyapunov_course(lyapunov);
+        put_caption(&page, scene, system, lyapunov, options->precision);
+        saltus_page_begin(&page);
+        saltus_course_data(&page, &course);
+        saltus_page_caption(&page);
+        saltus_course_panel(&page, system, &course,
+                            saltus_page_rest(&page, saltus_page_narrow(&page) ? 76 : 36));
         return saltus_page_close(&page, SALTUS_OK, message);
     }
     status = saltus_output_open(&output, path, message);

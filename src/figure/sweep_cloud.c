@@ -43,16 +43,6 @@ static long long cloud_count(const saltus_sweep_page *page, long long row) {
                : 1;
 }
 
-/* Distinct attractors met at the place of a row, where that row is its first seed's. */
-static double attractors_of(const saltus_sweep_file *sweep, long long row) {
-    int most = -1;
-    if (row % sweep->options.seeds)
-        return NAN;
-    for (int k = 0; k < sweep->options.seeds; k++)
-        most = sweep->rows[row + k].attractor > most ? sweep->rows[row + k].attractor : most;
-    return most < 0 ? NAN : most + 1;
-}
-
 static double observed(const saltus_sweep_page *page, long long row, long long k) {
     const saltus_sweep_file *sweep = page->sweep;
     int n = saltus_system_dof(page->system);
@@ -68,6 +58,7 @@ static double observed(const saltus_sweep_page *page, long long row, long long k
 static double cloud_value(const saltus_sweep_page *page, long long row, long long k) {
     const saltus_sweep_file *sweep = page->sweep;
     double speed, number;
+    int most = -1;
     switch (page->view) {
     case SALTUS_VIEW_TURNING:
         return sweep->turning[sweep->turning_first[row] + k];
@@ -77,7 +68,10 @@ static double cloud_value(const saltus_sweep_page *page, long long row, long lon
     case SALTUS_VIEW_STROBOSCOPIC:
         return observed(page, row, k);
     case SALTUS_VIEW_ATTRACTORS:
-        return attractors_of(sweep, row);
+        /* Distinct attractors met at the place of a row, where that row is its first seed's. */
+        for (int s = 0; s < sweep->options.seeds && row % sweep->options.seeds == 0; s++)
+            most = sweep->rows[row + s].attractor > most ? sweep->rows[row + s].attractor : most;
+        return most < 0 ? NAN : most + 1;
     default:
         number = saltus_sweep_measure(page->view, &sweep->rows[row]);
         return isinf(number) ? NAN : number; /* an exponent of -infinity has no place in a diagram */

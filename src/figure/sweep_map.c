@@ -393,20 +393,16 @@ static bool put_panel(saltus_sweep_map *map) {
     return sound;
 }
 
-static bool fill(saltus_sweep_map *map) {
-    if (map->page->view == SALTUS_VIEW_CLASS)
-        return saltus_sweep_map_classes(map);
-    if (map->page->view == SALTUS_VIEW_ATTRACTORS)
-        return map->page->sweep->basins ? saltus_sweep_map_basins(map) : saltus_sweep_map_counts(map);
-    return saltus_sweep_map_numbers(map);
-}
-
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message) {
     saltus_sweep_map map = {.page = page};
     saltus_page *paper = &page->paper;
     saltus_plot_page curves;
-    bool sound = fill(&map), basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins,
-         narrow = saltus_page_narrow(paper);
+    const bool basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins,
+               narrow = saltus_page_narrow(paper);
+    bool sound = page->view == SALTUS_VIEW_CLASS        ? saltus_sweep_map_classes(&map)
+                 : basins                               ? saltus_sweep_map_basins(&map)
+                 : page->view == SALTUS_VIEW_ATTRACTORS ? saltus_sweep_map_counts(&map)
+                                                        : saltus_sweep_map_numbers(&map);
     for (int k = 0, entries = sound && map.any_several; sound && narrow && map.kind && k < map.kind_count;
          k++) {
         entries += map.kinds[k].count > 0;

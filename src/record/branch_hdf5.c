@@ -94,25 +94,6 @@ static double *copy_reals(const double *values, int count) {
     return copy;
 }
 
-static bool fill_head(saltus_branch_output *o, const char *path, const saltus_scene *scene,
-                      const double *state, const saltus_branch_options *options) {
-    saltus_branch_file *head = &o->head;
-    snprintf(head->scene, sizeof head->scene, "%s", scene->name);
-    snprintf(head->title, sizeof head->title, "%s", scene->title);
-    head->dimension = saltus_system_dimension(o->system);
-    head->options = *options;
-    head->state = copy_reals(state, head->dimension);
-    head->values = copy_reals(options->values, options->value_count);
-    head->options.values = head->values;
-    o->points = (saltus_rows){
-        .kind = &saltus_point_fields,
-        .counts = {[SALTUS_COUNT_DIMENSION] = head->dimension, [SALTUS_COUNT_STOPS] = head->spec.stop_count}};
-    saltus_model_parameters(head->spec.model, &o->points.counts[SALTUS_COUNT_PARAMETERS]);
-    o->events = (saltus_rows){.kind = &saltus_event_fields};
-    o->path = strdup(path);
-    return head->state && head->values && o->path;
-}
-
 static void release(saltus_branch_output *o) {
     saltus_rows_clear(&o->points);
     saltus_rows_clear(&o->events);
@@ -123,34 +104,46 @@ static void release(saltus_branch_output *o) {
     free(o);
 }
 
-/* Whether the file can be written: found out before hours of work. */
-static saltus_status test_path(const char *path, saltus_message *message) {
-    struct stat facts;
-    if (!saltus_path_ends(path, ".h5"))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5", path);
-    if (stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", path);
-    return saltus_output_test(path, message);
-}
-
 saltus_status saltus_branch_output_open(const char *path, const saltus_scene *scene, int periods,
                                         const double *state, const saltus_branch_options *options,
                                         const saltus_origin *origin, saltus_branch_output **output,
                                         saltus_message *message) {
+    struct stat facts;
     *output = NULL;
-    saltus_status status = test_path(path, message);
+    /* Whether the file can be written is found out before hours of work. */
+    if (!saltus_path_ends(path, ".h5"))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5", path);
+    if (stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", path);
+    saltus_status status = saltus_output_test(path, message);
     if (status != SALTUS_OK)
         return status;
     saltus_branch_output *o = calloc(1, sizeof *o);
     if (!o)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the branch file");
-    o->head.spec = scene->spec;
+    saltus_branch_file *head = &o->head;
+    head->spec = scene->spec;
     saltus_model_retain(scene->spec.model);
-    o->head.periods = periods;
-    status = saltus_system_new(&scene->spec, &o->system, message);
+    head->periods = periods;
+    head->options = *options;
+    snprintf(head->scene, sizeof head->scene, "%s", scene->name);
+    snprintf(head->title, sizeof head->title, "%s", scene->title);
     bool kept = saltus_h5_origin_keep(&o->origin, origin);
-    if (status == SALTUS_OK && !(kept && fill_head(o, path, scene, state, options)))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the branch file");
+    status = saltus_system_new(&scene->spec, &o->system, message);
+    if (status == SALTUS_OK) {
+        head->dimension = saltus_system_dimension(o->system);
+        head->state = copy_reals(state, head->dimension);
+        head->options.values = head->values = copy_reals(options->values, options->value_count);
+        o->path = strdup(path);
+        o->points = (saltus_rows){
+            .kind = &saltus_point_fields,
+            .counts = {
+                [SALTUS_COUNT_DIMENSION] = head->dimension, [SALTUS_COUNT_STOPS] = head->spec.stop_count}};
+        saltus_model_parameters(head->spec.model, &o->points.counts[SALTUS_COUNT_PARAMETERS]);
+        o->events = (saltus_rows){.kind = &saltus_event_fields};
+        if (!(kept && head->state && head->values && o->path))
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the branch file");
+    }
     if (status == SALTUS_OK)
         *output = o;
     else

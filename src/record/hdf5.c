@@ -217,33 +217,25 @@ void saltus_h5_restore(const saltus_h5_silence *silence) {
     H5Eset_auto2(H5E_DEFAULT, silence->print, silence->context);
 }
 
-/* Whether a file's seal, if it has one, is that of its bytes. HDF5 itself is not made to read damaged files.
- */
-static bool undamaged(FILE *file) {
-    struct stat facts;
-    char seal[SALTUS_H5_SEAL + 1], there[SALTUS_H5_SEAL];
-    int descriptor = fileno(file);
-    long long length = fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode) ? facts.st_size : 0;
-    if (length <= SALTUS_H5_SEAL)
-        return true;
-    length -= SALTUS_H5_SEAL;
-    if (pread(descriptor, there, sizeof there, (off_t)length) != SALTUS_H5_SEAL)
-        return false;
-    return memcmp(there, "saltus:", 7) != 0 ||
-           (saltus_h5_seal(descriptor, length, seal) && memcmp(there, seal, sizeof there) == 0);
-}
-
-/* Open a file for reading; negative after a sentence in the message. */
+/* Open a file for reading; negative after a sentence in the message. HDF5 itself is not made to read damaged
+ * files: those whose seal, if they have one, is not that of their bytes. */
 static hid_t read_file(const char *path, saltus_message *message) {
+    struct stat facts = {.st_size = 0};
+    char seal[SALTUS_H5_SEAL + 1], there[SALTUS_H5_SEAL];
     FILE *plain = fopen(path, "rb");
-    int reason = errno;
     if (!plain) {
-        saltus_fail(message, SALTUS_BAD_INPUT, "%s: cannot be opened (%s)", path, strerror(reason));
+        saltus_fail(message, SALTUS_BAD_INPUT, "%s: cannot be opened (%s)", path, strerror(errno));
         return -1;
     }
-    bool sound = undamaged(plain);
-    struct stat facts;
-    const bool folder = fstat(fileno(plain), &facts) == 0 && S_ISDIR(facts.st_mode);
+    const int descriptor = fileno(plain);
+    const bool folder = fstat(descriptor, &facts) == 0 && S_ISDIR(facts.st_mode);
+    bool sound = true;
+    if (S_ISREG(facts.st_mode) && facts.st_size > SALTUS_H5_SEAL) {
+        const long long length = facts.st_size - SALTUS_H5_SEAL;
+        sound = pread(descriptor, there, sizeof there, (off_t)length) == SALTUS_H5_SEAL &&
+                (memcmp(there, "saltus:", 7) != 0 ||
+                 (saltus_h5_seal(descriptor, length, seal) && memcmp(there, seal, sizeof there) == 0));
+    }
     fclose(plain);
     bool known = sound && H5Fis_hdf5(path) > 0;
     hid_t file = known ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;

@@ -169,15 +169,6 @@ void saltus_h5_finish(saltus_h5 *w, bool durable) {
     saltus_h5_note(w, w->reason == 0);
 }
 
-static saltus_status outcome(const saltus_h5 *w, const char *path, saltus_message *message) {
-    if (w->starved || w->reason == ENOMEM)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
-    if (w->reason)
-        return saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s", path,
-                           strerror(w->reason));
-    return w->sound ? SALTUS_OK : saltus_fail(message, SALTUS_IO, "the HDF5 library could not make %s", path);
-}
-
 saltus_status saltus_h5_write(const char *path, bool durable, saltus_h5_put *put, void *context,
                               saltus_message *message) {
     saltus_output output;
@@ -193,7 +184,13 @@ saltus_status saltus_h5_write(const char *path, bool durable, saltus_h5_put *put
         saltus_h5_create(&w, output.temporary);
         status = put(&w, context, message);
         saltus_h5_finish(&w, durable);
-        status = status == SALTUS_OK ? outcome(&w, path, message) : status;
+        if (status == SALTUS_OK && (w.starved || w.reason == ENOMEM))
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
+        else if (status == SALTUS_OK && w.reason)
+            status = saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s", path,
+                                 strerror(w.reason));
+        else if (status == SALTUS_OK && !w.sound)
+            status = saltus_fail(message, SALTUS_IO, "the HDF5 library could not make %s", path);
         status = saltus_output_close(&output, status, message);
     }
     saltus_h5_restore(&silence);

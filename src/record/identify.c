@@ -6,31 +6,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Kind and completeness of an HDF5 file; what has no `complete` is written in one piece. */
-static void look_into(const char *path, saltus_file_facts *facts) {
-    saltus_h5_reader reader = {.path = path};
-    long long complete = 1;
-    if (saltus_h5_reader_open(&reader) == SALTUS_OK) {
-        if (!saltus_h5_get_text(reader.file, "kind", facts->kind, sizeof facts->kind))
-            facts->kind[0] = '\0';
-        if (saltus_h5_get_integer(reader.file, "complete", &complete))
-            facts->complete = complete != 0;
-    }
-    saltus_h5_reader_close(&reader);
-}
-
-/* A text of Saltus says what it is behind the version: "# Saltus 0.1.0 sweep" is the table of one, "# Saltus
- * 0.1.0: a figure" gnuplot's script. */
-static void read_kind(const char *head, saltus_file_facts *facts) {
-    char version[16] = "", kind[26] = "";
-    if (sscanf(head, "# Saltus %15s %25[A-Za-z ]", version, kind) < 2)
-        return;
-    if (strchr(version, ':'))
-        strcpy(facts->kind, "script");
-    else
-        snprintf(facts->kind, sizeof facts->kind, "%s table", kind);
-}
-
 saltus_file_facts saltus_file_identify(const char *path) {
     static const struct {
         const char *begin, *kind;
@@ -53,9 +28,23 @@ saltus_file_facts saltus_file_identify(const char *path) {
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
         if (length >= strlen(known[k].begin) && memcmp(head, known[k].begin, strlen(known[k].begin)) == 0)
             strcpy(facts.kind, known[k].kind);
-    read_kind(head, &facts);
+    /* A text of Saltus says what it is behind the version: "# Saltus 0.1.0 sweep" is the table of one,
+     * "# Saltus 0.1.0: a figure" gnuplot's script. */
+    char version[16] = "", kind[26] = "";
+    if (sscanf(head, "# Saltus %15s %25[A-Za-z ]", version, kind) == 2)
+        snprintf(facts.kind, sizeof facts.kind, strchr(version, ':') ? "script" : "%s table", kind);
     facts.hdf5 = strcmp(facts.kind, "hdf5") == 0;
-    if (facts.hdf5)
-        look_into(path, &facts);
+    if (!facts.hdf5)
+        return facts;
+    saltus_h5_reader reader = {.path = path};
+    long long complete = 1;
+    if (saltus_h5_reader_open(&reader) == SALTUS_OK) {
+        if (!saltus_h5_get_text(reader.file, "kind", facts.kind, sizeof facts.kind))
+            facts.kind[0] = '\0';
+        /* What has no `complete` is written in one piece. */
+        if (saltus_h5_get_integer(reader.file, "complete", &complete))
+            facts.complete = complete != 0;
+    }
+    saltus_h5_reader_close(&reader);
     return facts;
 }

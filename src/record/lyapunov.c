@@ -12,12 +12,6 @@ static int clamped(double value, int low, int high) {
     return value < low ? low : value > high ? high : (int)value;
 }
 
-/* Power of ten of a number's first digit once it is rounded to two digits. */
-static int leading_power(double number) {
-    double power = floor(log10(number));
-    return (int)(number / pow(10, power) >= 9.95 ? power + 1 : power);
-}
-
 saltus_uncertain saltus_uncertain_text(double value, double error) {
     saltus_uncertain text;
     const size_t room = sizeof text.value;
@@ -29,7 +23,9 @@ saltus_uncertain saltus_uncertain_text(double value, double error) {
         snprintf(text.error, room, "%s", error == 0 ? "0" : "unknown");
         return text;
     }
-    int first = leading_power(error), last = first - 1;
+    /* The power of ten of the error's first digit once it is rounded to two digits. */
+    const double power = floor(log10(error));
+    int first = (int)(error / pow(10, power) >= 9.95 ? power + 1 : power), last = first - 1;
     double size = fmax(fabs(value), error);
     if (size >= 1e-3 && size < 1e6) {
         int decimals = clamped(-last, 0, 15);

@@ -149,20 +149,15 @@ static void write_column(saltus_h5 *w, hid_t set, const saltus_field *field, int
     saltus_h5_close(memory);
 }
 
-/* Rows of a chunk of about 128 KiB. */
-static hsize_t chunk_rows(size_t bytes, hsize_t rows) {
-    enum { chunk_bytes = 131072 };
-    hsize_t tall = bytes < chunk_bytes ? chunk_bytes / bytes : 1;
-    return tall < rows ? tall : rows;
-}
-
 void saltus_h5_rows(saltus_h5 *w, hid_t group, const saltus_rows *rows) {
+    enum { chunk_bytes = 131072 }; /* about */
     for (int k = 0; k < rows->kind->count && w->sound; k++) {
         const saltus_field *field = &rows->kind->fields[k];
         size_t bytes = row_bytes(field, rows->counts);
         if (!bytes)
             continue;
-        const saltus_h5_shape all = {1, {(hsize_t)rows->count}, {chunk_rows(bytes, (hsize_t)rows->count)}};
+        const hsize_t count = (hsize_t)rows->count, tall = bytes < chunk_bytes ? chunk_bytes / bytes : 1;
+        const saltus_h5_shape all = {1, {count}, {tall < count ? tall : count}};
         const saltus_h5_shape shape = column_shape(field, rows->counts, &all);
         hid_t set = open_column(w, group, field, &shape, true, NULL);
         if (w->sound && rows->count)

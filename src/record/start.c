@@ -306,12 +306,20 @@ static saltus_status read_json(const source *s, saltus_start *start, saltus_mess
     return status;
 }
 
-/* The parameters at the point of a row. */
-static saltus_status row_spec(const source *s, const saltus_sweep_file *file, long long row,
-                              saltus_spec *spec, bool *moves_start, saltus_message *message) {
+static saltus_status take_row(const source *s, const saltus_sweep_file *file, long long row,
+                              saltus_start *start, saltus_message *message) {
+    const saltus_sweep_row *told = &file->rows[row];
+    const int attractor = told->attractor, seeds = file->options.seeds;
+    const double *state = NULL; /* that it keeps, on its motion */
+    if (told->verdict == SALTUS_FAILED || told->verdict == SALTUS_PENDING)
+        return refuse(s, message, "its trajectory has come to nothing (%s)",
+                      saltus_verdict_word((saltus_verdict)told->verdict));
+    if (file->dimension > SALTUS_SCENE_STATE_MAX)
+        return refuse(s, message, "the state is too long");
+    /* The parameters at its point; an axis may be of the initial state. */
     saltus_scene scene = {.spec = file->spec};
-    long long index = row / file->options.seeds % file->points;
-    *moves_start = false;
+    bool moves_start = false;
+    long long index = row / seeds % file->points;
     for (int k = 0; k < file->axis_count; k++) {
         const saltus_axis *axis = &file->axes[k];
         char setting[80];
@@ -321,35 +329,17 @@ static saltus_status row_spec(const source *s, const saltus_sweep_file *file, lo
         index /= axis->count;
         if (saltus_scene_set(&scene, setting, &reason) != SALTUS_OK)
             return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: %.280s", s->path, reason.text);
-        *moves_start = *moves_start || scene.initial_count;
+        moves_start = moves_start || scene.initial_count;
         scene.initial_count = 0;
     }
-    *spec = scene.spec;
-    return SALTUS_OK;
-}
-
-static saltus_status take_row(const source *s, const saltus_sweep_file *file, long long row,
-                              saltus_start *start, saltus_message *message) {
-    const saltus_sweep_row *told = &file->rows[row];
-    const int attractor = told->attractor;
-    const double *state = NULL; /* that it keeps, on its motion */
-    bool moves_start;
-    long long pass = row / file->options.seeds / file->points;
-    if (told->verdict == SALTUS_FAILED || told->verdict == SALTUS_PENDING)
-        return refuse(s, message, "its trajectory has come to nothing (%s)",
-                      saltus_verdict_word((saltus_verdict)told->verdict));
-    if (file->dimension > SALTUS_SCENE_STATE_MAX)
-        return refuse(s, message, "the state is too long");
-    saltus_status status = row_spec(s, file, row, &start->spec, &moves_start, message);
-    if (status != SALTUS_OK)
-        return status;
+    start->spec = scene.spec;
     if (file->basins && attractor >= 0 && file->attractor_points[attractor] > 0)
         state = file->attractor_states + file->attractor_first[attractor] * file->dimension;
     if (!file->basins && file->strobe_count && file->strobe_count[row] > 0)
         state = file->strobes + file->strobe_first[row] * file->dimension;
     /* Without a state the scene's own initial state leads to the motion, if it has done so in the sweep. */
-    bool own = file->pass_count > 0 && file->passes[pass] == SALTUS_PASS_RESET &&
-               row % file->options.seeds == 0 && !moves_start;
+    bool own = file->pass_count > 0 && file->passes[row / seeds / file->points] == SALTUS_PASS_RESET &&
+               row % seeds == 0 && !moves_start;
     if (!state && !own)
         return refuse(s, message,
                       "keeps no state of its motion; saltus sweep --what stroboscopic does, and basins do of "

@@ -101,31 +101,27 @@ saltus_sweep_entries saltus_sweep_entries_of(const saltus_sweep_file *file, int 
     return all[cloud];
 }
 
-static void put_points(const saltus_sweep_file *file, int cloud, long long row, FILE *out) {
-    const saltus_cloud_kind *kind = &saltus_clouds[cloud];
-    const saltus_sweep_entries e = saltus_sweep_entries_of(file, cloud);
-    size_t stride = kind->bytes ? kind->bytes : (size_t)file->dimension * sizeof(double);
-    for (long long i = 0; i < e.count[row]; i++) {
-        put_place(file, row, out);
-        put_record(&kind->fields, file->dimension,
-                   (const unsigned char *)e.values + (size_t)(e.first[row] + i) * stride, out);
-    }
-}
-
 static saltus_status put_table(const saltus_sweep_file *file, saltus_table table, FILE *out,
                                saltus_message *message) {
-    int cloud = (int)table - SALTUS_TABLE_TURNING;
+    const int cloud = (int)table - SALTUS_TABLE_TURNING;
+    const saltus_cloud_kind *kind = cloud < 0 ? NULL : &saltus_clouds[cloud];
     put_head(file, out);
-    saltus_status status = put_columns(file, cloud < 0 ? NULL : &saltus_clouds[cloud], out, message);
+    saltus_status status = put_columns(file, kind, out, message);
     for (long long row = 0; row < file->row_count && status == SALTUS_OK && !ferror(out); row++) {
         saltus_sweep_line line = {.row = file->rows[row]};
-        saltus_sweep_label(&line.row, line.label);
-        if (cloud >= 0) {
-            put_points(file, cloud, row, out);
+        if (!kind) {
+            saltus_sweep_label(&line.row, line.label);
+            put_place(file, row, out);
+            put_record(&saltus_line_fields, 0, &line, out);
             continue;
         }
-        put_place(file, row, out);
-        put_record(&saltus_line_fields, 0, &line, out);
+        const saltus_sweep_entries e = saltus_sweep_entries_of(file, cloud);
+        const size_t stride = kind->bytes ? kind->bytes : (size_t)file->dimension * sizeof(double);
+        for (long long i = 0; i < e.count[row]; i++) {
+            put_place(file, row, out);
+            put_record(&kind->fields, file->dimension,
+                       (const unsigned char *)e.values + (size_t)(e.first[row] + i) * stride, out);
+        }
     }
     return status;
 }

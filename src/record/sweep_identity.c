@@ -48,22 +48,6 @@ static void put_whole(const writer *w, const char *name, long long value) {
     fprintf(w->file, "%s%s = %lld\n", w->prefix, name, value);
 }
 
-static void put_spec(const writer *w, const saltus_spec *spec) {
-    int count;
-    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    put_word(w, "model", saltus_model_name(spec->model));
-    for (int k = 0; k < count; k++)
-        put_real(w, p[k].name, spec->parameters[k]);
-    if (spec->observe[0])
-        put_word(w, "observe", spec->observe);
-    put_whole(w, "stops", spec->stop_count);
-    for (int s = 0; s < spec->stop_count; s++) {
-        fprintf(w->file, "%sstop %d = ", w->prefix, s + 1);
-        saltus_put_stop(w->file, spec, s);
-        fputc('\n', w->file);
-    }
-}
-
 /* A grid by its ends and count, a list value by value. */
 static void put_axis(const writer *w, const saltus_axis *axis, int k) {
     char name[64];
@@ -82,12 +66,25 @@ static void put_axis(const writer *w, const saltus_axis *axis, int k) {
 
 void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const char *prefix) {
     const writer w = {file, prefix};
+    const saltus_spec *spec = &head->spec;
+    char name[64], text[SALTUS_FIELD_TEXT_MAX];
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     put_word(&w, "version", head->version);
     put_word(&w, "kind", head->basins ? "basins" : "sweep");
-    put_spec(&w, &head->spec);
+    put_word(&w, "model", saltus_model_name(spec->model));
+    for (int k = 0; k < count; k++)
+        put_real(&w, p[k].name, spec->parameters[k]);
+    if (spec->observe[0])
+        put_word(&w, "observe", spec->observe);
+    put_whole(&w, "stops", spec->stop_count);
+    for (int s = 0; s < spec->stop_count; s++) {
+        fprintf(file, "%sstop %d = ", prefix, s + 1);
+        saltus_put_stop(file, spec, s);
+        fputc('\n', file);
+    }
     put_whole(&w, "initial entries", head->initial_count);
     for (int k = 0; k < head->initial_count; k++) {
-        char name[32];
         snprintf(name, sizeof name, "initial entry %d", k + 1);
         put_real(&w, name, head->initial[k]);
     }
@@ -96,7 +93,6 @@ void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const 
         put_axis(&w, &head->axes[k], k);
     for (int k = 0; k < saltus_sweep_table.count; k++) {
         const saltus_option *option = &saltus_sweep_table.options[k];
-        char text[SALTUS_FIELD_TEXT_MAX];
         const char *value = saltus_field_text(&option->field, &head->options, text);
         /* Where nothing is kept beside the rows. */
         if (!option->apart)

@@ -70,17 +70,6 @@ static bool make_room(unsigned char **block, size_t *room, size_t needed) {
     return true;
 }
 
-/* Read the bytes [from, to) of the file into the window. */
-static saltus_status fill_window(saltus_journal *j, long long from, long long to, saltus_message *message) {
-    j->window_begin = j->window_end = from;
-    if (!make_room(&j->window, &j->window_room, (size_t)(to - from)))
-        return no_memory(j, message);
-    if (saltus_read_at(j->file, j->window, (size_t)(to - from), from) < (size_t)(to - from))
-        return saltus_fail(message, SALTUS_IO, "%s: cannot be read back: %s", j->path, strerror(errno));
-    j->window_end = to;
-    return SALTUS_OK;
-}
-
 /* Move the window so that it holds the bytes [begin, begin + length), which are in the file. While the
  * results come in the order in which they are asked for, more and more is read ahead. */
 static saltus_status look(saltus_journal *j, long long begin, size_t length, const unsigned char **bytes,
@@ -93,9 +82,13 @@ static saltus_status look(saltus_journal *j, long long begin, size_t length, con
         j->ahead = onwards && j->ahead >= least ? j->ahead : least;
         if (end < begin + j->ahead)
             end = begin + j->ahead < j->end ? begin + j->ahead : j->end;
-        saltus_status status = fill_window(j, begin, end, message);
-        if (status != SALTUS_OK)
-            return status;
+        const size_t size = (size_t)(end - begin);
+        j->window_begin = j->window_end = begin;
+        if (!make_room(&j->window, &j->window_room, size))
+            return no_memory(j, message);
+        if (saltus_read_at(j->file, j->window, size, begin) < size)
+            return saltus_fail(message, SALTUS_IO, "%s: cannot be read back: %s", j->path, strerror(errno));
+        j->window_end = end;
     }
     *bytes = j->window + (begin - j->window_begin);
     return SALTUS_OK;

@@ -31,21 +31,10 @@ struct saltus_sweep_output {
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 
-static saltus_status write_table(saltus_sweep_output *o, saltus_sweep_stream *stream,
-                                 saltus_message *message) {
-    saltus_output output;
-    saltus_status status = saltus_output_open(&output, o->path, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = saltus_sweep_put_csv(stream, output.file, message);
-    if (stream->complete && status == SALTUS_OK && fflush(output.file) == 0)
-        fsync(fileno(output.file));
-    return saltus_output_close(&output, status, message);
-}
-
 /* Put the file with all results so far in place of what is there. */
 static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message *message) {
     double begin = saltus_seconds();
+    saltus_output output;
     saltus_sweep_stream stream = {.sweep = o->sweep,
                                   .journal = &o->journal,
                                   .basins = o->basins,
@@ -53,9 +42,15 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
                                   .complete = last && o->journal.found == o->journal.places};
     if (!saltus_sweep_stream_open(&stream))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", o->path);
-    saltus_status status =
-        o->table ? write_table(o, &stream, message)
-                 : saltus_h5_write(o->path, stream.complete, saltus_sweep_put_hdf5, &stream, message);
+    saltus_status status = SALTUS_OK;
+    if (!o->table)
+        status = saltus_h5_write(o->path, stream.complete, saltus_sweep_put_hdf5, &stream, message);
+    else if ((status = saltus_output_open(&output, o->path, message)) == SALTUS_OK) {
+        status = saltus_sweep_put_csv(&stream, output.file, message);
+        if (stream.complete && status == SALTUS_OK && fflush(output.file) == 0)
+            fsync(fileno(output.file));
+        status = saltus_output_close(&output, status, message);
+    }
     saltus_sweep_stream_close(&stream);
     o->written = saltus_seconds();
     o->cost = o->written - begin;

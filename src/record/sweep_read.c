@@ -36,24 +36,9 @@ static saltus_status read_head(reader *r) {
     return SALTUS_OK;
 }
 
-/* What of an axis is missing or not as it should be; NULL when all is there. */
-static const char *get_axis(hid_t group, int k, saltus_axis *axis, char name[32]) {
-    char word[16];
-    int spacing;
-    snprintf(name, 32, "key%d", k + 1);
-    if (!saltus_h5_get_text(group, name, axis->key, sizeof axis->key))
-        return name;
-    snprintf(name, 32, "spacing%d", k + 1);
-    if (!saltus_h5_get_text(group, name, word, sizeof word) ||
-        !saltus_word_value(saltus_spacing_words, word, strlen(word), &spacing))
-        return name;
-    axis->spacing = (saltus_spacing)spacing;
-    return NULL;
-}
-
 static saltus_status read_options(reader *r) {
     saltus_sweep_file *made = r->made;
-    char name[32];
+    char name[32], word[16];
     long long dimension = 0, axes = 0;
     made->options = saltus_sweep_defaults();
     hid_t group = saltus_h5_find_group(r->h5.file, "sweep");
@@ -69,8 +54,19 @@ static saltus_status read_options(reader *r) {
         lacking = "axes";
     made->dimension = r->counts[SALTUS_COUNT_DIMENSION] = (int)dimension;
     made->axis_count = lacking ? 0 : (int)axes;
-    for (int k = 0; k < made->axis_count && !lacking; k++)
-        lacking = get_axis(group, k, &made->axes[k], name);
+    for (int k = 0; k < made->axis_count && !lacking; k++) {
+        saltus_axis *axis = &made->axes[k];
+        int spacing = 0;
+        snprintf(name, sizeof name, "key%d", k + 1);
+        bool sound = saltus_h5_get_text(group, name, axis->key, sizeof axis->key);
+        if (sound) {
+            snprintf(name, sizeof name, "spacing%d", k + 1);
+            sound = saltus_h5_get_text(group, name, word, sizeof word) &&
+                    saltus_word_value(saltus_spacing_words, word, strlen(word), &spacing);
+        }
+        axis->spacing = (saltus_spacing)spacing;
+        lacking = sound ? NULL : name;
+    }
     H5Gclose(group);
     for (int k = 0; k < SALTUS_PASSES; k++)
         if (made->options.passes >> k & 1)

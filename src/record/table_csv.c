@@ -30,9 +30,16 @@ typedef struct rows {
     saltus_system *system; /* whose rows they are */
 } rows;
 
-/* The same fields, but in a row of their own. */
-static void pack_fields(const saltus_field_table *kind, rows *to) {
+static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltus_spec *spec, rows *to) {
     const size_t align = sizeof(double);
+    const saltus_field_table *kind = tables[which].fields;
+    saltus_status status = saltus_system_new(spec, &to->system, r->message);
+    if (status != SALTUS_OK)
+        return status;
+    to->counts[SALTUS_COUNT_DIMENSION] = saltus_system_dimension(to->system);
+    to->counts[SALTUS_COUNT_STOPS] = spec->stop_count;
+    saltus_model_parameters(spec->model, &to->counts[SALTUS_COUNT_PARAMETERS]);
+    /* The same fields, but in a row of their own. */
     for (int k = 0; k < kind->count; k++) {
         int length[2];
         saltus_field *f = &to->fields[k];
@@ -44,16 +51,6 @@ static void pack_fields(const saltus_field_table *kind, rows *to) {
             (saltus_field_shape(f, to->counts, length) * saltus_field_bytes(f) + align - 1) / align * align;
     }
     to->kind = (saltus_field_table){to->fields, kind->count};
-}
-
-static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltus_spec *spec, rows *to) {
-    saltus_status status = saltus_system_new(spec, &to->system, r->message);
-    if (status != SALTUS_OK)
-        return status;
-    to->counts[SALTUS_COUNT_DIMENSION] = saltus_system_dimension(to->system);
-    to->counts[SALTUS_COUNT_STOPS] = spec->stop_count;
-    saltus_model_parameters(spec->model, &to->counts[SALTUS_COUNT_PARAMETERS]);
-    pack_fields(tables[which].fields, to);
     void *records;
     status = saltus_h5_get_all(r, tables[which].group, &to->kind, to->counts, 1000000000, to->stride,
                                &records, &to->count);
@@ -82,13 +79,6 @@ static void put_name(FILE *file, const saltus_field *f, const int *counts, int i
         fputs(f->name, file);
 }
 
-static void put_text(FILE *file, const char *text) {
-    fputc('"', file);
-    for (; *text; text++)
-        fputs(*text == '"' ? "\"\"" : (const char[2]){*text, '\0'}, file);
-    fputc('"', file);
-}
-
 /* A line of names (`record` NULL) or of values. */
 static void put_line(FILE *file, const rows *t, const unsigned char *record) {
     char text[SALTUS_FIELD_TEXT_MAX];
@@ -104,21 +94,16 @@ static void put_line(FILE *file, const rows *t, const unsigned char *record) {
             fputs(comma, file);
             if (!record)
                 put_name(file, &t->fields[k], t->counts, i, t->system);
-            else if (entry.type == SALTUS_TEXT)
-                put_text(file, (const char *)record + entry.offset);
-            else
+            else if (entry.type == SALTUS_TEXT) {
+                fputc('"', file);
+                for (const char *c = (const char *)record + entry.offset; *c; c++)
+                    fputs(*c == '"' ? "\"\"" : (const char[2]){*c, '\0'}, file);
+                fputc('"', file);
+            } else
                 fputs(saltus_field_text(&entry, record, text), file);
         }
     }
     fputc('\n', file);
-}
-
-static int find_table(const char *kind, const char *name) {
-    int k = 0;
-    while (k < table_count &&
-           (strcmp(tables[k].kind, kind) != 0 || (name && strcmp(tables[k].name, name) != 0)))
-        k++;
-    return k;
 }
 
 saltus_status saltus_write_csv(const char *to, const char *path, const char *name, saltus_message *message) {
@@ -126,11 +111,14 @@ saltus_status saltus_write_csv(const char *to, const char *path, const char *nam
     saltus_h5_head head = {.complete = false};
     rows t = {.count = 0};
     saltus_output output;
-    int which = table_count;
+    int which = 0;
     saltus_status status = saltus_h5_reader_open(&r);
     if (status == SALTUS_OK)
         status = saltus_h5_get_head(&r, "trajectory", "branch or trajectory", &head);
-    if (status == SALTUS_OK && (which = find_table(head.kind, name)) == table_count)
+    while (status == SALTUS_OK && which < table_count &&
+           (strcmp(tables[which].kind, head.kind) != 0 || (name && strcmp(tables[which].name, name) != 0)))
+        which++;
+    if (status == SALTUS_OK && which == table_count)
         status = saltus_fail(message, SALTUS_BAD_INPUT,
                              "%s: holds a %s, which has no table %s; a branch has points and events, a "
                              "trajectory samples, events and strobe",
