@@ -41,24 +41,19 @@ bool saltus_dense_eigenvalues(double *a, int n, double *real, double *imaginary)
     return LAPACKE_dgeev(LAPACK_COL_MAJOR, 'N', 'N', n, a, n, real, imaginary, NULL, 1, NULL, 1) == 0;
 }
 
-static void reserve(saltus_dense_lu *lu) {
-    size_t n = (size_t)lu->n;
-    lu->factors = saltus_arena_doubles(&lu->arena, n * n);
-    lu->row_scale = saltus_arena_doubles(&lu->arena, n);
-    lu->column_scale = saltus_arena_doubles(&lu->arena, n);
-    lu->work = saltus_arena_doubles(&lu->arena, 4 * n);
-    /* An int is no larger than a double. */
-    lu->pivots = (int *)(void *)saltus_arena_doubles(&lu->arena, n);
-    lu->integers = (int *)(void *)saltus_arena_doubles(&lu->arena, n);
-}
-
 bool saltus_dense_lu_open(saltus_dense_lu *lu, int n) {
+    const size_t size = (size_t)n;
     *lu = (saltus_dense_lu){.n = n};
-    reserve(lu);
-    if (!saltus_arena_open(&lu->arena))
-        return false;
-    reserve(lu);
-    return true;
+    do {
+        lu->factors = saltus_arena_doubles(&lu->arena, size * size);
+        lu->row_scale = saltus_arena_doubles(&lu->arena, size);
+        lu->column_scale = saltus_arena_doubles(&lu->arena, size);
+        lu->work = saltus_arena_doubles(&lu->arena, 4 * size);
+        /* An int is no larger than a double. */
+        lu->pivots = (int *)(void *)saltus_arena_doubles(&lu->arena, size);
+        lu->integers = (int *)(void *)saltus_arena_doubles(&lu->arena, size);
+    } while (saltus_arena_again(&lu->arena));
+    return lu->arena.base;
 }
 
 void saltus_dense_lu_close(saltus_dense_lu *lu) {
@@ -205,13 +200,11 @@ int saltus_dense_orthonormal_work(int count) {
 bool saltus_dense_orthonormal(double *vectors, int n, int count, double *length, double *work) {
     double *tau = work;
     if (count == 1) {
-        double square = 0;
-        for (int i = 0; i < n; i++)
-            square += vectors[i] * vectors[i];
-        *length = sqrt(square);
-        for (int i = 0; i<n && * length> 0; i++)
-            vectors[i] /= *length;
-        return isfinite(*length);
+        const double size = sqrt(saltus_dot(vectors, vectors, n));
+        for (int i = 0; i < n && size > 0; i++)
+            vectors[i] /= size;
+        *length = size;
+        return isfinite(size);
     }
     if (!saltus_dense_finite(vectors, (size_t)(n * count)))
         return false;

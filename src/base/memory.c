@@ -23,6 +23,10 @@ bool saltus_arena_open(saltus_arena *arena) {
     return arena->base != NULL;
 }
 
+bool saltus_arena_again(saltus_arena *arena) {
+    return !arena->base && saltus_arena_open(arena);
+}
+
 void saltus_arena_close(saltus_arena *arena) {
     free(arena->base);
     *arena = (saltus_arena){0};

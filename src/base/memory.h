@@ -8,7 +8,7 @@
 #include <stddef.h>
 
 /* An arena is used in two passes over the same code: measuring (base == NULL: only `used` grows) and handing
- * out. */
+ * out, with saltus_arena_open in between; or in a loop, do { ... } while (saltus_arena_again(&arena)). */
 typedef struct saltus_arena {
     unsigned char *base;
     size_t used;
@@ -19,6 +19,9 @@ double *saltus_arena_doubles(saltus_arena *arena, size_t count);
 
 /* Allocate the measured number of bytes, zeroed and aligned to 64; false if there is no memory. */
 bool saltus_arena_open(saltus_arena *arena);
+/* Asked after each pass, whether one is left: after the first one it allocates. Without memory there is no
+ * second one, and `base` stays NULL. */
+bool saltus_arena_again(saltus_arena *arena);
 
 /* Free what the arena holds. A zeroed arena is accepted. */
 void saltus_arena_close(saltus_arena *arena);

@@ -88,13 +88,15 @@ static void reduce_to_hessenberg(const periodic *p) {
         }
 }
 
-/* out = r_count ... r_1 within the rows and columns [low, high). */
-static void multiply_out(const double *triangles, int n, int count, int low, int high, double *out) {
+/* The product r_count ... r_1 within the active rows and columns. */
+static void multiply_out(const periodic *p) {
+    const int n = p->n, low = p->low, high = p->high;
+    double *out = p->product;
     memset(out, 0, (size_t)(n * n) * sizeof *out);
     for (int i = low; i < high; i++)
         out[i * n + i] = 1;
-    for (int k = 0; k < count; k++) {
-        const double *triangle = triangles + (size_t)k * (size_t)(n * n);
+    for (int k = 0; k < p->count; k++) {
+        const double *triangle = p->triangles + (size_t)k * (size_t)(n * n);
         for (int i = low; i < high; i++) {
             for (int j = i; j < high; j++)
                 out[i * n + j] *= triangle[i * n + i];
@@ -115,10 +117,8 @@ static double entry(const periodic *p, int i, int j) {
 
 /* Where h times the product, within the active rows, ends: its last 2 x 2 entries, row by row. */
 static void last_pair(const periodic *p, double *m) {
-    for (int i = 0; i < 4; i++) {
-        int row = p->high - 2 + i / 2, column = p->high - 2 + i % 2;
-        m[i] = entry(p, row, column);
-    }
+    for (int i = 0; i < 4; i++)
+        m[i] = entry(p, p->high - 2 + i / 2, p->high - 2 + i % 2);
 }
 
 /* First column of (M - a)(M - b), up to a factor, for the product M and the eigenvalues a and b of its last
@@ -212,7 +212,7 @@ bool saltus_periodic_eigenvalues(double *h, double *triangles, int n, int count,
         p.low = first_row(&p, size, iteration);
         if (p.high - p.low > 2 && iteration == sweeps_max)
             return false;
-        multiply_out(triangles, n, count, p.low, p.high, product);
+        multiply_out(&p);
         if (p.high - p.low > 2) {
             sweep(&p, iteration);
             continue;
