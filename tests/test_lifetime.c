@@ -209,22 +209,22 @@ static void first_contact_is_told(void **unused) {
     const double *ahead[trajectories], *back[trajectories];
     int distinct = 0, among = 0;
     bool found;
-    long long without;
+    assert_true(saltus_contact_watch(system, 1000) > 1000);
     for (int k = 0; k < trajectories; k++) {
         start[k][0] = -0.07 - 0.05 * k;
         start[k][1] = 0.01 * k;
         ahead[k] = back[trajectories - 1 - k] = start[k];
-        check_ok(saltus_motion_meets_contact(system, &options, &ahead[k], 1, 1000, after[k], &found, &without,
-                                             &message),
-                 &message);
-        assert_true(found && !without);
+        check_ok(
+            saltus_motion_meets_contact(system, &options, &ahead[k], 1, 1000, after[k], &found, &message),
+            &message);
+        assert_true(found);
         distinct += memcmp(after[k], after[0], sizeof after[k]) != 0;
     }
     check_ok(saltus_motion_meets_contact(system, &options, ahead, trajectories, 1000 * trajectories, told,
-                                         &found, &without, &message),
+                                         &found, &message),
              &message);
     check_ok(saltus_motion_meets_contact(system, &options, back, trajectories, 1000 * trajectories, reversed,
-                                         &found, &without, &message),
+                                         &found, &message),
              &message);
     for (int k = 0; k < trajectories; k++)
         among += memcmp(after[k], told, sizeof told) == 0;

@@ -11,6 +11,7 @@
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -23,34 +24,35 @@ static const double disturbance = 1e-6, strangers = 17; /* e^17 times it is more
 static const double unlikely = 1e-4;
 static const double bounds_apart = 6; /* the errors of regular motions are bounds, more or less */
 
-static void reserve(saltus_ensemble *e) {
-    size_t averages = (size_t)e->columns + 1;
-    e->rng = saltus_random_reserve(&e->arena);
-    for (int m = 0; m < e->members; m++) {
-        saltus_member *self = &e->member[m];
-        saltus_growth_reserve(&self->growth, &e->arena, e->n, e->columns);
-        self->state = saltus_arena_doubles(&e->arena, (size_t)e->n);
-        self->averages = (saltus_average *)(void *)saltus_arena_doubles(
-            &e->arena, averages * sizeof *self->averages / sizeof(double));
-    }
-}
-
 saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *system,
-                                   const saltus_lyapunov_options *options, saltus_message *message) {
+                                   const saltus_lyapunov_options *options, long long room,
+                                   saltus_message *message) {
     *e = (saltus_ensemble){.system = system,
                            .options = options,
                            .n = saltus_system_dimension(system),
                            .members = options->members,
+                           .room = room,
                            .width = saltus_flow_width(system, options->flow.integrator)};
+    const size_t places = (size_t)e->members * (size_t)room;
     e->columns = options->exponents ? options->exponents : e->n;
     e->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
-    reserve(e);
-    if (!e->table || !saltus_arena_open(&e->arena)) {
+    e->points = room ? calloc(places * (size_t)e->n, sizeof *e->points) : NULL;
+    e->growths = room ? calloc(places, sizeof *e->growths) : NULL;
+    do {
+        e->rng = saltus_random_reserve(&e->arena);
+        for (int m = 0; m < e->members; m++) {
+            saltus_member *self = &e->member[m];
+            saltus_growth_reserve(&self->growth, &e->arena, e->n, e->columns);
+            self->state = saltus_arena_doubles(&e->arena, (size_t)e->n);
+            self->averages = (saltus_average *)(void *)saltus_arena_doubles(
+                &e->arena, (size_t)(e->columns + 1) * sizeof *self->averages / sizeof(double));
+        }
+    } while (saltus_arena_again(&e->arena));
+    if (!e->table || !e->arena.base || (room && !(e->points && e->growths))) {
         saltus_ensemble_close(e);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the exponents of %d trajectories",
                            options->members);
     }
-    reserve(e);
     gsl_rng_set(&e->rng, options->seed);
     const saltus_system *systems[SALTUS_MEMBERS_MAX];
     saltus_flow_options flow = options->flow;
@@ -81,44 +83,38 @@ void saltus_ensemble_close(saltus_ensemble *e) {
     if (e->table)
         gsl_integration_glfixed_table_free(e->table);
     saltus_arena_close(&e->arena);
+    free(e->points);
+    free(e->growths);
     *e = (saltus_ensemble){0};
-}
-
-/* Follow one trajectory to a cycle, and take its state there. */
-static saltus_status follow(saltus_ensemble *e, saltus_flow *flow, long long cycle, double *state,
-                            saltus_message *message) {
-    const saltus_lyapunov_options *o = e->options;
-    saltus_event event;
-    saltus_status status = SALTUS_OK;
-    long long now = saltus_flow_time(flow, 0).cycle;
-    saltus_flow_state(flow, 0, state);
-    for (; status == SALTUS_OK && now < cycle && !e->stopped; now++) {
-        if (now % report_cycles == 0)
-            saltus_progress_show(o->progress, 0, (double)o->periods);
-        e->stopped = saltus_stop_asked(e->stop);
-        status = saltus_flow_advance(flow, (saltus_time){now + 1, 0}, 0, &event, message);
-        saltus_flow_state(flow, 0, state);
-        if (status == SALTUS_OK)
-            status = saltus_state_bounded(e->system, state, saltus_flow_contacts(flow, 0), now + 1, message);
-    }
-    return status;
 }
 
 /* One trajectory runs the transient; the members start from its states at places spread over the last half of
  * that, the first one at the end. */
 static saltus_status run_transient(saltus_ensemble *e, const double *initial, saltus_message *message) {
+    const saltus_lyapunov_options *o = e->options;
+    const long long spread = o->transient / 2;
+    long long now = 0;
     saltus_flow *flow = NULL;
-    e->transient = e->options->transient;
-    saltus_status status = saltus_flow_single(e->system, 0, &e->options->flow, &flow, message);
+    saltus_event event;
+    saltus_status status = saltus_flow_single(e->system, 0, &o->flow, &flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, initial, message);
     for (int m = e->members - 1; m >= 0 && status == SALTUS_OK; m--) {
-        long long spread = e->transient / 2, place = e->transient - spread * m / e->members;
-        status = follow(e, flow, place, e->member[m].state, message);
+        const long long place = o->transient - spread * m / e->members;
+        double *state = e->member[m].state;
+        saltus_flow_state(flow, 0, state);
+        while (status == SALTUS_OK && now < place && !e->stopped) {
+            if (now % report_cycles == 0)
+                saltus_progress_show(o->progress, 0, (double)o->periods);
+            e->stopped = saltus_stop_asked(e->stop);
+            status = saltus_flow_advance(flow, (saltus_time){++now, 0}, 0, &event, message);
+            saltus_flow_state(flow, 0, state);
+            if (status == SALTUS_OK)
+                status = saltus_state_bounded(e->system, state, saltus_flow_contacts(flow, 0), now, message);
+        }
     }
     /* A transient that was stopped counts as far as it got. */
-    if (status == SALTUS_OK && e->stopped)
-        e->transient = saltus_flow_time(flow, 0).cycle;
+    e->transient = e->stopped ? now : o->transient;
     saltus_flow_free(flow);
     return status;
 }
@@ -169,7 +165,7 @@ static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *mess
     self->recent += self->growth.sample[0];
     self->samples++;
     saltus_flow_state(self->flow, self->lane, self->state);
-    if (e->points && self->samples <= e->room) {
+    if (self->samples <= e->room) {
         long long place = m * e->room + self->samples - 1;
         memcpy(e->points + place * e->n, self->state, (size_t)e->n * sizeof *self->state);
         e->growths[place] = self->growth.sample[0];

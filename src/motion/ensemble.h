@@ -34,15 +34,17 @@ typedef struct saltus_ensemble {
     const volatile sig_atomic_t
         *stop;    /* looked at in the transient, once a period, beside the flows' own; NULL: not */
     bool stopped; /* by it */
-    /* Where each member's section points go, `room` of them one member after the other, and the logarithms of
-     * the first vector's growth until each; NULL: nowhere. The owner's. */
-    double *points, *growths;
+    /* The first `room` section points of each member, one member after the other, and the logarithms of the
+     * first vector's growth until each. */
     long long room;
+    double *points, *growths;
 } saltus_ensemble;
 
-/* Make its flows; the options and the system must outlive it. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+/* Make its flows, and room for so many section points of each member; the options and the system must outlive
+ * it. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
 saltus_status saltus_ensemble_open(saltus_ensemble *ensemble, const saltus_system *system,
-                                   const saltus_lyapunov_options *options, saltus_message *message);
+                                   const saltus_lyapunov_options *options, long long room,
+                                   saltus_message *message);
 /* A zeroed one is accepted. */
 void saltus_ensemble_close(saltus_ensemble *ensemble);
 /* Run the transient from a state and place the members along its last half. Errors: those of the flow. */

@@ -36,10 +36,44 @@ static void observe(const saltus_system *system, const double *points, long long
     }
 }
 
-/* Fill the evidence with what the section points say. */
-static saltus_status judge_points(const saltus_system *system, const double *values, long long count,
-                                  saltus_point_tests tests, saltus_evidence *evidence,
-                                  saltus_message *message) {
+/* Weak chaos and locking have exponents of some 1e-4 per period. */
+bool saltus_exponent_may_be_zero(saltus_estimate exponent, double period) {
+    return fabs(exponent.mean) * period < zero_exponent &&
+           fabs(exponent.mean) < SALTUS_SIGNIFICANT * exponent.standard_error + slow_exponent / period &&
+           exponent.standard_error * period < zero_error;
+}
+
+double saltus_lifetime_at_least(double watched, int left) {
+    return 2 * watched / gsl_cdf_chisq_Pinv(confidence, 2.0 * (left + 1));
+}
+
+static bool positive(const saltus_estimate *estimate, double errors) {
+    return estimate->mean > errors * estimate->standard_error;
+}
+
+saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
+    bool shrinks =
+        r->all.mean < -SALTUS_SIGNIFICANT * r->all.standard_error && -r->all.mean * r->period > slow_exponent;
+    if (r->lost || (shrinks && r->first.mean < 0 && r->second.mean < 0))
+        return SALTUS_OUTCOME_REGULAR;
+    /* Chaos: the whole run, both its halves and what came last have a positive exponent, neighbours must have
+     * come apart - before they have, all trajectories may still be near one unstable orbit, which they leave
+     * slowly - and it has been watched for its lifetime. */
+    bool grows = positive(&r->all, SALTUS_SIGNIFICANT) && positive(&r->first, halves_errors) &&
+                 positive(&r->second, halves_errors) && r->latest > 0;
+    bool settled = fabs(r->first.mean - r->second.mean) <
+                   halves_apart * hypot(r->first.standard_error, r->second.standard_error);
+    bool apart = r->all.mean * r->period * (double)(r->watched / r->members) >= SALTUS_APART;
+    bool enough =
+        r->watched >= least_watched && saltus_lifetime_at_least((double)r->watched, 0) >= (double)r->lifetime;
+    if (grows && settled && apart)
+        return enough ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_SHORT;
+    return saltus_exponent_may_be_zero(r->all, r->period) ? SALTUS_OUTCOME_TORUS : SALTUS_OUTCOME_OPEN;
+}
+
+saltus_status saltus_points_test(const saltus_system *system, const double *values, long long count,
+                                 saltus_point_tests tests, saltus_evidence *evidence, saltus_outcome *outcome,
+                                 saltus_message *message) {
     const double *scale = saltus_system_scale(system);
     double weights[SALTUS_STATE_MAX], *series = malloc((size_t)count * sizeof *series);
     bool all = tests == SALTUS_TESTS_ALL;
@@ -68,63 +102,10 @@ static saltus_status judge_points(const saltus_system *system, const double *val
     evidence->zero_one_quartiles[1] = chaos.upper;
     evidence->curves = curve.closed ? curve.curves : 0;
     free(series);
-    return status;
-}
-
-/* Weak chaos and locking have exponents of some 1e-4 per period. */
-bool saltus_exponent_may_be_zero(saltus_estimate exponent, double period) {
-    return fabs(exponent.mean) * period < zero_exponent &&
-           fabs(exponent.mean) < SALTUS_SIGNIFICANT * exponent.standard_error + slow_exponent / period &&
-           exponent.standard_error * period < zero_error;
-}
-
-static bool positive(const saltus_estimate *estimate, double errors) {
-    return estimate->mean > errors * estimate->standard_error;
-}
-
-/* The whole run, both its halves and what came last have a positive exponent. */
-static bool all_positive(const saltus_runs *r) {
-    return positive(&r->all, SALTUS_SIGNIFICANT) && positive(&r->first, halves_errors) &&
-           positive(&r->second, halves_errors) && r->latest > 0;
-}
-
-double saltus_lifetime_at_least(double watched, int left) {
-    return 2 * watched / gsl_cdf_chisq_Pinv(confidence, 2.0 * (left + 1));
-}
-
-/* Chaos, if neighbours must have come apart: before they have, all trajectories may still be near one
- * unstable orbit, which they leave slowly; and if it has been watched for its lifetime. */
-static saltus_outcome weigh_chaos(const saltus_runs *r) {
-    bool settled = fabs(r->first.mean - r->second.mean) <
-                   halves_apart * hypot(r->first.standard_error, r->second.standard_error);
-    bool apart = r->all.mean * r->period * (double)(r->watched / r->members) >= SALTUS_APART;
-    if (!settled || !apart || !all_positive(r))
-        return SALTUS_OUTCOME_OPEN;
-    bool enough =
-        r->watched >= least_watched && saltus_lifetime_at_least((double)r->watched, 0) >= (double)r->lifetime;
-    return enough ? SALTUS_OUTCOME_CHAOS : SALTUS_OUTCOME_SHORT;
-}
-
-saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
-    bool shrinks =
-        r->all.mean < -SALTUS_SIGNIFICANT * r->all.standard_error && -r->all.mean * r->period > slow_exponent;
-    if (r->lost || (shrinks && r->first.mean < 0 && r->second.mean < 0))
-        return SALTUS_OUTCOME_REGULAR;
-    saltus_outcome chaos = weigh_chaos(r);
-    return chaos == SALTUS_OUTCOME_OPEN && saltus_exponent_may_be_zero(r->all, r->period)
-               ? SALTUS_OUTCOME_TORUS
-               : chaos;
-}
-
-saltus_status saltus_points_test(const saltus_system *system, const double *points, long long count,
-                                 saltus_point_tests tests, saltus_evidence *evidence, saltus_outcome *outcome,
-                                 saltus_message *message) {
-    saltus_status status = judge_points(system, points, count, tests, evidence, message);
-    if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_TORUS)
-        return status;
     /* The points of an orbit that is approached slowly have a spectrum of lines and keep their neighbours,
      * too, but their dimension is zero. */
-    if (!(evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5)))
+    if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_TORUS &&
+        !(evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5)))
         *outcome = SALTUS_OUTCOME_OPEN;
-    return SALTUS_OK;
+    return status;
 }

@@ -35,26 +35,22 @@ enum {
 };
 
 typedef struct judge {
-    const saltus_system *system;
     const saltus_classify_options *options;
-    saltus_lyapunov_options how;
     saltus_ensemble ensemble;
     saltus_motion *motion;
-    double *points, *growths; /* of all trajectories, points_kept each */
-    double *returns, *times;  /* without forcing: of the first one, to the section, and when they came */
+    double *returns, *times; /* without forcing: of the first one, to the section, and when they came */
     long long return_count;
     bool searched;                   /* for stable orbits */
     bool sticks;                     /* a contact that wipes out all differences has been met */
-    long long without_contact;       /* periods watched without one; 0: there can be none */
     long long escaped[trajectories]; /* samples of each until it left; 0: it has not */
     /* Sticking makes tangent vectors shrink now and then without any escape: a look that found none is not
      * repeated before twice as many samples. */
     long long next_look[trajectories];
 } judge;
 
-static long long points_there(const judge *j) {
-    long long samples = j->ensemble.member[0].samples;
-    return samples < points_kept ? samples : points_kept;
+static long long points_there(const saltus_ensemble *e) {
+    long long samples = e->member[0].samples;
+    return samples < e->room ? samples : e->room;
 }
 
 static saltus_runs runs_of(const judge *j) {
@@ -63,19 +59,11 @@ static saltus_runs runs_of(const judge *j) {
                          .first = saltus_ensemble_part(e, 0, 0.5),
                          .second = saltus_ensemble_part(e, 0.5, 1),
                          .latest = saltus_ensemble_part(e, 0.875, 1).mean,
-                         .period = saltus_system_period(j->system),
+                         .period = saltus_system_period(e->system),
                          .watched = saltus_ensemble_periods(e),
                          .members = trajectories,
                          .lifetime = j->options->lifetime,
                          .lost = j->sticks || saltus_ensemble_lost(e) >= e->n};
-}
-
-/* Whether a face can be chattered on. */
-static bool rebounds(const saltus_system *system) {
-    for (int f = 0; f < saltus_system_face_count(system); f++)
-        if (saltus_system_face(system, f).r > 0)
-            return true;
-    return false;
 }
 
 static void tell_exponent(judge *j) {
@@ -83,6 +71,7 @@ static void tell_exponent(judge *j) {
     saltus_evidence *evidence = &j->motion->evidence;
     saltus_runs runs = runs_of(j);
     long long impacts = 0, sticks = 0;
+    bool rebounds = false;
     j->motion->lyapunov = runs.lost ? -INFINITY : runs.all.mean;
     j->motion->lyapunov_error = runs.lost ? 0 : runs.all.standard_error;
     evidence->half[0] = runs.first.mean;
@@ -94,10 +83,12 @@ static void tell_exponent(judge *j) {
         impacts += now.impacts - e->member[m].begin.impacts;
         sticks += now.sticks - e->member[m].begin.sticks;
     }
+    for (int f = 0; f < saltus_system_face_count(e->system); f++)
+        rebounds |= saltus_system_face(e->system, f).r > 0;
     evidence->periods = saltus_ensemble_periods(e);
     evidence->members = trajectories;
-    evidence->impacts_per_period =
-        sticks > 0 && rebounds(j->system) ? NAN : (double)impacts / (double)evidence->periods;
+    /* A contact on a face that rebounds is chattered on first. */
+    evidence->impacts_per_period = sticks > 0 && rebounds ? NAN : (double)impacts / (double)evidence->periods;
 }
 
 /* Has a trajectory come to a regular motion, one whose tangent vectors have shrunk while those of the others
@@ -116,7 +107,8 @@ static saltus_status look_who_left(judge *j, saltus_message *message) {
         if (j->escaped[m] || member->samples < j->next_look[m] || !(member->recent <= 0))
             continue;
         j->next_look[m] = 2 * member->samples;
-        status = saltus_motion_find_period(j->system, member->state, &options, true, &regular, message);
+        status =
+            saltus_motion_find_period(j->ensemble.system, member->state, &options, true, &regular, message);
         if (status == SALTUS_OK && saltus_verdict_settled(regular.verdict)) {
             if (!evidence->left)
                 tell_exponent(j);
@@ -137,35 +129,32 @@ static double periods_watched(const judge *j) {
     return samples * j->ensemble.member[0].growth.whole;
 }
 
-/* Once one has left, half of them, or the time in which chaos would have been asserted, tell the lifetime. */
-static bool lifetime_is_known(const judge *j) {
-    const saltus_evidence *e = &j->motion->evidence;
-    return e->left && (2 * e->left >= trajectories ||
-                       saltus_lifetime_at_least(periods_watched(j), 0) >= (double)j->options->lifetime);
-}
-
-/* One run more. Now and then it is checked whether a trajectory has left. */
+/* One run more. Now and then it is checked whether a trajectory has left. Once one has, half of them, or the
+ * time in which chaos would have been asserted, tell the lifetime. */
 static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome, saltus_message *message) {
     const saltus_classify_options *o = j->options;
+    saltus_ensemble *e = &j->ensemble;
     saltus_evidence *evidence = &j->motion->evidence;
     saltus_status status = SALTUS_OK;
     for (long long done = 0; done < samples && status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN;
          done += chunk) {
-        status = saltus_ensemble_run(&j->ensemble, chunk, message);
+        status = saltus_ensemble_run(e, chunk, message);
         if (status == SALTUS_OK) {
-            saltus_ensemble_record(&j->ensemble, saltus_ensemble_largest(&j->ensemble), evidence->history,
+            saltus_ensemble_record(e, saltus_ensemble_largest(e), evidence->history,
                                    &evidence->history_count);
             status = look_who_left(j, message);
         }
-        if (lifetime_is_known(j))
+        if (evidence->left && (2 * evidence->left >= trajectories ||
+                               saltus_lifetime_at_least(periods_watched(j), 0) >= (double)o->lifetime))
             *outcome = SALTUS_OUTCOME_LEFT;
-        saltus_progress_show(o->progress, (double)saltus_ensemble_periods(&j->ensemble), (double)o->measure);
+        saltus_progress_show(o->progress, (double)saltus_ensemble_periods(e), (double)o->measure);
     }
     return status;
 }
 
 /* Whether a stable orbit lies amid the motion; looked for once. */
 static saltus_status look_for_orbit(judge *j, saltus_message *message) {
+    const saltus_ensemble *e = &j->ensemble;
     saltus_track tracks[trajectories];
     saltus_motion orbit = {0};
     bool found = false;
@@ -173,12 +162,11 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
         return SALTUS_OK;
     j->searched = true;
     for (int m = 0; m < trajectories; m++)
-        tracks[m] = (saltus_track){j->points + (size_t)(m * points_kept * j->ensemble.n),
-                                   j->growths + (size_t)(m * points_kept), points_there(j)};
-    if (!saltus_system_forced(j->system))
+        tracks[m] = (saltus_track){e->points + m * e->room * e->n, e->growths + m * e->room, points_there(e)};
+    if (!saltus_system_forced(e->system))
         tracks[0] = (saltus_track){j->returns, j->times, j->return_count};
-    saltus_status status =
-        saltus_stable_orbit_among(j->system, &j->how.flow, tracks, trajectories, &orbit, &found, message);
+    saltus_status status = saltus_stable_orbit_among(e->system, &e->options->flow, tracks, trajectories,
+                                                     &orbit, &found, message);
     if (status == SALTUS_OK && found)
         snprintf(j->motion->evidence.stable_orbit, sizeof j->motion->evidence.stable_orbit, "%s",
                  orbit.label);
@@ -189,62 +177,61 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
 /* Chaos with a contact that wipes out all differences amid it is a superstable orbit. Without tangent vectors
  * it is watched for at little cost. */
 static saltus_status look_for_contact(judge *j, saltus_message *message) {
+    saltus_ensemble *e = &j->ensemble;
     const double *states[trajectories];
     double after[SALTUS_STATE_MAX];
     for (int m = 0; m < trajectories; m++)
-        states[m] = j->ensemble.member[m].state;
-    saltus_status status = saltus_motion_meets_contact(j->system, &j->how.flow, states, trajectories,
-                                                       saltus_ensemble_periods(&j->ensemble), after,
-                                                       &j->sticks, &j->without_contact, message);
+        states[m] = e->member[m].state;
+    saltus_status status =
+        saltus_motion_meets_contact(e->system, &e->options->flow, states, trajectories,
+                                    saltus_ensemble_periods(e), after, &j->sticks, message);
     if (status == SALTUS_OK && j->sticks)
-        memcpy(j->ensemble.member[0].state, after, (size_t)j->ensemble.n * sizeof *after);
+        memcpy(e->member[0].state, after, (size_t)e->n * sizeof *after);
     return status;
 }
 
-/* Whether a second exponent is zero beside that of time itself: without forcing a torus has two, an orbit of
- * any period one. */
-static saltus_status count_zeros(judge *j, saltus_outcome *outcome, saltus_message *message) {
-    saltus_lyapunov_options how = j->how;
+/* Ask the section points: of all trajectories at phase 0, without forcing the returns of one. Without forcing
+ * a torus has, beside that of time itself, a second exponent of zero; an orbit of any period has one. */
+static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_message *message) {
+    const saltus_ensemble *e = &j->ensemble;
+    const bool forced = saltus_system_forced(e->system);
+    const double *points = forced ? e->points : j->returns, *state = e->member[0].state;
+    long long count = points_there(e);
+    if (!forced) {
+        saltus_status status =
+            saltus_motion_section_points(e->system, &e->options->flow, state, 2 * points_kept, points_kept,
+                                         j->returns, j->times, &j->return_count, message);
+        if (status != SALTUS_OK)
+            return status;
+        count = j->return_count;
+        if (count < SALTUS_SERIES_LEAST) {
+            *outcome = *outcome == SALTUS_OUTCOME_TORUS ? SALTUS_OUTCOME_OPEN : *outcome;
+            return SALTUS_OK;
+        }
+    }
+    saltus_status status = saltus_points_test(e->system, points, count, SALTUS_TESTS_ALL,
+                                              &j->motion->evidence, outcome, message);
+    if (status != SALTUS_OK || forced || *outcome != SALTUS_OUTCOME_TORUS)
+        return status;
+    saltus_lyapunov_options how = *e->options;
     saltus_lyapunov lyapunov = {0};
     how.exponents = 2;
-    how.periods = saltus_ensemble_periods(&j->ensemble);
-    saltus_status status =
-        saltus_lyapunov_run(j->system, j->ensemble.member[0].state, &how, &lyapunov, message);
+    how.periods = saltus_ensemble_periods(e);
+    status = saltus_lyapunov_run(e->system, state, &how, &lyapunov, message);
     if (status == SALTUS_OK) {
         saltus_estimate second = {.mean = lyapunov.exponents[1],
                                   .standard_error = lyapunov.standard_errors[1]};
-        *outcome = saltus_exponent_may_be_zero(second, saltus_system_period(j->system)) ? SALTUS_OUTCOME_TORUS
-                                                                                        : SALTUS_OUTCOME_OPEN;
+        if (!saltus_exponent_may_be_zero(second, saltus_system_period(e->system)))
+            *outcome = SALTUS_OUTCOME_OPEN;
     }
     saltus_lyapunov_clear(&lyapunov);
     return status;
 }
 
-/* Ask the section points: of all trajectories at phase 0, without forcing the returns of one. */
-static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_message *message) {
-    saltus_evidence *evidence = &j->motion->evidence;
-    if (saltus_system_forced(j->system))
-        return saltus_points_test(j->system, j->points, points_there(j), SALTUS_TESTS_ALL, evidence, outcome,
-                                  message);
-    saltus_status status =
-        saltus_motion_section_points(j->system, &j->how.flow, j->ensemble.member[0].state, 2 * points_kept,
-                                     points_kept, j->returns, j->times, &j->return_count, message);
-    const bool torus = *outcome == SALTUS_OUTCOME_TORUS;
-    if (status == SALTUS_OK && j->return_count < SALTUS_SERIES_LEAST) {
-        *outcome = torus ? SALTUS_OUTCOME_OPEN : *outcome;
-        return SALTUS_OK;
-    }
-    if (status == SALTUS_OK)
-        status = saltus_points_test(j->system, j->returns, j->return_count, SALTUS_TESTS_ALL, evidence,
-                                    outcome, message);
-    return status == SALTUS_OK && *outcome == SALTUS_OUTCOME_TORUS ? count_zeros(j, outcome, message)
-                                                                   : status;
-}
-
 /* What the runs so far say. With a stable orbit among its points chaos is a transient that has not ended yet:
  * it is followed for as long as allowed, to see when it ends. */
 static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *message) {
-    saltus_evidence *evidence = &j->motion->evidence;
+    const saltus_evidence *evidence = &j->motion->evidence;
     saltus_runs runs = runs_of(j);
     saltus_status status = SALTUS_OK;
     if (evidence->left)
@@ -265,20 +252,13 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     return status;
 }
 
-/* The outcome where no time is left. */
-static saltus_outcome at_end(const judge *j) {
-    const saltus_evidence *evidence = &j->motion->evidence;
-    saltus_runs runs = runs_of(j);
-    if (evidence->left || evidence->stable_orbit[0])
-        return SALTUS_OUTCOME_LEFT;
-    return saltus_runs_weigh(&runs) == SALTUS_OUTCOME_SHORT ? SALTUS_OUTCOME_SHORT : SALTUS_OUTCOME_OPEN;
-}
-
 /* Runs, each as long as all before it, until there is an outcome or no time is left. */
 static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message *message) {
-    const saltus_member *first = &j->ensemble.member[0];
+    saltus_ensemble *e = &j->ensemble;
+    const saltus_member *first = &e->member[0];
+    const saltus_evidence *evidence = &j->motion->evidence;
     long long samples = first_run, most = j->options->measure / trajectories;
-    saltus_status status = saltus_ensemble_place(&j->ensemble, j->motion->state, message);
+    saltus_status status = saltus_ensemble_place(e, j->motion->state, message);
     while (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN && samples > 0 &&
            first->samples + samples <= most) {
         status = run_on(j, samples, outcome, message);
@@ -286,28 +266,34 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
             status = decide(j, outcome, message);
         samples = first->samples < most - first->samples ? first->samples : most - first->samples;
     }
-    if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN)
-        *outcome = at_end(j);
-    if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_OPEN || points_there(j) < SALTUS_SERIES_LEAST)
+    if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_OPEN)
         return status;
-    /* What the points say is part of the evidence even where it does not decide. */
-    return ask_points(j, outcome, message);
+    saltus_runs runs = runs_of(j);
+    if (evidence->left || evidence->stable_orbit[0])
+        *outcome = SALTUS_OUTCOME_LEFT;
+    else if (saltus_runs_weigh(&runs) == SALTUS_OUTCOME_SHORT)
+        *outcome = SALTUS_OUTCOME_SHORT;
+    else if (points_there(e) >= SALTUS_SERIES_LEAST)
+        /* What the points say is part of the evidence even where it does not decide. */
+        status = ask_points(j, outcome, message);
+    return status;
 }
 
 /* A motion is intermittent if it stays near a periodic one for much longer than the time in which neighbours
  * separate. */
 static void find_intermittency(judge *j) {
+    const saltus_ensemble *e = &j->ensemble;
     saltus_evidence *evidence = &j->motion->evidence;
-    double separation = 1 / (j->motion->lyapunov * saltus_system_period(j->system)),
+    const bool forced = saltus_system_forced(e->system);
+    double separation = 1 / (j->motion->lyapunov * saltus_system_period(e->system)),
            weights[SALTUS_STATE_MAX];
-    for (int i = 0; i < j->ensemble.n; i++)
-        weights[i] = 1 / saltus_system_scale(j->system)[i];
-    const bool forced = saltus_system_forced(j->system);
-    saltus_series_points points = {forced ? j->points : j->returns, weights,
-                                   forced ? points_there(j) : j->return_count, j->ensemble.n};
+    for (int i = 0; i < e->n; i++)
+        weights[i] = 1 / saltus_system_scale(e->system)[i];
+    saltus_series_points points = {forced ? e->points : j->returns, weights,
+                                   forced ? points_there(e) : j->return_count, e->n};
     saltus_series_phases phases = saltus_series_laminar_phases(&points, longest_laminar);
     if (phases.laminar < 0.05 || (double)phases.longest < 10 * separation)
-        phases = (saltus_series_phases){0};
+        return;
     evidence->laminar = phases.laminar;
     evidence->laminar_period = phases.period;
     evidence->longest_phase = phases.longest;
@@ -323,8 +309,7 @@ __attribute__((format(printf, 2, 3))) static void say(saltus_motion *motion, con
 }
 
 /* Why it is undecided, and how long a run would decide: standard errors fall with the square root of the
- * time.
- */
+ * time. */
 static void tell_undecided(saltus_motion *m, double period) {
     const saltus_evidence *e = &m->evidence;
     double exponent = m->lyapunov, error = m->lyapunov_error, rate = exponent * period;
@@ -344,20 +329,8 @@ static void tell_undecided(saltus_motion *m, double period) {
     say(m, "; measuring some %.1e periods would tell (--measure)", needed);
 }
 
-/* Chaos that has not been watched for as long as was asked. */
-static void tell_short(const judge *j) {
-    saltus_motion *m = j->motion;
-    const saltus_evidence *e = &m->evidence;
-    say(m,
-        "largest exponent %.4g +- %.1g per unit of time over %lld periods, positive, but a transient of %.0f "
-        "periods would not have ended yet; measuring some %.1e periods would tell (--measure)",
-        m->lyapunov, m->lyapunov_error, e->periods, e->lifetime_at_least,
-        1.05 * (double)e->periods * (double)j->options->lifetime / e->lifetime_at_least);
-}
-
 /* Chaos that ends. */
-static void tell_transient(const judge *j) {
-    saltus_motion *m = j->motion;
+static void tell_transient(saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
     say(m, "a chaotic transient: exponent %.4g +- %.1g per unit of time while it lasts", m->lyapunov,
         m->lyapunov_error);
@@ -373,28 +346,16 @@ static void tell_transient(const judge *j) {
     say(m, "; a longer --transient would show this one do so");
 }
 
-static void tell_lifetime(judge *j) {
-    saltus_evidence *e = &j->motion->evidence;
-    double watched = periods_watched(j);
-    bool positive = j->motion->lyapunov > SALTUS_SIGNIFICANT * j->motion->lyapunov_error;
-    if (!positive && !e->left && !e->stable_orbit[0])
-        return;
-    e->lifetime_at_least = saltus_lifetime_at_least(watched, e->left);
-    e->lifetime = e->left ? watched / e->left : NAN;
-}
-
-static void tell_chaos(judge *j) {
-    saltus_motion *m = j->motion;
+static void tell_chaos(saltus_motion *m, long long without_contact) {
     const saltus_evidence *e = &m->evidence;
-    find_intermittency(j);
     say(m,
         "largest exponent %.4g +- %.1g per unit of time over %lld periods, positive in both halves of "
         "the run; none of %d trajectories has come to a period or to rest: mean lifetime at least %.0f "
         "periods (95 %%)",
         m->lyapunov, m->lyapunov_error, e->periods, e->members, e->lifetime_at_least);
-    if (j->without_contact)
+    if (without_contact)
         say(m, "; lasting contacts that would end it come less than once in %.0f periods",
-            saltus_lifetime_at_least((double)j->without_contact, 0));
+            saltus_lifetime_at_least((double)without_contact, 0));
     if (e->laminar_period)
         say(m,
             "; intermittent: %.0f %% of the time near a motion of period %d T, up to %lld periods at a "
@@ -402,95 +363,89 @@ static void tell_chaos(judge *j) {
             100 * e->laminar, e->laminar_period, e->longest_phase);
 }
 
-static void tell_torus(const judge *j) {
-    saltus_motion *m = j->motion;
-    const saltus_evidence *e = &m->evidence;
-    m->verdict = SALTUS_QUASIPERIODIC;
-    say(m,
-        "largest exponent %.1e +- %.0e per unit of time, next to zero%s; the section points fill %d "
-        "closed curve%s, all but %.1e of their variance is in lines",
-        m->lyapunov, m->lyapunov_error,
-        saltus_system_forced(j->system) ? "" : ", and so is a second one beside that of time itself",
-        e->curves, e->curves == 1 ? "" : "s", e->broadband);
-}
-
-static void tell_regular(const judge *j) {
-    saltus_motion *m = j->motion;
-    if (isinf(m->lyapunov))
-        say(m, "nothing irregular: every perturbation dies in lasting contacts");
-    else
-        say(m, "nothing irregular: largest exponent %.4g +- %.1g per unit of time", m->lyapunov,
-            m->lyapunov_error);
-    say(m,
-        ", so that a period longer than %d T, or one that is reached slowly, must show; a longer "
-        "--transient or --longest would find it",
-        j->options->longest);
-}
-
+/* Verdict and reason, where an outcome has them, and what is known besides. */
 static void tell(judge *j, saltus_outcome outcome) {
+    const saltus_system *system = j->ensemble.system;
     saltus_motion *m = j->motion;
-    if (!m->evidence.left)
+    saltus_evidence *e = &m->evidence;
+    if (!e->left)
         tell_exponent(j);
-    tell_lifetime(j);
+    const double watched = periods_watched(j);
+    if (m->lyapunov > SALTUS_SIGNIFICANT * m->lyapunov_error || e->left || e->stable_orbit[0]) {
+        e->lifetime_at_least = saltus_lifetime_at_least(watched, e->left);
+        e->lifetime = e->left ? watched / e->left : NAN;
+    }
     memcpy(m->state, j->ensemble.member[0].state, (size_t)j->ensemble.n * sizeof *m->state);
     m->reason[0] = 0;
     switch (outcome) {
     case SALTUS_OUTCOME_CHAOS:
         m->verdict = SALTUS_CHAOTIC;
-        tell_chaos(j);
+        find_intermittency(j);
+        tell_chaos(m, saltus_contact_watch(system, e->periods));
         break;
     case SALTUS_OUTCOME_TORUS:
-        tell_torus(j);
+        m->verdict = SALTUS_QUASIPERIODIC;
+        say(m,
+            "largest exponent %.1e +- %.0e per unit of time, next to zero%s; the section points fill %d "
+            "closed curve%s, all but %.1e of their variance is in lines",
+            m->lyapunov, m->lyapunov_error,
+            saltus_system_forced(system) ? "" : ", and so is a second one beside that of time itself",
+            e->curves, e->curves == 1 ? "" : "s", e->broadband);
         break;
     case SALTUS_OUTCOME_LEFT:
-        tell_transient(j);
+        tell_transient(m);
         break;
     case SALTUS_OUTCOME_REGULAR:
-        tell_regular(j);
+        if (isinf(m->lyapunov))
+            say(m, "nothing irregular: every perturbation dies in lasting contacts");
+        else
+            say(m, "nothing irregular: largest exponent %.4g +- %.1g per unit of time", m->lyapunov,
+                m->lyapunov_error);
+        say(m,
+            ", so that a period longer than %d T, or one that is reached slowly, must show; a longer "
+            "--transient or --longest would find it",
+            j->options->longest);
         break;
     case SALTUS_OUTCOME_SHORT:
         m->verdict = SALTUS_IRREGULAR;
-        tell_short(j);
+        say(m,
+            "largest exponent %.4g +- %.1g per unit of time over %lld periods, positive, but a transient of "
+            "%.0f periods would not have ended yet; measuring some %.1e periods would tell (--measure)",
+            m->lyapunov, m->lyapunov_error, e->periods, e->lifetime_at_least,
+            1.05 * (double)e->periods * (double)j->options->lifetime / e->lifetime_at_least);
         break;
     default:
-        tell_undecided(m, saltus_system_period(j->system));
+        tell_undecided(m, saltus_system_period(system));
     }
 }
 
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
                                   saltus_motion *motion, saltus_outcome *outcome, saltus_message *message) {
-    judge j = {.system = system, .options = options, .how = saltus_lyapunov_defaults(), .motion = motion};
+    judge j = {.options = options, .motion = motion};
+    saltus_lyapunov_options how = saltus_lyapunov_defaults();
+    const size_t numbers = (size_t)points_kept * (size_t)saltus_system_dimension(system);
     *outcome = SALTUS_OUTCOME_OPEN;
-    j.how.flow.integrator = options->flow.integrator;
-    j.how.flow.stop = options->flow.stop;
-    j.how.flow.effort = options->flow.effort;
-    j.how.flow.rtol = fmax(j.how.flow.rtol, options->flow.rtol);
-    j.how.flow.atol = fmax(j.how.flow.atol, options->flow.atol);
-    j.how.members = trajectories;
-    j.how.transient = spread;
+    how.flow.integrator = options->flow.integrator;
+    how.flow.stop = options->flow.stop;
+    how.flow.effort = options->flow.effort;
+    how.flow.rtol = fmax(how.flow.rtol, options->flow.rtol);
+    how.flow.atol = fmax(how.flow.atol, options->flow.atol);
+    how.members = trajectories;
+    how.transient = spread;
     saltus_motion_forget_evidence(motion);
-    size_t places = (size_t)trajectories * points_kept;
-    j.points = calloc(places * (size_t)saltus_system_dimension(system), sizeof *j.points);
-    j.growths = calloc(places, sizeof *j.growths);
-    j.returns = calloc((size_t)points_kept * (size_t)saltus_system_dimension(system), sizeof *j.returns);
+    j.returns = calloc(numbers, sizeof *j.returns);
     j.times = calloc(points_kept, sizeof *j.times);
     motion->evidence.history = calloc(SALTUS_HISTORY_ROOM, sizeof *motion->evidence.history);
-    saltus_status status = j.points && j.growths && j.returns && j.times && motion->evidence.history
-                               ? saltus_ensemble_open(&j.ensemble, system, &j.how, message)
+    saltus_status status = j.returns && j.times && motion->evidence.history
+                               ? saltus_ensemble_open(&j.ensemble, system, &how, points_kept, message)
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the section points");
-    if (status == SALTUS_OK) {
-        j.ensemble.points = j.points;
-        j.ensemble.growths = j.growths;
-        j.ensemble.room = points_kept;
+    if (status == SALTUS_OK)
         status = run_trial(&j, outcome, message);
-    }
     if (status == SALTUS_OK && saltus_ensemble_periods(&j.ensemble) > 0)
         tell(&j, *outcome);
     else
         saltus_motion_forget_evidence(motion);
     saltus_ensemble_close(&j.ensemble);
-    free(j.points);
-    free(j.growths);
     free(j.returns);
     free(j.times);
     return status;

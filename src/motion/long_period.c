@@ -125,11 +125,6 @@ static saltus_status next_contact(const saltus_system *system, saltus_flow *flow
     return status;
 }
 
-static bool same(const saltus_system *system, const contact *a, const contact *b) {
-    return saltus_system_distance(system, a->state, b->state) < same_contact &&
-           fabs(a->time.phase - b->time.phase) < same_contact;
-}
-
 /* Periods from a contact that wipes out all differences until the motion is at the same one again, twice
  * alike; 0: it is not within so many; -1: not even to another one. `begin` is the contact, its section point
  * the orbit's. */
@@ -153,7 +148,8 @@ static saltus_status return_to_contact(const saltus_system *system, const saltus
             break;
         }
         for (int j = k - 1; j >= 0 && !*periods; j--)
-            if (same(system, &seen[k], &seen[j])) {
+            if (saltus_system_distance(system, seen[k].state, seen[j].state) < same_contact &&
+                fabs(seen[k].time.phase - seen[j].time.phase) < same_contact) {
                 *periods = seen[k].time.cycle - seen[j].time.cycle;
                 *begin = seen[k];
             }
@@ -238,27 +234,27 @@ static saltus_status run_to_contact(saltus_flow *flow, int lanes, int trajectory
     return SALTUS_OK;
 }
 
-/* Whether contacts at all stops at once leave no direction in which neighbours can differ. */
-static bool can_lose_all(const saltus_system *system) {
+long long saltus_contact_watch(const saltus_system *system, long long measured) {
     int stops = 0;
     for (int f = 0; f < saltus_system_face_count(system); f++) {
         int stop = saltus_system_face(system, f).stop;
         stops = stop >= stops ? stop + 1 : stops;
     }
-    return 2 * stops >= saltus_system_dimension(system);
+    /* Contacts at all stops at once must leave no direction in which neighbours can differ. */
+    return 2 * stops >= saltus_system_dimension(system) ? rare * measured : 0;
 }
 
 saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
-                                          const double *const *states, int count, long long watched,
-                                          double *state, bool *found, long long *without,
-                                          saltus_message *message) {
+                                          const double *const *states, int count, long long measured,
+                                          double *state, bool *found, saltus_message *message) {
     const int width = saltus_flow_width(system, options->integrator);
     const saltus_system *systems[SALTUS_PACK_MAX];
     saltus_status status = SALTUS_OK;
-    first_contact first = {.trajectory = -1, .cycle = rare * watched / count, .state = state};
+    first_contact first = {
+        .trajectory = -1, .cycle = saltus_contact_watch(system, measured) / count, .state = state};
     for (int l = 0; l < width; l++)
         systems[l] = system;
-    for (int done = 0; done < count && status == SALTUS_OK && can_lose_all(system); done += width) {
+    for (int done = 0; done < count && status == SALTUS_OK && first.cycle > 0; done += width) {
         int lanes = count - done < width ? count - done : width;
         saltus_flow *flow = NULL;
         status = saltus_flow_new(systems, lanes, options, &flow, message);
@@ -269,6 +265,5 @@ saltus_status saltus_motion_meets_contact(const saltus_system *system, const sal
         saltus_flow_free(flow);
     }
     *found = first.trajectory >= 0;
-    *without = can_lose_all(system) && !*found ? first.cycle * count : 0;
     return status;
 }

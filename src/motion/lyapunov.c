@@ -222,7 +222,7 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
     how.flow = saltus_effort_begin(&options->flow, system, &effort);
     how.flow.stop = NULL; /* stretches are measured to their ends, or what was measured could not be told */
     if (status == SALTUS_OK)
-        status = saltus_ensemble_open(&ensemble, system, &how, message);
+        status = saltus_ensemble_open(&ensemble, system, &how, 0, message);
     ensemble.stop = options->flow.stop;
     if (status == SALTUS_OK && !open_result(lyapunov, &ensemble))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the exponents");

@@ -134,15 +134,15 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
 saltus_status saltus_motion_find_contact(const saltus_system *system, const saltus_classify_options *options,
                                          const double *state, saltus_motion *found, long long *periods,
                                          bool *rounding, saltus_message *message);
-/* Whether a motion that looks chaotic, and of which so many periods have been watched, meets a contact that
- * wipes out all differences: after it everything repeats, however seldom it comes. Trajectories from `count`
- * states, at phase 0, are watched for it, together twenty times as long; where one meets it, `state` (not one
- * of them) is the section point after it of the first that does. *without is for how many periods they have
- * been watched without one; 0 where no contact can do so: then nothing runs. Errors: those of
- * the flow, SALTUS_NO_MEMORY. */
+/* For how many periods a motion that looks chaotic, and of which so many have been measured, is watched for a
+ * contact that wipes out all differences; 0 where no contact can do so. */
+long long saltus_contact_watch(const saltus_system *system, long long measured);
+/* Whether such a motion meets such a contact: after it everything repeats, however seldom it comes.
+ * Trajectories from `count` states, at phase 0, are watched for it, together for saltus_contact_watch; where
+ * one meets it, `state` (not one of them) is the section point after it of the first that does. Errors: those
+ * of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_meets_contact(const saltus_system *system, const saltus_flow_options *options,
-                                          const double *const *states, int count, long long watched,
-                                          double *state, bool *found, long long *without,
-                                          saltus_message *message);
+                                          const double *const *states, int count, long long measured,
+                                          double *state, bool *found, saltus_message *message);
 
 #endif

@@ -178,13 +178,12 @@ static bool meets_contact(saltus_sweep_trajectory *t) {
     const double *states[trajectories];
     double after[SALTUS_STATE_MAX];
     bool found = false;
-    long long without;
     if (m->count < trajectories)
         return false;
     for (int k = 0; k < trajectories; k++)
         states[k] = m->points + ((k + 1) * m->count / trajectories - 1) * m->growth.n;
-    saltus_status status = saltus_motion_meets_contact(
-        t->system, &t->sweep->options.flow, states, trajectories, m->samples, after, &found, &without, NULL);
+    saltus_status status = saltus_motion_meets_contact(t->system, &t->sweep->options.flow, states,
+                                                       trajectories, m->samples, after, &found, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     if (status != SALTUS_OK || !found || !saltus_sweep_trajectory_continue(t, after))
         return false;
