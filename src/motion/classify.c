@@ -74,23 +74,16 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     return status;
 }
 
-/* A torus is only one if the motion is not locked. */
-static saltus_status look_for_locking(saltus_search *s, saltus_motion *motion, saltus_message *message) {
-    saltus_motion found = {0};
-    saltus_status status = saltus_motion_find_locked(s->system, s->options, motion->state, &found, message);
-    take(motion, &found);
-    return status;
-}
-
 /* No period so far: judge the motion; if it should settle, give it the rest of the time. Without forcing its
  * periods are the mean time between returns. */
 static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
+    const bool forced = saltus_system_forced(s->system);
     saltus_outcome outcome;
     saltus_system *counted = NULL;
     saltus_flow_state(s->flow, 0, motion->state);
     saltus_status status = SALTUS_OK;
-    if (!saltus_system_forced(s->system))
+    if (!forced)
         status = saltus_visits_count(&s->visits, s->system, &counted, message);
     if (status != SALTUS_OK)
         return status;
@@ -98,9 +91,13 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
         o->flow.effort->period = saltus_system_period(counted);
     status = saltus_motion_judge(counted ? counted : s->system, o, motion, &outcome, message);
     saltus_system_free(counted);
-    bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
-    if (status == SALTUS_OK && motion->verdict == SALTUS_QUASIPERIODIC && saltus_system_forced(s->system))
-        return look_for_locking(s, motion, message);
+    if (status == SALTUS_OK && motion->verdict == SALTUS_QUASIPERIODIC && forced) {
+        /* A torus is only one if the motion is not locked. */
+        saltus_motion found = {0};
+        status = saltus_motion_find_locked(s->system, o, motion->state, &found, message);
+        take(motion, &found);
+        return status;
+    }
     bool open = motion->verdict == SALTUS_UNDECIDED || motion->verdict == SALTUS_IRREGULAR;
     if (status != SALTUS_OK || !open)
         return status;
@@ -111,6 +108,7 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     saltus_flow_state(s->flow, 0, motion->state);
     if (outcome == SALTUS_OUTCOME_REGULAR)
         status = find_long_period(s, motion, message);
+    bool regular = outcome == SALTUS_OUTCOME_REGULAR || outcome == SALTUS_OUTCOME_LEFT;
     if (status == SALTUS_OK && regular && motion->verdict == SALTUS_UNDECIDED)
         motion->verdict = outcome == SALTUS_OUTCOME_LEFT ? SALTUS_TRANSIENT : SALTUS_LONG_PERIOD;
     return status;

@@ -24,15 +24,7 @@ static const double on_orbit = 1e-7;      /* of a continuum, none of which attra
 static const double drift_at_rest = 1e-6; /* of a displacement over a period */
 static const double near_rest = 3e-3;     /* a trajectory that comes to it slowly */
 
-static void note_returns(saltus_search *s, const saltus_event *event, const double *now) {
-    double state[SALTUS_STATE_MAX];
-    memcpy(state, now, (size_t)saltus_system_dimension(s->system) * sizeof *state);
-    saltus_visits_take(&s->visits, s->flow, 0, event, now, saltus_flow_information(s->flow, 0));
-    while (saltus_visits_next(&s->visits, s->flow, 0, state))
-        ;
-}
-
-/* One more period of the trajectory. */
+/* One more period of the trajectory, without forcing with its returns. */
 static saltus_status advance_period(saltus_search *s, saltus_message *message) {
     double state[SALTUS_STATE_MAX];
     const unsigned watch = saltus_system_forced(s->system) ? 0 : saltus_crossings_watch(s->system);
@@ -42,10 +34,14 @@ static saltus_status advance_period(saltus_search *s, saltus_message *message) {
         saltus_status status = saltus_flow_advance(s->flow, until, watch, &event, message);
         if (status != SALTUS_OK)
             return status;
+        if (!watch)
+            continue;
         saltus_flow_state(s->flow, 0, state);
-        if (watch)
-            note_returns(s, &event, state);
+        saltus_visits_take(&s->visits, s->flow, 0, &event, state, saltus_flow_information(s->flow, 0));
+        while (saltus_visits_next(&s->visits, s->flow, 0, state))
+            ;
     }
+    saltus_flow_state(s->flow, 0, state);
     saltus_flow_info info = saltus_flow_information(s->flow, 0);
     saltus_settling_add(&s->settling, state, info.impacts, info.sticks + info.releases);
     return saltus_state_bounded(s->system, state, saltus_flow_contacts(s->flow, 0), s->settling.count,
@@ -105,24 +101,22 @@ static saltus_status confirm(saltus_search *s, saltus_message *message) {
 saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_motion *motion,
                                  saltus_message *message) {
     const saltus_flow_options *options = &s->options->flow;
-    int n = saltus_system_dimension(s->system);
+    const int n = saltus_system_dimension(s->system), longest = s->options->longest;
+    const double close = fmax(1e-9, 1e4 * options->rtol);
     s->lap.keeps_events = true;
     saltus_status status = saltus_flow_single(s->system, 0, options, &s->flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_single(s->system, 0, options, &s->beside, message);
-    double close = fmax(1e-9, 1e4 * options->rtol);
-    if (status == SALTUS_OK && !saltus_settling_open(&s->settling, n, s->options->longest, close))
+    if (status == SALTUS_OK &&
+        !(saltus_settling_open(&s->settling, n, longest, close) &&
+          (saltus_system_forced(s->system) || saltus_visits_open(&s->visits, n, longest, close))))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
-    if (status == SALTUS_OK && !saltus_system_forced(s->system)) {
-        if (!saltus_visits_open(&s->visits, n, s->options->longest, close))
-            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
-        else
-            saltus_visits_reset(&s->visits, s->system);
-    }
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK) {
         saltus_settling_reset(&s->settling, s->system);
-    if (status == SALTUS_OK)
+        if (!saltus_system_forced(s->system))
+            saltus_visits_reset(&s->visits, s->system);
         status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
+    }
     if (status == SALTUS_OK && !saltus_motion_open(s->system, options, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     return status;
@@ -139,14 +133,6 @@ void saltus_search_close(saltus_search *s) {
     saltus_lap_close(&s->lap);
 }
 
-static void forget_cycle(saltus_search *s) {
-    saltus_flow_free(s->around);
-    saltus_system_free(s->clocked);
-    saltus_orbit_clear(&s->orbit);
-    s->around = NULL;
-    s->clocked = NULL;
-}
-
 /* The period to try at present, or 0: of an orbit that is all but reached; else the least that recurs
  * roughly, which near a flip is but half of it. */
 static int period_to_try(const saltus_settling *settling) {
@@ -156,34 +142,70 @@ static int period_to_try(const saltus_settling *settling) {
     return reached ? reached : rough;
 }
 
+/* What Newton's method came to from the trajectory's last point, where it recurred within `recurrence`: the
+ * orbit must be where the trajectory is, and stable, but for one of a continuum, which the trajectory must be
+ * on. Another one is forgotten. */
+static saltus_status take_orbit(saltus_search *s, saltus_status polished, double recurrence,
+                                saltus_message *message) {
+    const bool continuum = s->clocked && saltus_system_conservative(s->system);
+    saltus_status status = polished == SALTUS_NO_MEMORY ? polished : SALTUS_OK;
+    if (polished == SALTUS_OK && continuum)
+        s->found = distance_from_orbit(s) <= on_orbit;
+    else if (polished == SALTUS_OK &&
+             saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
+             distance_from_orbit(s) <= fmax(nearby, 30 * recurrence))
+        status = confirm(s, message);
+    if (s->found)
+        return status;
+    saltus_flow_free(s->around);
+    saltus_system_free(s->clocked);
+    saltus_orbit_clear(&s->orbit);
+    s->around = NULL;
+    s->clocked = NULL;
+    return status;
+}
+
 /* Without forcing: try the returns that recur at present, with the time between them. */
 static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     saltus_system *counted = NULL;
     const saltus_settling *returns = &s->visits.settling;
-    int p = period_to_try(returns);
+    const int p = period_to_try(returns);
     if (p == 0)
         return SALTUS_OK;
-    const double *last = saltus_settling_point(returns, 0);
-    double near = fmax(nearby, 30 * saltus_settling_recurrence(returns, p));
-    double omega = saltus_spec_omega(saltus_system_spec(s->system)) / saltus_visits_taken(&s->visits, p);
+    const double recurrence = saltus_settling_recurrence(returns, p),
+                 *last = saltus_settling_point(returns, 0),
+                 omega =
+                     saltus_spec_omega(saltus_system_spec(s->system)) / saltus_visits_taken(&s->visits, p);
     saltus_status status = saltus_system_clocked(s->system, omega, &counted, message);
     if (status == SALTUS_OK)
         status = saltus_cycle_polish(counted, last, &shooting, &s->orbit, &s->clocked, &s->lap, message);
     if (status == SALTUS_OK)
         status = saltus_flow_single(s->clocked, 0, &s->options->flow, &s->around, message);
-    if (status == SALTUS_OK && saltus_system_conservative(s->system))
-        s->found = distance_from_orbit(s) <= on_orbit;
-    else if (status == SALTUS_OK &&
-             saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
-             distance_from_orbit(s) <= near)
-        status = confirm(s, message);
-    else if (status != SALTUS_NO_MEMORY)
-        status = SALTUS_OK; /* no orbit here */
-    if (!s->found)
-        forget_cycle(s);
     saltus_system_free(counted);
-    return status;
+    return take_orbit(s, status, recurrence, message);
+}
+
+/* Try the period that recurs at present. A try at a long orbit of very many impacts may take minutes: only
+ * where it is all but reached. */
+static saltus_status try_period(saltus_search *s, saltus_message *message) {
+    enum { most_impacts = 150, few_steps = 4 };
+    saltus_orbit_options shooting = saltus_motion_shooting(s->options);
+    const int p = period_to_try(&s->settling);
+    const double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
+    if (p == 0)
+        return SALTUS_OK;
+    const double recurrence = saltus_settling_recurrence(&s->settling, p),
+                 *last = saltus_settling_point(&s->settling, 0);
+    const bool costly = p * impacts > most_impacts;
+    if (costly && (s->limited || recurrence > all_but_reached || s->settling.count < s->next_costly))
+        return SALTUS_OK;
+    if (costly) {
+        s->next_costly = 4 * s->settling.count;
+        shooting.iterations = few_steps; /* so near to an orbit, Newton's method needs no more */
+    }
+    saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
+    return take_orbit(s, status, recurrence, message);
 }
 
 /* Without forcing: whether the trajectory comes to a stable rest, however slowly. */
@@ -193,39 +215,6 @@ static saltus_status try_rest(saltus_search *s, bool *at_rest, saltus_message *m
         return SALTUS_OK;
     return saltus_rest_is_approached(s->system, saltus_settling_point(&s->settling, 0), time, &s->beside_rest,
                                      place, at_rest, message);
-}
-
-/* Try the period that recurs at present: Newton's method from the trajectory's last point. The orbit must be
- * where the trajectory is, and stable. */
-static saltus_status try_period(saltus_search *s, saltus_message *message) {
-    enum { most_impacts = 150, few_steps = 4 };
-    saltus_orbit_options shooting = saltus_motion_shooting(s->options);
-    const double *last = saltus_settling_point(&s->settling, 0);
-    if (!saltus_system_forced(s->system))
-        return try_cycle(s, message);
-    int p = period_to_try(&s->settling);
-    /* A try at a long orbit of very many impacts may take minutes: only where it is all but reached. */
-    double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
-    if (p == 0)
-        return SALTUS_OK;
-    double recurrence = saltus_settling_recurrence(&s->settling, p);
-    bool costly = p * impacts > most_impacts;
-    if (costly && (s->limited || recurrence > all_but_reached || s->settling.count < s->next_costly))
-        return SALTUS_OK;
-    if (costly) {
-        s->next_costly = 4 * s->settling.count;
-        shooting.iterations = few_steps; /* so near to an orbit, Newton's method needs no more */
-    }
-    double near = fmax(nearby, 30 * recurrence);
-    saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
-    if (status == SALTUS_OK && saltus_multipliers_stable(s->orbit.multipliers, s->orbit.multiplier_count) &&
-        saltus_system_distance(s->system, s->orbit.state, last) <= near)
-        status = confirm(s, message);
-    else if (status != SALTUS_NO_MEMORY)
-        status = SALTUS_OK; /* no orbit here */
-    if (!s->found)
-        saltus_orbit_clear(&s->orbit);
-    return status;
 }
 
 saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_motion *motion,
@@ -247,9 +236,9 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
             motion->verdict = saltus_flow_contacts(s->flow, 0) ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
             break;
         }
-        status = try_period(s, message);
-        bool at_rest = false;
-        if (status == SALTUS_OK && !s->found && !saltus_system_forced(s->system))
+        bool forced = saltus_system_forced(s->system), at_rest = false;
+        status = forced ? try_period(s, message) : try_cycle(s, message);
+        if (status == SALTUS_OK && !s->found && !forced)
             status = try_rest(s, &at_rest, message);
         if (at_rest) {
             motion->verdict = SALTUS_EQUILIBRIUM;
