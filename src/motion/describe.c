@@ -13,11 +13,6 @@
 static const double same_rest = 3e-3;
 static const double same_image = 1e-7; /* a mirror image that is the orbit itself */
 
-/* Whether an orbit's period is its own, not the forcing's. */
-static bool is_cycle(const saltus_orbit *orbit) {
-    return orbit->trivial != 0;
-}
-
 /* Whether q(t + pT/2) = -q(t). With forcing half the orbit's period must be a shift that the symmetry allows:
  * whole forcing periods, or an odd number of half ones. */
 static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, bool cycle,
@@ -56,6 +51,7 @@ static saltus_status measure_forces(const saltus_system *system, const saltus_cl
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
                                  saltus_lap *lap, const saltus_classify_options *options,
                                  saltus_motion *motion, saltus_message *message) {
+    const bool cycle = orbit->trivial != 0; /* its period is its own, not the forcing's */
     size_t n = (size_t)orbit->dimension;
     motion->periods = lap->periods;
     motion->residual = orbit->residual;
@@ -93,8 +89,8 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
     if (motion->verdict == SALTUS_HELD)
         status = measure_forces(system, options, motion, message);
     if (status == SALTUS_OK)
-        status = find_mirror(system, flow, is_cycle(orbit), motion, message);
-    if (is_cycle(orbit))
+        status = find_mirror(system, flow, cycle, motion, message);
+    if (cycle)
         memcpy(motion->state, motion->section_states, n * sizeof *motion->state);
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     return status;

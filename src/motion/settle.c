@@ -55,11 +55,6 @@ void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
     memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
 }
 
-/* The point `back` periods before the last one: called most, so inlined. */
-static const double *point_before(const saltus_settling *s, int back) {
-    return s->points + (size_t)((s->count - 1 - back) % s->size) * (size_t)s->n;
-}
-
 /* As fmax, without a call: most of a point's work is comparisons. */
 static inline double larger(double a, double b) {
     return b > a ? b : a;
@@ -85,45 +80,29 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
     s->contact[slot] = contact_events;
     s->count++;
     for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] = distance(s, state, point_before(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
+        s->streak[p] =
+            distance(s, state, saltus_settling_point(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
 }
 
 /* Largest distance between points p apart, over so many points that end `back` periods ago. */
 static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
     double largest = 0;
     for (int k = 0; k < points; k++)
-        largest =
-            larger(largest, distance(s, point_before(s, back + k), point_before(s, back + k + p), INFINITY));
+        largest = larger(largest, distance(s, saltus_settling_point(s, back + k),
+                                           saltus_settling_point(s, back + k + p), INFINITY));
     return largest;
 }
 
 /* An entry of a recurrence: how far the point `back` periods ago is from that p periods before it. */
 static double recurred(const saltus_settling *s, int p, int back, int i) {
-    return (point_before(s, back)[i] - point_before(s, back + p)[i]) * s->weight[i];
+    return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
 }
 
 /* Scalar products of the recurrences of the last cycle (0), the one before it (1) and the one before that
- * (2).
- */
+ * (2). */
 typedef struct products {
     double p00, p01, p02, p11, p12, p22;
 } products;
-
-static products products_of(const saltus_settling *s, int p) {
-    products sum = {0};
-    for (int k = 0; k < p; k++)
-        for (int i = 0; i < s->n; i++) {
-            double r0 = recurred(s, p, k, i), r1 = recurred(s, p, k + p, i),
-                   r2 = recurred(s, p, k + 2 * p, i);
-            sum.p00 += r0 * r0;
-            sum.p01 += r0 * r1;
-            sum.p02 += r0 * r2;
-            sum.p11 += r1 * r1;
-            sum.p12 += r1 * r2;
-            sum.p22 += r2 * r2;
-        }
-    return sum;
-}
 
 /* Distance left where recurrences spiral: each is a times the one before it and b times the one before that,
  * so the sum of those to come follows from the last two. 0 where they do not turn enough to tell a and b, or
@@ -154,7 +133,18 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
         ratio = before / first;
     if (shrinking && !(ratio < 1))
         return INFINITY;
-    products r = products_of(s, p);
+    products r = {0};
+    for (int k = 0; k < p; k++)
+        for (int i = 0; i < s->n; i++) {
+            double r0 = recurred(s, p, k, i), r1 = recurred(s, p, k + p, i),
+                   r2 = recurred(s, p, k + 2 * p, i);
+            r.p00 += r0 * r0;
+            r.p01 += r0 * r1;
+            r.p02 += r0 * r2;
+            r.p11 += r1 * r1;
+            r.p12 += r1 * r2;
+            r.p22 += r2 * r2;
+        }
     double cosine = r.p00 > 0 && r.p11 > 0 ? r.p01 / sqrt(r.p00) / sqrt(r.p11) : 1,
            across = 1 - 2 * ratio * cosine + ratio * ratio;
     return fmax(now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30)), spiral_left(s, p, &r));
@@ -210,10 +200,6 @@ long long saltus_settling_contacts(const saltus_settling *s, int period) {
 
 double saltus_settling_recurrence(const saltus_settling *s, int period) {
     return recurrence_over(s, period, period, 0);
-}
-
-const double *saltus_settling_point(const saltus_settling *s, int back) {
-    return point_before(s, back);
 }
 
 double saltus_settling_closest(const saltus_settling *s) {

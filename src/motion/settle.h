@@ -33,8 +33,10 @@ long long saltus_settling_contacts(const saltus_settling *settling, int period);
 /* Least of the largest distances between points p apart, over the last p + 2, of all p; INFINITY while there
  * are too few points. */
 double saltus_settling_closest(const saltus_settling *settling);
-/* The point `back` periods before the last one. */
-const double *saltus_settling_point(const saltus_settling *settling, int back);
+/* The point `back` periods before the last one: called most, so inlined. */
+static inline const double *saltus_settling_point(const saltus_settling *settling, int back) {
+    return settling->points + (size_t)((settling->count - 1 - back) % settling->size) * (size_t)settling->n;
+}
 /* Largest distance between points a period apart, over the last one. */
 double saltus_settling_recurrence(const saltus_settling *settling, int period);
 /* Whether nothing has moved over the last periods. */

@@ -101,8 +101,8 @@ static void unstable_direction(const search *s, const saltus_fixed_point *f, dou
     }
 }
 
-/* Follow what leaves an unstable orbit on one side; the periods of the stable orbit that it comes to, its own
- * or twice as many, and the state there; 0: it goes elsewhere. */
+/* Follow what leaves an unstable orbit, by a step along a direction; the periods of the stable orbit that it
+ * comes to, its own or twice as many, and the state there; 0: it goes elsewhere. */
 static int follow_away(const search *s, const saltus_fixed_point *f, int p, const double *direction,
                        double step, double *state) {
     double last[2][SALTUS_STATE_MAX];
@@ -124,14 +124,6 @@ static int follow_away(const search *s, const saltus_fixed_point *f, int p, cons
     return 0;
 }
 
-/* What leaves an unstable orbit, on either side. */
-static int partner(const search *s, const saltus_fixed_point *f, int p, double *state) {
-    double direction[SALTUS_STATE_MAX];
-    unstable_direction(s, f, direction);
-    int periods = follow_away(s, f, p, direction, step_aside, state);
-    return periods ? periods : follow_away(s, f, p, direction, -step_aside, state);
-}
-
 /* The nearest of all tracks' points, and its distance. */
 static const double *nearest(const search *s, const double *point, double *distance) {
     const double *place = NULL;
@@ -146,16 +138,6 @@ static const double *nearest(const search *s, const double *point, double *dista
             }
         }
     return place;
-}
-
-static double extent_of(const search *s) {
-    const saltus_track *first = &s->tracks[0];
-    double extent = 0;
-    for (int k = 0; k < probes; k++) {
-        const double *point = first->points + first->count * k / probes * s->n;
-        extent = fmax(extent, saltus_system_distance(s->system, point, first->points));
-    }
-    return extent;
 }
 
 /* Distance of a point to its neighbour of number `neighbours` among all tracks' points. */
@@ -215,15 +197,19 @@ static bool lies_amid(const search *s, const saltus_motion *orbit) {
 static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const double *point,
                                 saltus_motion *motion, bool *found, saltus_message *message) {
     saltus_classify_options options = saltus_classify_defaults();
-    double state[SALTUS_STATE_MAX];
+    double state[SALTUS_STATE_MAX], direction[SALTUS_STATE_MAX];
     options.flow = *s->flow;
     *found = false;
     if (!saltus_fixed_point_find(f, point, steps, s->extent) || was_tried(s, p, f->state, same_orbit))
         return SALTUS_OK;
     int periods = p;
     memcpy(state, f->state, (size_t)s->n * sizeof *state);
-    if (saltus_fixed_point_multiplier(f) >= 0)
-        periods = partner(s, f, p, state);
+    if (saltus_fixed_point_multiplier(f) >= 0) {
+        unstable_direction(s, f, direction);
+        periods = follow_away(s, f, p, direction, step_aside, state);
+        if (!periods)
+            periods = follow_away(s, f, p, direction, -step_aside, state);
+    }
     remember(s, p, f->state);
     if (!periods)
         return SALTUS_OK;
@@ -253,19 +239,6 @@ static saltus_status try_period(search *s, saltus_returns *returns, int p, saltu
     return status;
 }
 
-/* The close returns along all tracks over which tangent vectors have not grown much. */
-static saltus_status find_returns(const search *s, saltus_returns **returns, saltus_message *message) {
-    const saltus_returns_wanted wanted = {1, longest, kept, near_return * s->extent, same_return, may_shrink};
-    saltus_status status = saltus_returns_new(s->system, &wanted, returns, message);
-    for (int t = 0; t < s->track_count && status == SALTUS_OK; t++) {
-        const saltus_track *track = &s->tracks[t];
-        saltus_returns_break(*returns);
-        for (long long k = 0; k < track->count; k++)
-            saltus_returns_add(*returns, track->points + k * s->n, track->numbers[k]);
-    }
-    return status;
-}
-
 saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltus_flow_options *flow,
                                         const saltus_track *tracks, int track_count, saltus_motion *motion,
                                         bool *found, saltus_message *message) {
@@ -282,9 +255,19 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
     s.tried = malloc((size_t)remembered * (size_t)s.n * sizeof *s.tried);
     saltus_status status = s.tried ? saltus_flow_single(system, 0, flow, &s.plain, message)
                                    : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for orbits");
-    s.extent = extent_of(&s);
+    for (int k = 0; k < probes; k++)
+        s.extent =
+            fmax(s.extent, saltus_system_distance(system, tracks->points + tracks->count * k / probes * s.n,
+                                                  tracks->points));
+    /* The close returns along all tracks over which tangent vectors have not grown much. */
+    const saltus_returns_wanted wanted = {1, longest, kept, near_return * s.extent, same_return, may_shrink};
     if (status == SALTUS_OK)
-        status = find_returns(&s, &returns, message);
+        status = saltus_returns_new(system, &wanted, &returns, message);
+    for (int t = 0; t < track_count && status == SALTUS_OK; t++) {
+        saltus_returns_break(returns);
+        for (long long k = 0; k < tracks[t].count; k++)
+            saltus_returns_add(returns, tracks[t].points + k * s.n, tracks[t].numbers[k]);
+    }
     for (int p = 1; p <= longest && status == SALTUS_OK && !*found; p++)
         status = try_period(&s, returns, p, motion, found, message);
     saltus_returns_free(returns);
