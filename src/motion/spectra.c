@@ -29,26 +29,33 @@ enum {
 static const double reach_of_lines = 32, reach_of_density = 16; /* times omega */
 static const double rounding = 1e-12, rest_rounding = 1e-8;     /* of the scale of a quantity */
 
+/* A first-order state, or a sum of positions or of velocities. */
+typedef struct observable {
+    bool velocity;
+    int entry; /* of the state; -1: a sum */
+    double weight[SALTUS_STATE_MAX];
+    double scale;
+} observable;
+
+/* What samples are taken with; nothing of it changes but what the flows are at. */
 typedef struct sampler {
     saltus_flow *flow, *probe; /* probe: of what the field was before an event */
-    double period;
-    int quantities, dof;
-    bool velocity[SALTUS_QUANTITIES_MAX];
-    int extra[SALTUS_QUANTITIES_MAX]; /* the first-order state that the quantity is, as an entry; -1: none */
-    double row[SALTUS_QUANTITIES_MAX][SALTUS_STATE_MAX]; /* times positions or velocities: the quantity */
-    double scale[SALTUS_QUANTITIES_MAX];
-    double *samples; /* quantities x (count, and as many of a velocity's primitive) */
-    long long count, next;
-    /* Each quantity less what it begins with, and the square of that, integrated over the steps until now. */
     gsl_integration_glfixed_table *table;
+    double period;
+    int dof, quantities;
+    observable quantity[SALTUS_QUANTITIES_MAX];
+} sampler;
+
+/* What has been sampled. */
+typedef struct recording {
+    int per_period;
+    long long count;
+    double *samples; /* quantities x (count, and as many of a velocity's primitive) */
+    saltus_list corners[SALTUS_QUANTITIES_MAX];
+    /* Each quantity less what it begins with, and the square of that, integrated over the steps until now. */
     double begin[SALTUS_QUANTITIES_MAX], time;
     saltus_sum integral[SALTUS_QUANTITIES_MAX], square[SALTUS_QUANTITIES_MAX];
-    long long steps;
-    saltus_corner *corners[SALTUS_QUANTITIES_MAX];
-    long long corner_count, corner_room;
-    int per_period;
-    bool anew;
-} sampler;
+} recording;
 
 saltus_status saltus_quantity_parse(const saltus_system *system, const char *word, saltus_quantity *quantity,
                                     saltus_message *message) {
@@ -87,215 +94,178 @@ void saltus_spectra_clear(saltus_spectra *spectra) {
 
 /* Sampling */
 
-static saltus_status open_sampler(sampler *self, const saltus_system *system,
+static saltus_status open_sampler(sampler *s, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
     const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
     const int dof = saltus_system_dof(system);
-    *self = (sampler){.quantities = options->quantity_count,
-                      .dof = dof,
-                      .period = saltus_system_period(system),
-                      .anew = options->anew};
-    for (int k = 0; k < self->quantities; k++) {
-        const saltus_quantity *quantity = &options->quantities[k];
-        self->velocity[k] = quantity->velocity;
-        self->extra[k] = quantity->coordinate > dof ? entry_of(system, *quantity) : -1;
-        if (self->extra[k] >= 0)
-            self->scale[k] = scale[self->extra[k]];
-        else if (quantity->coordinate > 0)
-            self->row[k][quantity->coordinate - 1] = 1;
+    *s = (sampler){.quantities = options->quantity_count, .dof = dof, .period = saltus_system_period(system)};
+    for (int k = 0; k < s->quantities; k++) {
+        const saltus_quantity *wanted = &options->quantities[k];
+        observable *quantity = &s->quantity[k];
+        quantity->velocity = wanted->velocity;
+        quantity->entry = wanted->coordinate > dof ? entry_of(system, *wanted) : -1;
+        if (quantity->entry >= 0)
+            quantity->scale = scale[quantity->entry];
+        else if (wanted->coordinate > 0)
+            quantity->weight[wanted->coordinate - 1] = 1;
         else
-            memcpy(self->row[k], observer, (size_t)dof * sizeof *self->row[k]);
+            memcpy(quantity->weight, observer, (size_t)dof * sizeof *observer);
         for (int i = 0; i < dof; i++)
-            self->scale[k] += fabs(self->row[k][i]) * scale[(quantity->velocity ? dof : 0) + i];
+            quantity->scale += fabs(quantity->weight[i]) * scale[(wanted->velocity ? dof : 0) + i];
     }
-    self->table = gsl_integration_glfixed_table_alloc(step_points);
-    saltus_status status = self->table ? saltus_flow_single(system, 0, &options->flow, &self->flow, message)
-                                       : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
-    return status == SALTUS_OK ? saltus_flow_single(system, 0, &options->flow, &self->probe, message)
-                               : status;
+    s->table = gsl_integration_glfixed_table_alloc(step_points);
+    saltus_status status = s->table ? saltus_flow_single(system, 0, &options->flow, &s->flow, message)
+                                    : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
+    return status == SALTUS_OK ? saltus_flow_single(system, 0, &options->flow, &s->probe, message) : status;
 }
 
-static void close_sampler(sampler *self) {
-    saltus_flow_free(self->flow);
-    saltus_flow_free(self->probe);
-    if (self->table)
-        gsl_integration_glfixed_table_free(self->table);
-    free(self->samples);
+static void close_sampler(sampler *s) {
+    saltus_flow_free(s->flow);
+    saltus_flow_free(s->probe);
+    if (s->table)
+        gsl_integration_glfixed_table_free(s->table);
+}
+
+static void clear_recording(recording *r) {
+    free(r->samples);
     for (int k = 0; k < SALTUS_QUANTITIES_MAX; k++)
-        free(self->corners[k]);
+        free(r->corners[k].items);
 }
 
 /* Quantity k of positions or velocities. */
-static double weigh(const sampler *self, int k, const double *numbers) {
+static double weigh(const sampler *s, int k, const double *numbers) {
     double value = 0;
-    for (int i = 0; i < self->dof; i++)
-        value += self->row[k][i] * numbers[i];
+    for (int i = 0; i < s->dof; i++)
+        value += s->quantity[k].weight[i] * numbers[i];
     return value;
 }
 
-static double quantity_of(const sampler *self, int k, const double *state) {
-    return self->extra[k] >= 0 ? state[self->extra[k]]
-                               : weigh(self, k, self->velocity[k] ? state + self->dof : state);
+static double quantity_of(const sampler *s, int k, const double *state) {
+    const observable *quantity = &s->quantity[k];
+    return quantity->entry >= 0 ? state[quantity->entry]
+                                : weigh(s, k, quantity->velocity ? state + s->dof : state);
 }
 
-static void take_sample(sampler *self, const double *state) {
-    for (int k = 0; k < self->quantities; k++) {
-        double *sample = self->samples + 2 * k * self->count + self->next;
-        *sample = quantity_of(self, k, state);
-        if (self->velocity[k])
-            sample[self->count] = weigh(self, k, state) / self->period;
+static void take_sample(const sampler *s, recording *r, long long number, const double *state) {
+    for (int k = 0; k < s->quantities; k++) {
+        double *sample = r->samples + 2 * k * r->count + number;
+        *sample = quantity_of(s, k, state);
+        if (s->quantity[k].velocity)
+            sample[r->count] = weigh(s, k, state) / s->period;
     }
 }
 
-/* The flow's last step, if there was one, adds to the integrals. Between events everything is smooth, so that
- * jumps do not matter to these as they do to samples. */
-static void integrate(sampler *self) {
-    const double length = saltus_flow_step_length(self->flow, 0);
-    const long long made = saltus_flow_information(self->flow, 0).steps;
-    if (made == self->steps)
-        return;
-    self->steps = made;
-    self->time += length;
+/* The flow's last step adds to the integrals. Between events everything is smooth, so that jumps do not
+ * matter to these as they do to samples. */
+static void integrate(const sampler *s, recording *r) {
+    const double length = saltus_flow_step_length(s->flow, 0);
+    r->time += length;
     for (size_t point = 0; point < step_points; point++) {
         double at, weight, state[SALTUS_STATE_MAX];
-        gsl_integration_glfixed_point(0, length, point, &at, &weight, self->table);
-        saltus_flow_dense(self->flow, 0, at, state);
-        for (int k = 0; k < self->quantities; k++) {
-            double value = quantity_of(self, k, state) - self->begin[k];
-            saltus_sum_add(&self->integral[k], weight * value);
-            saltus_sum_add(&self->square[k], weight * value * value);
+        gsl_integration_glfixed_point(0, length, point, &at, &weight, s->table);
+        saltus_flow_dense(s->flow, 0, at, state);
+        for (int k = 0; k < s->quantities; k++) {
+            double value = quantity_of(s, k, state) - r->begin[k];
+            saltus_sum_add(&r->integral[k], weight * value);
+            saltus_sum_add(&r->square[k], weight * value * value);
         }
     }
 }
 
-static double variance_of(const sampler *self, int k) {
-    double mean = (self->integral[k].value + self->integral[k].rest) / self->time;
-    return fmax((self->square[k].value + self->square[k].rest) / self->time - mean * mean, 0);
-}
-
-/* The samples in the flow's last step, up to sample `end`, which is not taken. */
-static void take_samples(sampler *self, long long end) {
-    double state[SALTUS_STATE_MAX];
-    for (; self->next < end; self->next++) {
-        saltus_time time = {self->next / self->per_period,
-                            (double)(self->next % self->per_period) / self->per_period};
-        int order = saltus_flow_state_at(self->flow, 0, time, state);
-        if (order > 0)
-            return;
-        take_sample(self, state);
-    }
-}
-
-static bool make_room_for_corner(sampler *self) {
-    if (self->corner_count < self->corner_room)
-        return true;
-    long long room = self->corner_room ? 2 * self->corner_room : 64;
-    for (int k = 0; k < self->quantities; k++) {
-        saltus_corner *larger = realloc(self->corners[k], (size_t)room * sizeof *larger);
-        if (!larger)
-            return false;
-        self->corners[k] = larger;
-    }
-    self->corner_room = room;
-    return true;
-}
-
 /* An event is a corner of every displacement: what velocities and accelerations gain at it, the contacts
  * before it given; and of every first-order state, whose rate gains. */
-static saltus_status take_corner(sampler *self, unsigned contacts, saltus_message *message) {
-    saltus_time now = saltus_flow_time(self->flow, 0);
+static saltus_status take_corner(const sampler *s, recording *r, unsigned contacts, saltus_message *message) {
+    const int dof = s->dof;
+    saltus_time now = saltus_flow_time(s->flow, 0);
     double before[SALTUS_STATE_MAX], after[SALTUS_STATE_MAX],
-        field[SALTUS_STATE_MAX] = {0}, gain[2][SALTUS_STATE_MAX], rate[SALTUS_STATE_MAX];
-    saltus_flow_state_at(self->flow, 0, now, before);
-    saltus_flow_state(self->flow, 0, after);
-    saltus_status status = saltus_flow_place(self->probe, 0, now, before, contacts, message);
-    if (status == SALTUS_OK && !make_room_for_corner(self))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the corners of a motion");
+        rate_before[SALTUS_STATE_MAX] = {0}, rate[SALTUS_STATE_MAX] = {0}, jump[SALTUS_STATE_MAX],
+        bend[SALTUS_STATE_MAX];
+    saltus_flow_state_at(s->flow, 0, now, before);
+    saltus_flow_state(s->flow, 0, after);
+    saltus_status status = saltus_flow_place(s->probe, 0, now, before, contacts, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_flow_field(self->probe, 0, field);
-    memcpy(rate, field, sizeof rate);
-    for (int i = 0; i < self->dof; i++) {
-        gain[0][i] = after[self->dof + i] - before[self->dof + i];
-        gain[1][i] = -field[self->dof + i];
+    saltus_flow_field(s->probe, 0, rate_before);
+    saltus_flow_field(s->flow, 0, rate);
+    for (int i = 0; i < dof; i++) {
+        jump[i] = after[dof + i] - before[dof + i];
+        bend[i] = rate[dof + i] - rate_before[dof + i];
     }
-    saltus_flow_field(self->flow, 0, field);
-    for (int i = 0; i < self->dof; i++)
-        gain[1][i] += field[self->dof + i];
-    for (int k = 0; k < self->quantities; k++) {
-        double unit = self->velocity[k] ? 1 : self->period;
-        self->corners[k][self->corner_count] =
-            (saltus_corner){.time = saltus_time_periods(now),
-                            .slope = unit * weigh(self, k, gain[0]),
-                            .bend = unit * self->period * weigh(self, k, gain[1])};
-        if (self->extra[k] >= 0)
-            self->corners[k][self->corner_count].slope =
-                self->period * (field[self->extra[k]] - rate[self->extra[k]]);
+    for (int k = 0; k < s->quantities; k++) {
+        const int entry = s->quantity[k].entry;
+        const double unit = s->quantity[k].velocity ? 1 : s->period;
+        saltus_corner *corner = saltus_list_add(&r->corners[k], sizeof *corner);
+        if (!corner)
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the corners of a motion");
+        *corner = (saltus_corner){.time = saltus_time_periods(now),
+                                  .slope = entry >= 0 ? s->period * (rate[entry] - rate_before[entry])
+                                                      : unit * weigh(s, k, jump),
+                                  .bend = unit * s->period * weigh(s, k, bend)};
     }
-    self->corner_count++;
     return SALTUS_OK;
 }
 
-/* Sample from a state at phase 0, from sample `next` to sample `end`. */
-static saltus_status run_stretch(sampler *self, const double *state, long long end, saltus_message *message) {
+/* Sample from a state at phase 0, from sample `next` until `end`, which is not taken. */
+static saltus_status sample_stretch(const sampler *s, recording *r, const double *state, long long next,
+                                    long long end, saltus_message *message) {
     enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
-    saltus_time start = {self->next / self->per_period, 0}, until = {end / self->per_period, 0};
+    const saltus_time start = {next / r->per_period, 0}, until = {end / r->per_period, 0};
     saltus_event event = {.kind = SALTUS_STEP};
-    saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
-    if (status == SALTUS_OK) {
-        double now[SALTUS_STATE_MAX];
-        saltus_flow_state(self->flow, 0, now);
-        for (int k = 0; k < self->quantities && self->next == 0; k++)
-            self->begin[k] = quantity_of(self, k, now);
-        self->steps = saltus_flow_information(self->flow, 0).steps;
-        take_sample(self, now);
-        self->next++;
-    }
-    while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
-        unsigned contacts = saltus_flow_contacts(self->flow, 0);
-        status = saltus_flow_advance(self->flow, until, watch, &event, message);
+    double now[SALTUS_STATE_MAX];
+    saltus_status status = saltus_flow_start(s->flow, 0, start, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_flow_state(s->flow, 0, now);
+    for (int k = 0; k < s->quantities && next == 0; k++)
+        r->begin[k] = quantity_of(s, k, now);
+    take_sample(s, r, next++, now);
+    long long steps = saltus_flow_information(s->flow, 0).steps;
+    while (event.kind != SALTUS_REACHED) {
+        const unsigned contacts = saltus_flow_contacts(s->flow, 0);
+        status = saltus_flow_advance(s->flow, until, watch, &event, message);
         if (status != SALTUS_OK)
-            break;
-        bool contact = 1u << event.kind & SALTUS_WATCH_CONTACT;
-        integrate(self);
-        take_samples(self, end);
-        if (contact)
-            status = take_corner(self, contacts, message);
+            return status;
+        if (saltus_flow_information(s->flow, 0).steps != steps)
+            integrate(s, r);
+        steps = saltus_flow_information(s->flow, 0).steps;
+        for (; next < end; next++) {
+            const saltus_time time = {next / r->per_period, (double)(next % r->per_period) / r->per_period};
+            if (saltus_flow_state_at(s->flow, 0, time, now) > 0)
+                break;
+            take_sample(s, r, next, now);
+        }
+        if (1u << event.kind & SALTUS_WATCH_CONTACT)
+            status = take_corner(s, r, contacts, message);
+        if (status != SALTUS_OK)
+            return status;
     }
-    return status;
+    return SALTUS_OK;
 }
 
-/* Sample `periods` forcing periods; `orbit` > 0: an orbit's length, for starting it anew. */
-static saltus_status sample(sampler *self, const double *state, long long periods, int orbit, int per_period,
-                            saltus_message *message) {
-    self->per_period = per_period;
-    self->count = periods * per_period;
-    self->next = 0;
-    self->time = 0;
-    memset(self->integral, 0, sizeof self->integral);
-    memset(self->square, 0, sizeof self->square);
-    free(self->samples);
-    self->corner_count = 0;
-    self->samples = calloc(2 * (size_t)self->quantities * (size_t)self->count, sizeof *self->samples);
-    if (!self->samples)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld samples", self->count);
-    long long stretch = self->anew && orbit > 0 ? (long long)orbit * per_period : self->count;
+/* Sample `periods` forcing periods, starting anew from the state after each `stretch` of them; the recording
+ * is to be cleared. */
+static saltus_status sample(const sampler *s, const double *state, long long periods, long long stretch,
+                            int per_period, recording *r, saltus_message *message) {
+    *r = (recording){.per_period = per_period, .count = periods * per_period};
+    r->samples = calloc(2 * (size_t)s->quantities * (size_t)r->count, sizeof *r->samples);
+    if (!r->samples)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld samples", r->count);
     saltus_status status = SALTUS_OK;
-    for (long long end = stretch; status == SALTUS_OK && end <= self->count; end += stretch)
-        status = run_stretch(self, state, end, message);
+    for (long long done = 0; status == SALTUS_OK && done + stretch <= periods; done += stretch)
+        status = sample_stretch(s, r, state, done * per_period, (done + stretch) * per_period, message);
     return status;
 }
 
-static saltus_signal signal_of(const sampler *self, int k, bool resting) {
-    const double *samples = self->samples + 2 * k * self->count;
+static saltus_signal signal_of(const sampler *s, const recording *r, int k, bool resting) {
+    const double *samples = r->samples + 2 * k * r->count, mean = saltus_sum_of(r->integral[k]) / r->time;
     return (saltus_signal){.samples = samples,
-                           .primitive = self->velocity[k] ? samples + self->count : NULL,
-                           .variance = variance_of(self, k),
-                           .corners = self->corners[k],
-                           .corner_count = self->corner_count,
-                           .count = self->count,
-                           .per_period = self->per_period,
-                           .rounding = self->scale[k] * (resting ? rest_rounding : rounding)};
+                           .primitive = s->quantity[k].velocity ? samples + r->count : NULL,
+                           .variance = fmax(saltus_sum_of(r->square[k]) / r->time - mean * mean, 0),
+                           .corners = r->corners[k].items,
+                           .corner_count = r->corners[k].count,
+                           .count = r->count,
+                           .per_period = r->per_period,
+                           .rounding = s->quantity[k].scale * (resting ? rest_rounding : rounding)};
 }
 
 /* How far the samples of a quantity, thinned out to `per_period`, can be trusted; INFINITY where nothing
@@ -313,26 +283,30 @@ static saltus_status trust(saltus_signal signal, double *samples, int per_period
 
 /* As few samples a period as make the spectra trustworthy up to the wanted frequency, from one orbit or a few
  * periods with many samples. */
-static saltus_status choose_samples(sampler *self, const double *state, int orbit,
+static saltus_status choose_samples(const sampler *s, const double *state, int orbit,
                                     const saltus_spectrum_options *options, int *per_period,
                                     saltus_message *message) {
+    const int periods = orbit ? orbit : pilot_periods;
     int most = orbit ? per_period_max : irregular_per_period_max;
     double reach = options->reach > 0 ? options->reach : orbit ? reach_of_lines : reach_of_density;
+    recording pilot;
     while (orbit && most > per_period_min && (long long)most * orbit > pilot_samples_max)
         most /= 2;
-    saltus_status status = sample(self, state, orbit ? orbit : pilot_periods, 0, most, message);
+    saltus_status status = sample(s, state, periods, periods, most, &pilot, message);
     *per_period =
-        orbit && self->corner_count > 0 && most > per_period_exact ? per_period_exact : per_period_min;
-    double *thinned = malloc(2 * (size_t)self->count * sizeof *thinned);
+        orbit && pilot.corners[0].count > 0 && most > per_period_exact ? per_period_exact : per_period_min;
+    double *thinned = malloc(2 * (size_t)pilot.count * sizeof *thinned);
     if (status == SALTUS_OK && !thinned)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
-    for (int k = 0; k < self->quantities && status == SALTUS_OK; k++)
+    for (int k = 0; k < s->quantities && status == SALTUS_OK; k++)
         for (double upto = 0; status == SALTUS_OK; *per_period *= 2) {
-            status = trust(signal_of(self, k, options->resting), thinned, *per_period, orbit, &upto, message);
+            status =
+                trust(signal_of(s, &pilot, k, options->resting), thinned, *per_period, orbit, &upto, message);
             if (status != SALTUS_OK || upto >= reach || *per_period == most)
                 break;
         }
     free(thinned);
+    clear_recording(&pilot);
     return status;
 }
 
@@ -390,26 +364,29 @@ saltus_status saltus_spectra_run(const saltus_system *system, const double *stat
     *spectra = (saltus_spectra){.count = options->quantity_count, .periods = periods};
     long long length = 0, segment = 0;
     int per_period = options->per_period;
-    sampler self = {.flow = NULL};
+    sampler with = {.flow = NULL};
+    recording record = {.samples = NULL};
     saltus_status status = check_options(system, periods, options, message);
     if (status == SALTUS_OK)
         status = plan_lengths(periods, options, &length, &segment, message);
     if (status == SALTUS_OK)
-        status = open_sampler(&self, system, options, message);
+        status = open_sampler(&with, system, options, message);
     if (status == SALTUS_OK && per_period == 0)
-        status = choose_samples(&self, state, segment ? 0 : periods, options, &per_period, message);
+        status = choose_samples(&with, state, segment ? 0 : periods, options, &per_period, message);
     while (options->per_period == 0 && per_period > per_period_min &&
            length > SALTUS_SAMPLES_MAX / per_period)
         per_period /= 2;
     if (status == SALTUS_OK)
-        status = sample(&self, state, length, periods, per_period, message);
-    for (int k = 0; k < self.quantities && status == SALTUS_OK; k++) {
-        saltus_signal signal = signal_of(&self, k, options->resting);
+        status = sample(&with, state, length, options->anew && periods > 0 ? periods : length, per_period,
+                        &record, message);
+    for (int k = 0; k < with.quantities && status == SALTUS_OK; k++) {
+        saltus_signal signal = signal_of(&with, &record, k, options->resting);
         saltus_spectrum *spectrum = &spectra->spectra[k];
         status = segment ? saltus_signal_welch(&signal, segment, options->confidence, spectrum, message)
                          : saltus_signal_orbits(&signal, periods, spectrum, message);
     }
-    close_sampler(&self);
+    clear_recording(&record);
+    close_sampler(&with);
     if (status != SALTUS_OK) {
         saltus_spectra_clear(spectra);
         return status;

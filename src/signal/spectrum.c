@@ -39,8 +39,8 @@ typedef struct parseval_sums {
 } parseval_sums;
 
 static double parseval_error(const parseval_sums *sums) {
-    double total = sums->in_time.value + sums->in_time.rest;
-    return total > 0 ? fabs(sums->in_bins.value + sums->in_bins.rest - total) / total : 0;
+    double total = saltus_sum_of(sums->in_time);
+    return total > 0 ? fabs(saltus_sum_of(sums->in_bins) - total) / total : 0;
 }
 
 static void transform_and_compare(saltus_transform *t, parseval_sums *sums) {
@@ -117,7 +117,7 @@ static void read_orbits(const saltus_transform *t, saltus_spectrum *s) {
             highest = fmax(highest, weight * modulus);
         }
     }
-    s->broadband = (off.value + off.rest) / s->variance;
+    s->broadband = saltus_sum_of(off) / s->variance;
     s->between = s->orbits == 1 ? NAN : highest > 0 ? between / highest : INFINITY;
     saltus_lines_rank(s->lines, s->line_count);
 }

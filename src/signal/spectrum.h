@@ -66,4 +66,8 @@ static inline void saltus_sum_add(saltus_sum *sum, double term) {
     sum->value = total;
 }
 
+static inline double saltus_sum_of(saltus_sum sum) {
+    return sum.value + sum.rest;
+}
+
 #endif

@@ -283,7 +283,7 @@ static double power_left(const finder *self) {
     saltus_sum sum = {0, 0};
     for (long long k = 0; k <= self->last; k++)
         saltus_sum_add(&sum, saltus_bin_weight(k, self->count) * power(self->left[k]));
-    return sum.value + sum.rest;
+    return saltus_sum_of(sum);
 }
 
 static saltus_status open_finder(finder *self, const saltus_signal *signal, double highest, int most,

@@ -4,12 +4,10 @@
 
 saltus_status saltus_transform_open(saltus_transform *t, long long count, saltus_message *message) {
     *t = (saltus_transform){.count = count, .bins = count / 2 + 1};
-    for (int pass = 0; pass < 2; pass++) {
+    do {
         t->input = saltus_arena_doubles(&t->arena, (size_t)count);
         t->output = (double complex *)(void *)saltus_arena_doubles(&t->arena, 2 * (size_t)t->bins);
-        if (pass == 0 && !saltus_arena_open(&t->arena))
-            break;
-    }
+    } while (saltus_arena_again(&t->arena));
     fftw_make_planner_thread_safe();
     if (t->arena.base)
         t->plan = fftw_plan_dft_r2c_1d((int)count, t->input, t->output, FFTW_ESTIMATE | FFTW_DESTROY_INPUT);
@@ -56,7 +54,7 @@ double saltus_signal_mean(const saltus_signal *signal) {
     saltus_sum sum = {0, 0};
     for (long long j = 0; j < signal->count; j++)
         saltus_sum_add(&sum, signal->samples[j]);
-    return (sum.value + sum.rest) / (double)signal->count;
+    return saltus_sum_of(sum) / (double)signal->count;
 }
 
 bool saltus_signal_moves(const saltus_signal *signal, double mean) {
@@ -75,7 +73,7 @@ double saltus_signal_variance(const saltus_signal *signal, double mean) {
         return signal->variance;
     for (long long j = 0; j < signal->count; j++)
         saltus_sum_add(&sum, (signal->samples[j] - mean) * (signal->samples[j] - mean));
-    return (sum.value + sum.rest) / (double)signal->count;
+    return saltus_sum_of(sum) / (double)signal->count;
 }
 
 saltus_signal saltus_signal_thinned(const saltus_signal *signal, int thinning, double *samples) {
