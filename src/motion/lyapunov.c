@@ -74,12 +74,6 @@ static bool all_lost(const saltus_ensemble *e) {
     return saltus_ensemble_lost(e) >= e->n;
 }
 
-static long long next_chunk(long long done, long long left) {
-    long long chunk = done / chunks_per_run;
-    chunk = chunk < shortest_chunk ? shortest_chunk : chunk > longest_chunk ? longest_chunk : chunk;
-    return chunk < left ? chunk : left;
-}
-
 /* As precise as asked for, by a run whose halves and trajectories agree to that precision. */
 static bool is_precise(const saltus_ensemble *e, const saltus_estimate *now, long long least) {
     double period = saltus_system_period(e->system), errors, apart = drift(e, &errors),
@@ -104,7 +98,10 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
     saltus_status status = SALTUS_OK;
     bool stopped = false;
     while (status == SALTUS_OK && !stopped && !l->precise) {
-        long long done = e->member[0].samples, chunk = next_chunk(done, (o->periods - spent) / each);
+        long long done = e->member[0].samples, left = (o->periods - spent) / each,
+                  chunk = done / chunks_per_run;
+        chunk = chunk < shortest_chunk ? shortest_chunk : chunk > longest_chunk ? longest_chunk : chunk;
+        chunk = chunk < left ? chunk : left;
         if (chunk < 1)
             break;
         status = saltus_ensemble_run(e, chunk, message);

@@ -18,7 +18,7 @@ typedef struct recorder {
     saltus_flow *flow;
     long long rows_room, events_room;
     long long next, last; /* sample to be taken next, last sample */
-    int per_period;
+    long long told;       /* the period that was told of last */
 } recorder;
 
 void saltus_trajectory_clear(saltus_trajectory *record) {
@@ -75,13 +75,14 @@ static bool add_row(recorder *self, double time, const double *state) {
 
 static void add_strobe(recorder *self, const double *state) {
     saltus_trajectory *r = self->record;
-    if (self->next % self->per_period == 0 && self->next < self->last)
+    if (self->next % self->plan->per_period == 0 && self->next < self->last)
         memcpy(r->strobe_states + r->strobes++ * r->dimension, state, (size_t)r->dimension * sizeof *state);
 }
 
 /* Time of sample k; the phase is a quotient, so no error builds up. */
 static saltus_time sample_time(const recorder *self, long long k) {
-    return (saltus_time){k / self->per_period, (double)(k % self->per_period) / self->per_period};
+    const int per_period = self->plan->per_period;
+    return (saltus_time){k / per_period, (double)(k % per_period) / per_period};
 }
 
 /* The samples that fall into the flow's last step. The end of the step is included unless there is an event.
@@ -137,18 +138,17 @@ static bool take_event(recorder *self, const saltus_event *event) {
 }
 
 /* Tell of a new period. */
-static void tell(const recorder *self, long long *told) {
+static void tell(recorder *self) {
     const saltus_trajectory_plan *plan = self->plan;
     long long cycle = saltus_flow_time(self->flow, 0).cycle;
-    if (cycle != *told)
+    if (cycle != self->told)
         saltus_progress_show(plan->progress, (double)(plan->transient + cycle),
                              (double)(plan->transient + plan->periods));
-    *told = cycle;
+    self->told = cycle;
 }
 
 /* From a state at the begin of a period to a later one, with samples and events. */
-static saltus_status record_stretch(recorder *self, long long until, long long *told,
-                                    saltus_message *message) {
+static saltus_status record_stretch(recorder *self, long long until, saltus_message *message) {
     enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
     saltus_event event = {.kind = SALTUS_STEP};
     const saltus_time end = {until, 0};
@@ -157,44 +157,35 @@ static saltus_status record_stretch(recorder *self, long long until, long long *
         saltus_status status = saltus_flow_advance(self->flow, end, watch, &event, message);
         if (status != SALTUS_OK)
             return status;
-        tell(self, told);
+        tell(self);
         bool contact = 1u << event.kind & SALTUS_WATCH_CONTACT;
         room = take_samples(self, contact) && (!contact || take_event(self, &event));
     }
     return room ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the record");
 }
 
-static saltus_status run_transient(recorder *self, const double *state, long long *told,
-                                   saltus_message *message) {
-    const saltus_time start = {-self->plan->transient, 0}, origin = {0, 0};
-    saltus_event event = {.kind = SALTUS_STEP};
-    saltus_status status = saltus_flow_start(self->flow, 0, start, state, message);
-    if (status != SALTUS_OK || self->plan->transient == 0)
-        return status;
-    unsigned watch = self->plan->progress.show ? SALTUS_WATCH_STEP : 0;
-    do {
-        status = saltus_flow_advance(self->flow, origin, watch, &event, message);
-        if (status == SALTUS_OK)
-            tell(self, told);
-    } while (status == SALTUS_OK && event.kind != SALTUS_REACHED);
-    return status;
-}
-
+/* All of it: along an orbit from point to point, otherwise after the transient. */
 static saltus_status run(recorder *self, const double *state, saltus_message *message) {
     const saltus_trajectory_plan *plan = self->plan;
-    long long told = LLONG_MIN;
-    if (!plan->orbit) {
-        saltus_status status = run_transient(self, state, &told, message);
-        return status == SALTUS_OK ? record_stretch(self, plan->periods, &told, message) : status;
-    }
     saltus_status status = SALTUS_OK;
-    for (long long k = 0; k < plan->periods && status == SALTUS_OK; k++) {
+    for (long long k = 0; plan->orbit && k < plan->periods && status == SALTUS_OK; k++) {
         const double *point = plan->points + (size_t)(k % plan->orbit) * (size_t)self->record->dimension;
         status = saltus_flow_start(self->flow, 0, (saltus_time){k, 0}, point, message);
         if (status == SALTUS_OK)
-            status = record_stretch(self, k + 1, &told, message);
+            status = record_stretch(self, k + 1, message);
     }
-    return status;
+    if (plan->orbit)
+        return status;
+    const saltus_time start = {-plan->transient, 0}, origin = {0, 0};
+    const unsigned watch = plan->progress.show ? SALTUS_WATCH_STEP : 0;
+    saltus_event event = {.kind = plan->transient ? SALTUS_STEP : SALTUS_REACHED};
+    status = saltus_flow_start(self->flow, 0, start, state, message);
+    while (status == SALTUS_OK && event.kind != SALTUS_REACHED) {
+        status = saltus_flow_advance(self->flow, origin, watch, &event, message);
+        if (status == SALTUS_OK)
+            tell(self);
+    }
+    return status == SALTUS_OK ? record_stretch(self, plan->periods, message) : status;
 }
 
 saltus_status saltus_trajectory_follow(const saltus_system *system, const double *state,
@@ -214,8 +205,8 @@ saltus_status saltus_trajectory_follow(const saltus_system *system, const double
     recorder self = {.record = record,
                      .system = system,
                      .plan = plan,
-                     .per_period = plan->per_period,
-                     .last = periods * plan->per_period};
+                     .last = periods * plan->per_period,
+                     .told = LLONG_MIN};
     saltus_status status = saltus_flow_single(system, 0, options, &self.flow, message);
     record->dimension = saltus_system_dimension(system);
     if (status == SALTUS_OK &&
