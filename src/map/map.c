@@ -30,14 +30,6 @@ saltus_section saltus_section_defaults(void) {
     return (saltus_section){.kind = SALTUS_SECTION_STROBOSCOPIC, .phase = 0, .iterate = 1, .patience = 1000};
 }
 
-static void reserve(saltus_map *map) {
-    size_t n = (size_t)map->n, columns = map->derivative ? n : 0;
-    map->start = saltus_arena_doubles(&map->arena, n);
-    map->finish = saltus_arena_doubles(&map->arena, n);
-    map->tangents = saltus_arena_doubles(&map->arena, columns * n);
-    map->delays = saltus_arena_doubles(&map->arena, columns);
-}
-
 static const double patience_max = 1e15;
 
 static saltus_status check_section(const saltus_section *section, saltus_message *message) {
@@ -71,16 +63,20 @@ saltus_status saltus_map_new(const saltus_system *system, const saltus_section *
     made->dimension = made->n + (section->kind != SALTUS_SECTION_STROBOSCOPIC);
     made->period = saltus_system_period(system);
     status = saltus_flow_single(system, derivative ? made->n : 0, options, &made->flow, message);
-    reserve(made);
-    if (status == SALTUS_OK && !saltus_arena_open(&made->arena))
+    const size_t n = (size_t)made->n, columns = derivative ? n : 0;
+    do {
+        made->start = saltus_arena_doubles(&made->arena, n);
+        made->finish = saltus_arena_doubles(&made->arena, n);
+        made->tangents = saltus_arena_doubles(&made->arena, columns * n);
+        made->delays = saltus_arena_doubles(&made->arena, columns);
+    } while (status == SALTUS_OK && saltus_arena_again(&made->arena));
+    if (status == SALTUS_OK && !made->arena.base)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the map");
-    if (status != SALTUS_OK) {
+    if (status == SALTUS_OK)
+        *map = made;
+    else
         saltus_map_free(made);
-        return status;
-    }
-    reserve(made);
-    *map = made;
-    return SALTUS_OK;
+    return status;
 }
 
 void saltus_map_free(saltus_map *map) {

@@ -114,11 +114,11 @@ saltus_status saltus_series_cloud_open(const saltus_series_points *points,
     if (!isfinite(largest))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "points and weights should be finite, and weights not negative");
-    size_t size = (size_t)points->count * (size_t)points->dimension;
-    cloud->x = saltus_arena_doubles(&cloud->arena, size);
-    if (!saltus_arena_open(&cloud->arena))
+    do
+        cloud->x = saltus_arena_doubles(&cloud->arena, (size_t)points->count * (size_t)points->dimension);
+    while (saltus_arena_again(&cloud->arena));
+    if (!cloud->x)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld points", points->count);
-    cloud->x = saltus_arena_doubles(&cloud->arena, size);
     if (largest > 0) {
         saltus_series_centre(points, largest, cloud->x);
         scale_to_unit(largest, options->resolution, cloud);

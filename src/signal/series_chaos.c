@@ -23,27 +23,6 @@ typedef struct walk {
     gsl_rng rng;
 } walk;
 
-static void reserve(walk *w, size_t frequencies) {
-    size_t count = (size_t)w->count;
-    w->value = saltus_arena_doubles(&w->arena, count);
-    w->p = saltus_arena_doubles(&w->arena, count);
-    w->q = saltus_arena_doubles(&w->arena, count);
-    w->steps = saltus_arena_doubles(&w->arena, w->used);
-    w->msd = saltus_arena_doubles(&w->arena, w->used);
-    w->rate = saltus_arena_doubles(&w->arena, frequencies);
-    w->rng = saltus_random_reserve(&w->arena);
-}
-
-static void take_steps(walk *w, double angle) {
-    double p = 0, q = 0;
-    for (long long k = 0; k < w->count; k++) {
-        p += w->value[k] * cos((double)(k + 1) * angle);
-        q += w->value[k] * sin((double)(k + 1) * angle);
-        w->p[k] = p;
-        w->q[k] = q;
-    }
-}
-
 /* Mean square displacement over n steps, from the same starting points for all n. Sums run side by side, so
  * that the compiler can use vector instructions. */
 static double displacement(const walk *w, long long n) {
@@ -64,26 +43,17 @@ static double displacement(const walk *w, long long n) {
 
 /* Correlation of the mean square displacement with the number of steps. */
 static double growth_rate(walk *w, double angle) {
-    take_steps(w, angle);
+    double p = 0, q = 0;
+    for (long long k = 0; k < w->count; k++) {
+        p += w->value[k] * cos((double)(k + 1) * angle);
+        q += w->value[k] * sin((double)(k + 1) * angle);
+        w->p[k] = p;
+        w->q[k] = q;
+    }
     for (size_t k = 0; k < w->used; k++)
         w->msd[k] = displacement(w, (long long)w->steps[k]);
     double rate = gsl_stats_correlation(w->steps, 1, w->msd, 1, w->used);
     return isfinite(rate) ? rate : 0;
-}
-
-static void run_test(walk *w, const saltus_series_options *options, saltus_series_chaos *chaos) {
-    size_t frequencies = (size_t)options->frequencies;
-    gsl_rng_set(&w->rng, options->seed);
-    for (size_t k = 0; k < w->used; k++)
-        w->steps[k] = (double)((long long)(k + 1) * w->stride);
-    for (size_t k = 0; k < frequencies; k++) {
-        double part = ((double)k + gsl_rng_uniform_pos(&w->rng)) / (double)frequencies;
-        w->rate[k] = growth_rate(w, M_PI / 5 + part * 3 * M_PI / 5);
-    }
-    gsl_sort(w->rate, 1, frequencies);
-    chaos->k = gsl_stats_median_from_sorted_data(w->rate, 1, frequencies);
-    chaos->lower = gsl_stats_quantile_from_sorted_data(w->rate, 1, frequencies, 0.25);
-    chaos->upper = gsl_stats_quantile_from_sorted_data(w->rate, 1, frequencies, 0.75);
 }
 
 saltus_status saltus_series_chaos_test(const double *series, long long count,
@@ -101,15 +71,33 @@ saltus_status saltus_series_chaos_test(const double *series, long long count,
     chaos->constant = !(high / largest - low / largest > options->resolution);
     if (chaos->constant)
         return SALTUS_OK;
+    const size_t frequencies = (size_t)options->frequencies;
     walk w = {.count = count, .longest = count / 10};
     w.stride = (w.longest + most_steps - 1) / most_steps;
     w.used = (size_t)(w.longest / w.stride);
-    reserve(&w, (size_t)options->frequencies);
-    if (!saltus_arena_open(&w.arena))
+    do {
+        w.value = saltus_arena_doubles(&w.arena, (size_t)count);
+        w.p = saltus_arena_doubles(&w.arena, (size_t)count);
+        w.q = saltus_arena_doubles(&w.arena, (size_t)count);
+        w.steps = saltus_arena_doubles(&w.arena, w.used);
+        w.msd = saltus_arena_doubles(&w.arena, w.used);
+        w.rate = saltus_arena_doubles(&w.arena, frequencies);
+        w.rng = saltus_random_reserve(&w.arena);
+    } while (saltus_arena_again(&w.arena));
+    if (!w.arena.base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the 0-1 test");
-    reserve(&w, (size_t)options->frequencies);
     saltus_series_centre(&values, largest, w.value);
-    run_test(&w, options, chaos);
+    gsl_rng_set(&w.rng, options->seed);
+    for (size_t k = 0; k < w.used; k++)
+        w.steps[k] = (double)((long long)(k + 1) * w.stride);
+    for (size_t k = 0; k < frequencies; k++) {
+        double part = ((double)k + gsl_rng_uniform_pos(&w.rng)) / (double)frequencies;
+        w.rate[k] = growth_rate(&w, M_PI / 5 + part * 3 * M_PI / 5);
+    }
+    gsl_sort(w.rate, 1, frequencies);
+    chaos->k = gsl_stats_median_from_sorted_data(w.rate, 1, frequencies);
+    chaos->lower = gsl_stats_quantile_from_sorted_data(w.rate, 1, frequencies, 0.25);
+    chaos->upper = gsl_stats_quantile_from_sorted_data(w.rate, 1, frequencies, 0.75);
     saltus_arena_close(&w.arena);
     return SALTUS_OK;
 }

@@ -31,17 +31,6 @@ typedef struct survey {
     long long coincident; /* points at the places, in all */
 } survey;
 
-static void reserve(survey *s) {
-    size_t n = (size_t)s->cloud->dimension, places = (size_t)s->places;
-    s->neighbour = (long long *)(void *)saltus_arena_doubles(&s->arena, places * many);
-    s->square = saltus_arena_doubles(&s->arena, many);
-    s->thin = saltus_arena_doubles(&s->arena, places);
-    s->thick = saltus_arena_doubles(&s->arena, places);
-    s->offset = saltus_arena_doubles(&s->arena, (many + 1) * n);
-    s->direction = saltus_arena_doubles(&s->arena, n);
-    s->image = saltus_arena_doubles(&s->arena, n);
-}
-
 /* Places spread over the series by the golden section, so that they have no period of their own. */
 static long long place_at(const survey *s, int k) {
     const double golden = 0.6180339887498949;
@@ -234,11 +223,19 @@ saltus_status saltus_series_closed_curve(const saltus_series_points *points,
         return status;
     if (cloud.unit > 0) {
         survey s = {.cloud = &cloud, .places = (int)(cloud.count < places_max ? cloud.count : places_max)};
-        reserve(&s);
-        if (saltus_arena_open(&s.arena)) {
-            reserve(&s);
+        const size_t n = (size_t)cloud.dimension, places = (size_t)s.places;
+        do {
+            s.neighbour = (long long *)(void *)saltus_arena_doubles(&s.arena, places * many);
+            s.square = saltus_arena_doubles(&s.arena, many);
+            s.thin = saltus_arena_doubles(&s.arena, places);
+            s.thick = saltus_arena_doubles(&s.arena, places);
+            s.offset = saltus_arena_doubles(&s.arena, (many + 1) * n);
+            s.direction = saltus_arena_doubles(&s.arena, n);
+            s.image = saltus_arena_doubles(&s.arena, n);
+        } while (saltus_arena_again(&s.arena));
+        if (s.arena.base)
             judge(&s, curve);
-        } else
+        else
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for neighbourhoods");
         saltus_arena_close(&s.arena);
     }

@@ -48,13 +48,6 @@ typedef struct range {
     double weight;               /* error by which ranges are compared */
 } range;
 
-static void reserve(tally *t) {
-    t->pairs = (long long *)(void *)saltus_arena_doubles(&t->arena, (size_t)blocks * blocks * bins);
-    t->radius = saltus_arena_doubles(&t->arena, edges);
-    t->count = saltus_arena_doubles(&t->arena, (size_t)replicates * edges);
-    t->rng = saltus_random_reserve(&t->arena);
-}
-
 static long long *tally_of(const tally *t, int a, int b) {
     return t->pairs + ((a < b ? a : b) * blocks + (a < b ? b : a)) * bins;
 }
@@ -299,11 +292,15 @@ saltus_status saltus_series_correlation_dimension(const saltus_series_points *po
     dimension->ceiling = 2 * log10((double)cloud.count);
     if (cloud.unit > 0) {
         tally t = {0};
-        reserve(&t);
-        if (saltus_arena_open(&t.arena)) {
-            reserve(&t);
+        do {
+            t.pairs = (long long *)(void *)saltus_arena_doubles(&t.arena, (size_t)blocks * blocks * bins);
+            t.radius = saltus_arena_doubles(&t.arena, edges);
+            t.count = saltus_arena_doubles(&t.arena, (size_t)replicates * edges);
+            t.rng = saltus_random_reserve(&t.arena);
+        } while (saltus_arena_again(&t.arena));
+        if (t.arena.base)
             status = judge(&cloud, options, &t, dimension, message);
-        } else
+        else
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the correlation dimension");
         saltus_arena_close(&t.arena);
     }
