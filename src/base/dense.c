@@ -118,12 +118,6 @@ void saltus_dense_resolve(saltus_dense_lu *lu, bool transposed, int count, doubl
             b[k * n + i] *= after[i];
 }
 
-/* What a call of LAPACKE returned, which allocates what LAPACK works in. */
-static saltus_status status_of(lapack_int info) {
-    bool memory = info == LAPACK_WORK_MEMORY_ERROR || info == LAPACK_TRANSPOSE_MEMORY_ERROR;
-    return info == 0 ? SALTUS_OK : memory ? SALTUS_NO_MEMORY : SALTUS_NO_CONVERGENCE;
-}
-
 /* Right singular vectors of a are the left ones of its transpose, which is what LAPACK sees. */
 saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values) {
     size_t size = (size_t)n;
@@ -131,14 +125,16 @@ saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *
     if (!left)
         return SALTUS_NO_MEMORY;
     double *singular = left + size * size, *rest = singular + size;
-    saltus_status status = status_of(
-        LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'A', 'N', n, m, a, n, singular, left, n, &unused, 1, rest));
-    for (int i = 0; i < k && status == SALTUS_OK; i++) {
+    /* It allocates what LAPACK works in. */
+    const lapack_int info =
+        LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'A', 'N', n, m, a, n, singular, left, n, &unused, 1, rest);
+    for (int i = 0; i < k && info == 0; i++) {
         values[i] = singular[n - 1 - i];
         memcpy(vectors + (size_t)i * size, left + (size_t)(n - 1 - i) * size, size * sizeof *vectors);
     }
     free(left);
-    return status;
+    const bool memory = info == LAPACK_WORK_MEMORY_ERROR || info == LAPACK_TRANSPOSE_MEMORY_ERROR;
+    return info == 0 ? SALTUS_OK : memory ? SALTUS_NO_MEMORY : SALTUS_NO_CONVERGENCE;
 }
 
 /* Rows [from, n) of a, from column `from` on, times I - tau v v^T; v = (1, ...) stands in `column` of v. */

@@ -43,6 +43,8 @@ static void shorten(saltus_message *message, const char *whole, size_t length) {
 __attribute__((format(printf, 3, 0))) static void fill(saltus_message *message, saltus_fault fault,
                                                        const char *format, va_list arguments) {
     va_list again;
+    if (!message)
+        return;
     va_copy(again, arguments);
     int length = vsnprintf(message->text, sizeof message->text, format, arguments);
     char *whole = length >= (int)sizeof message->text ? malloc((size_t)length + 1) : NULL;
@@ -60,8 +62,6 @@ __attribute__((format(printf, 3, 0))) static void fill(saltus_message *message, 
 
 saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...) {
     va_list arguments;
-    if (!message)
-        return status;
     va_start(arguments, format);
     fill(message, (saltus_fault){.key = NULL}, format, arguments);
     va_end(arguments);
@@ -71,8 +71,6 @@ saltus_status saltus_fail(saltus_message *message, saltus_status status, const c
 saltus_status saltus_fail_at(saltus_message *message, saltus_status status, saltus_fault fault,
                              const char *format, ...) {
     va_list arguments;
-    if (!message)
-        return status;
     va_start(arguments, format);
     fill(message, fault, format, arguments);
     va_end(arguments);
