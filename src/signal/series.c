@@ -3,6 +3,7 @@
 #include "signal/series.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 saltus_series_options saltus_series_defaults(void) {
     return (saltus_series_options){
@@ -62,8 +63,9 @@ void saltus_series_centre(const saltus_series_points *points, double largest, do
     }
 }
 
-/* The unit becomes twice the largest distance from the mean. */
-static void scale_to_unit(double largest, double resolution, saltus_series_cloud *cloud) {
+/* The unit becomes twice the largest distance from the mean; returns the root mean square distance of two
+ * points in it. */
+static double scale_to_unit(double largest, double resolution, saltus_series_cloud *cloud) {
     double farthest = 0, squares = 0;
     for (long long i = 0; i < cloud->count; i++) {
         double square = 0;
@@ -73,23 +75,21 @@ static void scale_to_unit(double largest, double resolution, saltus_series_cloud
         squares += square / (double)cloud->count;
     }
     double unit = 2 * sqrt(farthest);
-    if (!(unit > resolution)) {
-        cloud->unit = 0;
-        return;
-    }
+    if (!(unit > resolution))
+        return 0;
     for (long long i = 0; i < cloud->count * cloud->dimension; i++)
         cloud->x[i] /= unit;
     cloud->unit = unit * largest;
     cloud->resolution = resolution / unit;
-    cloud->spread = sqrt(2 * squares) / unit;
+    return sqrt(2 * squares) / unit;
 }
 
 /* Three times the first lag at which the autocorrelation is down to 1/e: at that lag itself points are still
  * neighbours because they are close in time. */
-static long long chosen_window(const saltus_series_cloud *cloud) {
+static long long chosen_window(const saltus_series_cloud *cloud, double spread) {
     long long most = cloud->count / 10, lag = 1;
     int n = cloud->dimension;
-    double limit = exp(-1.0) * 0.5 * cloud->spread * cloud->spread;
+    double limit = exp(-1.0) * 0.5 * spread * spread;
     for (; 3 * lag < most; lag++) {
         double sum = 0;
         for (long long k = 0; k < (cloud->count - lag) * n; k++)
@@ -114,15 +114,16 @@ saltus_status saltus_series_cloud_open(const saltus_series_points *points,
     if (!isfinite(largest))
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "points and weights should be finite, and weights not negative");
-    do
-        cloud->x = saltus_arena_doubles(&cloud->arena, (size_t)points->count * (size_t)points->dimension);
-    while (saltus_arena_again(&cloud->arena));
+    cloud->x = calloc((size_t)points->count * (size_t)points->dimension, sizeof *cloud->x);
     if (!cloud->x)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %lld points", points->count);
+    double spread = 0;
     if (largest > 0) {
         saltus_series_centre(points, largest, cloud->x);
-        scale_to_unit(largest, options->resolution, cloud);
+        spread = scale_to_unit(largest, options->resolution, cloud);
     }
-    cloud->window = options->window >= 0 ? options->window : cloud->unit > 0 ? chosen_window(cloud) : 0;
+    cloud->window = options->window >= 0 ? options->window
+                    : cloud->unit > 0    ? chosen_window(cloud, spread)
+                                         : 0;
     return SALTUS_OK;
 }

@@ -8,17 +8,15 @@
 
 /* Weighted and centred points, in units in which none is farther from the mean than 1/2. */
 typedef struct saltus_series_cloud {
-    saltus_arena arena;
     double *x; /* count x dimension */
     long long count;
     int dimension;
     double unit;       /* weighted length of 1; 0: all points coincide */
     double resolution; /* distances up to this are none */
-    double spread;     /* root mean square distance of two points */
     long long window;
 } saltus_series_cloud;
 
-/* Errors: those of the calls on points. On success its arena is to be closed. */
+/* Errors: those of the calls on points. On success `x` is to be freed. */
 saltus_status saltus_series_cloud_open(const saltus_series_points *points,
                                        const saltus_series_options *options, saltus_series_cloud *cloud,
                                        saltus_message *message);

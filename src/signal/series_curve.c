@@ -7,6 +7,7 @@
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -239,6 +240,6 @@ saltus_status saltus_series_closed_curve(const saltus_series_points *points,
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for neighbourhoods");
         saltus_arena_close(&s.arena);
     }
-    saltus_arena_close(&cloud.arena);
+    free(cloud.x);
     return status;
 }

@@ -9,6 +9,7 @@
 #include <gsl/gsl_math.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -304,6 +305,6 @@ saltus_status saltus_series_correlation_dimension(const saltus_series_points *po
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the correlation dimension");
         saltus_arena_close(&t.arena);
     }
-    saltus_arena_close(&cloud.arena);
+    free(cloud.x);
     return status;
 }

@@ -45,7 +45,6 @@ typedef struct finder {
     long long count, bins, last; /* last: bin up to which lines are sought */
     peak *peaks;
     int peak_count, most;
-    long long *candidates;
     unsigned char *tried;    /* bins near a line found, even if it was put back */
     double *level;           /* of the continuum, per block */
     double threshold, total; /* least power of a peak over the level; all power */
@@ -180,7 +179,7 @@ static void mark_tried(finder *self, long long place) {
 /* Make lines of the peaks of what is left; returns their number. Of two that are too near to each other the
  * stronger one stays. */
 static int admit(finder *self) {
-    int found = 0, before = self->peak_count;
+    const int before = self->peak_count;
     double strongest = 0;
     find_levels(self);
     for (long long k = 1; k <= self->last; k++)
@@ -192,17 +191,17 @@ static int admit(finder *self) {
     for (long long k = 1; k <= self->last; k++) {
         if (!stands_out(self, k) || power(self->left[k]) < above)
             continue;
-        bool near = found > 0 && k - self->candidates[found - 1] < apart;
-        if (near && power(self->left[k]) > power(self->left[self->candidates[found - 1]]))
-            self->candidates[found - 1] = k;
-        else if (!near && before + found < self->most)
-            self->candidates[found++] = k;
+        peak *lower = &self->peaks[self->peak_count - 1];
+        const long long place = (long long)lower->place;
+        const bool near = self->peak_count > before && k - place < apart;
+        if (near && power(self->left[k]) > power(self->left[place]))
+            lower->place = (double)k;
+        else if (!near && self->peak_count < self->most)
+            self->peaks[self->peak_count++] = (peak){.place = (double)k};
     }
-    for (int c = 0; c < found; c++) {
-        self->peaks[self->peak_count++] = (peak){.place = (double)self->candidates[c]};
-        mark_tried(self, self->candidates[c]);
-    }
-    return found;
+    for (int c = before; c < self->peak_count; c++)
+        mark_tried(self, (long long)self->peaks[c].place);
+    return self->peak_count - before;
 }
 
 static void relax(finder *self, int sweeps) {
@@ -299,11 +298,10 @@ static saltus_status open_finder(finder *self, const saltus_signal *signal, doub
     self->most = most + 1;
     self->threshold = log((double)self->bins / false_alarm) / -log1p(-quantile);
     self->peaks = malloc((size_t)self->most * sizeof *self->peaks);
-    self->candidates = malloc((size_t)self->most * sizeof *self->candidates);
     self->tried = calloc((size_t)self->bins, 1);
     self->level = malloc((size_t)(self->bins / block + 1) * sizeof *self->level);
     self->left = malloc((size_t)self->bins * sizeof *self->left);
-    return self->peaks && self->candidates && self->tried && self->level && self->left
+    return self->peaks && self->tried && self->level && self->left
                ? SALTUS_OK
                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory to look for lines");
 }
@@ -311,7 +309,6 @@ static saltus_status open_finder(finder *self, const saltus_signal *signal, doub
 static void close_finder(finder *self) {
     free(self->left);
     free(self->peaks);
-    free(self->candidates);
     free(self->tried);
     free(self->level);
     saltus_transform_close(&self->transform);

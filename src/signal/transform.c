@@ -34,16 +34,14 @@ saltus_status saltus_signal_check(const saltus_signal *signal, saltus_message *m
     if (signal->per_period < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d samples per period: must be at least 1",
                            signal->per_period);
-    for (long long j = 0; j < signal->count; j++)
-        if (!(fabs(signal->samples[j]) < 1e100))
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "sample %lld of the signal is %g: must be finite and below 1e100", j,
-                               signal->samples[j]);
-    for (long long j = 0; signal->primitive && j < signal->count; j++)
-        if (!(fabs(signal->primitive[j]) < 1e100))
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "sample %lld of the signal's primitive is %g: must be finite and below 1e100",
-                               j, signal->primitive[j]);
+    for (int primitive = 0; primitive < 2; primitive++) {
+        const double *values = primitive ? signal->primitive : signal->samples;
+        for (long long j = 0; values && j < signal->count; j++)
+            if (!(fabs(values[j]) < 1e100))
+                return saltus_fail(message, SALTUS_BAD_INPUT,
+                                   "sample %lld of the signal%s is %g: must be finite and below 1e100", j,
+                                   primitive ? "'s primitive" : "", values[j]);
+    }
     return SALTUS_OK;
 }
 
