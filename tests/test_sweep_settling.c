@@ -137,7 +137,7 @@ static void a_free_motions_exponent_is_its_decay(void **unused) {
 static int period_of_points(const saltus_system *system, long long impacts, long long contacts, bool *doubt) {
     saltus_settling settling;
     long long impacts_so_far = 0, contacts_so_far = 0;
-    assert_true(saltus_settling_open(&settling, 2, saltus_sweep_defaults().longest, 1e-9));
+    assert_true(saltus_settling_open(&settling, 2, saltus_sweep_defaults().longest));
     saltus_settling_reset(&settling, system);
     for (int k = 0; k < 200; k++) {
         double away = 1e-3 * pow(0.5, k);
@@ -176,7 +176,7 @@ typedef struct series {
 
 static series open_series(const saltus_system *system) {
     series s = {.scale = saltus_system_scale(system)};
-    assert_true(saltus_settling_open(&s.settling, 2, saltus_sweep_defaults().longest, 1e-9));
+    assert_true(saltus_settling_open(&s.settling, 2, saltus_sweep_defaults().longest));
     saltus_settling_reset(&s.settling, system);
     return s;
 }

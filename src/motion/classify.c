@@ -24,35 +24,6 @@ static void take(saltus_motion *motion, saltus_motion *found) {
     motion->transient += before;
 }
 
-/* Every difference dies in lasting contacts: look for the period from one to the same one, or say what keeps
- * it from being known. */
-static saltus_status find_contact(saltus_search *s, saltus_motion *motion, saltus_message *message) {
-    saltus_motion found = {0};
-    long long periods;
-    bool rounding;
-    saltus_status status = saltus_motion_find_contact(s->system, s->options, motion->state, &found, &periods,
-                                                      &rounding, message);
-    if (status == SALTUS_OK && rounding)
-        snprintf(motion->reason, sizeof motion->reason,
-                 "superstable: every difference dies in a lasting contact, to which this run returns after "
-                 "%lld periods; in between neighbours separate so far that another tolerance gives another "
-                 "time: rounding decides the period",
-                 periods);
-    else if (status == SALTUS_OK && periods < 0)
-        snprintf(
-            motion->reason, sizeof motion->reason,
-            "superstable: every difference dies in a lasting contact, but so seldom that no other one comes "
-            "within %lld periods (ten times --transient)",
-            10 * s->options->transient);
-    else if (status == SALTUS_OK && !periods)
-        snprintf(motion->reason, sizeof motion->reason,
-                 "superstable: every difference dies in a lasting contact, but the motion does not return to "
-                 "the same one within %lld periods (ten times --transient)",
-                 10 * s->options->transient);
-    take(motion, &found);
-    return status;
-}
-
 /* Nothing irregular goes on in the motion: look for longer periods than were asked for. */
 static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     saltus_classify_options options = *s->options;
@@ -69,8 +40,12 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
         status = saltus_motion_find_period(s->system, motion->state, &options, true, &found, message);
     }
     take(motion, &found);
-    if (status == SALTUS_OK && forced && motion->lyapunov == -INFINITY && motion->verdict == SALTUS_UNDECIDED)
-        status = find_contact(s, motion, message);
+    if (status != SALTUS_OK || !forced || motion->lyapunov != -INFINITY ||
+        motion->verdict != SALTUS_UNDECIDED)
+        return status;
+    /* Every difference dies in lasting contacts. */
+    status = saltus_motion_find_contact(s->system, s->options, motion, &found, message);
+    take(motion, &found);
     return status;
 }
 

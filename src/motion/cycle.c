@@ -22,7 +22,7 @@ saltus_status saltus_motion_cycle(const saltus_system *system, const double *gue
     if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     if (status == SALTUS_OK)
-        status = saltus_motion_take(clocked, flow, &orbit, &lap, options, motion, message);
+        status = saltus_motion_take(clocked, flow, &orbit, &lap, motion, message);
     saltus_flow_free(flow);
     saltus_system_free(clocked);
     saltus_orbit_clear(&orbit);

@@ -36,21 +36,15 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
 }
 
 /* Forces of the contacts that hold at the motion's state. */
-static saltus_status measure_forces(const saltus_system *system, const saltus_classify_options *options,
-                                    saltus_motion *motion, saltus_message *message) {
-    saltus_flow *flow = NULL;
-    saltus_status status = saltus_flow_single(system, 0, &options->flow, &flow, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
+static saltus_status measure_forces(saltus_flow *flow, saltus_motion *motion, saltus_message *message) {
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, motion->state, message);
     if (status == SALTUS_OK)
         saltus_flow_forces(flow, 0, motion->contact_force);
-    saltus_flow_free(flow);
     return status;
 }
 
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
-                                 saltus_lap *lap, const saltus_classify_options *options,
-                                 saltus_motion *motion, saltus_message *message) {
+                                 saltus_lap *lap, saltus_motion *motion, saltus_message *message) {
     const bool cycle = orbit->trivial != 0; /* its period is its own, not the forcing's */
     size_t n = (size_t)orbit->dimension;
     motion->periods = lap->periods;
@@ -87,7 +81,7 @@ saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow,
     *lap = (saltus_lap){0};
     saltus_status status = SALTUS_OK;
     if (motion->verdict == SALTUS_HELD)
-        status = measure_forces(system, options, motion, message);
+        status = measure_forces(flow, motion, message);
     if (status == SALTUS_OK)
         status = find_mirror(system, flow, cycle, motion, message);
     if (cycle)
@@ -113,8 +107,8 @@ saltus_status saltus_motion_describe(const saltus_system *system, const saltus_o
     if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the orbit");
     if (status == SALTUS_OK)
-        status = saltus_motion_take(system, flow, least < orbit->periods ? &shorter : orbit, &lap, options,
-                                    motion, message);
+        status = saltus_motion_take(system, flow, least < orbit->periods ? &shorter : orbit, &lap, motion,
+                                    message);
     saltus_orbit_clear(&shorter);
     saltus_lap_close(&lap);
     saltus_flow_free(flow);
@@ -124,7 +118,8 @@ saltus_status saltus_motion_describe(const saltus_system *system, const saltus_o
 }
 
 saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
-                                   const saltus_classify_options *options, saltus_motion *motion) {
+                                   const saltus_classify_options *options, saltus_motion *motion,
+                                   saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     saltus_orbit orbit = {0};
     *motion = (saltus_motion){0};
@@ -132,10 +127,8 @@ saltus_status saltus_motion_polish(const saltus_system *system, int periods, con
     if (status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.multiplier_count) &&
         saltus_system_distance(system, orbit.state, state) < near)
         status = saltus_motion_describe(system, &orbit, options, motion, NULL);
-    else if (status == SALTUS_OK)
-        status = SALTUS_NO_CONVERGENCE;
     saltus_orbit_clear(&orbit);
-    return status;
+    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for an orbit") : SALTUS_OK;
 }
 
 saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flow_options *options,
@@ -188,8 +181,7 @@ static saltus_status polish_rest(const saltus_system *system, unsigned contacts,
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
-saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
-                                 const saltus_classify_options *options, saltus_motion *motion,
+saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                  saltus_message *message) {
     bool shift, rests = motion->verdict != SALTUS_UNDECIDED,
                 symmetric = saltus_system_mirror_symmetric(system, &shift);
@@ -203,7 +195,7 @@ saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
     if (symmetric)
         motion->mirror = !rests ? SALTUS_MIRROR_OPEN : upright ? SALTUS_MIRROR_SELF : SALTUS_MIRROR_PAIR;
     if (status == SALTUS_OK && motion->verdict == SALTUS_HELD)
-        status = measure_forces(system, options, motion, message);
+        status = measure_forces(flow, motion, message);
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
     return status;
 }

@@ -16,6 +16,7 @@
 #include "orbit/volume.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,9 +73,7 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
                                         const double *state, saltus_motion *found, saltus_message *message) {
     int periods[tries];
     double end[SALTUS_STATE_MAX], impacts = 0;
-    saltus_classify_options how = *options;
     *found = (saltus_motion){0};
-    how.progress.show = NULL;
     memcpy(end, state, (size_t)saltus_system_dimension(system) * sizeof *end);
     saltus_status status = find_returns(system, options, end, periods, &impacts, message);
     for (int k = 0; k < tries && periods[k] && status == SALTUS_OK; k++) {
@@ -82,17 +81,14 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
             continue;
         saltus_fixed_point orbit;
         status = saltus_fixed_point_open(&orbit, system, periods[k], &options->flow, message);
-        const bool near = status == SALTUS_OK && saltus_fixed_point_find(&orbit, end, few_steps, near_return);
-        const saltus_status polished =
-            near ? saltus_motion_polish(system, periods[k], orbit.state, near_return, &how, found)
-                 : SALTUS_NO_CONVERGENCE;
+        if (status == SALTUS_OK && saltus_fixed_point_find(&orbit, end, few_steps, near_return))
+            status =
+                saltus_motion_polish(system, periods[k], orbit.state, near_return, options, found, message);
         saltus_fixed_point_close(&orbit);
-        if (polished == SALTUS_OK) {
+        if (saltus_verdict_settled(found->verdict)) {
             found->transient = followed;
-            return SALTUS_OK;
+            break;
         }
-        if (polished == SALTUS_NO_MEMORY)
-            status = saltus_fail(message, polished, "no memory for an orbit");
     }
     return status;
 }
@@ -160,29 +156,36 @@ static saltus_status return_to_contact(const saltus_system *system, const saltus
 }
 
 saltus_status saltus_motion_find_contact(const saltus_system *system, const saltus_classify_options *options,
-                                         const double *state, saltus_motion *found, long long *periods,
-                                         bool *rounding, saltus_message *message) {
+                                         saltus_motion *motion, saltus_motion *found,
+                                         saltus_message *message) {
     const long long patient = patience * options->transient;
-    saltus_classify_options how = *options;
     saltus_flow_options other = options->flow;
     contact begin, again;
-    long long with_other = 0;
+    long long periods, with_other = 0;
     *found = (saltus_motion){0};
-    *rounding = false;
-    how.progress.show = NULL;
     other.rtol *= 4;
     saltus_status status =
-        return_to_contact(system, &options->flow, state, patient, &begin, periods, message);
-    if (status != SALTUS_OK || *periods <= 0)
+        return_to_contact(system, &options->flow, motion->state, patient, &begin, &periods, message);
+    if (status == SALTUS_OK && periods <= 0)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "superstable: every difference dies in a lasting contact, but %s within %lld periods (ten "
+                 "times --transient)",
+                 periods < 0 ? "so seldom that no other one comes"
+                             : "the motion does not return to the same one",
+                 patient);
+    if (status != SALTUS_OK || periods <= 0)
         return status;
-    status = return_to_contact(system, &other, begin.section, 2 * *periods, &again, &with_other, message);
-    *rounding = with_other != *periods;
-    if (status != SALTUS_OK || *rounding || *periods > patient)
-        return status;
-    saltus_status polished =
-        saltus_motion_polish(system, (int)*periods, begin.section, near_return, &how, found);
-    return polished == SALTUS_NO_MEMORY ? saltus_fail(message, polished, "no memory for an orbit")
-                                        : SALTUS_OK;
+    status = return_to_contact(system, &other, begin.section, 2 * periods, &again, &with_other, message);
+    if (status == SALTUS_OK && with_other != periods)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "superstable: every difference dies in a lasting contact, to which this run returns after "
+                 "%lld periods; in between neighbours separate so far that another tolerance gives another "
+                 "time: rounding decides the period",
+                 periods);
+    else if (status == SALTUS_OK && periods <= patient)
+        status =
+            saltus_motion_polish(system, (int)periods, begin.section, near_return, options, found, message);
+    return status;
 }
 
 /* The first contact of these in several trajectories: in which one, and the section point after it, when and

@@ -37,18 +37,18 @@ saltus_status saltus_motion_find_period(const saltus_system *system, const doubl
 
 /* An undecided motion with room for a state; false if there is no memory. */
 bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *flow, saltus_motion *motion);
-/* Fill an open motion with what is said of a periodic orbit; the lap around it becomes the motion's. */
+/* Fill an open motion with what is said of a periodic orbit; the lap around it becomes the motion's. `flow`,
+ * without columns, is that of the lap. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
-                                 saltus_lap *lap, const saltus_classify_options *options,
-                                 saltus_motion *motion, saltus_message *message);
-/* The stable orbit that Newton's method finds from a state which closes after about `periods`, described. The
- * motion is to be cleared. Errors: SALTUS_NO_CONVERGENCE where there is none within `near`, relative to the
- * system's scales; those of the flow, SALTUS_NO_MEMORY. */
+                                 saltus_lap *lap, saltus_motion *motion, saltus_message *message);
+/* The stable orbit that Newton's method finds from a state which closes after about `periods`, described; its
+ * verdict stays SALTUS_PENDING where there is none within `near`, relative to the system's scales. The motion
+ * is to be cleared. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
-                                   const saltus_classify_options *options, saltus_motion *motion);
+                                   const saltus_classify_options *options, saltus_motion *motion,
+                                   saltus_message *message);
 /* Fill an open motion that has no orbit, whose verdict is known, from the flow's present state. */
-saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow,
-                                 const saltus_classify_options *options, saltus_motion *motion,
+saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                  saltus_message *message);
 
 /* verdict.c: whether two motions are the same attractor. */
@@ -127,13 +127,12 @@ saltus_status saltus_motion_cycle_after(const saltus_system *system, double peri
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_find_locked(const saltus_system *system, const saltus_classify_options *options,
                                         const double *state, saltus_motion *found, saltus_message *message);
-/* The same of a motion whose contacts wipe out all differences: the periods from one to the next one that is
- * the same, 0 where this takes longer than ten times options->transient, -1 where no other one comes within
- * these. *rounding: a run with another tolerance returns after another time, and there is no telling which is
- * right. */
+/* The same of a motion whose contacts wipe out all differences, from one of them to the next one that is the
+ * same, which is sought for ten times options->transient. Where the period stays unknown, the motion's reason
+ * says why: there is no telling it where a run with another tolerance returns after another time. */
 saltus_status saltus_motion_find_contact(const saltus_system *system, const saltus_classify_options *options,
-                                         const double *state, saltus_motion *found, long long *periods,
-                                         bool *rounding, saltus_message *message);
+                                         saltus_motion *motion, saltus_motion *found,
+                                         saltus_message *message);
 /* For how many periods a motion that looks chaotic, and of which so many have been measured, is watched for a
  * contact that wipes out all differences; 0 where no contact can do so. */
 long long saltus_contact_watch(const saltus_system *system, long long measured);

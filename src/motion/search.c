@@ -77,7 +77,7 @@ static double distance_from_orbit(const saltus_search *s) {
 static saltus_status confirm(saltus_search *s, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };
     const saltus_orbit *orbit = &s->orbit;
-    double start = distance_from_orbit(s);
+    const double start = distance_from_orbit(s), near = fmax(1e-9, 1e4 * s->options->flow.rtol);
     /* So many of the trajectory's periods are about one of the orbit. */
     int periods = s->clocked ? (int)ceil(saltus_system_period(s->clocked) / saltus_system_period(s->system))
                              : orbit->periods;
@@ -90,9 +90,9 @@ static saltus_status confirm(saltus_search *s, saltus_message *message) {
         }
         double now = distance_from_orbit(s);
         double predicted = exp((c + 1) * orbit->multipliers[0].log_modulus);
-        s->found = now < s->settling.near || (c > 2 && now < 0.2 * start) ||
+        s->found = now < near || (c > 2 && now < 0.2 * start) ||
                    (c >= patient_cycles && now <= start * (1 - 0.5 * (1 - predicted)));
-        if (now > 10 * start + s->settling.near)
+        if (now > 10 * start + near)
             break;
     }
     return SALTUS_OK;
@@ -102,14 +102,13 @@ saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_m
                                  saltus_message *message) {
     const saltus_flow_options *options = &s->options->flow;
     const int n = saltus_system_dimension(s->system), longest = s->options->longest;
-    const double close = fmax(1e-9, 1e4 * options->rtol);
     s->lap.keeps_events = true;
     saltus_status status = saltus_flow_single(s->system, 0, options, &s->flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_single(s->system, 0, options, &s->beside, message);
     if (status == SALTUS_OK &&
-        !(saltus_settling_open(&s->settling, n, longest, close) &&
-          (saltus_system_forced(s->system) || saltus_visits_open(&s->visits, n, longest, close))))
+        !(saltus_settling_open(&s->settling, n, longest) &&
+          (saltus_system_forced(s->system) || saltus_visits_open(&s->visits, n, longest))))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK) {
         saltus_settling_reset(&s->settling, s->system);
@@ -253,7 +252,7 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
 saltus_status saltus_search_conclude(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     if (s->found)
         return saltus_motion_take(s->clocked ? s->clocked : s->system, s->clocked ? s->around : s->beside,
-                                  &s->orbit, &s->lap, s->options, motion, message);
+                                  &s->orbit, &s->lap, motion, message);
     if (motion->verdict == SALTUS_UNDECIDED) {
         char recurrence[64] = "";
         double closest = saltus_settling_closest(&s->settling);
@@ -265,7 +264,7 @@ saltus_status saltus_search_conclude(saltus_search *s, saltus_motion *motion, sa
                  "Lyapunov exponent would decide",
                  s->options->longest, s->settling.count, s->stopped ? " (stopped)" : "", recurrence);
     }
-    return saltus_motion_rest(s->system, s->flow, s->options, motion, message);
+    return saltus_motion_rest(s->system, s->flow, motion, message);
 }
 
 saltus_status saltus_motion_find_period(const saltus_system *system, const double *state,

@@ -27,9 +27,9 @@ static const double worth_a_look = 200; /* ... so that a recurrence leaves more 
 static const double least_turn = 1e-6;  /* squared sine of the angle between recurrences that turn */
 static const double at_rest = 1e-9;
 
-bool saltus_settling_open(saltus_settling *s, int dimension, int longest, double near) {
+bool saltus_settling_open(saltus_settling *s, int dimension, int longest) {
     int size = 4 * longest + 8;
-    *s = (saltus_settling){.n = dimension, .longest = longest, .size = size, .near = near};
+    *s = (saltus_settling){.n = dimension, .longest = longest, .size = size};
     s->points = calloc((size_t)size * (size_t)dimension, sizeof *s->points);
     s->weight = calloc((size_t)dimension, sizeof *s->weight);
     s->impacts = calloc((size_t)size, sizeof *s->impacts);

@@ -7,7 +7,6 @@
 
 typedef struct saltus_settling {
     int n, longest, size;
-    double near;                  /* remaining distance from the orbit that is small enough */
     long long count;              /* points seen */
     double *points;               /* the last `size` ones, n each */
     double *weight;               /* 1 / scale */
@@ -15,8 +14,8 @@ typedef struct saltus_settling {
     int *streak;                  /* per period: points in a row that recur */
 } saltus_settling;
 
-/* For states of so many numbers, periods up to the longest looked for, and `near`. False without memory. */
-bool saltus_settling_open(saltus_settling *settling, int dimension, int longest, double near);
+/* For states of so many numbers, and periods up to the longest looked for. False without memory. */
+bool saltus_settling_open(saltus_settling *settling, int dimension, int longest);
 void saltus_settling_close(saltus_settling *settling);
 void saltus_settling_reset(saltus_settling *settling, const saltus_system *system);
 /* One more point at phase 0, with the numbers of impacts and of other contact events so far. */

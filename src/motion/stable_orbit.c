@@ -124,10 +124,9 @@ static int follow_away(const search *s, const saltus_fixed_point *f, int p, cons
     return 0;
 }
 
-/* The nearest of all tracks' points, and its distance. */
+/* The nearest of all tracks' points, nearer than *distance, which becomes its own; NULL: there is none. */
 static const double *nearest(const search *s, const double *point, double *distance) {
     const double *place = NULL;
-    *distance = INFINITY;
     for (int t = 0; t < s->track_count; t++)
         for (long long k = 0; k < s->tracks[t].count; k++) {
             const double *other = s->tracks[t].points + k * s->n;
@@ -175,13 +174,9 @@ static bool lies_amid(const search *s, const saltus_motion *orbit) {
     const double *from = NULL, *to = NULL;
     for (int k = 0; k < orbit->periods; k++) {
         const double *point = orbit->section_states + (size_t)k * (size_t)s->n;
-        double d;
-        const double *there = nearest(s, point, &d);
-        if (d < least) {
-            least = d;
-            from = point;
-            to = there;
-        }
+        const double *there = nearest(s, point, &least);
+        from = there ? point : from;
+        to = there ? there : to;
     }
     for (int k = 0; k < bisections; k++) {
         double middle = 0.5 * (low + high);
@@ -213,11 +208,12 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     remember(s, p, f->state);
     if (!periods)
         return SALTUS_OK;
-    saltus_status status = saltus_motion_polish(s->system, periods, state, INFINITY, &options, motion);
-    *found = status == SALTUS_OK && lies_amid(s, motion);
-    if (status == SALTUS_OK && !*found)
+    saltus_status status =
+        saltus_motion_polish(s->system, periods, state, INFINITY, &options, motion, message);
+    *found = saltus_verdict_settled(motion->verdict) && lies_amid(s, motion);
+    if (!*found)
         saltus_motion_clear(motion);
-    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for an orbit") : SALTUS_OK;
+    return status;
 }
 
 static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,

@@ -6,9 +6,9 @@
 
 #include <stdlib.h>
 
-bool saltus_visits_open(saltus_visits *v, int dimension, int longest, double near) {
+bool saltus_visits_open(saltus_visits *v, int dimension, int longest) {
     *v = (saltus_visits){0};
-    bool sound = saltus_settling_open(&v->settling, dimension, longest, near);
+    bool sound = saltus_settling_open(&v->settling, dimension, longest);
     v->times = calloc((size_t)v->settling.size, sizeof *v->times);
     return sound && v->times;
 }

@@ -14,7 +14,7 @@ typedef struct saltus_visits {
 } saltus_visits;
 
 /* As saltus_settling_open. False without memory. */
-bool saltus_visits_open(saltus_visits *visits, int dimension, int longest, double near);
+bool saltus_visits_open(saltus_visits *visits, int dimension, int longest);
 void saltus_visits_close(saltus_visits *visits);
 /* No return has been seen yet. */
 void saltus_visits_reset(saltus_visits *visits, const saltus_system *system);

@@ -41,6 +41,11 @@ void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *t) {
     t->proof.patience = saltus_system_forced(t->system) ? patience_periods : first_patience;
 }
 
+/* Remaining distance from the orbit that is small enough. */
+static double near_enough(const saltus_sweep_trajectory *t) {
+    return fmax(1e-10, 10 * t->sweep->options.flow.rtol);
+}
+
 /* Newton's method from the present state: the stable orbit of this period or a part of it, or, of no period,
  * what classification finds from there. What it finds the trajectory goes on from. */
 static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
@@ -53,7 +58,7 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     options.measure = 0;
     options.longest = t->sweep->options.longest;
     saltus_status status =
-        period ? saltus_motion_polish(t->system, period, t->state, same_orbit, &options, &motion)
+        period ? saltus_motion_polish(t->system, period, t->state, same_orbit, &options, &motion, NULL)
                : saltus_motion_find_period(t->system, t->state, &options, false, &motion, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     if (status == SALTUS_OK && saltus_verdict_settled(motion.verdict)) {
@@ -191,7 +196,7 @@ static bool closes_tightly(saltus_sweep_trajectory *t, int periods) {
     saltus_status status = saltus_motion_settle(t->system, &options, periods, end, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     return status == SALTUS_OK &&
-           saltus_system_distance(t->system, end, t->state) < fmax(returned, 100 * t->proof.settling.near);
+           saltus_system_distance(t->system, end, t->state) < fmax(returned, 100 * near_enough(t));
 }
 
 /* The orbit of a period that has been reached, once it is proven. */
@@ -230,7 +235,7 @@ static saltus_judgement judge_unforced(saltus_sweep_trajectory *t) {
     saltus_proof *p = &t->proof;
     const long long cycle = saltus_sweep_trajectory_cycle(t);
     const int recurs = saltus_settling_candidate(&p->visits.settling);
-    const double limit = p->disturbed ? p->settling.near : approach;
+    const double limit = p->disturbed ? near_enough(t) : approach;
     bool doubt = false;
     saltus_judgement judgement = goes_on;
     if (saltus_settling_rests(&p->settling) && saltus_settling_period(&p->settling, limit, &doubt) == 1)
@@ -254,7 +259,7 @@ saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     const int recurs = saltus_settling_candidate(&p->settling);
     bool doubt = false;
     int period =
-        recurs ? saltus_settling_period(&p->settling, p->disturbed ? p->settling.near : approach, &doubt) : 0;
+        recurs ? saltus_settling_period(&p->settling, p->disturbed ? near_enough(t) : approach, &doubt) : 0;
     saltus_judgement judgement = goes_on;
     if (period && !doubt)
         judgement = judge_orbit(t, period);

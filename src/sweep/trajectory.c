@@ -15,9 +15,8 @@ bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *t, const saltus_sweep
     t->proof.undisturbed = calloc((size_t)n, sizeof *t->proof.undisturbed);
     t->proof.orbit = calloc((size_t)(n * longest), sizeof *t->proof.orbit);
     t->rng = gsl_rng_alloc(gsl_rng_mt19937);
-    double near = fmax(1e-10, 10 * sweep->options.flow.rtol);
-    bool sound = saltus_settling_open(&t->proof.settling, n, longest, near) &&
-                 saltus_visits_open(&t->proof.visits, n, longest, near) && t->state && t->proof.undisturbed &&
+    bool sound = saltus_settling_open(&t->proof.settling, n, longest) &&
+                 saltus_visits_open(&t->proof.visits, n, longest) && t->state && t->proof.undisturbed &&
                  t->proof.orbit && t->rng;
     if (!sound || !(sweep->options.keep & SALTUS_KEEP_LYAPUNOV))
         return sound;
