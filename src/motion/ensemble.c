@@ -174,41 +174,34 @@ static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *mess
                                 saltus_flow_time(self->flow, self->lane).cycle, message);
 }
 
-/* All lanes of one flow to their goals. */
-static saltus_status run_lanes(saltus_ensemble *e, int f, saltus_message *message) {
-    saltus_flow *flow = e->flows[f];
-    int first = f * e->width, left = 0;
-    for (int m = first; m < e->members && m < first + e->width; m++, left++)
-        saltus_growth_aim(&e->member[m].growth, flow, m - first);
-    while (left > 0) {
-        saltus_event event;
-        int lane;
-        bool complete;
-        saltus_status status = saltus_flow_run(flow, &lane, &event, message);
-        saltus_member *self = &e->member[first + lane];
-        if (status == SALTUS_OK)
-            status = saltus_growth_follow(&self->growth, flow, lane, &event, &complete, message);
-        if (status == SALTUS_OK && complete)
-            status = take_sample(e, first + lane, message);
-        if (status != SALTUS_OK)
-            return status;
-        if (complete && self->samples >= self->goal)
-            left--;
-        else
-            saltus_growth_aim(&self->growth, flow, lane);
+saltus_status saltus_ensemble_run(saltus_ensemble *e, long long samples, saltus_message *message) {
+    const long long goal = e->member[0].samples + samples;
+    for (int m = 0; m < e->members; m++)
+        e->member[m].recent = 0;
+    for (int f = 0; f < e->flow_count; f++) {
+        saltus_flow *flow = e->flows[f];
+        int first = f * e->width, left = 0;
+        for (int m = first; m < e->members && m < first + e->width; m++, left++)
+            saltus_growth_aim(&e->member[m].growth, flow, m - first);
+        while (left > 0) {
+            saltus_event event;
+            int lane;
+            bool complete;
+            saltus_status status = saltus_flow_run(flow, &lane, &event, message);
+            saltus_member *self = &e->member[first + lane];
+            if (status == SALTUS_OK)
+                status = saltus_growth_follow(&self->growth, flow, lane, &event, &complete, message);
+            if (status == SALTUS_OK && complete)
+                status = take_sample(e, first + lane, message);
+            if (status != SALTUS_OK)
+                return status;
+            if (complete && self->samples >= goal)
+                left--;
+            else
+                saltus_growth_aim(&self->growth, flow, lane);
+        }
     }
     return SALTUS_OK;
-}
-
-saltus_status saltus_ensemble_run(saltus_ensemble *e, long long samples, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    for (int m = 0; m < e->members; m++) {
-        e->member[m].goal = e->member[m].samples + samples;
-        e->member[m].recent = 0;
-    }
-    for (int f = 0; f < e->flow_count && status == SALTUS_OK; f++)
-        status = run_lanes(e, f, message);
-    return status;
 }
 
 void saltus_ensemble_forget(saltus_ensemble *e) {
@@ -318,10 +311,10 @@ saltus_estimate saltus_ensemble_largest(const saltus_ensemble *e) {
 }
 
 bool saltus_ensemble_agrees(const saltus_ensemble *e, double tolerance) {
-    bool regular = saltus_ensemble_regular(e);
-    double mean = saltus_ensemble_exponent(e, 0, false).mean, square = 0, farthest = 0, spread = 0;
     if (e->members == 1)
         return true;
+    bool regular = saltus_ensemble_regular(e);
+    double mean = saltus_ensemble_exponent(e, 0, false).mean, square = 0, farthest = 0, spread = 0;
     for (int m = 0; m < e->members; m++) {
         saltus_estimate one = saltus_ensemble_member(e, m, 0, false);
         double apart = fabs(one.mean - mean) / one.standard_error;

@@ -15,7 +15,7 @@ typedef struct saltus_member {
     saltus_average *averages; /* one per column: growth per sample; the last one: logarithm of the volume */
     saltus_flow_info begin;   /* of the flow when the measurement began */
     double volume;            /* logarithm of what impacts have left of it until the last sample */
-    long long samples, goal;  /* samples taken, and to be taken */
+    long long samples;        /* taken */
     double recent;            /* logarithm of the first vector's growth since the last run began */
     double *state;            /* at the last sample */
 } saltus_member;

@@ -42,13 +42,12 @@ static saltus_status check(const saltus_system *system, const saltus_lyapunov_op
     return SALTUS_OK;
 }
 
-static bool open_result(saltus_lyapunov *l, const saltus_ensemble *e) {
-    size_t count = (size_t)e->columns;
-    *l = (saltus_lyapunov){.dimension = e->n, .count = e->columns, .members = e->members};
-    l->exponents = calloc(count, sizeof *l->exponents);
-    l->standard_errors = calloc(count, sizeof *l->standard_errors);
-    l->state = calloc((size_t)e->n, sizeof *l->state);
-    l->member_exponents = calloc((size_t)e->members, sizeof *l->member_exponents);
+static bool open_result(saltus_lyapunov *l, int dimension, int count, int members) {
+    *l = (saltus_lyapunov){.dimension = dimension, .count = count, .members = members};
+    l->exponents = calloc((size_t)count, sizeof *l->exponents);
+    l->standard_errors = calloc((size_t)count, sizeof *l->standard_errors);
+    l->state = calloc((size_t)dimension, sizeof *l->state);
+    l->member_exponents = calloc((size_t)members, sizeof *l->member_exponents);
     l->history = calloc(SALTUS_HISTORY_ROOM, sizeof *l->history);
     return l->exponents && l->standard_errors && l->state && l->member_exponents && l->history;
 }
@@ -221,7 +220,7 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
     if (status == SALTUS_OK)
         status = saltus_ensemble_open(&ensemble, system, &how, 0, message);
     ensemble.stop = options->flow.stop;
-    if (status == SALTUS_OK && !open_result(lyapunov, &ensemble))
+    if (status == SALTUS_OK && !open_result(lyapunov, ensemble.n, ensemble.columns, ensemble.members))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the exponents");
     if (status == SALTUS_OK)
         status = saltus_ensemble_place(&ensemble, state, message);
@@ -246,34 +245,25 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
 saltus_status saltus_motion_exponents(const saltus_system *system, const saltus_motion *motion, int count,
                                       saltus_lyapunov *l, saltus_message *message) {
     const double period = saltus_system_period(system), time = motion->periods * period;
-    const size_t n = (size_t)motion->dimension;
     *l = (saltus_lyapunov){0};
     if (motion->periods < 1 || count < 1 || count > motion->multiplier_count)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d exponents of a motion of period %d: there are %d",
                            count, motion->periods, motion->periods ? motion->multiplier_count : 0);
-    *l = (saltus_lyapunov){.dimension = motion->dimension,
-                           .count = count,
-                           .exponents = calloc((size_t)count, sizeof *l->exponents),
-                           .standard_errors = calloc((size_t)count, sizeof *l->standard_errors),
-                           .state = calloc(n, sizeof *l->state),
-                           .member_exponents = calloc(1, sizeof *l->member_exponents),
-                           .sum = count == motion->multiplier_count ? motion->log_volume / time : NAN,
-                           .sum_rule = motion->sticks ? NAN : motion->sum_rule / time,
-                           .kaplan_yorke = NAN,
-                           .impacts_per_period =
-                               motion->impacts < 0 ? INFINITY : (double)motion->impacts / motion->periods,
-                           .sticks_per_period = (double)motion->sticking_intervals / motion->periods,
-                           .period = period,
-                           .time = time,
-                           .periods = motion->periods,
-                           .independent = NAN,
-                           .agree = true,
-                           .precise = true};
-    if (!l->exponents || !l->standard_errors || !l->state || !l->member_exponents) {
+    if (!open_result(l, motion->dimension, count, 1)) {
         saltus_lyapunov_clear(l);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d exponents", count);
     }
-    memcpy(l->state, motion->state, n * sizeof *l->state);
+    l->members = 0;
+    l->sum = count == motion->multiplier_count ? motion->log_volume / time : NAN;
+    l->sum_rule = motion->sticks ? NAN : motion->sum_rule / time;
+    l->kaplan_yorke = l->independent = NAN;
+    l->impacts_per_period = motion->impacts < 0 ? INFINITY : (double)motion->impacts / motion->periods;
+    l->sticks_per_period = (double)motion->sticking_intervals / motion->periods;
+    l->period = period;
+    l->time = time;
+    l->periods = motion->periods;
+    l->agree = l->precise = true;
+    memcpy(l->state, motion->state, (size_t)motion->dimension * sizeof *l->state);
     for (int k = 0; k < count; k++)
         l->exponents[k] = motion->multipliers[k].log_modulus / time;
     for (int k = 0; k < motion->multiplier_count; k++)
