@@ -66,6 +66,7 @@ static saltus_runs runs_of(const judge *j) {
                          .lost = j->sticks || saltus_ensemble_lost(e) >= e->n};
 }
 
+/* The exponent, and how often impacts come. */
 static void tell_exponent(judge *j) {
     const saltus_ensemble *e = &j->ensemble;
     saltus_evidence *evidence = &j->motion->evidence;

@@ -225,9 +225,10 @@ static saltus_status sample_stretch(const sampler *s, recording *r, const double
         status = saltus_flow_advance(s->flow, until, watch, &event, message);
         if (status != SALTUS_OK)
             return status;
-        if (saltus_flow_information(s->flow, 0).steps != steps)
+        const long long made = saltus_flow_information(s->flow, 0).steps;
+        if (made != steps)
             integrate(s, r);
-        steps = saltus_flow_information(s->flow, 0).steps;
+        steps = made;
         for (; next < end; next++) {
             const saltus_time time = {next / r->per_period, (double)(next % r->per_period) / r->per_period};
             if (saltus_flow_state_at(s->flow, 0, time, now) > 0)
