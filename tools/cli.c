@@ -16,31 +16,43 @@
 #include <unistd.h>
 
 const cli_option cli_set =
-    CLI_SETTINGS_OPTION("--set", settings, "key=value ...", "change parameters of the scene");
-const cli_option cli_section = CLI_TEXT_OPTION(
-    "--section", section, "section",
+    CLI_OPTION("--set", CLI_SETTINGS, "key=value ...", "change parameters of the scene");
+const cli_option cli_section = CLI_OPTION(
+    "--section", CLI_TEXT, "section",
     "what an orbit without forcing returns to, for scenes of equations: maxima, \"impact: 1, side: lower\" "
-    "or "
-    "\"zero: x - 1, direction: up\"; the scene's own unless given, else maxima of the observed displacement");
-const cli_option cli_json = CLI_FLAG_OPTION("--json", json, "one JSON object on stdout");
+    "or \"zero: x - 1, direction: up\"; the scene's own unless given, else maxima of the observed "
+    "displacement");
+const cli_option cli_json = CLI_OPTION("--json", CLI_FLAG, NULL, "one JSON object on stdout");
 const cli_option cli_output =
-    CLI_TEXT_OPTION("-o", output, "file", "where the result goes; - is standard output (not for HDF5)");
+    CLI_OPTION("-o", CLI_TEXT, "file", "where the result goes; - is standard output (not for HDF5)");
 const cli_option cli_resume =
-    CLI_FLAG_OPTION("--resume", resume, "go on with the interrupted run in the file of -o");
-const cli_option cli_force = CLI_FLAG_OPTION(
-    "--force", force, "replace what is there, also an interrupted run or another kind of file");
-const cli_option cli_from = CLI_TEXT_OPTION(
-    "--from", from, "orbit",
+    CLI_OPTION("--resume", CLI_FLAG, NULL, "go on with the interrupted run in the file of -o");
+const cli_option cli_force = CLI_OPTION(
+    "--force", CLI_FLAG, NULL, "replace what is there, also an interrupted run or another kind of file");
+const cli_option cli_from = CLI_OPTION(
+    "--from", CLI_TEXT, "orbit",
     "start from this orbit: file.json, branch.h5:12 (row), branch.h5:PD1, sweep.h5:12 or basins.h5:12");
+const cli_option cli_size =
+    CLI_OPTION("--size", CLI_TEXT, "WxH",
+               "on paper, with type of 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm");
+const cli_option cli_no_heading =
+    CLI_OPTION("--no-heading", CLI_FLAG, NULL, "panels and legends alone, no words above them");
+const cli_option cli_title =
+    CLI_OPTION("--title", CLI_TEXT, "text", "heading in place of the figure's own; \"\": none");
+const cli_option cli_keep_script =
+    CLI_OPTION("--keep-script", CLI_TEXT, "file.gp", "keep gnuplot's script, with the data in it");
+const cli_option cli_swap = CLI_OPTION("--swap", CLI_FLAG, NULL, "exchange the axes");
+const cli_option cli_log = CLI_OPTION(
+    "--log", CLI_LIST, "key", "logarithmic axis: a parameter or what is shown (speed, ...); may be repeated");
 
 const char *const cli_figures[] = {".png", ".pdf", ".svg", NULL};
 const char *const cli_figures_or_table[] = {".png", ".pdf", ".svg", ".csv", NULL};
 const char *const cli_records[] = {".h5", ".csv", NULL};
 
 static const cli_option quiet =
-    CLI_FLAG_OPTION("--quiet", quiet, "no progress line, and no word on what was written");
-static const cli_option format = CLI_TEXT_OPTION("--format", format, "ending",
-                                                 "with -o -: png, pdf, svg or csv, as far as -o can have it");
+    CLI_OPTION("--quiet", CLI_FLAG, NULL, "no progress line, and no word on what was written");
+static const cli_option format =
+    CLI_OPTION("--format", CLI_TEXT, "ending", "with -o -: png, pdf, svg or csv, as far as -o can have it");
 
 int cli_refuse(int code, const char *format, ...) {
     va_list arguments;
@@ -110,48 +122,6 @@ bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
     return own != NULL;
 }
 
-/* Nothing twice: no key, what stands before '=', no text. */
-static bool parse_list_item(const cli_option *option, const char *text, cli_list *list) {
-    const bool keyed = option->kind == CLI_KEYS || option->kind == CLI_SETTINGS;
-    const size_t length = keyed ? strcspn(text, "=") : strlen(text);
-    if (list->count == CLI_LIST_MAX)
-        return cli_refuse(false, "%s %s: only %d can be given", option->name, text, CLI_LIST_MAX);
-    for (int k = 0; k < list->count; k++) {
-        const char *other = list->items[k];
-        if (strncmp(text, other, length) == 0 && (other[length] == '\0' || (keyed && other[length] == '=')))
-            return cli_refuse(false, "%s %s: %.*s is given twice", option->name, text, (int)length, text);
-    }
-    list->items[list->count++] = text;
-    return true;
-}
-
-const cli_option cli_size =
-    CLI_TEXT_OPTION("--size", size, "WxH",
-                    "on paper, with type of 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm");
-const cli_option cli_no_heading =
-    CLI_FLAG_OPTION("--no-heading", look.no_heading, "panels and legends alone, no words above them");
-const cli_option cli_title =
-    CLI_TEXT_OPTION("--title", look.title, "text", "heading in place of the figure's own; \"\": none");
-const cli_option cli_keep_script =
-    CLI_TEXT_OPTION("--keep-script", look.script, "file.gp", "keep gnuplot's script, with the data in it");
-
-static bool parse_value(const cli_option *option, const char *text, cli_request *request) {
-    char *place = (char *)request + option->offset, *end = NULL;
-    if (option->kind == CLI_TEXT) {
-        *(const char **)(void *)place = text;
-        return true;
-    }
-    if (option->kind >= CLI_KEYS)
-        return parse_list_item(option, text, (cli_list *)(void *)place);
-    double value = strtod(text, &end);
-    bool number = end != text && *end == '\0' && isfinite(value);
-    if (!number || value != floor(value) || value < option->min || value > option->max)
-        return cli_refuse(false, "%s %s: must be a whole number from %.10g to %.10g", option->name, text,
-                          option->min, option->max);
-    *(long *)(void *)place = (long)value;
-    return true;
-}
-
 /* Whole numbers may be written as 1e6, too. */
 static bool read_member(const saltus_option *option, const char *text, void *record) {
     char *end = NULL;
@@ -188,7 +158,118 @@ static bool set_members(const cli_command *command, const char *flag, const char
     return true;
 }
 
-static void set_defaults(const cli_command *command, cli_request *request) {
+static bool find_entry(const cli_command *command, const char *flag, cli_entry *entry) {
+    for (int k = 0; cli_entry_at(command, k, entry); k++)
+        if (strcmp(entry->flag, flag) == 0)
+            return true;
+    return false;
+}
+
+const cli_list *cli_values(const cli_request *request, const char *flag) {
+    static const cli_list none = {.count = 0};
+    for (int k = 0; k < request->given_count; k++)
+        if (strcmp(request->given[k].flag, flag) == 0)
+            return &request->given[k];
+    return &none;
+}
+
+bool cli_given(const cli_request *request, const char *flag) {
+    return cli_values(request, flag)->count > 0;
+}
+
+const char *cli_text(const cli_request *request, const char *flag) {
+    return cli_values(request, flag)->items[0];
+}
+
+long cli_whole(const cli_request *request, const char *flag) {
+    const char *text = cli_text(request, flag);
+    const cli_option *const *own = request->command->options;
+    while (!text && strcmp((*own)->name, flag) != 0)
+        own++;
+    return (long)(text ? strtod(text, NULL) : (*own)->fallback);
+}
+
+/* A value as its option takes it. Nothing twice: no key, what stands before '=', no text. */
+static bool add_value(const cli_option *own, const char *text, cli_list *list) {
+    const bool keyed = own && (own->kind == CLI_KEYS || own->kind == CLI_SETTINGS);
+    const size_t length = keyed ? strcspn(text, "=") : strlen(text);
+    char *end = NULL;
+    double value = own && own->kind == CLI_WHOLE ? strtod(text, &end) : 0;
+    if (end && (end == text || *end || !(value == floor(value)) || value < own->min || value > own->max))
+        return cli_refuse(false, "%s %s: must be a whole number from %.10g to %.10g", own->name, text,
+                          own->min, own->max);
+    if (list->count == CLI_LIST_MAX)
+        return cli_refuse(false, "%s %s: only %d can be given", list->flag, text, CLI_LIST_MAX);
+    for (int k = 0; k < list->count; k++) {
+        const char *other = list->items[k];
+        if (strncmp(text, other, length) == 0 && (other[length] == '\0' || (keyed && other[length] == '=')))
+            return cli_refuse(false, "%s %s: %.*s is given twice", list->flag, text, (int)length, text);
+    }
+    list->items[list->count++] = text;
+    return true;
+}
+
+static void keep_words(cli_request *request, int count, char **words) {
+    for (int k = 0; k < count && request->word_count < CLI_WORDS_MAX; k++)
+        request->words[request->word_count++] = words[k];
+}
+
+/* Take one option and its value; returns the number of arguments used, 0 after a message. */
+static int take_option(int count, char **arguments, cli_request *request) {
+    /* Options that change how a run goes and where its results go, not the results. */
+    static const char apart[] = "-o --json --resume --force --quiet --format";
+    const cli_command *command = request->command;
+    const char *name = arguments[0];
+    cli_entry entry;
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
+        request->help = true;
+        return 1;
+    }
+    if (!find_entry(command, name, &entry))
+        return cli_refuse(0, "%s: unknown option of saltus %s; see saltus %s --help", name, command->name,
+                          command->name);
+    const cli_option *own = entry.own;
+    int place = 0, used = 0;
+    while (place < request->given_count && strcmp(request->given[place].flag, name) != 0)
+        place++;
+    if (place < request->given_count && !(own && own->kind >= CLI_KEYS))
+        return cli_refuse(0, "%s: is given twice", name);
+    request->given_count += place == request->given_count;
+    cli_list *list = &request->given[place];
+    list->flag = entry.flag;
+    const bool flag = own && own->kind == CLI_FLAG, sets = own && own->kind == CLI_SETTINGS;
+    if (sets && (count < 2 || arguments[1][0] == '-' || !strchr(arguments[1], '=')))
+        return cli_refuse(0, "--set%s%s: must be followed by key=value", count > 1 ? " " : "",
+                          count > 1 ? arguments[1] : "");
+    if (!flag && count < 2)
+        return cli_refuse(0, "%s: needs a value (%s)", name, entry.argument);
+    if (!own && !set_members(command, name, arguments[1], request))
+        return 0;
+    used = flag ? 0 : 1;
+    do
+        if (!add_value(own, arguments[used++], list))
+            return 0;
+    while (own && own->kind >= CLI_SETTINGS && used < count && arguments[used][0] != '-' &&
+           (!sets || strchr(arguments[used], '=')));
+    if (!lists(apart, name) && !(entry.option && entry.option->apart))
+        keep_words(request, used, arguments);
+    return used;
+}
+
+/* An argument without an option: the scene, or one of the files. */
+static bool take_input(char **argument, cli_request *request) {
+    int room = request->command->inputs ? request->command->inputs : 1;
+    keep_words(request, 1, argument);
+    if (request->input_count < room) {
+        request->inputs[request->input_count++] = *argument;
+        return true;
+    }
+    if (request->command->inputs)
+        return cli_refuse(false, "%s: only %d files can be given", *argument, room);
+    return cli_refuse(false, "%s: unexpected; the scene is already %s", *argument, request->inputs[0]);
+}
+
+bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
     *request = (cli_request){.command = command,
                              .flow = saltus_flow_defaults(),
                              .orbit = saltus_orbit_defaults(),
@@ -204,107 +285,14 @@ static void set_defaults(const cli_command *command, cli_request *request) {
         &request->classify.flow, &request->spectrum.flow, &request->sweep.flow,   &request->lyapunov.flow};
     for (size_t k = 0; k < sizeof flows / sizeof flows[0]; k++)
         flows[k]->stop = interrupt_flag();
-    for (int k = 0; command->options[k]; k++)
-        if (command->options[k]->kind == CLI_WHOLE)
-            *(long *)(void *)((char *)request + command->options[k]->offset) =
-                (long)command->options[k]->fallback;
-}
-
-/* The number of an option of the command; false when it has none of that name. */
-static bool find_entry(const cli_command *command, const char *flag, int *number, cli_entry *entry) {
-    for (*number = 0; cli_entry_at(command, *number, entry); ++*number)
-        if (strcmp(entry->flag, flag) == 0)
-            return true;
-    return false;
-}
-
-bool cli_given(const cli_request *request, const char *flag) {
-    cli_entry entry;
-    int number;
-    return find_entry(request->command, flag, &number, &entry) && request->given >> number & 1;
-}
-
-/* Take one option and its value; returns the number of arguments used, 0 after a message. */
-static int take_option(const cli_command *command, int count, char **arguments, cli_request *request) {
-    const char *name = arguments[0];
-    cli_entry entry;
-    int number, taken = 0;
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0) {
-        request->help = true;
-        return 1;
-    }
-    if (!find_entry(command, name, &number, &entry))
-        return cli_refuse(0, "%s: unknown option of saltus %s; see saltus %s --help", name, command->name,
-                          command->name);
-    const cli_option *own = entry.own;
-    if (request->given >> number & 1 && !(own && own->kind >= CLI_KEYS))
-        return cli_refuse(0, "%s: is given twice", name);
-    request->given |= 1ull << number;
-    if (own && own->kind == CLI_FLAG) {
-        *(bool *)((char *)request + own->offset) = true;
-        return 1;
-    }
-    const bool sets = own && own->kind == CLI_SETTINGS;
-    if (sets && (count < 2 || arguments[1][0] == '-' || !strchr(arguments[1], '=')))
-        return cli_refuse(0, "--set%s%s: must be followed by key=value", count > 1 ? " " : "",
-                          count > 1 ? arguments[1] : "");
-    if (count < 2)
-        return cli_refuse(0, "%s: needs a value (%s)", name, entry.argument);
-    if (!own)
-        return set_members(command, name, arguments[1], request) ? 2 : 0;
-    do
-        if (!parse_value(own, arguments[1 + taken++], request))
-            return 0;
-    while (own->kind >= CLI_SETTINGS && 1 + taken < count && arguments[1 + taken][0] != '-' &&
-           (!sets || strchr(arguments[1 + taken], '=')));
-    return 1 + taken;
-}
-
-/* An argument without an option: the scene, or one of the files. */
-static bool take_input(const cli_command *command, const char *text, cli_request *request) {
-    int room = command->inputs ? command->inputs : 1;
-    if (request->input_count < room) {
-        request->inputs[request->input_count++] = text;
-        return true;
-    }
-    if (command->inputs)
-        return cli_refuse(false, "%s: only %d files can be given", text, room);
-    return cli_refuse(false, "%s: unexpected; the scene is already %s", text, request->inputs[0]);
-}
-
-/* Options that change how a run goes and where its results go, not the results. */
-static bool goes_without_saying(const cli_command *command, const char *flag) {
-    static const cli_option *const own[] = {&cli_output, &cli_json, &cli_resume, &cli_force, &quiet, &format};
-    cli_entry entry;
-    int number;
-    bool found = find_entry(command, flag, &number, &entry) && entry.option && entry.option->apart;
-    for (size_t k = 0; k < sizeof own / sizeof own[0] && !found; k++)
-        found = strcmp(flag, own[k]->name) == 0;
-    return found;
-}
-
-static void keep_words(cli_request *request, int count, char **words) {
-    for (int k = 0; k < count && request->word_count < CLI_WORDS_MAX; k++)
-        request->words[request->word_count++] = words[k];
-}
-
-bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
-    set_defaults(command, request);
-    for (int k = 0; k < count;) {
-        if (arguments[k][0] == '-' && arguments[k][1] != '\0') {
-            int used = take_option(command, count - k, arguments + k, request);
-            if (used == 0)
-                return false;
-            if (!goes_without_saying(command, arguments[k]))
-                keep_words(request, used, arguments + k);
-            k += used;
-            continue;
-        }
-        keep_words(request, 1, arguments + k);
-        if (!take_input(command, arguments[k++], request))
+    for (int k = 0, used; k < count; k += used) {
+        bool option = arguments[k][0] == '-' && arguments[k][1] != '\0';
+        used = option ? take_option(count - k, arguments + k, request) : take_input(arguments + k, request);
+        if (used == 0)
             return false;
     }
     request->scene = request->inputs[0];
+    request->output = cli_text(request, "-o");
     if (command->needs_scene && !request->scene && !request->help)
         return cli_refuse(false, "%s: needs a scene, a YAML file or one of `saltus scenes`", command->name);
     return true;
@@ -333,14 +321,20 @@ static bool read_size(const char *text, double *width, double *height) {
            isfinite(*width) && isfinite(*height);
 }
 
-/* How a figure is laid out, with the options that are not members of its own; false after a message. */
+/* How a figure is laid out; false after a message. */
 static bool choose_look(cli_request *request) {
     saltus_figure_options *look = &request->look;
-    look->logarithmic = request->logarithmic.items;
-    look->logarithmic_count = request->logarithmic.count;
-    if (request->size && !read_size(request->size, &look->width, &look->height))
+    const cli_list *logarithmic = cli_values(request, "--log");
+    const char *size = cli_text(request, "--size"), *output = request->output;
+    look->no_heading = cli_given(request, "--no-heading");
+    look->title = cli_text(request, "--title");
+    look->script = cli_text(request, "--keep-script");
+    look->swap = cli_given(request, "--swap");
+    look->logarithmic = logarithmic->items;
+    look->logarithmic_count = logarithmic->count;
+    if (size && !read_size(size, &look->width, &look->height))
         return cli_refuse(false, "--size %s: must be column, two-columns, W or WxH in mm, such as 85x60",
-                          request->size);
+                          size);
     for (int k = 0; k < look->logarithmic_count; k++)
         if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. "))
             return cli_refuse(false, "--log %s: must be a parameter or what is shown, such as omega or speed",
@@ -348,10 +342,9 @@ static bool choose_look(cli_request *request) {
     if (look->script && !cli_ends_in(look->script, ".gp"))
         return cli_refuse(false, "--keep-script %s: the ending must be .gp", look->script);
     saltus_message message = {.text = ""};
-    const char *output = request->output;
     bool drawn =
         output && (cli_ends_in(output, ".png") || cli_ends_in(output, ".pdf") || cli_ends_in(output, ".svg"));
-    const char *given = request->size      ? "--size"
+    const char *given = size               ? "--size"
                         : look->script     ? "--keep-script"
                         : look->title      ? "--title"
                         : look->no_heading ? "--no-heading"
@@ -361,8 +354,7 @@ static bool choose_look(cli_request *request) {
                           given);
     if (!drawn || saltus_figure_check(output, look, &message) == SALTUS_OK)
         return true;
-    return cli_refuse(false, "%s%s: %s", request->size ? "--size " : "-o ",
-                      request->size ? request->size : output, message.text);
+    return cli_refuse(false, "%s%s: %s", size ? "--size " : "-o ", size ? size : output, message.text);
 }
 
 static int work_on_scene(const cli_command *command, const cli_request *request) {
@@ -407,25 +399,23 @@ int cli_report(saltus_status status, const saltus_message *message) {
 }
 
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
-    for (int k = 0; k < request->settings.count; k++) {
+    const cli_list *settings = cli_values(request, "--set");
+    const char *section = cli_text(request, "--section");
+    for (int k = 0; k < settings->count + (section != NULL); k++) {
+        const char *flag = k < settings->count ? "--set" : "--section";
+        const char *text = k < settings->count ? settings->items[k] : section;
         saltus_message reason = {.text = ""};
-        saltus_status status = saltus_scene_set(scene, request->settings.items[k], &reason);
+        saltus_status status =
+            (k < settings->count ? saltus_scene_set : saltus_scene_set_section)(scene, text, &reason);
         if (status != SALTUS_OK)
-            return saltus_fail(message, status, "--set %.100s: %.380s", request->settings.items[k],
-                               reason.text);
-    }
-    if (request->section) {
-        saltus_message reason = {.text = ""};
-        saltus_status status = saltus_scene_set_section(scene, request->section, &reason);
-        if (status != SALTUS_OK)
-            return saltus_fail(message, status, "--section %.100s: %.380s", request->section, reason.text);
+            return saltus_fail(message, status, "%s %.100s: %.380s", flag, text, reason.text);
     }
     /* A title describes the scene as it was written; changed, it would contradict the parameters beside it.
      */
     size_t used = 0;
-    for (int k = 0; k < request->settings.count && used + 1 < sizeof scene->title; k++)
+    for (int k = 0; k < settings->count && used + 1 < sizeof scene->title; k++)
         used += (size_t)snprintf(scene->title + used, sizeof scene->title - used, "%s%s",
-                                 k ? " " : "changed: ", request->settings.items[k]);
+                                 k ? " " : "changed: ", settings->items[k]);
     if (used >= sizeof scene->title)
         strcpy(scene->title + sizeof scene->title - sizeof "...", "...");
     return SALTUS_OK;
@@ -460,20 +450,6 @@ saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, sa
     return status == SALTUS_OK ? cli_apply_settings(request, scene, message) : status;
 }
 
-/* The orbit of --from, and its parameters and stops where the command line does not set them. */
-static saltus_status read_start(const cli_request *request, saltus_scene *scene, saltus_start *start,
-                                saltus_message *message) {
-    saltus_status status = saltus_start_read(request->from, start, message);
-    if (status == SALTUS_OK)
-        status = saltus_start_apply(start, request->from, scene, message);
-    if (status == SALTUS_OK)
-        status = cli_apply_settings(request, scene, message);
-    if (status == SALTUS_OK && scene->initial_count && start->dimension)
-        status = saltus_fail(message, SALTUS_BAD_INPUT,
-                             "--set of an initial state is not possible with --from, which gives the state");
-    return status;
-}
-
 void cli_clear(cli_setup *setup) {
     saltus_system_free(setup->system);
     saltus_start_release(&setup->start);
@@ -482,15 +458,24 @@ void cli_clear(cli_setup *setup) {
 }
 
 int cli_build(const cli_request *request, cli_setup *setup) {
+    const char *from = cli_text(request, "--from");
+    saltus_scene *scene = &setup->scene;
     saltus_message message = {.text = ""};
     *setup = (cli_setup){.system = NULL};
-    saltus_status status = cli_load_scene(request, &setup->scene, &message);
-    if (status == SALTUS_OK && request->from)
-        status = read_start(request, &setup->scene, &setup->start, &message);
+    saltus_status status = cli_load_scene(request, scene, &message);
+    if (status == SALTUS_OK && from)
+        status = saltus_start_read(from, &setup->start, &message);
+    if (status == SALTUS_OK && from)
+        status = saltus_start_apply(&setup->start, from, scene, &message);
+    if (status == SALTUS_OK && from)
+        status = cli_apply_settings(request, scene, &message);
+    if (status == SALTUS_OK && scene->initial_count && setup->start.dimension)
+        status = saltus_fail(&message, SALTUS_BAD_INPUT,
+                             "--set of an initial state is not possible with --from, which gives the state");
     if (status == SALTUS_OK)
-        status = saltus_system_new(&setup->scene.spec, &setup->system, &message);
+        status = saltus_system_new(&scene->spec, &setup->system, &message);
     if (status == SALTUS_OK && !setup->start.dimension)
-        status = saltus_scene_state(&setup->scene, setup->system, setup->start.state, &message);
+        status = saltus_scene_state(scene, setup->system, setup->start.state, &message);
     if (status != SALTUS_OK)
         cli_clear(setup);
     return cli_report(status, &message);
@@ -524,8 +509,8 @@ static saltus_status orbit_of_start(const cli_request *request, const cli_setup 
     if (status == SALTUS_NO_CONVERGENCE || status == SALTUS_SINGULAR)
         status = SALTUS_BAD_INPUT;
     if (status != SALTUS_OK)
-        saltus_fail(message, status, "--from %.200s: is no orbit%s here: %.200s", request->from, period,
-                    reason.text);
+        saltus_fail(message, status, "--from %.200s: is no orbit%s here: %.200s", cli_text(request, "--from"),
+                    period, reason.text);
     else if (!start->own_period)
         status = saltus_motion_describe(setup->system, &orbit, how, motion, message);
     saltus_orbit_clear(&orbit);
@@ -560,12 +545,12 @@ saltus_status cli_orbit(const cli_request *request, cli_setup *setup, const salt
         return status;
     status =
         saltus_fail(message, SALTUS_BAD_INPUT, "--from %.200s: is %.60s there, and comes to no orbit here",
-                    request->from, setup->start.label);
+                    cli_text(request, "--from"), setup->start.label);
     saltus_motion_clear(motion);
     return status;
 }
 
-bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
+bool cli_parse_range(const char *flag, const char *text, char key[SALTUS_KEY_MAX], double *low,
                      double *high) {
     const char *equals = strchr(text, '=');
     size_t length = equals ? (size_t)(equals - text) : 0;
@@ -577,13 +562,11 @@ bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS
         end = saltus_read_number_until(equals + 1, ":", low);
         good = end && *end == ':' && saltus_read_number_until(end + 1, "", high) && *low < *high;
     }
-    if (!good)
-        fprintf(stderr, "saltus: %s %s: must have the form key=low:high, low below high\n", option->name,
-                text);
-    return good;
+    return good || cli_refuse(false, "%s %s: must have the form key=low:high, low below high", flag, text);
 }
 
-bool cli_choose(const cli_option *option, const char *text, const char *const *words, int *which) {
+bool cli_choose(const cli_request *request, const char *flag, const char *const *words, int *which) {
+    const char *text = cli_text(request, flag);
     int k = 0;
     while (text && words[k] && strcmp(text, words[k]) != 0)
         k++;
@@ -591,7 +574,7 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
         *which = text ? k : *which;
         return true;
     }
-    fprintf(stderr, "saltus: %s %s: must be %s", option->name, text, words[0]);
+    fprintf(stderr, "saltus: %s %s: must be %s", flag, text, words[0]);
     for (k = 1; words[k]; k++)
         fprintf(stderr, "%s%s", words[k + 1] ? ", " : " or ", words[k]);
     fputc('\n', stderr);
@@ -599,7 +582,7 @@ bool cli_choose(const cli_option *option, const char *text, const char *const *w
 }
 
 saltus_status cli_tell_written(const cli_request *request, const char *what, saltus_status status) {
-    if (status == SALTUS_OK && !request->quiet && !request->to_stdout)
+    if (status == SALTUS_OK && !cli_given(request, "--quiet") && !request->to_stdout)
         printf("%s: %s\n", what, request->output);
     return status;
 }
@@ -610,7 +593,7 @@ bool cli_ends_in(const char *path, const char *ending) {
 }
 
 bool cli_shows_progress(const cli_request *request) {
-    return !request->quiet && isatty(STDERR_FILENO) == 1;
+    return !cli_given(request, "--quiet") && isatty(STDERR_FILENO) == 1;
 }
 
 static void show_periods(void *context, double periods, double at_most) {
@@ -621,6 +604,11 @@ static void show_periods(void *context, double periods, double at_most) {
 void cli_progress_end(const cli_request *request) {
     if (cli_shows_progress(request))
         progress_line("%s", "");
+}
+
+void cli_print_motion(const cli_request *request, const cli_setup *setup, const saltus_motion *motion) {
+    (cli_given(request, "--json") ? saltus_write_motion_json
+                                  : saltus_write_motion_text)(stdout, &setup->scene, setup->system, motion);
 }
 
 saltus_classify_options cli_classify_options(const cli_request *request) {

@@ -10,12 +10,14 @@ enum {
     CLI_DONE = 0,
     CLI_FAILED = 1,
     CLI_BAD_INPUT = 2,
-    CLI_LIST_MAX = 256, /* files, settings, ... of one option */
+    CLI_LIST_MAX = 256,   /* files, settings, ... of one option */
+    CLI_OPTIONS_MAX = 64, /* of one command */
     CLI_WORDS_MAX = 1024
 };
 
-/* The values of an option that may be repeated. */
+/* An option that is on the command line, with its values; of a flag the one value is the flag. */
 typedef struct cli_list {
+    const char *flag;
     const char *items[CLI_LIST_MAX];
     int count;
 } cli_list;
@@ -23,8 +25,9 @@ typedef struct cli_list {
 typedef struct cli_command cli_command;
 typedef struct cli_setup cli_setup;
 
-/* Everything any subcommand can be told; each accepts a part of it. */
+/* What the command line says. */
 typedef struct cli_request {
+    const cli_command *command;
     const char *scene; /* the first of the inputs */
     const char *inputs[CLI_LIST_MAX];
     int input_count;
@@ -39,15 +42,11 @@ typedef struct cli_request {
     saltus_spectrum_options spectrum;
     saltus_sweep_options sweep;
     saltus_figure_options look; /* a command finds all that is asked of figures here */
-    /* What only the command line knows. */
-    bool json, quiet, help, derivatives, unstable, mirror, verbose, resume, force, quick, all;
-    bool to_stdout; /* -o -: the result goes to standard output, `output` is where it is made */
-    const char *output, *data, *from, *range, *second_range, *values, *show;
-    const char *start, *what, *table, *figure, *format, *view, *size, *section;
-    cli_list settings, parts, labels, over, of, logarithmic;
-    long seeds, seed, transient, periods, samples;
-    const cli_command *command;
-    unsigned long long given;         /* a bit for each option of the command that was there */
+    cli_list given[CLI_OPTIONS_MAX];
+    int given_count;
+    bool help;
+    const char *output; /* where the result is made: the file of -o, or what is copied to standard output */
+    bool to_stdout;
     const char *words[CLI_WORDS_MAX]; /* of the command line, but for what the results do not depend on */
     int word_count;
 } cli_request;
@@ -62,28 +61,14 @@ typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_KEYS, CLI_LIST, CLI_S
 typedef struct cli_option {
     const char *name; /* "--seeds" */
     cli_kind kind;
-    size_t offset; /* into cli_request */
-    double fallback, min, max;
     const char *argument; /* how the value is called in --help; NULL for a flag */
     const char *help;
+    double fallback, min, max; /* of a whole number, which has no default where that lies below the least */
 } cli_option;
 
-/* One option of each kind; `member` of the request takes the value. A whole number whose default lies below
- * the least value has none. */
-#define CLI_FLAG_OPTION(name, member, help)                                                                  \
-    { name, CLI_FLAG, offsetof(cli_request, member), 0, 0, 0, NULL, help }
-#define CLI_TEXT_OPTION(name, member, argument, help)                                                        \
-    { name, CLI_TEXT, offsetof(cli_request, member), 0, 0, 0, argument, help }
-#define CLI_LIST_OPTION(name, member, argument, help)                                                        \
-    { name, CLI_LIST, offsetof(cli_request, member), 0, 0, 0, argument, help }
-#define CLI_KEYS_OPTION(name, member, argument, help)                                                        \
-    { name, CLI_KEYS, offsetof(cli_request, member), 0, 0, 0, argument, help }
-#define CLI_SETTINGS_OPTION(name, member, argument, help)                                                    \
-    { name, CLI_SETTINGS, offsetof(cli_request, member), 0, 0, 0, argument, help }
-#define CLI_FILES_OPTION(name, member, argument, help)                                                       \
-    { name, CLI_FILES, offsetof(cli_request, member), 0, 0, 0, argument, help }
-#define CLI_WHOLE_OPTION(name, member, argument, fallback, min, max, help)                                   \
-    { name, CLI_WHOLE, offsetof(cli_request, member), fallback, min, max, argument, help }
+#define CLI_OPTION(name, kind, argument, help)                                                               \
+    { name, kind, argument, help, 0, 0, 0 }
+
 /* Options of the library that a command takes, all those of a table that have a flag. The member of the
  * request that they go to, and flags that the command does not take. An option of several tables goes to all
  * of them; a command's own option of the same flag goes before. */
@@ -130,7 +115,7 @@ extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, c
     cmd_continue, cmd_lyapunov, cmd_plot, cmd_spectrum, cmd_sweep, cmd_basins, cmd_export, cmd_paper;
 
 extern const cli_option cli_set, cli_section, cli_json, cli_output, cli_from, cli_resume, cli_force, cli_size,
-    cli_no_heading, cli_title, cli_keep_script;
+    cli_no_heading, cli_title, cli_keep_script, cli_swap, cli_log;
 
 /* Endings of figures; of figures that may be tables; of records. */
 extern const char *const cli_figures[], *const cli_figures_or_table[], *const cli_records[];
@@ -158,8 +143,13 @@ typedef struct cli_entry {
 bool cli_entry_at(const cli_command *command, int number, cli_entry *entry);
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
-/* Whether the option is on the command line. */
+/* The values of an option on the command line, whoever it belongs to; none where it is not there. */
+const cli_list *cli_values(const cli_request *request, const char *flag);
 bool cli_given(const cli_request *request, const char *flag);
+/* Its only value; NULL where it is not there. */
+const char *cli_text(const cli_request *request, const char *flag);
+/* The whole number of a command's own option, or its default. */
+long cli_whole(const cli_request *request, const char *flag);
 /* Run a command whose arguments have been parsed, once it is certain that it may write where it is to. The
  * exit code. */
 int cli_run(const cli_command *command, cli_request *request);
@@ -198,15 +188,16 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
 /* A line on stderr that begins with "saltus: "; returns `code`. */
 __attribute__((format(printf, 2, 3))) int cli_refuse(int code, const char *format, ...);
 /* "key=low:high"; false after a message that names the option. */
-bool cli_parse_range(const cli_option *option, const char *text, char key[SALTUS_KEY_MAX], double *low,
-                     double *high);
-/* Which of the words (NULL-terminated) the option's text is; *which stays as it is where the text is NULL.
+bool cli_parse_range(const char *flag, const char *text, char key[SALTUS_KEY_MAX], double *low, double *high);
+/* Which of the words (NULL-terminated) the option's value is; *which stays as it is where it is not there.
  * False after a message that lists the words. */
-bool cli_choose(const cli_option *option, const char *text, const char *const *words, int *which);
+bool cli_choose(const cli_request *request, const char *flag, const char *const *words, int *which);
 /* "figure: file" on stdout where writing it went well, unless --quiet says otherwise or the result itself
  * goes there. Returns `status`, how that went. */
 saltus_status cli_tell_written(const cli_request *request, const char *what, saltus_status status);
 bool cli_ends_in(const char *path, const char *ending);
+/* The motion as text, or as one JSON object where --json asks for that. */
+void cli_print_motion(const cli_request *request, const cli_setup *setup, const saltus_motion *motion);
 /* With the progress line of a settling motion, where one is shown. */
 saltus_classify_options cli_classify_options(const cli_request *request);
 /* Whether progress is shown: on a terminal, without --quiet. */

@@ -12,37 +12,30 @@ static const cli_table tables[] = {
 static const cli_option *const options[] = {&cli_set,    &cli_section, &sweep_over, &cli_output,
                                             &cli_resume, &sweep_json,  NULL};
 
-/* Whether an axis moves an entry of the initial state: q1, v1, z1 or the names of a text. */
-static bool moves_start(const saltus_scene *scene, const char *axis) {
-    char key[64];
-    snprintf(key, sizeof key, "%.*s", (int)strcspn(axis, "="), axis);
-    return saltus_spec_state_index(&scene->spec, key) >= 0;
-}
-
-static bool check_axes(const cli_request *request, const saltus_scene *scene) {
-    for (int k = 0; k < request->over.count; k++)
-        if (!moves_start(scene, request->over.items[k]))
+/* Whether every axis moves an entry of the initial state: q1, v1, z1 or the names of a text; false after a
+ * message. */
+static bool check_axes(const cli_list *over, const saltus_scene *scene) {
+    for (int k = 0; k < over->count; k++) {
+        char key[64];
+        snprintf(key, sizeof key, "%.*s", (int)strcspn(over->items[k], "="), over->items[k]);
+        if (saltus_spec_state_index(&scene->spec, key) < 0)
             return cli_refuse(false, "--over %s: must be an entry of the initial state, such as %s",
-                              request->over.items[k],
-                              saltus_model_text(scene->spec.model) ? "x or x'" : "q1 or v1");
-    return true;
-}
-
-static bool count_axes(const cli_request *request) {
-    if (request->over.count != 2 || !request->output)
-        return cli_refuse(false, "basins: needs --over q1=lo:hi:n --over v1=lo:hi:n and -o basins.h5");
+                              over->items[k], saltus_model_text(scene->spec.model) ? "x or x'" : "q1 or v1");
+    }
     return true;
 }
 
 static int run(const cli_request *request) {
+    const cli_list *over = cli_values(request, "--over");
+    saltus_sweep_options how = request->sweep;
     saltus_scene scene = {.initial_count = 0};
     saltus_message message = {.text = ""};
-    if (!count_axes(request))
-        return CLI_BAD_INPUT;
-    saltus_sweep_options how = request->sweep;
+    if (over->count != 2 || !request->output)
+        return cli_refuse(CLI_BAD_INPUT,
+                          "basins: needs --over q1=lo:hi:n --over v1=lo:hi:n and -o basins.h5");
     how.record = 1;
     saltus_status status = cli_load_scene(request, &scene, &message);
-    int code = status == SALTUS_OK && !check_axes(request, &scene)
+    int code = status == SALTUS_OK && !check_axes(over, &scene)
                    ? CLI_BAD_INPUT
                    : sweep_command(request, true, status, &scene, &how, &message);
     saltus_scene_clear(&scene);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const cli_option derivatives =
-    CLI_FLAG_OPTION("--derivatives", derivatives, "compare all derivatives with differences of whole runs");
+    CLI_OPTION("--derivatives", CLI_FLAG, NULL, "compare all derivatives with differences of whole runs");
 static const cli_option *const options[] = {&cli_set, &derivatives, NULL};
 
 static void print_stop(const saltus_spec *spec, int s) {
@@ -129,7 +129,8 @@ static saltus_status check_scene(const cli_request *request, cli_setup *setup, c
     char how[512];
     if (saltus_fixed_tell(setup->system, how, sizeof how))
         printf("equations: %s\n", how);
-    return request->derivatives ? print_derivatives(&setup->scene, setup->system, message) : SALTUS_OK;
+    return cli_given(request, "--derivatives") ? print_derivatives(&setup->scene, setup->system, message)
+                                               : SALTUS_OK;
 }
 
 static const cli_example examples[] = {

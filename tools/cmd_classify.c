@@ -8,29 +8,14 @@
 
 #include <math.h>
 
-static const cli_option seeds = CLI_WHOLE_OPTION(
-    "--seeds", seeds, "k", 0, 1, 1e6, "classify from k random initial states, list the attractors");
-static const cli_option seed =
-    CLI_WHOLE_OPTION("--seed", seed, "s", 1, 0, 4294967295.0, "seed of the random initial states");
+static const cli_option seeds = {
+    "--seeds", CLI_WHOLE, "k", "classify from k random initial states, list the attractors", 0, 1, 1e6};
+static const cli_option seed = {"--seed", CLI_WHOLE, "s",         "seed of the random initial states",
+                                1,        0,         4294967295.0};
 static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set, &cli_section, &cli_json, &seeds, &seed, NULL};
 
 static const char so_far[] = "this is what was found so far";
-
-static saltus_status classify_once(const cli_request *request, const cli_setup *setup, const char **cut,
-                                   saltus_message *message) {
-    saltus_classify_options how = cli_classify_options(request);
-    saltus_motion motion;
-    saltus_status status = saltus_classify(setup->system, setup->start.state, &how, &motion, message);
-    cli_progress_end(request);
-    if (status != SALTUS_OK)
-        return status;
-    (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, &setup->scene,
-                                                                          setup->system, &motion);
-    *cut = interrupt_asked() && motion.verdict == SALTUS_UNDECIDED ? so_far : NULL;
-    saltus_motion_clear(&motion);
-    return SALTUS_OK;
-}
 
 static void show_seeds(void *context, double done, double seeds) {
     (void)context;
@@ -40,24 +25,36 @@ static void show_seeds(void *context, double done, double seeds) {
 
 static saltus_status classify_seeds(const cli_request *request, const cli_setup *setup, const char **cut,
                                     saltus_message *message) {
+    const long seeds = cli_whole(request, "--seeds"), seed = cli_whole(request, "--seed");
     saltus_classify_options how = cli_classify_options(request);
     saltus_attractors found;
     if (cli_shows_progress(request))
         how.progress.show = show_seeds;
-    saltus_status status = saltus_attractors_find(setup->system, (int)request->seeds,
-                                                  (unsigned long)request->seed, &how, &found, message);
+    saltus_status status =
+        saltus_attractors_find(setup->system, (int)seeds, (unsigned long)seed, &how, &found, message);
     cli_progress_end(request);
     if (status != SALTUS_OK)
         return status;
-    saltus_write_attractors(stdout, &setup->scene, setup->system, &found, request->json);
-    *cut = found.seeds < request->seeds ? so_far : NULL;
+    saltus_write_attractors(stdout, &setup->scene, setup->system, &found, cli_given(request, "--json"));
+    *cut = found.seeds < seeds ? so_far : NULL;
     saltus_attractors_clear(&found);
     return SALTUS_OK;
 }
 
 static saltus_status classify(const cli_request *request, cli_setup *setup, const char **cut,
                               saltus_message *message) {
-    return (request->seeds ? classify_seeds : classify_once)(request, setup, cut, message);
+    if (cli_given(request, "--seeds"))
+        return classify_seeds(request, setup, cut, message);
+    saltus_classify_options how = cli_classify_options(request);
+    saltus_motion motion;
+    saltus_status status = saltus_classify(setup->system, setup->start.state, &how, &motion, message);
+    cli_progress_end(request);
+    if (status != SALTUS_OK)
+        return status;
+    cli_print_motion(request, setup, &motion);
+    *cut = interrupt_asked() && motion.verdict == SALTUS_UNDECIDED ? so_far : NULL;
+    saltus_motion_clear(&motion);
+    return SALTUS_OK;
 }
 
 static const cli_example examples[] = {

@@ -16,15 +16,16 @@
 enum { values_max = 256 };
 
 static const cli_option range =
-    CLI_TEXT_OPTION("--in", range, "key=lo:hi", "the parameter to continue in, and its range");
+    CLI_OPTION("--in", CLI_TEXT, "key=lo:hi", "the parameter to continue in, and its range");
 static const cli_option second_range =
-    CLI_TEXT_OPTION("--and", second_range, "key=lo:hi", "the second parameter of a locus");
-static const cli_option periods =
-    CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6,
-                     "period of the orbit to start from, where it is not that of --from");
+    CLI_OPTION("--and", CLI_TEXT, "key=lo:hi", "the second parameter of a locus");
+static const cli_option periods = {
+    "--periods", CLI_WHOLE, "p", "period of the orbit to start from, where it is not that of --from",
+    0,           1,         1e6};
 static const cli_option values =
-    CLI_TEXT_OPTION("--at", values, "v[,v...]", "values of the parameter to compute a point (UZ) at");
-static const cli_option json = CLI_FLAG_OPTION("--json", json, "one JSON object for each point on stdout");
+    CLI_OPTION("--at", CLI_TEXT, "v[,v...]", "values of the parameter to compute a point (UZ) at");
+static const cli_option json =
+    CLI_OPTION("--json", CLI_FLAG, NULL, "one JSON object for each point on stdout");
 
 static const cli_table tables[] = {CLI_TABLE(saltus_branch_table, branch, "--segments"),
                                    CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
@@ -48,60 +49,54 @@ typedef struct run_state {
     bool interrupted;
 } run_state;
 
-static bool read_values(const char *text, run_state *run) {
-    const saltus_branch_options *o = &run->options;
-    while (text) {
+/* The options of the continuation from the command line; false after a message. */
+static bool read_options(run_state *run) {
+    const cli_request *r = run->request;
+    const char *range = cli_text(r, "--in"), *second = cli_text(r, "--and");
+    saltus_branch_options *o = &run->options;
+    *o = r->branch;
+    o->values = run->values;
+    if (!r->output || !range)
+        return cli_refuse(false, "continue: needs --in key=low:high and -o branch.h5");
+    if (!o->locus != !second)
+        return cli_refuse(false, "continue: --locus and --and belong together");
+    o->orbit.tolerance = fmax(o->orbit.tolerance, 100 * o->orbit.flow.rtol);
+    /* A largest step below the usual first one bounds that too. */
+    if (!cli_given(r, "--step"))
+        o->step = fmin(o->step, o->step_max);
+    if (!cli_parse_range("--in", range, o->key[0], &o->low[0], &o->high[0]) ||
+        (second && !cli_parse_range("--and", second, o->key[1], &o->low[1], &o->high[1])))
+        return false;
+    for (const char *text = cli_text(r, "--at"); text;) {
         double value;
         const char *end = saltus_read_number_until(text, ",", &value);
-        if (run->options.value_count == values_max)
+        if (o->value_count == values_max)
             return cli_refuse(false, "--at %s: only %d values can be given", text, values_max);
         if (!end)
             return cli_refuse(false, "--at %s: must be numbers with commas between them", text);
         if (value < o->low[0] || value > o->high[0])
             return cli_refuse(false, "--at %g: is outside the range of --in, %g to %g", value, o->low[0],
                               o->high[0]);
-        run->values[run->options.value_count++] = value;
+        run->values[o->value_count++] = value;
         text = *end ? end + 1 : NULL;
     }
-    run->options.values = run->values;
     return true;
-}
-
-/* The options of the continuation from the command line; false after a message. */
-static bool read_options(run_state *run) {
-    const cli_request *r = run->request;
-    saltus_branch_options *o = &run->options;
-    *o = r->branch;
-    if (!r->output || !r->range)
-        return cli_refuse(false, "continue: needs --in key=low:high and -o branch.h5");
-    if (!o->locus != !r->second_range)
-        return cli_refuse(false, "continue: --locus and --and belong together");
-    o->orbit.tolerance = fmax(o->orbit.tolerance, 100 * o->orbit.flow.rtol);
-    /* A largest step below the usual first one bounds that too. */
-    if (!cli_given(r, "--step"))
-        o->step = fmin(o->step, o->step_max);
-    if (!cli_parse_range(&range, r->range, o->key[0], &o->low[0], &o->high[0]) ||
-        (r->second_range &&
-         !cli_parse_range(&second_range, r->second_range, o->key[1], &o->low[1], &o->high[1])))
-        return false;
-    return read_values(r->values, run);
 }
 
 /* A scene without forcing begins at the end of the range that it is followed from, where the command line
  * gives no other value. */
 static saltus_status go_to_first(run_state *run, saltus_message *message) {
     const saltus_branch_options *o = &run->options;
+    const cli_list *settings = cli_values(run->request, "--set");
     cli_setup *setup = &run->setup;
     const size_t length = strlen(o->key[0]);
     char setting[SALTUS_KEY_MAX + 32];
     if (saltus_system_forced(setup->system))
         return SALTUS_OK;
-    for (int k = 0; k < run->request->settings.count; k++)
-        if (strncmp(run->request->settings.items[k], o->key[0], length) == 0 &&
-            run->request->settings.items[k][length] == '=')
+    for (int k = 0; k < settings->count; k++)
+        if (strncmp(settings->items[k], o->key[0], length) == 0 && settings->items[k][length] == '=')
             return SALTUS_OK;
-    const double first = o->direction < 0 ? o->high[0] : o->low[0];
-    snprintf(setting, sizeof setting, "%s=%.17g", o->key[0], first);
+    snprintf(setting, sizeof setting, "%s=%.17g", o->key[0], o->direction < 0 ? o->high[0] : o->low[0]);
     saltus_status status = saltus_scene_set(&setup->scene, setting, message);
     saltus_system_free(setup->system);
     setup->system = NULL;
@@ -115,87 +110,85 @@ static saltus_status go_to_first(run_state *run, saltus_message *message) {
 static saltus_status classify_start(run_state *run, saltus_message *message) {
     saltus_classify_options how = cli_classify_options(run->request);
     how.measure = 0; /* without a period there is no orbit to start from, whatever the exponent */
+    saltus_start *start = &run->setup.start;
     saltus_motion motion = {0};
     saltus_status status = go_to_first(run, message);
     if (status == SALTUS_OK)
-        status = saltus_classify(run->setup.system, run->setup.start.state, &how, &motion, message);
+        status = saltus_classify(run->setup.system, start->state, &how, &motion, message);
     cli_progress_end(run->request);
-    run->setup.start.rests = status == SALTUS_OK && motion.eigenvalues;
-    if (status == SALTUS_OK && motion.periods < 1 && !run->setup.start.rests && interrupt_asked())
-        status = SALTUS_INTERRUPTED;
-    if (status == SALTUS_OK && motion.periods < 1 && !run->setup.start.rests)
+    start->rests = status == SALTUS_OK && motion.eigenvalues;
+    if (status == SALTUS_OK && motion.periods < 1 && !start->rests)
         status =
-            saltus_fail(message, SALTUS_BAD_INPUT,
-                        "%s: its motion is no periodic orbit to start from, but %s%s%s; name one by --from",
-                        run->setup.scene.name, motion.label, motion.reason[0] ? ": " : "", motion.reason);
+            interrupt_asked()
+                ? SALTUS_INTERRUPTED
+                : saltus_fail(
+                      message, SALTUS_BAD_INPUT,
+                      "%s: its motion is no periodic orbit to start from, but %s%s%s; name one by --from",
+                      run->setup.scene.name, motion.label, motion.reason[0] ? ": " : "", motion.reason);
     if (status == SALTUS_OK) {
-        run->setup.start.periods = motion.periods;
-        run->setup.start.own_period = motion.trivial_multiplier != 0;
-        if (run->setup.start.own_period)
+        start->periods = motion.periods;
+        start->own_period = motion.trivial_multiplier != 0;
+        if (start->own_period)
             saltus_spec_set_omega(&run->setup.scene.spec, 2 * M_PI / motion.period);
-        memcpy(run->setup.start.state, motion.state, (size_t)motion.dimension * sizeof *motion.state);
+        memcpy(start->state, motion.state, (size_t)motion.dimension * sizeof *motion.state);
     }
     saltus_motion_clear(&motion);
     return status;
 }
 
 static int begin_anew(run_state *run, saltus_message *message) {
-    const cli_request *r = run->request;
-    int code = cli_build(r, &run->setup);
+    const long periods = cli_whole(run->request, "--periods");
+    saltus_start *start = &run->setup.start;
+    int code = cli_build(run->request, &run->setup);
     if (code != CLI_DONE)
         return code;
-    const bool given = cli_on_orbit(&run->setup) || run->setup.start.rests;
+    const bool given = cli_on_orbit(&run->setup) || start->rests;
     saltus_status status = given ? SALTUS_OK : classify_start(run, message);
-    if (r->periods && status == SALTUS_OK && run->setup.start.rests)
+    if (periods && status == SALTUS_OK && start->rests)
         status = saltus_fail(message, SALTUS_BAD_INPUT,
-                             "--periods %ld: the start is an equilibrium, which has no period", r->periods);
-    if (r->periods)
-        run->setup.start.periods = (int)r->periods;
+                             "--periods %ld: the start is an equilibrium, which has no period", periods);
+    if (periods)
+        start->periods = (int)periods;
     return cli_report(status, message);
-}
-
-static bool same_way(const saltus_branch_options *a, const saltus_branch_options *b) {
-    bool same = a->locus == b->locus;
-    for (int k = 0; k < 2; k++)
-        same = same && strcmp(a->key[k], b->key[k]) == 0 &&
-               (!a->key[k][0] || (a->low[k] == b->low[k] && a->high[k] == b->high[k]));
-    return same;
 }
 
 /* Whether the command line asks for the run that is in the file. */
 static bool same_run(const run_state *run, saltus_message *message) {
     const saltus_branch_file *file = &run->earlier;
+    const saltus_branch_options *a = &run->options, *b = &file->options;
     saltus_scene changed = {.spec = file->spec};
-    if (strcmp(run->setup.scene.name, file->scene) == 0 &&
-        saltus_model_same(run->setup.scene.spec.model, file->spec.model) &&
-        same_way(&run->options, &file->options) &&
-        cli_apply_settings(run->request, &changed, message) == SALTUS_OK &&
+    bool same = strcmp(run->setup.scene.name, file->scene) == 0 && a->locus == b->locus &&
+                saltus_model_same(run->setup.scene.spec.model, file->spec.model);
+    for (int k = 0; k < 2; k++)
+        same = same && strcmp(a->key[k], b->key[k]) == 0 &&
+               (!a->key[k][0] || (a->low[k] == b->low[k] && a->high[k] == b->high[k]));
+    if (same && cli_apply_settings(run->request, &changed, message) == SALTUS_OK &&
         saltus_spec_equal(&changed.spec, &file->spec))
         return true;
     saltus_fail(message, SALTUS_BAD_INPUT,
                 "--resume: %.200s holds another run (of %.60s in %s from %g to %g); repeat its command line",
-                run->request->output, file->scene, file->options.key[0], file->options.low[0],
-                file->options.high[0]);
+                run->request->output, file->scene, b->key[0], b->low[0], b->high[0]);
     return false;
 }
 
 /* Take over the start, the options and the points of an interrupted run. */
 static int begin_again(run_state *run, saltus_message *message) {
     saltus_branch_file *file = &run->earlier;
+    saltus_scene *scene = &run->setup.scene;
     saltus_status status = saltus_branch_file_read(run->request->output, file, message);
     if (status == SALTUS_OK)
-        status = cli_read_scene(run->request->scene, &run->setup.scene, message);
+        status = cli_read_scene(run->request->scene, scene, message);
     if (status == SALTUS_OK && !same_run(run, message))
         status = SALTUS_BAD_INPUT;
     if (status == SALTUS_OK && file->dimension > SALTUS_SCENE_STATE_MAX)
         status =
             saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: the state is too long", run->request->output);
     if (status == SALTUS_OK) {
-        const saltus_model *own = run->setup.scene.spec.model;
-        run->setup.scene.spec = file->spec;
-        run->setup.scene.spec.model = own;
-        snprintf(run->setup.scene.name, sizeof run->setup.scene.name, "%s", file->scene);
-        snprintf(run->setup.scene.title, sizeof run->setup.scene.title, "%s", file->title);
+        const saltus_model *own = scene->spec.model;
+        scene->spec = file->spec;
+        scene->spec.model = own;
+        snprintf(scene->name, sizeof scene->name, "%s", file->scene);
+        snprintf(scene->title, sizeof scene->title, "%s", file->title);
         run->setup.start.periods = file->periods;
         run->setup.start.rests = file->periods == 0;
         memcpy(run->setup.start.state, file->state, (size_t)file->dimension * sizeof *file->state);
@@ -206,52 +199,41 @@ static int begin_again(run_state *run, saltus_message *message) {
     return cli_report(status == SALTUS_IO ? SALTUS_BAD_INPUT : status, message);
 }
 
-/* A progress line where stderr is a terminal. */
-static void show_progress(const run_state *run, const saltus_branch_point *point) {
-    if (!cli_shows_progress(run->request))
-        return;
-    const double leading = point->multiplier_count ? point->multipliers[0].log_modulus : -INFINITY;
-    progress_line("%s = %.9g  branch %d  step %d  %s  largest %s %.4g%s%s", run->options.key[0],
-                  point->value[0], point->branch, point->step, point->label,
-                  point->periods ? "multiplier" : "real part", point->periods ? exp(leading) : leading,
-                  point->kind == SALTUS_POINT_REGULAR ? "" : "  ", saltus_point_word(point->kind));
-}
-
 /* One point counted and, if wished, onto stdout. */
 static void tell(run_state *run, const saltus_branch_point *point) {
     run->rows++;
     if (point->branch >= run->branches)
         run->branches = point->branch + 1;
-    if (run->request->json)
+    if (cli_given(run->request, "--json"))
         saltus_write_point_json(stdout, &run->setup.scene, run->setup.system, point);
 }
 
-/* A point, and what the run goes on from after it, into the file. */
-static saltus_status keep(run_state *run, const saltus_branch_point *point, saltus_message *message) {
+/* Point after point, each told and, with what the run goes on from after it, into the file. */
+static saltus_status follow(run_state *run, saltus_message *message) {
+    const bool shown = cli_shows_progress(run->request);
+    const saltus_branch_point *point = NULL;
+    saltus_status status;
     double *numbers;
     int count;
-    tell(run, point);
-    saltus_status status = saltus_branch_output_add(run->output, point, message);
-    if (status == SALTUS_OK)
-        status = saltus_branch_save(run->branch, &numbers, &count, message);
-    if (status == SALTUS_OK)
-        saltus_branch_output_resume(run->output, numbers, count);
-    return status;
-}
-
-static saltus_status follow(run_state *run, saltus_message *message) {
-    const saltus_branch_point *point = NULL;
-    saltus_status status = SALTUS_OK;
-    do {
-        status = saltus_branch_step(run->branch, &point, message);
-        if (status == SALTUS_OK && point) {
-            status = keep(run, point, message);
-            show_progress(run, point);
-        }
-    } while (status == SALTUS_OK && point && !ferror(stdout));
+    while ((status = saltus_branch_step(run->branch, &point, message)) == SALTUS_OK && point) {
+        tell(run, point);
+        status = saltus_branch_output_add(run->output, point, message);
+        if (status == SALTUS_OK)
+            status = saltus_branch_save(run->branch, &numbers, &count, message);
+        if (status == SALTUS_OK)
+            saltus_branch_output_resume(run->output, numbers, count);
+        const double leading = point->multiplier_count ? point->multipliers[0].log_modulus : -INFINITY;
+        if (shown)
+            progress_line("%s = %.9g  branch %d  step %d  %s  largest %s %.4g%s%s", run->options.key[0],
+                          point->value[0], point->branch, point->step, point->label,
+                          point->periods ? "multiplier" : "real part",
+                          point->periods ? exp(leading) : leading,
+                          point->kind == SALTUS_POINT_REGULAR ? "" : "  ", saltus_point_word(point->kind));
+        if (status != SALTUS_OK || ferror(stdout))
+            break;
+    }
     run->interrupted = status == SALTUS_INTERRUPTED;
-    if (cli_shows_progress(run->request))
-        progress_line("%s", "");
+    cli_progress_end(run->request);
     return run->interrupted ? SALTUS_OK : status;
 }
 
@@ -268,7 +250,7 @@ static saltus_status take_over(run_state *run, saltus_message *message) {
                              file->point_count, kept);
     if (status != SALTUS_OK)
         return saltus_fail(message, status, "--resume: %.200s: %.300s", run->request->output, why.text);
-    if (run->request->resume)
+    if (cli_given(run->request, "--resume"))
         status = saltus_branch_output_take_over(run->output, file, kept, message);
     for (int k = 0; k < kept && status == SALTUS_OK; k++)
         tell(run, &file->points[k]);
@@ -315,7 +297,7 @@ static saltus_status print_table(const run_state *run, saltus_message *message) 
 
 static int compute(run_state *run) {
     saltus_message message = {.text = ""}, closing = {.text = ""};
-    int code = run->request->resume ? begin_again(run, &message) : begin_anew(run, &message);
+    int code = (cli_given(run->request, "--resume") ? begin_again : begin_anew)(run, &message);
     if (code == CLI_DONE)
         code = open_branch(run, &message);
     if (code != CLI_DONE)
@@ -326,7 +308,7 @@ static int compute(run_state *run) {
     bool complete = status == SALTUS_OK && !run->interrupted && !ferror(stdout);
     saltus_status written = saltus_branch_output_close(run->output, complete, &closing);
     run->output = NULL;
-    if (!run->request->json && status == SALTUS_OK && written == SALTUS_OK && run->rows)
+    if (!cli_given(run->request, "--json") && status == SALTUS_OK && written == SALTUS_OK && run->rows)
         status = print_table(run, &message);
     if (status != SALTUS_OK || written != SALTUS_OK)
         return cli_report(status != SALTUS_OK ? status : written, status != SALTUS_OK ? &message : &closing);
@@ -340,11 +322,10 @@ static int compute(run_state *run) {
 
 static int run(const cli_request *request) {
     run_state *state = calloc(1, sizeof *state);
-    int code = CLI_FAILED;
     if (!state)
-        return cli_refuse(code, "no memory");
+        return cli_refuse(CLI_FAILED, "no memory");
     state->request = request;
-    code = read_options(state) ? compute(state) : CLI_BAD_INPUT;
+    int code = read_options(state) ? compute(state) : CLI_BAD_INPUT;
     saltus_branch_output_close(state->output, false, NULL);
     saltus_branch_free(state->branch);
     saltus_branch_file_clear(&state->earlier);

@@ -6,7 +6,7 @@
 #include "motion/options.h"
 
 static const cli_option data =
-    CLI_TEXT_OPTION("--data", data, "file.h5", "keep the data there, and gnuplot's script beside it (.gp)");
+    CLI_OPTION("--data", CLI_TEXT, "file.h5", "keep the data there, and gnuplot's script beside it (.gp)");
 static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set, &cli_section,       &cli_from, &cli_output,
                                             &data,    CLI_FIGURE_OPTIONS, NULL};
@@ -81,7 +81,7 @@ static saltus_status diagnose(const cli_request *request, cli_setup *setup, cons
         const saltus_diagnosis diagnosis = {&p.motion, &p.record, p.sectioned ? &p.section : NULL,
                                             p.analysed ? &p.spectra : NULL};
         status = saltus_write_sheet(request->output, scene, system, &how.flow, &diagnosis, &request->look,
-                                    request->data, message);
+                                    cli_text(request, "--data"), message);
     }
     if (status == SALTUS_OK || (classified && interrupt_asked()))
         saltus_write_motion_text(stdout, scene, system, &p.motion);

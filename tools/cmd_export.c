@@ -5,9 +5,9 @@
 #include <string.h>
 
 static const cli_option table =
-    CLI_TEXT_OPTION("--table", table, "which",
-                    "of a sweep rows (default), turning, impacts or stroboscopic; of a "
-                    "branch points (default) or events; of a trajectory samples (default), events or strobe");
+    CLI_OPTION("--table", CLI_TEXT, "which",
+               "of a sweep rows (default), turning, impacts or stroboscopic; of a "
+               "branch points (default) or events; of a trajectory samples (default), events or strobe");
 
 static const cli_option *const options[] = {&table, &cli_output, NULL};
 
@@ -18,27 +18,26 @@ static int run(const cli_request *request) {
                                          NULL}; /* saltus_table */
     static const char *const all[] = {"rows",    "turning", "impacts", "stroboscopic", "points", "events",
                                       "samples", "strobe",  NULL};
+    const char *input = request->inputs[0];
+    saltus_sweep_file file = {.row_count = 0};
     saltus_message message = {.text = ""};
+    saltus_status status;
     int wanted = SALTUS_TABLE_ROWS;
-    if (!request->input_count || !request->output)
+    if (!input || !request->output)
         return cli_refuse(CLI_BAD_INPUT, "export: needs a file and -o table.csv");
-    if (!cli_choose(&table, request->table, all, &wanted))
+    if (!cli_choose(request, "--table", all, &wanted))
         return CLI_BAD_INPUT;
-    const saltus_file_facts facts = saltus_file_identify(request->inputs[0]);
-    if (strcmp(facts.kind, "branch") == 0 || strcmp(facts.kind, "trajectory") == 0) {
-        const saltus_status written =
-            saltus_write_csv(request->output, request->inputs[0], request->table, &message);
-        return cli_report(cli_tell_written(request, "table", written), &message);
+    const saltus_file_facts facts = saltus_file_identify(input);
+    if (strcmp(facts.kind, "branch") == 0 || strcmp(facts.kind, "trajectory") == 0)
+        status = saltus_write_csv(request->output, input, cli_text(request, "--table"), &message);
+    else {
+        if (!cli_choose(request, "--table", tables, &wanted))
+            return CLI_BAD_INPUT;
+        status = saltus_sweep_file_read(input, &file, &message);
+        if (status == SALTUS_OK)
+            status = saltus_write_sweep_csv(request->output, &file, (saltus_table)wanted, &message);
+        saltus_sweep_file_clear(&file);
     }
-    wanted = SALTUS_TABLE_ROWS;
-    if (!cli_choose(&table, request->table, tables, &wanted))
-        return CLI_BAD_INPUT;
-    saltus_sweep_file file;
-    saltus_status status = saltus_sweep_file_read(request->inputs[0], &file, &message);
-    if (status != SALTUS_OK)
-        return cli_report(status, &message);
-    status = saltus_write_sweep_csv(request->output, &file, (saltus_table)wanted, &message);
-    saltus_sweep_file_clear(&file);
     return cli_report(cli_tell_written(request, "table", status), &message);
 }
 

@@ -6,7 +6,7 @@
 #include "motion/options.h"
 #include "progress.h"
 
-static const cli_option all = CLI_FLAG_OPTION("--all", all, "all exponents, not the largest one alone");
+static const cli_option all = CLI_OPTION("--all", CLI_FLAG, NULL, "all exponents, not the largest one alone");
 static const cli_table tables[] = {CLI_TABLE(saltus_lyapunov_table, lyapunov, NULL), {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set,  &cli_section, &cli_from,          &all,
                                             &cli_json, &cli_output,  CLI_FIGURE_OPTIONS, NULL};
@@ -21,37 +21,24 @@ static void show(void *context, double done, double at_most) {
     progress_line("%.0f %% of at most %.0f periods%s", 100 * done / at_most, at_most, found);
 }
 
-static saltus_status choose(const cli_request *request, const saltus_system *system,
-                            saltus_lyapunov_options *how, saltus_message *message) {
-    int n = saltus_system_dimension(system);
-    *how = request->lyapunov;
-    if (request->all)
-        how->exponents = 0;
-    if (request->all && cli_given(request, "--exponents"))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--all and --exponents %d: only one can be given",
-                           request->lyapunov.exponents);
-    if (how->exponents > n)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %d: the scene has %d", how->exponents, n);
-    return SALTUS_OK;
-}
-
 /* The numbers first: a figure that cannot be drawn does not take them along. */
 static saltus_status deliver(const cli_request *request, const cli_setup *setup,
                              const saltus_lyapunov_options *how, const saltus_lyapunov *result,
                              saltus_message *message) {
-    (request->json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, &setup->scene,
-                                                                              setup->system, how, result);
+    const bool json = cli_given(request, "--json");
+    (json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, &setup->scene, setup->system,
+                                                                     how, result);
     if (!request->output)
         return SALTUS_OK;
     saltus_status status = saltus_write_convergence(request->output, &setup->scene, setup->system, how,
                                                     result, &request->look, message);
-    return request->json ? status : cli_tell_written(request, "convergence", status);
+    return json ? status : cli_tell_written(request, "convergence", status);
 }
 
 /* With --from an orbit: its exponents are known from its multipliers. */
-static saltus_status run_orbit(const cli_request *request, cli_setup *setup,
-                               const saltus_lyapunov_options *how, saltus_lyapunov *result,
-                               saltus_message *message) {
+static saltus_status take_orbit(const cli_request *request, cli_setup *setup,
+                                const saltus_lyapunov_options *how, saltus_lyapunov *result,
+                                saltus_message *message) {
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_motion motion;
     if (request->output)
@@ -70,13 +57,22 @@ static saltus_status run_orbit(const cli_request *request, cli_setup *setup,
 
 static saltus_status measure(const cli_request *request, cli_setup *setup, const char **cut,
                              saltus_message *message) {
-    saltus_lyapunov_options how;
+    const int given = request->lyapunov.exponents, dimension = saltus_system_dimension(setup->system);
+    const bool all = cli_given(request, "--all"), shown = cli_shows_progress(request);
+    saltus_lyapunov_options how = request->lyapunov;
     saltus_lyapunov result = {0};
-    bool shown = cli_shows_progress(request), interrupted = false;
-    saltus_status status = choose(request, setup->system, &how, message);
-    if (status == SALTUS_OK && cli_names_orbit(setup))
-        status = run_orbit(request, setup, &how, &result, message);
-    else if (status == SALTUS_OK) {
+    saltus_status status;
+    bool interrupted = false;
+    if (all)
+        how.exponents = 0;
+    if (all && cli_given(request, "--exponents"))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--all and --exponents %d: only one can be given",
+                           given);
+    if (how.exponents > dimension)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %d: the scene has %d", given, dimension);
+    if (cli_names_orbit(setup))
+        status = take_orbit(request, setup, &how, &result, message);
+    else {
         how.progress = (saltus_progress){shown ? show : NULL, &result};
         if (shown)
             progress_line("settling: %lld periods", how.transient);

@@ -6,19 +6,21 @@
 #include "orbit/options.h"
 #include "progress.h"
 
-static const cli_option periods =
-    CLI_WHOLE_OPTION("--periods", periods, "p", 0, 1, 1e6,
-                     "period of the orbit, in forcing periods, without forcing in returns to the section");
-static const cli_option transient =
-    CLI_WHOLE_OPTION("--transient", transient, "n", 200, 0, 1e12,
-                     "without --from: periods of the flow before Newton's method begins");
+static const cli_option periods = {
+    "--periods", CLI_WHOLE,
+    "p",         "period of the orbit, in forcing periods, without forcing in returns to the section",
+    0,           1,
+    1e6};
+static const cli_option transient = {
+    "--transient", CLI_WHOLE, "n", "without --from: periods of the flow before Newton's method begins",
+    200,           0,         1e12};
 static const cli_option mirror =
-    CLI_FLAG_OPTION("--mirror", mirror, "begin with the mirror image of the start");
-static const cli_option verbose = CLI_FLAG_OPTION("--verbose", verbose, "Newton's residuals on stderr");
+    CLI_OPTION("--mirror", CLI_FLAG, NULL, "begin with the mirror image of the start");
+static const cli_option verbose = CLI_OPTION("--verbose", CLI_FLAG, NULL, "Newton's residuals on stderr");
 
-static const cli_option unstable = CLI_FLAG_OPTION(
-    "--unstable", unstable,
-    "instead list all orbits, stable or not, of periods up to p (default 8) near the trajectory");
+static const cli_option unstable =
+    CLI_OPTION("--unstable", CLI_FLAG, NULL,
+               "instead list all orbits, stable or not, of periods up to p (default 8) near the trajectory");
 
 static const cli_table tables[] = {CLI_TABLE(saltus_orbit_table, orbit, NULL),
                                    CLI_TABLE(saltus_harvest_table, harvest, NULL),
@@ -31,54 +33,33 @@ static void print_step(void *context, int iteration, double residual, const char
     fprintf(stderr, "step %2d  residual %.3e  %s\n", iteration, residual, what);
 }
 
-/* Where Newton's method begins: the settled trajectory or the file's orbit, or its mirror image. */
-static saltus_status prepare(const cli_request *request, cli_setup *setup, saltus_message *message) {
-    const saltus_flow_options *flow = &request->orbit.flow;
-    saltus_status status = SALTUS_OK;
-    if (!cli_on_orbit(setup) && !setup->start.rests)
-        status = saltus_motion_settle(setup->system, flow, request->transient, setup->start.state, message);
-    if (status == SALTUS_OK && request->mirror)
-        status = saltus_motion_mirror(setup->system, flow, setup->start.state, message);
-    return status;
-}
-
-static saltus_status find(const cli_request *request, const cli_setup *setup, int p,
-                          saltus_message *message) {
+/* A scene with forcing: an orbit of so many periods. */
+static saltus_status find(const cli_request *request, const cli_setup *setup, int periods,
+                          saltus_motion *motion, saltus_message *message) {
     saltus_orbit_options how = request->orbit;
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_orbit orbit = {0};
-    saltus_motion motion = {0};
     describing.flow = how.flow;
     if (how.tolerance < 100 * how.flow.rtol)
         how.tolerance = 100 * how.flow.rtol;
-    if (request->verbose)
+    if (cli_given(request, "--verbose"))
         how.history = print_step;
-    saltus_status status = saltus_orbit_find(setup->system, p, setup->start.state, &how, &orbit, message);
+    saltus_status status =
+        saltus_orbit_find(setup->system, periods, setup->start.state, &how, &orbit, message);
     if (status == SALTUS_OK)
-        status = saltus_motion_describe(setup->system, &orbit, &describing, &motion, message);
-    if (status == SALTUS_OK)
-        (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, &setup->scene,
-                                                                              setup->system, &motion);
-    saltus_motion_clear(&motion);
+        status = saltus_motion_describe(setup->system, &orbit, &describing, motion, message);
     saltus_orbit_clear(&orbit);
     return status;
 }
 
 /* A scene without forcing: an orbit of so many returns to the section, or that of --from. */
 static saltus_status find_cycle(const cli_request *request, const cli_setup *setup, int returns,
-                                saltus_message *message) {
+                                saltus_motion *motion, saltus_message *message) {
     saltus_classify_options how = saltus_classify_defaults();
-    saltus_motion motion = {0};
     how.flow = request->harvest.flow;
-    saltus_status status =
-        setup->start.own_period && (!request->periods || (int)request->periods == setup->start.periods)
-            ? saltus_motion_cycle(setup->system, setup->start.state, &how, &motion, message)
-            : saltus_motion_returning(setup->system, setup->start.state, returns, &how, &motion, message);
-    if (status == SALTUS_OK)
-        (request->json ? saltus_write_motion_json : saltus_write_motion_text)(stdout, &setup->scene,
-                                                                              setup->system, &motion);
-    saltus_motion_clear(&motion);
-    return status;
+    return setup->start.own_period && returns == setup->start.periods
+               ? saltus_motion_cycle(setup->system, setup->start.state, &how, motion, message)
+               : saltus_motion_returning(setup->system, setup->start.state, returns, &how, motion, message);
 }
 
 /* A scene without forcing: an equilibrium. */
@@ -88,9 +69,33 @@ static saltus_status find_equilibrium(const cli_request *request, const cli_setu
     saltus_equilibrium rest = {0};
     saltus_status status = saltus_equilibrium_find(setup->system, setup->start.state, &how, &rest, message);
     if (status == SALTUS_OK)
-        (request->json ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(stdout, &setup->scene,
-                                                                                        setup->system, &rest);
+        (cli_given(request, "--json") ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(
+            stdout, &setup->scene, setup->system, &rest);
     saltus_equilibrium_clear(&rest);
+    return status;
+}
+
+/* Newton's method, from the settled trajectory or the file's orbit, or its mirror image. */
+static saltus_status find_one(const cli_request *request, cli_setup *setup, int periods,
+                              saltus_message *message) {
+    const saltus_flow_options *flow = &request->orbit.flow;
+    const long transient = cli_whole(request, "--transient");
+    double *state = setup->start.state;
+    saltus_motion motion = {0};
+    saltus_status status = SALTUS_OK;
+    if (!cli_on_orbit(setup) && !setup->start.rests)
+        status = saltus_motion_settle(setup->system, flow, transient, state, message);
+    if (status == SALTUS_OK && cli_given(request, "--mirror"))
+        status = saltus_motion_mirror(setup->system, flow, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (!periods)
+        return find_equilibrium(request, setup, message);
+    status =
+        (saltus_system_forced(setup->system) ? find : find_cycle)(request, setup, periods, &motion, message);
+    if (status == SALTUS_OK)
+        cli_print_motion(request, setup, &motion);
+    saltus_motion_clear(&motion);
     return status;
 }
 
@@ -118,20 +123,20 @@ static saltus_status write_lines(const cli_setup *setup, const saltus_flow_optio
 }
 
 static saltus_status harvest(const cli_request *request, const cli_setup *setup, saltus_message *message) {
+    const int longest = (int)cli_whole(request, "--periods");
+    const bool json = cli_given(request, "--json");
     saltus_harvest_options how = request->harvest;
     saltus_harvest found = {0};
-    bool terminal = cli_shows_progress(request);
-    how.longest = request->periods ? (int)request->periods : how.longest;
-    how.transient = request->transient;
+    how.longest = longest ? longest : how.longest;
+    how.transient = cli_whole(request, "--transient");
     how.state = setup->start.state;
-    how.progress.show = terminal ? show_share : NULL;
+    how.progress.show = cli_shows_progress(request) ? show_share : NULL;
     saltus_status status = saltus_harvest_run(setup->system, &how, &found, message);
-    if (terminal)
-        progress_line("%s", "");
-    if (status == SALTUS_OK && request->json && found.count == 0)
+    cli_progress_end(request);
+    if (status == SALTUS_OK && json && found.count == 0)
         fprintf(stderr, "saltus: orbit: no periodic orbit of a period up to %d T was found in %lld periods\n",
                 how.longest, how.periods);
-    if (status == SALTUS_OK && request->json)
+    if (status == SALTUS_OK && json)
         status = write_lines(setup, &how.flow, &found, message);
     else if (status == SALTUS_OK)
         saltus_write_harvest_text(stdout, &setup->scene, setup->system, &found);
@@ -141,19 +146,13 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
 
 static saltus_status find_orbits(const cli_request *request, cli_setup *setup, const char **cut,
                                  saltus_message *message) {
-    bool forced = saltus_system_forced(setup->system);
-    int p = request->periods ? (int)request->periods : setup->start.periods;
-    saltus_status status = SALTUS_OK;
-    if (!p && forced && !request->unstable)
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "orbit: needs --periods p, or --from an orbit");
-    if (status == SALTUS_OK && !request->unstable)
-        status = prepare(request, setup, message);
-    if (status == SALTUS_OK)
-        status = request->unstable ? harvest(request, setup, message)
-                 : forced          ? find(request, setup, p, message)
-                 : p               ? find_cycle(request, setup, p, message)
-                                   : find_equilibrium(request, setup, message);
-    if (status == SALTUS_OK && request->unstable && interrupt_asked())
+    const int given = (int)cli_whole(request, "--periods"), periods = given ? given : setup->start.periods;
+    if (!cli_given(request, "--unstable") && !periods && saltus_system_forced(setup->system))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "orbit: needs --periods p, or --from an orbit");
+    if (!cli_given(request, "--unstable"))
+        return find_one(request, setup, periods, message);
+    saltus_status status = harvest(request, setup, message);
+    if (status == SALTUS_OK && interrupt_asked())
         *cut = "these are the orbits found so far";
     return status;
 }

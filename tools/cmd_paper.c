@@ -12,67 +12,57 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const cli_option figure = CLI_TEXT_OPTION("--figure", figure, "n", "this figure only, 2 to 8");
+static const cli_option figure = CLI_OPTION("--figure", CLI_TEXT, "n", "this figure only, 2 to 8");
 static const cli_option folder =
-    CLI_TEXT_OPTION("-o", output, "folder", "where figures and data go (default paper)");
-static const cli_option format =
-    CLI_TEXT_OPTION("--format", format, "ending", "png, pdf or svg (default png)");
-static const cli_option quick = CLI_FLAG_OPTION("--quick", quick, "fewer values and shorter runs, to try it");
+    CLI_OPTION("-o", CLI_TEXT, "folder", "where figures and data go (default paper)");
+static const cli_option format = CLI_OPTION("--format", CLI_TEXT, "ending", "png, pdf or svg (default png)");
+static const cli_option quick =
+    CLI_OPTION("--quick", CLI_FLAG, NULL, "fewer values and shorter runs, to try it");
 static const cli_option resume =
-    CLI_FLAG_OPTION("--resume", resume, "go on where an earlier run was interrupted");
+    CLI_OPTION("--resume", CLI_FLAG, NULL, "go on where an earlier run was interrupted");
 
 static const cli_option *const options[] = {&figure, &folder, &format, &quick, &resume, &cli_force, NULL};
 
 /* Commands that the list may use. */
 static const cli_command *const known[] = {&cmd_sweep, &cmd_basins, &cmd_plot, &cmd_diagnose, &cmd_simulate};
 
-enum { line_size = 1024, words_max = 64 };
+enum { line_size = 1024, words_max = 64, added_max = 3 };
 
-/* A line of the list, cut into words as a shell does, with double quotes. */
-typedef struct command_line {
-    char text[line_size];
-    char *words[words_max];
-    int count;
-} command_line;
-
-/* What {...} stands for: the first of two alternatives or the second, or the figures' ending. */
-static size_t put_choice(const cli_request *request, const char *from, size_t length, char *to) {
-    const char *bar = memchr(from, '|', length);
-    if (!bar) {
-        from = request->format ? request->format : "png";
-        length = strlen(from);
-    } else if (request->quick) {
-        length -= (size_t)(bar + 1 - from);
-        from = bar + 1;
-    } else
-        length = (size_t)(bar - from);
-    memcpy(to, from, length);
-    return length;
-}
-
-/* A choice is never longer than its braces, but for the ending: three letters for eight. */
+/* The line with its choices made: of {a|b} the first or the second, for {format} the figures' ending. None is
+ * longer than its braces, but for the ending: three letters for eight. */
 static void fill_in(const cli_request *request, const char *line, size_t length, char text[line_size]) {
+    const char *format = cli_text(request, "--format"), *stop = line + length;
     size_t used = 0;
-    for (size_t k = 0; k < length && used + 1 < line_size; k++) {
-        const char *end = line[k] == '{' ? memchr(line + k, '}', length - k) : NULL;
-        if (end) {
-            used += put_choice(request, line + k + 1, (size_t)(end - line) - k - 1, text + used);
-            k = (size_t)(end - line);
-        } else
-            text[used++] = line[k];
+    for (const char *at = line; at < stop && used + 1 < line_size; at++) {
+        const char *end = *at == '{' ? memchr(at, '}', (size_t)(stop - at)) : NULL;
+        if (!end) {
+            text[used++] = *at;
+            continue;
+        }
+        const char *from = at + 1, *to = end, *bar = memchr(from, '|', (size_t)(end - from));
+        if (!bar) {
+            from = format ? format : "png";
+            to = from + strlen(from);
+        } else if (cli_given(request, "--quick"))
+            from = bar + 1;
+        else
+            to = bar;
+        memcpy(text + used, from, (size_t)(to - from));
+        used += (size_t)(to - from);
+        at = end;
     }
     text[used] = '\0';
 }
 
-static void cut(command_line *c) {
-    char *from = c->text, *to = c->text;
-    c->count = 0;
-    while (*from && c->count < words_max) {
+/* Cut a line into words as a shell does, with double quotes; how many there are. */
+static int cut(char *text, char *words[words_max]) {
+    int count = 0;
+    for (char *from = text, *to = text; *from && count < words_max;) {
         while (*from == ' ')
             from++;
         if (!*from)
             break;
-        c->words[c->count++] = to;
+        words[count++] = to;
         for (bool quoted = false; *from && (quoted || *from != ' '); from++)
             if (*from == '"')
                 quoted = !quoted;
@@ -81,29 +71,30 @@ static void cut(command_line *c) {
         from += *from == ' ';
         *to++ = '\0';
     }
+    return count;
 }
 
-static const cli_command *find_command(const char *name) {
-    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
-        if (strcmp(known[k]->name, name) == 0)
-            return known[k];
-    return NULL;
-}
-
-static int run_line(const cli_request *request, command_line *c) {
-    const cli_command *command = c->count ? find_command(c->words[0]) : NULL;
+static int run_line(const cli_request *request, char *text) {
+    const bool goes_on = cli_given(request, "--resume");
+    char *words[words_max + added_max], quietly[] = "--quiet", again[] = "--resume", anew[] = "--force";
+    int count = cut(text, words);
+    const cli_command *command = NULL;
     cli_request inner;
+    for (size_t k = 0; k < sizeof known / sizeof known[0] && count; k++)
+        if (strcmp(known[k]->name, words[0]) == 0)
+            command = known[k];
     if (!command)
-        return cli_refuse(CLI_FAILED, "paper: %.100s: no command of the list of figures", c->text);
+        return cli_refuse(CLI_FAILED, "paper: %.100s: no command of the list of figures", text);
     if (!command->together && (ranks_here() > 0 || interrupt_asked()))
         return CLI_DONE;
-    if (!cli_parse(command, c->count - 1, c->words + 1, &inner))
-        return CLI_FAILED;
-    inner.quiet = request->quiet;
+    if (cli_given(request, "--quiet"))
+        words[count++] = quietly;
     /* One that has not been begun begins. */
-    inner.resume = request->resume && command->together;
-    inner.force = request->force || (request->resume && !inner.resume);
-    return cli_run(command, &inner);
+    if (goes_on && command->together)
+        words[count++] = again;
+    else if (goes_on || cli_given(request, "--force"))
+        words[count++] = anew;
+    return cli_parse(command, count - 1, words + 1, &inner) ? cli_run(command, &inner) : CLI_FAILED;
 }
 
 /* The number of the figure that a line begins, or 0. */
@@ -115,15 +106,13 @@ static int figure_of(const char *line, size_t length) {
     return number;
 }
 
-/* Several processes end together, by the next sweep: there they hear of each other's signals. */
-static bool goes_on(void) {
-    return !interrupt_asked() || ranks_count() > 1;
-}
-
 static int run_figures(const cli_request *request) {
-    command_line c;
-    int current = 0, wanted = request->figure ? request->figure[0] - '0' : 0, code = CLI_DONE;
-    for (const char *line = paper_figures; *line && code == CLI_DONE && goes_on();) {
+    const char *number = cli_text(request, "--figure");
+    int current = 0, wanted = number ? number[0] - '0' : 0, code = CLI_DONE;
+    char text[line_size];
+    /* Several processes end together, by the next sweep: there they hear of each other's signals. */
+    for (const char *line = paper_figures;
+         *line && code == CLI_DONE && (!interrupt_asked() || ranks_count() > 1);) {
         size_t length = strcspn(line, "\n");
         int begins = figure_of(line, length);
         current = begins ? begins : current;
@@ -131,9 +120,8 @@ static int run_figures(const cli_request *request) {
         if (asked && begins)
             printf("%.*s\n", (int)length, line);
         else if (asked && length && line[0] != '#') {
-            fill_in(request, line, length, c.text);
-            cut(&c);
-            code = run_line(request, &c);
+            fill_in(request, line, length, text);
+            code = run_line(request, text);
             fflush(stdout);
         }
         line += length + (line[length] == '\n');
@@ -161,13 +149,13 @@ static bool enter(const char *path) {
 
 static int run(const cli_request *request) {
     static const char *const formats[] = {"png", "pdf", "svg", NULL};
-    const char *number = request->figure;
+    const char *number = cli_text(request, "--figure");
     int chosen = 0;
     if (request->input_count)
         return cli_refuse(CLI_BAD_INPUT, "%s: unexpected; paper takes options only", request->inputs[0]);
     if (number && (number[0] < '2' || number[0] > '8' || number[1]))
         return cli_refuse(CLI_BAD_INPUT, "--figure %s: must be from 2 to 8", number);
-    if (!cli_choose(&format, request->format, formats, &chosen))
+    if (!cli_choose(request, "--format", formats, &chosen))
         return CLI_BAD_INPUT;
     if (!enter(request->output ? request->output : "paper"))
         return CLI_FAILED;

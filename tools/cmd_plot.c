@@ -9,34 +9,29 @@
 #include <string.h>
 
 static const cli_option show =
-    CLI_TEXT_OPTION("--show", show, "what",
-                    "speed (largest of an orbit), impacts (the speed of each), displacement, velocity, "
-                    "period or amplitude (largest and smallest displacement)");
+    CLI_OPTION("--show", CLI_TEXT, "what",
+               "speed (largest of an orbit), impacts (the speed of each), displacement, velocity, "
+               "period or amplitude (largest and smallest displacement)");
 
-static const cli_option range = CLI_KEYS_OPTION(
-    "--range", parts, "key=lo:hi",
+static const cli_option range = CLI_OPTION(
+    "--range", CLI_KEYS, "key=lo:hi",
     "part of a parameter's range to draw; once for each parameter, and for a sweep's view (its name as key)");
 
 static const cli_option label =
-    CLI_LIST_OPTION("--label", labels, "place,text",
-                    "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated");
+    CLI_OPTION("--label", CLI_LIST, "place,text",
+               "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated");
 
 static const cli_option view =
-    CLI_TEXT_OPTION("--view", view, "name",
-                    "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, "
-                    "rms, speed, rate, contact, lyapunov or settled");
+    CLI_OPTION("--view", CLI_TEXT, "name",
+               "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, "
+               "rms, speed, rate, contact, lyapunov or settled");
 
-static const cli_option over = CLI_FILES_OPTION("--over", over, "file.h5 ...",
-                                                "draw files of saltus continue over a sweep: branches over a "
-                                                "diagram, curves of special points over a map");
+static const cli_option over = CLI_OPTION("--over", CLI_FILES, "file.h5 ...",
+                                          "draw files of saltus continue over a sweep: branches over a "
+                                          "diagram, curves of special points over a map");
 
-static const cli_option swap = CLI_FLAG_OPTION("--swap", look.swap, "exchange the axes");
-static const cli_option log_axes =
-    CLI_LIST_OPTION("--log", logarithmic, "key",
-                    "logarithmic axis: a parameter or what is shown (speed, ...); may be repeated");
-
-static const cli_option *const options[] = {&cli_output,        &show, &range,    &label, &view, &over,
-                                            CLI_FIGURE_OPTIONS, &swap, &log_axes, NULL};
+static const cli_option *const options[] = {&cli_output,        &show,     &range,   &label, &view, &over,
+                                            CLI_FIGURE_OPTIONS, &cli_swap, &cli_log, NULL};
 
 /* What the options point to. */
 typedef struct plot_wishes {
@@ -62,79 +57,70 @@ static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double
     return end && *end == ',' ? end + 1 : NULL;
 }
 
-static bool read_wishes(const cli_request *request, plot_wishes *wishes) {
-    for (int k = 0; k < request->parts.count; k++) {
+static bool read_wishes(const cli_list *ranges, const cli_list *labels, plot_wishes *wishes) {
+    for (int k = 0; k < ranges->count; k++) {
         saltus_plot_part *part = &wishes->parts[k];
-        if (!cli_parse_range(&range, request->parts.items[k], part->key, &part->low, &part->high))
+        if (!cli_parse_range("--range", ranges->items[k], part->key, &part->low, &part->high))
             return false;
     }
-    for (int k = 0; k < request->labels.count; k++) {
+    for (int k = 0; k < labels->count; k++) {
         saltus_plot_label *wanted = &wishes->labels[k];
-        const char *rest = request->labels.items[k];
+        const char *rest = labels->items[k];
         for (int axis = 0; axis < 2 && rest; axis++)
             rest = read_place(rest, wanted->key[axis], &wanted->value[axis]);
         if (!rest || !*rest)
             return cli_refuse(false, "--label %s: must have the form key=value,key=value,text",
-                              request->labels.items[k]);
+                              labels->items[k]);
         wanted->text = rest;
     }
     return true;
 }
 
-/* What only a sweep can be asked for. */
-static int draw_sweep(const cli_request *request, const plot_wishes *wishes) {
-    saltus_message message = {.text = ""};
-    saltus_sweep_view how = {.look = request->look,
-                             .parts = wishes->parts,
-                             .part_count = request->parts.count,
-                             .branches = request->over.items,
-                             .branch_count = request->over.count};
-    int chosen = -1;
-    if (!cli_choose(&view, request->view, views, &chosen))
-        return CLI_BAD_INPUT;
-    how.view = (saltus_view)(chosen + 1);
-    if (request->input_count > 1 || request->show || request->labels.count)
-        return cli_refuse(
-            CLI_BAD_INPUT,
-            "plot: --view and --over are of one sweep, --show and --label of files of saltus continue");
-    const saltus_status status = saltus_plot_sweep(request->output, request->inputs[0], &how, &message);
-    return cli_report(cli_tell_written(request, "figure", status), &message);
-}
-
-/* A trajectory is drawn whole, in one way. */
-static int draw_trajectory(const cli_request *request) {
-    const saltus_figure_options *look = &request->look;
-    saltus_message message = {.text = ""};
-    if (request->input_count > 1 || request->show || request->view || request->parts.count ||
-        request->labels.count || request->over.count || look->swap || look->logarithmic_count)
-        return cli_refuse(CLI_BAD_INPUT,
-                          "plot: %s: is a trajectory, which is drawn alone, whole and in one way",
-                          request->inputs[0]);
-    const saltus_status status = saltus_plot_trajectory(request->output, request->inputs[0], look, &message);
-    return cli_report(cli_tell_written(request, "figure", status), &message);
-}
-
 static int run(const cli_request *request) {
+    const cli_list *ranges = cli_values(request, "--range"), *labels = cli_values(request, "--label"),
+                   *over = cli_values(request, "--over");
+    const saltus_figure_options *look = &request->look;
+    const bool several = request->input_count > 1, shows_what = cli_given(request, "--show"),
+               has_view = cli_given(request, "--view");
+    const char *first = request->inputs[0];
     saltus_message message = {.text = ""};
-    saltus_plot_options how = saltus_plot_defaults();
+    saltus_status status;
     plot_wishes wishes;
-    int chosen = -1;
-    if (!request->input_count || !request->output)
+    int shown = -1, viewed = -1;
+    if (!first || !request->output)
         return cli_refuse(CLI_BAD_INPUT, "plot: needs a file and -o figure.png, figure.pdf or figure.svg");
-    if (!cli_choose(&show, request->show, shows, &chosen) || !read_wishes(request, &wishes))
+    if (!cli_choose(request, "--show", shows, &shown) || !read_wishes(ranges, labels, &wishes))
         return CLI_BAD_INPUT;
-    how.look = request->look;
-    if (strcmp(saltus_file_identify(request->inputs[0]).kind, "trajectory") == 0)
-        return draw_trajectory(request);
-    if (request->view || request->over.count)
-        return draw_sweep(request, &wishes);
-    how.show = (saltus_show)(chosen + 1);
-    how.parts = wishes.parts;
-    how.part_count = request->parts.count;
-    how.labels = wishes.labels;
-    how.label_count = request->labels.count;
-    const saltus_status status =
-        saltus_plot(request->output, request->inputs, request->input_count, &how, &message);
+    if (strcmp(saltus_file_identify(first).kind, "trajectory") == 0) {
+        if (several || shows_what || has_view || ranges->count || labels->count || over->count ||
+            look->swap || look->logarithmic_count)
+            return cli_refuse(CLI_BAD_INPUT,
+                              "plot: %s: is a trajectory, which is drawn alone, whole and in one way", first);
+        status = saltus_plot_trajectory(request->output, first, look, &message);
+    } else if (has_view || over->count) { /* what only a sweep can be asked for */
+        if (!cli_choose(request, "--view", views, &viewed))
+            return CLI_BAD_INPUT;
+        if (several || shows_what || labels->count)
+            return cli_refuse(
+                CLI_BAD_INPUT,
+                "plot: --view and --over are of one sweep, --show and --label of files of saltus continue");
+        const saltus_sweep_view how = {.look = *look,
+                                       .view = (saltus_view)(viewed + 1),
+                                       .parts = wishes.parts,
+                                       .part_count = ranges->count,
+                                       .branches = over->items,
+                                       .branch_count = over->count};
+        status = saltus_plot_sweep(request->output, first, &how, &message);
+    } else {
+        saltus_plot_options how = saltus_plot_defaults();
+        how.look = *look;
+        how.show = (saltus_show)(shown + 1);
+        how.parts = wishes.parts;
+        how.part_count = ranges->count;
+        how.labels = wishes.labels;
+        how.label_count = labels->count;
+        status = saltus_plot(request->output, request->inputs, request->input_count, &how, &message);
+    }
     return cli_report(cli_tell_written(request, "figure", status), &message);
 }
 

@@ -7,13 +7,18 @@
 #include "origin.h"
 #include "progress.h"
 
-static const cli_option periods = CLI_WHOLE_OPTION(
-    "--periods", periods, "n", 0, 1, 1e6,
-    "forcing periods to record; without forcing units of time, or with --from periods of the orbit");
-static const cli_option transient =
-    CLI_WHOLE_OPTION("--transient", transient, "m", 0, 0, 1e12, "as many to run before the recording");
-static const cli_option samples = CLI_WHOLE_OPTION(
-    "--samples", samples, "k", 200, 1, 1e5, "samples per forcing period, without forcing per unit of time");
+static const cli_option periods = {
+    "--periods",
+    CLI_WHOLE,
+    "n",
+    "forcing periods to record; without forcing units of time, or with --from periods of the orbit",
+    0,
+    1,
+    1e6};
+static const cli_option transient = {
+    "--transient", CLI_WHOLE, "m", "as many to run before the recording", 0, 0, 1e12};
+static const cli_option samples = {
+    "--samples", CLI_WHOLE, "k", "samples per forcing period, without forcing per unit of time", 200, 1, 1e5};
 static const cli_table tables[] = {CLI_TABLE(saltus_flow_table, flow, NULL), {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set,   &cli_section, &cli_from,   &periods,
                                             &transient, &samples,     &cli_output, NULL};
@@ -29,29 +34,29 @@ static void show(void *context, double periods, double all) {
 
 static saltus_status simulate(const cli_request *request, cli_setup *setup, const char **cut,
                               saltus_message *message) {
-    saltus_trajectory record = {0};
-    if (!request->output || !request->periods)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "simulate: needs --periods n and -o file.h5 or file.csv");
-    saltus_flow_options flow = request->flow;
+    const long recorded = cli_whole(request, "--periods"), waited = cli_whole(request, "--transient");
+    const saltus_flow_options flow = request->flow;
     saltus_classify_options describing = saltus_classify_defaults();
+    saltus_trajectory record = {0};
     saltus_motion motion = {0};
     saltus_status status = SALTUS_OK;
     cli_origin origin = {.command = NULL};
     double told = 0;
     describing.flow = flow;
-    if (cli_names_orbit(setup) && request->transient)
-        status =
-            saltus_fail(message, SALTUS_BAD_INPUT,
-                        "--transient %ld: not with --from an orbit, on which there is nothing to wait for",
-                        request->transient);
-    else if (cli_names_orbit(setup))
+    if (!request->output || !recorded)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "simulate: needs --periods n and -o file.h5 or file.csv");
+    if (cli_names_orbit(setup) && waited)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "--transient %ld: not with --from an orbit, on which there is nothing to wait for",
+                           waited);
+    if (cli_names_orbit(setup))
         status = cli_orbit(request, setup, &describing, &motion, message);
     const saltus_trajectory_plan plan = {.points = motion.section_states,
                                          .orbit = motion.periods,
-                                         .transient = request->transient,
-                                         .periods = request->periods,
-                                         .per_period = (int)request->samples,
+                                         .transient = waited,
+                                         .periods = recorded,
+                                         .per_period = (int)cli_whole(request, "--samples"),
                                          .progress = {cli_shows_progress(request) ? show : NULL, &told}};
     if (status == SALTUS_OK)
         status = saltus_trajectory_follow(setup->system, setup->start.state, &flow, &plan, &record, message);
@@ -63,7 +68,7 @@ static saltus_status simulate(const cli_request *request, cli_setup *setup, cons
         status = saltus_write_trajectory(request->output, &setup->scene, setup->system, &flow, &record,
                                          &origin.told, message);
     cli_origin_clear(&origin);
-    if (status == SALTUS_OK && !request->quiet && !request->to_stdout)
+    if (status == SALTUS_OK && !cli_given(request, "--quiet") && !request->to_stdout)
         printf("%s: %lld samples, %lld events over %.9g %s\n", request->output, record.samples,
                record.event_count, record.time[record.samples - 1],
                saltus_system_forced(setup->system) ? "periods" : "T");

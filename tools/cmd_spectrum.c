@@ -5,45 +5,39 @@
 #include "interrupt.h"
 #include "motion/options.h"
 
-static const cli_option of = CLI_LIST_OPTION(
-    "--of", of, "what",
-    "displacement, velocity, q3, v2 or a name of the state; at most two (default the first two)");
+static const cli_option of =
+    CLI_OPTION("--of", CLI_LIST, "what",
+               "displacement, velocity, q3, v2 or a name of the state; at most two (default the first two)");
 static const cli_table tables[] = {CLI_TABLE(saltus_spectrum_table, spectrum, NULL),
                                    CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
                                    {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set,  &cli_section, &cli_from,          &of,
                                             &cli_json, &cli_output,  CLI_FIGURE_OPTIONS, NULL};
 
-/* What is asked for, checked before anything is computed. */
-static saltus_status read_wishes(const cli_request *request, const saltus_system *system,
-                                 saltus_spectrum_options *wishes, saltus_message *message) {
-    *wishes = request->spectrum;
-    if (wishes->per_period % 4)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %d: must be a multiple of 4",
-                           wishes->per_period);
-    if (request->of.count > SALTUS_QUANTITIES_MAX)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: only %d can be given",
-                           request->of.items[2], SALTUS_QUANTITIES_MAX);
-    for (int k = 0; k < request->of.count; k++) {
-        saltus_message reason = {.text = ""};
-        if (saltus_quantity_parse(system, request->of.items[k], &wishes->quantities[k], &reason) != SALTUS_OK)
-            return saltus_fail(message, SALTUS_BAD_INPUT, "--of %s", reason.text);
-    }
-    wishes->quantity_count = request->of.count ? request->of.count : wishes->quantity_count;
-    return SALTUS_OK;
-}
-
 static saltus_status analyse(const cli_request *request, cli_setup *setup, const char **cut,
                              saltus_message *message) {
     (void)cut;
     const saltus_scene *scene = &setup->scene;
+    const cli_list *given = cli_values(request, "--of");
+    const bool json = cli_given(request, "--json");
     saltus_classify_options how = cli_classify_options(request);
-    saltus_spectrum_options wishes;
+    saltus_spectrum_options wishes = request->spectrum;
     saltus_motion motion = {0};
     saltus_spectra spectra = {0};
-    saltus_status status = read_wishes(request, setup->system, &wishes, message);
-    if (status == SALTUS_OK)
-        status = cli_motion(request, setup, &how, &motion, message);
+    if (wishes.per_period % 4)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %d: must be a multiple of 4",
+                           wishes.per_period);
+    if (given->count > SALTUS_QUANTITIES_MAX)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: only %d can be given", given->items[2],
+                           SALTUS_QUANTITIES_MAX);
+    for (int k = 0; k < given->count; k++) {
+        saltus_message reason = {.text = ""};
+        if (saltus_quantity_parse(setup->system, given->items[k], &wishes.quantities[k], &reason) !=
+            SALTUS_OK)
+            return saltus_fail(message, SALTUS_BAD_INPUT, "--of %s", reason.text);
+    }
+    wishes.quantity_count = given->count ? given->count : wishes.quantity_count;
+    saltus_status status = cli_motion(request, setup, &how, &motion, message);
     const saltus_system *system = setup->system;
     if (status == SALTUS_OK && interrupt_asked() && !saltus_verdict_settled(motion.verdict))
         status = SALTUS_INTERRUPTED;
@@ -53,9 +47,9 @@ static saltus_status analyse(const cli_request *request, cli_setup *setup, const
         status = saltus_write_spectra(request->output, scene, system, &wishes.flow, &motion, &spectra,
                                       &request->look, message);
     if (status == SALTUS_OK)
-        (request->json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system,
-                                                                                &motion, &spectra);
-    if (request->output && !request->json)
+        (json ? saltus_write_spectra_json : saltus_write_spectra_text)(stdout, scene, system, &motion,
+                                                                       &spectra);
+    if (request->output && !json)
         cli_tell_written(request, "written", status);
     saltus_spectra_clear(&spectra);
     saltus_motion_clear(&motion);

@@ -6,16 +6,21 @@
 
 #include <string.h>
 
-static const cli_option transient =
-    CLI_WHOLE_OPTION("--transient", transient, "m", -1, 0, 1e9,
-                     "run so many periods and record --record further ones, whatever the motion");
-static const cli_option start = CLI_TEXT_OPTION(
-    "--start", start, "how",
-    "reset (each point anew), carry (from point to point, up and down), both (default reset)");
+static const cli_option transient = {
+    "--transient",
+    CLI_WHOLE,
+    "m",
+    "run so many periods and record --record further ones, whatever the motion",
+    -1,
+    0,
+    1e9};
+static const cli_option start =
+    CLI_OPTION("--start", CLI_TEXT, "how",
+               "reset (each point anew), carry (from point to point, up and down), both (default reset)");
 static const cli_option what =
-    CLI_TEXT_OPTION("--what", what, "list",
-                    "kept beside the rows: turning, impacts, stroboscopic, lyapunov; class and max are "
-                    "always told (default turning,impacts over one axis, class over two)");
+    CLI_OPTION("--what", CLI_TEXT, "list",
+               "kept beside the rows: turning, impacts, stroboscopic, lyapunov; class and max are "
+               "always told (default turning,impacts over one axis, class over two)");
 
 static const cli_table tables[] = {CLI_TABLE(saltus_sweep_table, sweep, NULL), {NULL, 0, NULL}};
 static const cli_option *const options[] = {&cli_set,   &cli_section, &sweep_over, &start,      &what,
@@ -50,30 +55,23 @@ static bool read_what(const char *text, unsigned *keep) {
     return true;
 }
 
-/* What nobody has chosen: the diagrams of one parameter, the names of motions over two. A table of rows has
- * room for nothing else. */
-static unsigned usual_clouds(const cli_request *request, const saltus_scene *scene) {
-    if (request->over.count > 1 || cli_ends_in(request->output, ".csv"))
-        return 0;
-    return SALTUS_KEEP_TURNING | (scene->spec.stop_count ? SALTUS_KEEP_IMPACTS : 0);
-}
-
 /* The options from the command line; false after a message. */
 static bool read_options(const cli_request *request, saltus_sweep_options *o) {
     static const char *const starts[] = {"reset", "carry", "both", NULL};
     static const unsigned passes[] = {1u << SALTUS_PASS_RESET, 1u << SALTUS_PASS_UP | 1u << SALTUS_PASS_DOWN,
                                       (1u << SALTUS_PASSES) - 1};
+    const long transient_given = cli_whole(request, "--transient");
     int chosen = 0;
-    if (!request->over.count || !request->output)
+    if (!cli_given(request, "--over") || !request->output)
         return cli_refuse(false, "sweep: needs --over key=lo:hi:n and -o file.h5 or file.csv");
-    if (request->transient >= 0 && cli_given(request, "--at-most"))
+    if (transient_given >= 0 && cli_given(request, "--at-most"))
         return cli_refuse(false, "--at-most and --transient: one of them; with --transient every trajectory "
                                  "runs for a fixed time");
     *o = request->sweep;
-    o->adaptive = request->transient < 0;
+    o->adaptive = transient_given < 0;
     if (!o->adaptive)
-        o->transient = request->transient;
-    if (!read_what(request->what, &o->keep) || !cli_choose(&start, request->start, starts, &chosen))
+        o->transient = transient_given;
+    if (!read_what(cli_text(request, "--what"), &o->keep) || !cli_choose(request, "--start", starts, &chosen))
         return false;
     o->passes = passes[chosen];
     return true;
@@ -86,8 +84,11 @@ static int run(const cli_request *request) {
     if (!read_options(request, &how))
         return CLI_BAD_INPUT;
     saltus_status status = cli_load_scene(request, &scene, &message);
-    if (status == SALTUS_OK && !request->what)
-        how.keep = usual_clouds(request, &scene);
+    /* What nobody has chosen: the diagrams of one parameter, the names of motions over two. A table of rows
+     * has room for nothing else. */
+    if (status == SALTUS_OK && !cli_given(request, "--what") && cli_values(request, "--over")->count == 1 &&
+        !cli_ends_in(request->output, ".csv"))
+        how.keep = SALTUS_KEEP_TURNING | (scene.spec.stop_count ? SALTUS_KEEP_IMPACTS : 0);
     int code = sweep_command(request, false, status, &scene, &how, &message);
     saltus_scene_clear(&scene);
     return code;

@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-const cli_option sweep_over = CLI_KEYS_OPTION(
-    "--over", over, "key=values",
+const cli_option sweep_over = CLI_OPTION(
+    "--over", CLI_KEYS, "key=values",
     "an axis: key=lo:hi:n, key=lo:hi:n:log or key=v1,v2,...; once or twice, the first runs fastest");
-const cli_option sweep_json = CLI_FLAG_OPTION("--json", json, "a summary as one JSON object on stdout");
+const cli_option sweep_json = CLI_OPTION("--json", CLI_FLAG, NULL, "a summary as one JSON object on stdout");
 
 /* Lines of a table; what is left is counted together. */
 enum { lines_max = 12 };
@@ -243,21 +243,21 @@ static saltus_status make_sweep(const cli_request *request, const saltus_scene *
                                 saltus_message *message) {
     saltus_axis axes[SALTUS_AXES_MAX];
     double *lists[SALTUS_AXES_MAX] = {NULL};
-    int count = request->over.count;
+    const cli_list *over = cli_values(request, "--over");
     saltus_status status = SALTUS_OK;
-    if (count > SALTUS_AXES_MAX)
+    if (over->count > SALTUS_AXES_MAX)
         status = saltus_fail(message, SALTUS_BAD_INPUT, "--over %.100s: only two axes can be given",
-                             request->over.items[SALTUS_AXES_MAX]);
-    for (int k = 0; k < count && status == SALTUS_OK; k++) {
+                             over->items[SALTUS_AXES_MAX]);
+    for (int k = 0; k < over->count && status == SALTUS_OK; k++) {
         saltus_message reason = {.text = ""};
-        status = saltus_axis_read(request->over.items[k], &axes[k], &lists[k], &reason);
+        status = saltus_axis_read(over->items[k], &axes[k], &lists[k], &reason);
         if (status != SALTUS_OK)
             saltus_fail(message, status, "--over %.490s", reason.text);
     }
     if (status == SALTUS_OK && options->adaptive && options->transient == 0)
         status = saltus_fail(message, SALTUS_BAD_INPUT, "--at-most 0: must be at least 1");
     if (status == SALTUS_OK)
-        status = saltus_sweep_new(scene, axes, count, options, sweep, message);
+        status = saltus_sweep_new(scene, axes, over->count, options, sweep, message);
     for (int k = 0; k < SALTUS_AXES_MAX; k++)
         free(lists[k]);
     return status;
@@ -282,12 +282,12 @@ int sweep_command(const cli_request *request, bool basins, saltus_status status,
                                .path = request->output,
                                .origin = &origin.told,
                                .basins = basins,
-                               .resume = request->resume,
-                               .quiet = request->quiet,
+                               .resume = cli_given(request, "--resume"),
+                               .quiet = cli_given(request, "--quiet"),
                                .to_stdout = request->to_stdout};
     int code = run_sweep(&order, status, message, &report);
     if (code == CLI_DONE && report.first)
-        code = cli_report(print_report(&order, &report, request->json, message), message);
+        code = cli_report(print_report(&order, &report, cli_given(request, "--json"), message), message);
     if (code == CLI_DONE && report.first)
         code = cli_report(tell_failure(sweep, &report, message), message);
     sweep_tally_clear(&report.tally);

@@ -83,10 +83,12 @@ static const char *input_that_is(const cli_request *request, const struct stat *
     for (int k = 0; k < request->input_count; k++)
         if (is_file(request->inputs[k], file))
             return request->inputs[k];
-    for (int k = 0; k < request->over.count; k++)
-        if (is_file(request->over.items[k], file))
-            return request->over.items[k];
-    return request->from && is_file(request->from, file) ? request->from : NULL;
+    const cli_list *over = cli_values(request, "--over");
+    for (int k = 0; k < over->count; k++)
+        if (is_file(over->items[k], file))
+            return over->items[k];
+    const char *from = cli_text(request, "--from");
+    return from && is_file(from, file) ? from : NULL;
 }
 
 /* The kind of file that a command writes under a name of this ending, as saltus_file_identify tells it; what
@@ -113,7 +115,7 @@ static bool has_journal(const char *path) {
 static int check_earlier(const cli_command *command, const cli_request *request, const place *p, bool there) {
     saltus_file_facts facts = {.kind = "empty", .complete = true};
     char kind[64];
-    if (request->resume || request->force)
+    if (cli_given(request, "--resume") || cli_given(request, "--force"))
         return CLI_DONE;
     if (there)
         facts = saltus_file_identify(p->path);
@@ -155,7 +157,7 @@ static int check_place(const cli_command *command, const cli_request *request, c
 static int check_data(const cli_command *command, const cli_request *request) {
     char script[4096];
     struct stat one, other;
-    const char *path = request->data;
+    const char *path = cli_text(request, "--data");
     const place data = {"--data", path, data_endings};
     int code = check_place(command, request, &data);
     if (code != CLI_DONE)
@@ -167,20 +169,20 @@ static int check_data(const cli_command *command, const cli_request *request) {
         one.st_ino == other.st_ino)
         return refuse(CLI_BAD_INPUT, &data, "is the same file as -o %s", request->output);
     const place beside = {"--data", script, NULL};
-    return request->look.script ? CLI_DONE : check_place(command, request, &beside);
+    return cli_given(request, "--keep-script") ? CLI_DONE : check_place(command, request, &beside);
 }
 
 /* The files that a command writes beside its result. */
 static int check_others(const cli_command *command, const cli_request *request) {
     static const char *const endings[] = {".gp", NULL};
-    const place script = {"--keep-script", request->look.script, endings};
-    int code = request->look.script ? check_place(command, request, &script) : CLI_DONE;
-    return code == CLI_DONE && request->data ? check_data(command, request) : code;
+    const place script = {"--keep-script", cli_text(request, "--keep-script"), endings};
+    int code = script.path ? check_place(command, request, &script) : CLI_DONE;
+    return code == CLI_DONE && cli_given(request, "--data") ? check_data(command, request) : code;
 }
 
 /* The ending of what goes to standard output: the one of --format, or the first that can. */
 static int choose_ending(const cli_command *command, const cli_request *request, const char **ending) {
-    const char *format = request->format;
+    const char *format = cli_text(request, "--format");
     const place p = {"-o", "-", NULL};
     *ending = NULL;
     for (int k = 0; command->endings[k] && !*ending; k++)
@@ -196,9 +198,9 @@ static int choose_ending(const cli_command *command, const cli_request *request,
         return refuse(CLI_BAD_INPUT, &p,
                       "HDF5 cannot be written to standard output, only to a file that can be gone back in; "
                       "name one");
-    if (request->json)
+    if (cli_given(request, "--json"))
         return refuse(CLI_BAD_INPUT, &p, "--json writes to standard output, too; one of them");
-    if (request->resume)
+    if (cli_given(request, "--resume"))
         return refuse(CLI_BAD_INPUT, &p, "--resume needs the file of the interrupted run");
     return CLI_DONE;
 }
@@ -227,14 +229,14 @@ static int divert(const cli_command *command, cli_request *request, target *out)
 
 int target_open(const cli_command *command, cli_request *request, target *out) {
     *out = (target){.descriptor = -1};
-    if (request->resume && request->force)
+    if (cli_given(request, "--resume") && cli_given(request, "--force"))
         return cli_refuse(CLI_BAD_INPUT, "--resume and --force: one of them");
     if (!command->endings)
         return CLI_DONE;
     bool to_stdout = request->output && strcmp(request->output, "-") == 0;
-    if (request->format && !to_stdout)
+    if (cli_given(request, "--format") && !to_stdout)
         return cli_refuse(CLI_BAD_INPUT, "--format %s: is of -o - only; the ending of a file says its format",
-                          request->format);
+                          cli_text(request, "--format"));
     if (!request->output)
         return CLI_DONE;
     const place result = {"-o", request->output, command->endings};
