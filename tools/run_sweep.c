@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "cli.h"
 #include "interrupt.h"
+#include "progress.h"
 #include "sweep_exchange.h"
 
 #include <stdlib.h>
@@ -53,18 +54,15 @@ void sweep_tally_clear(sweep_tally *tally) {
     *tally = (sweep_tally){0};
 }
 
-static bool is_settled(const sweep_exchange *exchange, long long task) {
-    return exchange->settled && (exchange->settled[task / 8] >> task % 8 & 1);
-}
-
 int sweep_exchange_tasks(sweep_exchange *exchange, long long *tasks, int most) {
+    sweep_queue *queue = &exchange->queue;
     int count = 0;
-    for (; count < most && exchange->next < exchange->tasks && !*exchange->stop; exchange->next++) {
-        long long task = (exchange->longest + exchange->next) % exchange->tasks;
-        if (!is_settled(exchange, task))
+    for (; count < most && queue->next < queue->tasks && !*exchange->stop; queue->next++) {
+        long long task = (queue->longest + queue->next) % queue->tasks;
+        if (!queue->settled || !(queue->settled[task / 8] >> task % 8 & 1))
             tasks[count++] = task;
     }
-    exchange->open -= count;
+    queue->open -= count;
     return count;
 }
 
@@ -80,55 +78,39 @@ void sweep_exchange_stop(sweep_exchange *exchange, saltus_status status, const s
     pthread_mutex_unlock(&exchange->lock);
 }
 
-bool sweep_exchange_sound(sweep_exchange *exchange) {
-    pthread_mutex_lock(&exchange->lock);
-    bool sound = exchange->status == SALTUS_OK;
-    pthread_mutex_unlock(&exchange->lock);
-    return sound;
-}
-
 saltus_status sweep_exchange_take(sweep_exchange *exchange, const saltus_sweep_result *result,
                                   saltus_message *message) {
-    int seeds = saltus_sweep_choices(exchange->sweep)->seeds;
+    sweep_sink *sink = &exchange->sink;
+    const int seeds = saltus_sweep_choices(exchange->sweep)->seeds;
     saltus_status status = SALTUS_OK;
-    pthread_mutex_lock(&exchange->writing);
-    bool fresh = !saltus_sweep_output_has(exchange->output, result->place);
-    if (fresh)
-        status = saltus_sweep_output_take(exchange->output, result, message);
-    for (int s = 0; s < seeds && fresh && status == SALTUS_OK; s++)
-        status = sweep_tally_add(&exchange->tally, &result->rows[s], message);
-    exchange->computed += fresh && status == SALTUS_OK ? seeds : 0;
-    pthread_mutex_unlock(&exchange->writing);
-    pthread_mutex_lock(&exchange->lock);
-    exchange->done += fresh && status == SALTUS_OK;
-    pthread_mutex_unlock(&exchange->lock);
+    pthread_mutex_lock(&sink->writing);
+    if (!saltus_sweep_output_has(sink->output, result->place)) {
+        status = saltus_sweep_output_take(sink->output, result, message);
+        for (int s = 0; s < seeds && status == SALTUS_OK; s++)
+            status = sweep_tally_add(&sink->tally, &result->rows[s], message);
+        sink->computed += status == SALTUS_OK ? seeds : 0;
+        sink->points += status == SALTUS_OK;
+    }
+    pthread_mutex_unlock(&sink->writing);
     return status;
 }
 
-/* The next task from what the first rank has sent, which may have to be waited for. */
-static long long next_of_inbox(sweep_exchange *exchange) {
-    while (!*exchange->stop && exchange->count == 0 && !exchange->dry)
-        pthread_cond_wait(&exchange->changed, &exchange->lock);
-    if (*exchange->stop || exchange->count == 0)
-        return -1;
-    long long task = exchange->inbox[exchange->first];
-    exchange->first = (exchange->first + 1) % SWEEP_INBOX_MAX;
-    exchange->count--;
-    return task;
-}
-
+/* The next task that may be done; -1: there is none, or it is to stop. May have to wait: the first rank until
+ * every other has its first share, the others for what the first sends. */
 static long long next_task(void *context) {
     sweep_exchange *exchange = context;
+    sweep_mail *mail = &exchange->mail;
     long long task = -1;
     pthread_mutex_lock(&exchange->lock);
-    if (exchange->here > 0)
-        task = next_of_inbox(exchange);
-    else {
-        /* Every rank has its first share before this one goes on to its own. */
-        while (!*exchange->stop && exchange->met < exchange->ranks - 1)
-            pthread_cond_wait(&exchange->changed, &exchange->lock);
-        if (sweep_exchange_tasks(exchange, &task, 1) == 0)
-            task = -1;
+    while (!*exchange->stop &&
+           (exchange->here > 0 ? mail->count == 0 && !mail->dry : exchange->queue.met < exchange->ranks - 1))
+        pthread_cond_wait(&exchange->changed, &exchange->lock);
+    if (exchange->here == 0)
+        sweep_exchange_tasks(exchange, &task, 1);
+    else if (!*exchange->stop && mail->count > 0) {
+        task = mail->inbox[mail->first];
+        mail->first = (mail->first + 1) % SWEEP_INBOX_MAX;
+        mail->count--;
     }
     pthread_mutex_unlock(&exchange->lock);
     return task;
@@ -137,6 +119,7 @@ static long long next_task(void *context) {
 /* A result into the outbox, once there is room. */
 static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_result *result,
                                  saltus_message *message) {
+    sweep_mail *mail = &exchange->mail;
     size_t size = saltus_sweep_packed_size(exchange->sweep, result);
     sweep_packed *packed = malloc(sizeof *packed);
     void *bytes = malloc(size);
@@ -148,11 +131,11 @@ static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_re
     saltus_sweep_pack(exchange->sweep, result, bytes);
     *packed = (sweep_packed){.bytes = bytes, .size = size};
     pthread_mutex_lock(&exchange->lock);
-    while (exchange->outbox_bytes > outbox_max && !*exchange->stop)
+    while (mail->outbox_bytes > outbox_max && !*exchange->stop)
         pthread_cond_wait(&exchange->changed, &exchange->lock);
-    *exchange->outbox_end = packed;
-    exchange->outbox_end = &packed->next;
-    exchange->outbox_bytes += size;
+    *mail->outbox_end = packed;
+    mail->outbox_end = &packed->next;
+    mail->outbox_bytes += size;
     pthread_cond_broadcast(&exchange->changed);
     pthread_mutex_unlock(&exchange->lock);
     return SALTUS_OK;
@@ -161,8 +144,8 @@ static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_re
 /* A result that is there is kept, whatever happens after it. */
 static saltus_status take_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
     sweep_exchange *exchange = context;
-    saltus_status status = exchange->here > 0 ? post_result(exchange, result, message)
-                                              : sweep_exchange_take(exchange, result, message);
+    saltus_status status =
+        (exchange->here > 0 ? post_result : sweep_exchange_take)(exchange, result, message);
     if (status != SALTUS_OK)
         sweep_exchange_stop(exchange, status, message);
     pthread_mutex_lock(&exchange->lock);
@@ -184,32 +167,41 @@ static void rest(sweep_exchange *exchange, double seconds) {
     pthread_mutex_unlock(&exchange->lock);
 }
 
+/* What the attending thread works with. */
+typedef struct attendant {
+    sweep_link *link;
+    progress *bar;
+} attendant;
+
 /* Signals, packets and progress, until this rank's threads have come to an end and nothing is under way. */
 static void *attend(void *context) {
     static const double nap = 1e-4, longest_nap = 2e-3, alone = 0.1;
-    sweep_exchange *exchange = context;
+    const attendant *own = context;
+    sweep_exchange *exchange = own->link->exchange;
+    const bool together = exchange->ranks > 1;
     double pause = nap;
     for (bool over = false; !over;) {
         if (interrupt_asked())
             sweep_exchange_stop(exchange, SALTUS_OK, NULL);
-        bool busy = exchange->ranks > 1 && sweep_ranks_exchange(exchange);
+        bool busy = together && sweep_ranks_exchange(own->link);
         pthread_mutex_lock(&exchange->lock);
         bool finished = exchange->finished;
-        long long done = exchange->done;
         pthread_mutex_unlock(&exchange->lock);
-        over = finished && (exchange->ranks == 1 || sweep_ranks_over(exchange));
+        over = finished && (!together || sweep_ranks_over(own->link));
         if (exchange->here == 0)
-            progress_show(&exchange->progress, done);
+            progress_show(own->bar, exchange->sink.points);
         pause = busy ? nap : pause < longest_nap ? 2 * pause : pause;
         if (!over && !busy)
-            rest(exchange, exchange->ranks > 1 ? pause : alone);
+            rest(exchange, together ? pause : alone);
     }
     return NULL;
 }
 
-static saltus_status compute(sweep_exchange *exchange, saltus_message *message) {
-    pthread_t attendant;
-    if (pthread_create(&attendant, NULL, attend, exchange) != 0)
+static saltus_status compute(sweep_link *link, progress *bar, saltus_message *message) {
+    sweep_exchange *exchange = link->exchange;
+    attendant own = {link, bar};
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, attend, &own) != 0)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no further thread can be started");
     const saltus_sweep_feed feed = {.context = exchange, .next = next_task, .take = take_result};
     saltus_status status = saltus_sweep_run(exchange->sweep, &feed, message);
@@ -219,139 +211,118 @@ static saltus_status compute(sweep_exchange *exchange, saltus_message *message) 
     exchange->finished = true;
     pthread_cond_broadcast(&exchange->changed);
     pthread_mutex_unlock(&exchange->lock);
-    pthread_join(attendant, NULL);
+    pthread_join(thread, NULL);
     *message = exchange->message;
     return exchange->status;
 }
 
-/* Mark the tasks that an earlier run has done. */
-static saltus_status mark_settled(sweep_exchange *exchange, unsigned char **marks, saltus_message *message) {
-    *marks = calloc((size_t)exchange->tasks / 8 + 1, 1);
-    if (!*marks)
+/* The first rank opens the file before anything is computed, and marks the tasks that an earlier run has
+ * done. */
+static saltus_status open_output(sweep_exchange *exchange, const sweep_order *order,
+                                 saltus_message *message) {
+    const saltus_sweep *sweep = exchange->sweep;
+    sweep_queue *queue = &exchange->queue;
+    sweep_sink *sink = &exchange->sink;
+    queue->tasks = queue->open = saltus_sweep_tasks(sweep);
+    while (queue->longest < queue->tasks && saltus_sweep_task_length(sweep, queue->longest) == 1)
+        queue->longest++;
+    saltus_status status = saltus_sweep_output_open(order->path, sweep, order->basins, order->resume,
+                                                    order->origin, &sink->output, message);
+    if (status != SALTUS_OK || !order->resume)
+        return status;
+    queue->settled = calloc((size_t)queue->tasks / 8 + 1, 1);
+    if (!queue->settled)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the list of tasks");
-    for (long long task = 0; task < exchange->tasks; task++) {
-        int length = saltus_sweep_task_length(exchange->sweep, task), there = 0;
+    for (long long task = 0; task < queue->tasks; task++) {
+        int length = saltus_sweep_task_length(sweep, task), there = 0;
         for (int k = 0; k < length; k++)
-            there +=
-                saltus_sweep_output_has(exchange->output, saltus_sweep_task_place(exchange->sweep, task, k));
-        exchange->done += there;
+            there += saltus_sweep_output_has(sink->output, saltus_sweep_task_place(sweep, task, k));
+        sink->points += there;
         if (there == length) {
-            (*marks)[task / 8] |= (unsigned char)(1u << task % 8);
-            exchange->open--;
+            queue->settled[task / 8] |= (unsigned char)(1u << task % 8);
+            queue->open--;
         }
     }
-    exchange->settled = *marks;
     return SALTUS_OK;
 }
 
-/* The first rank opens the file before anything is computed. */
-static saltus_status open_output(sweep_exchange *exchange, unsigned char **marks, saltus_message *message) {
-    const sweep_order *order = exchange->order;
-    exchange->tasks = exchange->open = saltus_sweep_tasks(exchange->sweep);
-    exchange->places = saltus_sweep_points(exchange->sweep) * saltus_sweep_pass_count(exchange->sweep);
-    while (exchange->longest < exchange->tasks &&
-           saltus_sweep_task_length(exchange->sweep, exchange->longest) == 1)
-        exchange->longest++;
-    if (exchange->here > 0)
-        return SALTUS_OK;
-    saltus_status status = saltus_sweep_output_open(order->path, exchange->sweep, order->basins,
-                                                    order->resume, order->origin, &exchange->output, message);
-    return status == SALTUS_OK && order->resume ? mark_settled(exchange, marks, message) : status;
-}
-
-/* What the run has come to, on the first rank. */
-static int conclude(sweep_exchange *exchange, saltus_status status, const saltus_message *message,
-                    saltus_status written, const saltus_message *closing) {
-    if (status != SALTUS_OK)
-        return cli_report_cause(status, message);
-    if (written != SALTUS_OK)
-        return cli_report_cause(written, closing);
-    if (exchange->done == exchange->places)
-        return CLI_DONE;
-    return cli_refuse(CLI_FAILED, "interrupted; %s holds %lld of %lld points so far%s",
-                      exchange->order->to_stdout ? "standard output" : exchange->order->path, exchange->done,
-                      exchange->places, exchange->order->to_stdout ? "" : ", --resume goes on");
-}
-
-static int run_exchange(sweep_exchange *exchange, saltus_status status, saltus_message *message,
-                        sweep_report *report) {
+/* From the preparations of all ranks to the file's end; the exit code. */
+static int run_exchange(sweep_link *link, const sweep_order *order, saltus_status status,
+                        saltus_message *message, sweep_report *report) {
+    sweep_exchange *exchange = link->exchange;
+    const bool together = exchange->ranks > 1, first = exchange->here == 0;
+    const char *where = order->to_stdout ? "standard output" : order->path;
     saltus_message closing = {.text = ""};
-    unsigned char *marks = NULL;
-    bool together = exchange->ranks > 1;
+    progress bar;
+    int code = CLI_FAILED;
     /* A signal that came before: what is in the file stays. */
     if (status == SALTUS_OK && interrupt_asked())
         status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
     if (together)
-        status = sweep_ranks_gather(exchange, status, message);
-    if (status == SALTUS_OK)
-        status = open_output(exchange, &marks, message);
-    int code = CLI_FAILED;
-    bool begun = together ? sweep_ranks_begin(exchange, status, &code) : status == SALTUS_OK;
+        status = sweep_ranks_gather(link, status, message);
+    if (status == SALTUS_OK && first)
+        status = open_output(exchange, order, message);
+    bool begun = together ? sweep_ranks_begin(link, status, &code) : status == SALTUS_OK;
+    const long long places =
+        begun ? saltus_sweep_points(order->sweep) * saltus_sweep_pass_count(order->sweep) : 0;
     double begin = saltus_seconds();
-    progress_begin(&exchange->progress, exchange->order->quiet, exchange->places, exchange->done);
+    progress_begin(&bar, order->quiet, places, exchange->sink.points);
     if (begun)
-        status = compute(exchange, message);
+        status = compute(link, &bar, message);
     report->seconds = saltus_seconds() - begin;
-    progress_wipe(&exchange->progress, "writing ...");
-    saltus_status written = saltus_sweep_output_close(exchange->output, &closing);
-    progress_wipe(&exchange->progress, NULL);
-    if (exchange->here == 0)
-        code = conclude(exchange, status, message, written, &closing);
-    report->tally = exchange->tally;
-    report->computed = exchange->computed;
-    free(marks);
-    return begun && together ? sweep_ranks_end(exchange, code) : code;
-}
-
-static void free_outbox(sweep_exchange *exchange) {
-    while (exchange->outbox) {
-        sweep_packed *packed = exchange->outbox;
-        exchange->outbox = packed->next;
-        free(packed->bytes);
-        free(packed);
-    }
-}
-
-static void open_exchange(sweep_exchange *exchange, const sweep_order *order, int ranks) {
-    enum { usual_lanes = 8 };
-    pthread_condattr_t clock;
-    exchange->order = order;
-    exchange->stop = order->stop;
-    exchange->sweep = order->sweep;
-    exchange->ranks = ranks;
-    exchange->here = ranks_here();
-    exchange->outbox_end = &exchange->outbox;
-    const saltus_sweep_options *how = order->sweep ? saltus_sweep_choices(order->sweep) : NULL;
-    exchange->hands =
-        (how && how->lanes ? how->lanes : usual_lanes) * (how && how->threads ? how->threads : 1);
-    pthread_condattr_init(&clock);
-    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
-    pthread_cond_init(&exchange->changed, &clock);
-    pthread_condattr_destroy(&clock);
-    pthread_mutex_init(&exchange->lock, NULL);
-    pthread_mutex_init(&exchange->writing, NULL);
+    progress_wipe(&bar, "writing ...");
+    saltus_status written = saltus_sweep_output_close(exchange->sink.output, &closing);
+    progress_wipe(&bar, NULL);
+    report->tally = exchange->sink.tally;
+    report->computed = exchange->sink.computed;
+    if (first && status != SALTUS_OK)
+        code = cli_report_cause(status, message);
+    else if (first && written != SALTUS_OK)
+        code = cli_report_cause(written, &closing);
+    else if (first && exchange->sink.points < places)
+        code = cli_refuse(CLI_FAILED, "interrupted; %s holds %lld of %lld points so far%s", where,
+                          (long long)exchange->sink.points, places,
+                          order->to_stdout ? "" : ", --resume goes on");
+    else if (first)
+        code = CLI_DONE;
+    return begun && together ? sweep_ranks_end(link, code) : code;
 }
 
 int run_sweep(const sweep_order *order, saltus_status status, const saltus_message *reason,
               sweep_report *report) {
     saltus_message message = *reason;
+    pthread_condattr_t clock;
     *report = (sweep_report){.first = ranks_here() == 0, .ranks = ranks_count()};
     if (order->sweep)
         report->rows = saltus_sweep_rows(order->sweep);
     sweep_exchange *exchange = calloc(1, sizeof *exchange);
-    sweep_rank *known = calloc((size_t)report->ranks, sizeof *known);
+    sweep_link link = {.exchange = exchange, .known = calloc((size_t)report->ranks, sizeof *link.known)};
     int code = CLI_FAILED;
-    if (exchange && known) {
-        open_exchange(exchange, order, report->ranks);
-        exchange->known = known;
-        code = run_exchange(exchange, status, &message, report);
-        free_outbox(exchange);
-        pthread_mutex_destroy(&exchange->writing);
+    if (exchange && link.known) {
+        exchange->sweep = order->sweep;
+        exchange->ranks = report->ranks;
+        exchange->here = ranks_here();
+        exchange->stop = order->stop;
+        exchange->mail.outbox_end = &exchange->mail.outbox;
+        pthread_condattr_init(&clock);
+        pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
+        pthread_cond_init(&exchange->changed, &clock);
+        pthread_condattr_destroy(&clock);
+        pthread_mutex_init(&exchange->lock, NULL);
+        pthread_mutex_init(&exchange->sink.writing, NULL);
+        code = run_exchange(&link, order, status, &message, report);
+        for (sweep_packed *packed = exchange->mail.outbox, *next; packed; packed = next) {
+            next = packed->next;
+            free(packed->bytes);
+            free(packed);
+        }
+        free(exchange->queue.settled);
+        pthread_mutex_destroy(&exchange->sink.writing);
         pthread_mutex_destroy(&exchange->lock);
         pthread_cond_destroy(&exchange->changed);
     } else
         fprintf(stderr, "saltus: no memory\n");
-    free(known);
+    free(link.known);
     free(exchange);
     return code;
 }

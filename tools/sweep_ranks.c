@@ -34,16 +34,24 @@ static void nap(void) {
 }
 
 /* Out of memory for a few bytes: the packet is lost, and the run with it. */
-static void send_packet(sweep_exchange *exchange, int to, int kind, const void *bytes, size_t size) {
+static void send_packet(sweep_link *link, int to, int kind, const void *bytes, size_t size) {
     saltus_message message = {.text = ""};
-    saltus_status status = ranks_send(&exchange->sending, to, kind, bytes, size, &message);
+    saltus_status status = ranks_send(&link->sending, to, kind, bytes, size, &message);
     if (status != SALTUS_OK)
-        sweep_exchange_stop(exchange, status, &message);
+        sweep_exchange_stop(link->exchange, status, &message);
 }
 
-static void send_order(sweep_exchange *exchange, int to, int what, int code) {
-    int order[2] = {what, code};
-    send_packet(exchange, to, PACKET_ORDER, order, sizeof order);
+/* An order to all others that are still there. */
+static void send_order(sweep_link *link, int what, int code) {
+    const int order[2] = {what, code};
+    for (int k = 1; k < link->exchange->ranks; k++)
+        if (what == ORDER_END || !link->known[k].left)
+            send_packet(link, k, PACKET_ORDER, order, sizeof order);
+}
+
+static void wait_for_delivery(sweep_link *link) {
+    while (!ranks_delivered(&link->sending))
+        nap();
 }
 
 /* A number from a packet of whole numbers; 0 where it has no such. */
@@ -54,38 +62,35 @@ static int number_of(const ranks_packet *packet, size_t k) {
     return number;
 }
 
-static void read_outcome(const ranks_packet *packet, rank_outcome *told) {
-    *told = (rank_outcome){.status = SALTUS_OK};
-    if (packet->size == sizeof *told)
-        memcpy(told, packet->bytes, sizeof *told);
-    told->message.text[sizeof told->message.text - 1] = '\0';
+/* How another rank's preparations, or its run, ended: the message names it. */
+static rank_outcome read_outcome(const ranks_packet *packet) {
+    rank_outcome told = {.status = SALTUS_OK};
+    if (packet->size == sizeof told)
+        memcpy(&told, packet->bytes, sizeof told);
+    told.message.text[sizeof told.message.text - 1] = '\0';
+    const saltus_message reason = told.message;
+    saltus_fail(&told.message, SALTUS_OK, "process %d of those started together: %.440s", packet->from,
+                reason.text[0] ? reason.text : "failed");
+    return told;
 }
 
-static saltus_message name_rank(int rank, const saltus_message *reason) {
-    saltus_message message;
-    saltus_fail(&message, SALTUS_OK, "process %d of those started together: %.440s", rank,
-                reason->text[0] ? reason->text : "failed");
-    return message;
-}
-
-saltus_status sweep_ranks_gather(sweep_exchange *exchange, saltus_status status, saltus_message *message) {
+saltus_status sweep_ranks_gather(sweep_link *link, saltus_status status, saltus_message *message) {
     ranks_packet packet;
-    if (exchange->here > 0) {
+    if (link->exchange->here > 0) {
         rank_outcome own = {.status = status, .message = *message};
-        send_packet(exchange, 0, PACKET_READY, &own, sizeof own);
+        send_packet(link, 0, PACKET_READY, &own, sizeof own);
         return status;
     }
-    for (int heard = 1; heard < exchange->ranks;) {
-        rank_outcome told;
+    for (int heard = 1; heard < link->exchange->ranks;) {
         if (!ranks_receive(PACKET_READY, &packet)) {
             nap();
             continue;
         }
         heard++;
-        read_outcome(&packet, &told);
+        const rank_outcome told = read_outcome(&packet);
         if (status == SALTUS_OK && told.status != SALTUS_OK) {
             status = (saltus_status)told.status;
-            *message = name_rank(packet.from, &told.message);
+            *message = told.message;
         }
         free(packet.bytes);
     }
@@ -93,10 +98,10 @@ saltus_status sweep_ranks_gather(sweep_exchange *exchange, saltus_status status,
 }
 
 /* The next order of the first rank other than to stop; its exit code in *code. */
-static int wait_for_order(sweep_exchange *exchange, int *code) {
+static int wait_for_order(sweep_link *link, int *code) {
     ranks_packet packet;
     for (;;) {
-        bool delivered = ranks_delivered(&exchange->sending);
+        bool delivered = ranks_delivered(&link->sending);
         if (!ranks_receive(PACKET_ORDER, &packet)) {
             nap();
             continue;
@@ -109,224 +114,215 @@ static int wait_for_order(sweep_exchange *exchange, int *code) {
     }
 }
 
-bool sweep_ranks_begin(sweep_exchange *exchange, saltus_status status, int *code) {
-    if (exchange->here > 0)
-        return wait_for_order(exchange, code) == ORDER_GO;
+bool sweep_ranks_begin(sweep_link *link, saltus_status status, int *code) {
+    if (link->exchange->here > 0)
+        return wait_for_order(link, code) == ORDER_GO;
     *code = cli_code(status);
-    for (int k = 1; k < exchange->ranks; k++)
-        send_order(exchange, k, status == SALTUS_OK ? ORDER_GO : ORDER_GIVE_UP, *code);
-    while (!ranks_delivered(&exchange->sending))
-        nap();
+    send_order(link, status == SALTUS_OK ? ORDER_GO : ORDER_GIVE_UP, *code);
+    wait_for_delivery(link);
     return status == SALTUS_OK;
 }
 
+/* Take a packet of a kind, if one has arrived. */
+static bool receive(sweep_link *link, int kind, void (*take)(sweep_link *, const ranks_packet *)) {
+    ranks_packet packet;
+    if (!ranks_receive(kind, &packet))
+        return false;
+    take(link, &packet);
+    free(packet.bytes);
+    return true;
+}
+
 /* A rank has been heard of since the run began. The caller holds the lock. */
-static void meet(sweep_exchange *exchange, int rank) {
-    exchange->met += !exchange->known[rank].met;
-    exchange->known[rank].met = true;
+static void meet(sweep_link *link, int rank) {
+    link->exchange->queue.met += !link->known[rank].met;
+    link->known[rank].met = true;
+    pthread_cond_broadcast(&link->exchange->changed);
 }
 
 /* A rank's next tasks: as many as it wishes while there are plenty, at last one by one. */
-static void answer_wish(sweep_exchange *exchange, int rank, int wish) {
+static void answer_wish(sweep_link *link, const ranks_packet *packet) {
+    sweep_exchange *exchange = link->exchange;
+    const int wish = number_of(packet, 0);
     long long tasks[SWEEP_INBOX_MAX];
     pthread_mutex_lock(&exchange->lock);
-    long long share = exchange->open / (2 * exchange->ranks);
+    long long share = exchange->queue.open / (2 * exchange->ranks);
     int most = wish < SWEEP_INBOX_MAX ? wish : SWEEP_INBOX_MAX;
     if (share < most)
         most = share > 0 ? (int)share : 1;
     int count = sweep_exchange_tasks(exchange, tasks, most);
-    meet(exchange, rank);
-    pthread_cond_broadcast(&exchange->changed);
+    meet(link, packet->from);
     pthread_mutex_unlock(&exchange->lock);
-    send_packet(exchange, rank, PACKET_TASKS, tasks, (size_t)count * sizeof *tasks);
+    send_packet(link, packet->from, PACKET_TASKS, tasks, (size_t)count * sizeof *tasks);
 }
 
-static void accept_result(sweep_exchange *exchange, const ranks_packet *packet) {
+static void accept_result(sweep_link *link, const ranks_packet *packet) {
+    sweep_exchange *exchange = link->exchange;
     saltus_sweep_result result;
     saltus_message message = {.text = ""};
     saltus_status status = SALTUS_OK;
-    exchange->received++;
+    link->received++;
+    pthread_mutex_lock(&exchange->lock);
+    const bool sound = exchange->status == SALTUS_OK;
+    pthread_mutex_unlock(&exchange->lock);
     if (!saltus_sweep_unpack(exchange->sweep, packet->bytes, packet->size, &result))
         status =
             saltus_fail(&message, SALTUS_BAD_INPUT,
                         "process %d of those started together runs another sweep or version", packet->from);
-    else if (sweep_exchange_sound(exchange))
+    else if (sound)
         status = sweep_exchange_take(exchange, &result, &message);
     if (status != SALTUS_OK)
         sweep_exchange_stop(exchange, status, &message);
 }
 
-static void end_rank(sweep_exchange *exchange, const ranks_packet *packet) {
-    rank_outcome told;
-    read_outcome(packet, &told);
-    exchange->left++;
-    exchange->known[packet->from].left = true;
-    exchange->due += told.sent;
-    if (told.status != SALTUS_OK) {
-        saltus_message message = name_rank(packet->from, &told.message);
-        sweep_exchange_stop(exchange, (saltus_status)told.status, &message);
-    } else if (told.interrupted)
-        sweep_exchange_stop(exchange, SALTUS_OK, NULL);
-    pthread_mutex_lock(&exchange->lock);
-    meet(exchange, packet->from);
-    pthread_cond_broadcast(&exchange->changed);
-    pthread_mutex_unlock(&exchange->lock);
+static void end_rank(sweep_link *link, const ranks_packet *packet) {
+    const rank_outcome told = read_outcome(packet);
+    link->left++;
+    link->known[packet->from].left = true;
+    link->due += told.sent;
+    if (told.status != SALTUS_OK || told.interrupted)
+        sweep_exchange_stop(link->exchange, (saltus_status)told.status, &told.message);
+    pthread_mutex_lock(&link->exchange->lock);
+    meet(link, packet->from);
+    pthread_mutex_unlock(&link->exchange->lock);
 }
 
-/* Results while the file is free to take them; otherwise they wait, and wishes are answered first. */
-static bool receive_results(sweep_exchange *exchange) {
-    ranks_packet packet;
-    bool busy = false, any = true;
-    while (any && pthread_mutex_trylock(&exchange->writing) == 0) {
-        pthread_mutex_unlock(&exchange->writing);
-        any = ranks_receive(PACKET_RESULT, &packet);
-        if (any) {
-            accept_result(exchange, &packet);
-            free(packet.bytes);
-            busy = true;
-        }
-    }
-    return busy;
+/* Whether nobody is writing: otherwise results wait, and wishes are answered first. */
+static bool can_write(sweep_exchange *exchange) {
+    if (pthread_mutex_trylock(&exchange->sink.writing) != 0)
+        return false;
+    pthread_mutex_unlock(&exchange->sink.writing);
+    return true;
 }
 
-static bool serve_first(sweep_exchange *exchange) {
-    ranks_packet packet;
+static bool serve_first(sweep_link *link) {
     bool busy = false;
-    while (ranks_receive(PACKET_WISH, &packet)) {
-        answer_wish(exchange, packet.from, number_of(&packet, 0));
-        free(packet.bytes);
+    while (receive(link, PACKET_WISH, answer_wish))
         busy = true;
-    }
-    busy |= receive_results(exchange);
-    while (ranks_receive(PACKET_OUTCOME, &packet)) {
-        end_rank(exchange, &packet);
-        free(packet.bytes);
+    while (can_write(link->exchange) && receive(link, PACKET_RESULT, accept_result))
         busy = true;
-    }
-    pthread_mutex_lock(&exchange->lock);
-    bool tell = *exchange->stop && !exchange->told;
-    pthread_mutex_unlock(&exchange->lock);
-    for (int k = 1; k < exchange->ranks && tell; k++)
-        if (!exchange->known[k].left)
-            send_order(exchange, k, ORDER_STOP, 0);
-    exchange->told |= tell;
-    ranks_delivered(&exchange->sending);
+    while (receive(link, PACKET_OUTCOME, end_rank))
+        busy = true;
+    pthread_mutex_lock(&link->exchange->lock);
+    bool tell = *link->exchange->stop && !link->told;
+    pthread_mutex_unlock(&link->exchange->lock);
+    if (tell)
+        send_order(link, ORDER_STOP, 0);
+    link->told |= tell;
+    ranks_delivered(&link->sending);
     return busy;
 }
 
-/* What waits to be sent or is on its way; a thread that waits for it to shrink is told. */
-static void measure_outbox(sweep_exchange *exchange) {
-    pthread_mutex_lock(&exchange->lock);
-    size_t before = exchange->outbox_bytes;
-    exchange->outbox_bytes = exchange->sending.bytes;
-    for (const sweep_packed *packed = exchange->outbox; packed; packed = packed->next)
-        exchange->outbox_bytes += packed->size;
-    if (exchange->outbox_bytes < before)
-        pthread_cond_broadcast(&exchange->changed);
-    pthread_mutex_unlock(&exchange->lock);
-}
-
-/* Send what the computing threads have put out. */
-static bool empty_outbox(sweep_exchange *exchange) {
+/* Send what the computing threads have put out. A thread that waits for what waits to be sent, or is on its
+ * way, to shrink is told. */
+static bool empty_outbox(sweep_link *link) {
+    sweep_exchange *exchange = link->exchange;
+    sweep_mail *mail = &exchange->mail;
     saltus_message message = {.text = ""};
     saltus_status status = SALTUS_OK;
     pthread_mutex_lock(&exchange->lock);
-    sweep_packed *packed = exchange->outbox;
-    exchange->outbox = NULL;
-    exchange->outbox_end = &exchange->outbox;
+    sweep_packed *packed = mail->outbox;
+    mail->outbox = NULL;
+    mail->outbox_end = &mail->outbox;
     pthread_mutex_unlock(&exchange->lock);
     bool busy = packed;
     while (packed) {
         sweep_packed *next = packed->next;
         if (status == SALTUS_OK)
-            status =
-                ranks_send_own(&exchange->sending, 0, PACKET_RESULT, packed->bytes, packed->size, &message);
+            status = ranks_send_own(&link->sending, 0, PACKET_RESULT, packed->bytes, packed->size, &message);
         else
             free(packed->bytes);
-        exchange->sent += status == SALTUS_OK;
+        link->sent += status == SALTUS_OK;
         free(packed);
         packed = next;
     }
-    ranks_delivered(&exchange->sending);
+    ranks_delivered(&link->sending);
     if (status != SALTUS_OK)
         sweep_exchange_stop(exchange, status, &message);
-    measure_outbox(exchange);
+    pthread_mutex_lock(&exchange->lock);
+    size_t before = mail->outbox_bytes;
+    mail->outbox_bytes = link->sending.bytes;
+    for (packed = mail->outbox; packed; packed = packed->next)
+        mail->outbox_bytes += packed->size;
+    if (mail->outbox_bytes < before)
+        pthread_cond_broadcast(&exchange->changed);
+    pthread_mutex_unlock(&exchange->lock);
     return busy;
 }
 
-/* Ask for tasks while there are still some to do. */
-static void wish_for_tasks(sweep_exchange *exchange) {
-    int wish = 4 * exchange->hands < SWEEP_INBOX_MAX / 2 ? 4 * exchange->hands : SWEEP_INBOX_MAX / 2;
-    pthread_mutex_lock(&exchange->lock);
-    bool ask = !exchange->asked && !exchange->dry && !*exchange->stop && exchange->count <= wish / 4;
-    exchange->asked |= ask;
-    pthread_mutex_unlock(&exchange->lock);
-    if (ask)
-        send_packet(exchange, 0, PACKET_WISH, &wish, sizeof wish);
-}
-
-static void accept_tasks(sweep_exchange *exchange, const ranks_packet *packet) {
+static void accept_tasks(sweep_link *link, const ranks_packet *packet) {
+    sweep_exchange *exchange = link->exchange;
+    sweep_mail *mail = &exchange->mail;
     size_t count = packet->size / sizeof(long long);
     pthread_mutex_lock(&exchange->lock);
-    for (size_t k = 0; k < count && exchange->count < SWEEP_INBOX_MAX; k++) {
-        int place = (exchange->first + exchange->count++) % SWEEP_INBOX_MAX;
-        memcpy(&exchange->inbox[place], (const char *)packet->bytes + k * sizeof(long long),
-               sizeof(long long));
+    for (size_t k = 0; k < count && mail->count < SWEEP_INBOX_MAX; k++) {
+        int place = (mail->first + mail->count++) % SWEEP_INBOX_MAX;
+        memcpy(&mail->inbox[place], (const char *)packet->bytes + k * sizeof(long long), sizeof(long long));
     }
-    exchange->asked = false;
-    exchange->dry |= count == 0;
+    mail->asked = false;
+    mail->dry |= count == 0;
     pthread_cond_broadcast(&exchange->changed);
     pthread_mutex_unlock(&exchange->lock);
 }
 
-static bool serve_other(sweep_exchange *exchange) {
-    ranks_packet packet;
-    bool busy = empty_outbox(exchange);
-    wish_for_tasks(exchange);
-    while (ranks_receive(PACKET_TASKS, &packet)) {
-        accept_tasks(exchange, &packet);
-        free(packet.bytes);
+/* During the run there is but one order: to stop. */
+static void obey(sweep_link *link, const ranks_packet *packet) {
+    (void)packet;
+    pthread_mutex_lock(&link->exchange->lock);
+    *link->exchange->stop = 1;
+    pthread_cond_broadcast(&link->exchange->changed);
+    pthread_mutex_unlock(&link->exchange->lock);
+}
+
+static bool serve_other(sweep_link *link) {
+    enum { usual_lanes = 8, at_a_time = 4 };
+    sweep_exchange *exchange = link->exchange;
+    sweep_mail *mail = &exchange->mail;
+    const saltus_sweep_options *how = saltus_sweep_choices(exchange->sweep);
+    /* About how many trajectories this rank computes at a time. */
+    const int hands = (how->lanes ? how->lanes : usual_lanes) * (how->threads ? how->threads : 1);
+    const int wish = at_a_time * hands < SWEEP_INBOX_MAX / 2 ? at_a_time * hands : SWEEP_INBOX_MAX / 2;
+    bool busy = empty_outbox(link);
+    /* Ask for tasks while there are still some to do. */
+    pthread_mutex_lock(&exchange->lock);
+    bool ask = !mail->asked && !mail->dry && !*exchange->stop && mail->count <= wish / 4;
+    mail->asked |= ask;
+    pthread_mutex_unlock(&exchange->lock);
+    if (ask)
+        send_packet(link, 0, PACKET_WISH, &wish, sizeof wish);
+    while (receive(link, PACKET_TASKS, accept_tasks))
         busy = true;
-    }
-    /* During the run there is but one order: to stop. */
-    while (ranks_receive(PACKET_ORDER, &packet)) {
-        free(packet.bytes);
-        pthread_mutex_lock(&exchange->lock);
-        *exchange->stop = 1;
-        pthread_cond_broadcast(&exchange->changed);
-        pthread_mutex_unlock(&exchange->lock);
+    while (receive(link, PACKET_ORDER, obey))
         busy = true;
-    }
     return busy;
 }
 
-bool sweep_ranks_exchange(sweep_exchange *exchange) {
-    return exchange->here == 0 ? serve_first(exchange) : serve_other(exchange);
+bool sweep_ranks_exchange(sweep_link *link) {
+    return link->exchange->here == 0 ? serve_first(link) : serve_other(link);
 }
 
-bool sweep_ranks_over(sweep_exchange *exchange) {
-    bool delivered = ranks_delivered(&exchange->sending);
+bool sweep_ranks_over(sweep_link *link) {
+    sweep_exchange *exchange = link->exchange;
+    bool delivered = ranks_delivered(&link->sending);
     pthread_mutex_lock(&exchange->lock);
-    bool over = exchange->here == 0
-                    ? exchange->left == exchange->ranks - 1 && exchange->received == exchange->due
-                    : !exchange->outbox && !exchange->asked;
+    bool over = exchange->here == 0 ? link->left == exchange->ranks - 1 && link->received == link->due
+                                    : !exchange->mail.outbox && !exchange->mail.asked;
     pthread_mutex_unlock(&exchange->lock);
     return over && delivered;
 }
 
-int sweep_ranks_end(sweep_exchange *exchange, int code) {
+int sweep_ranks_end(sweep_link *link, int code) {
+    const sweep_exchange *exchange = link->exchange;
     if (exchange->here > 0) {
-        rank_outcome own = {.sent = exchange->sent,
+        rank_outcome own = {.sent = link->sent,
                             .status = exchange->status,
                             .interrupted = exchange->interrupted,
                             .message = exchange->message};
-        send_packet(exchange, 0, PACKET_OUTCOME, &own, sizeof own);
-        wait_for_order(exchange, &code);
+        send_packet(link, 0, PACKET_OUTCOME, &own, sizeof own);
+        wait_for_order(link, &code);
         return code;
     }
-    for (int k = 1; k < exchange->ranks; k++)
-        send_order(exchange, k, ORDER_END, code);
-    while (!ranks_delivered(&exchange->sending))
-        nap();
+    send_order(link, ORDER_END, code);
+    wait_for_delivery(link);
     return code;
 }
