@@ -26,19 +26,15 @@ static const text_model *of_model(const saltus_model *model) {
     return (const text_model *)(const void *)model;
 }
 
-static bool same_sizes(const text_model *m, const saltus_equations_graph *g, const double *parameters) {
-    for (int k = 0; k < m->text.parameter_count; k++)
-        if (m->text.parameters[k].integer && g->parameters[k] != parameters[k])
-            return false;
-    return true;
-}
-
 /* The graph for a specification, NULL where it has not been built. */
 static const saltus_equations_graph *graph_of(const saltus_spec *spec) {
     const text_model *m = of_model(spec->model);
     const saltus_equations_graph *g = atomic_load_explicit(&m->graphs, memory_order_acquire);
-    while (g && !same_sizes(m, g, spec->parameters))
-        g = g->next;
+    for (bool same = false; g && !same; g = same ? g : g->next) {
+        same = true;
+        for (int k = 0; same && k < m->text.parameter_count; k++)
+            same = !m->text.parameters[k].integer || g->parameters[k] == spec->parameters[k];
+    }
     return g;
 }
 
@@ -82,11 +78,11 @@ static void complete(saltus_spec *spec) {
     if (!values)
         return;
     evaluate(g, spec, NULL, 0, values);
-    for (int s = 0; s < spec->stop_count && s < of_model(spec->model)->text.coordinates.count; s++) {
-        if (g->clearance[s] >= 0)
-            spec->stops[s].d = values[g->clearance[s]];
-        if (g->restitution[s] >= 0)
-            spec->stops[s].r = values[g->restitution[s]];
+    for (int s = 0; s < spec->stop_count && s < g->stop_count; s++) {
+        if (g->stops[s].clearance >= 0)
+            spec->stops[s].d = values[g->stops[s].clearance];
+        if (g->stops[s].restitution >= 0)
+            spec->stops[s].r = values[g->stops[s].restitution];
     }
     free(values);
 }
@@ -95,11 +91,10 @@ static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, do
     const saltus_equations_graph *g = graph_of(spec);
     const int s = (int)(stop - spec->stops);
     double *values = values_of(g);
-    bool known = values && s < of_model(spec->model)->text.coordinates.count;
     if (values)
         evaluate(g, spec, NULL, 0, values);
     for (int i = 0; i < dof; i++)
-        n[i] = known ? values[g->normal[s * dof + i]] : values ? 0 : NAN;
+        n[i] = !values ? NAN : s < g->stop_count ? values[g->stops[s].normal[i]] : 0;
     free(values);
 }
 
@@ -117,15 +112,14 @@ static double typical_length(const saltus_system *system, const saltus_equations
     double length = 0;
     for (int s = 0; s < system->spec.stop_count; s++) {
         const saltus_stop *stop = &system->spec.stops[s];
-        const double offset =
-            s < of_model(system->spec.model)->text.coordinates.count ? system->numbers[g->offset[s]] : 0;
+        const double offset = s < g->stop_count ? system->numbers[g->stops[s].offset] : 0;
         double d = fabs(stop->sides == SALTUS_LOWER ? stop->d + offset : stop->d - offset);
         if (d > 0 && (length == 0 || d < length))
             length = d;
     }
     for (int i = 0; i < system->dof && length == 0; i++)
-        if (g->initial[i] >= 0)
-            length = fabs(system->numbers[g->initial[i]]);
+        if (g->state[i].initial >= 0)
+            length = fabs(system->numbers[g->state[i].initial]);
     return length > 0 && isfinite(length) ? length : 1;
 }
 
@@ -177,11 +171,11 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
     /* Without forcing all that pulls at a displacement tells how fast it is: its own stiffness may be lost in
      * what feeds the motion. */
     for (int i = 0; i < n; i++)
-        if (g->scale[n + i] < 0 && g->forced)
+        if (g->state[n + i].scale < 0)
             system->scale[n + i] =
-                system->scale[i] * fmax(system->omega, fmax(sqrt(system->stiffness[i]), 1e-3));
-        else if (g->scale[n + i] < 0)
-            system->scale[n + i] = system->scale[i] * (pull[i] > 0 ? sqrt(pull[i]) : 1);
+                system->scale[i] * (g->forced ? fmax(system->omega, fmax(sqrt(system->stiffness[i]), 1e-3))
+                                    : pull[i] > 0 ? sqrt(pull[i])
+                                                  : 1);
     system->decay = decay;
     system->rate = fmax(fmax(sqrt(stiffness), damping), g->forced ? system->omega : 1e-3);
     system->stiffness_ratio = damping / (200 * fmax(g->forced ? system->omega : 0, sqrt(stiffness)));
@@ -222,19 +216,19 @@ static const char *coordinate(const saltus_model *model, int stop, int which) {
  * displacements. */
 static bool observable_row(const saltus_system *system, int k, double *row) {
     const saltus_equations_graph *g = graph_of(&system->spec);
-    const int n = system->dof, node = g->observe[k];
-    double state[SALTUS_STATE_MAX] = {0}, *values = system->numbers, rest, expected = 0;
-    if (!g->sums[k])
+    const saltus_observed_nodes *observed = &g->observed[k];
+    double state[SALTUS_STATE_MAX] = {0}, *values = system->numbers, expected = 0;
+    if (!observed->sum)
         return false;
-    rest = values[node];
-    for (int i = 0; i < n; i++)
-        row[i] = values[g->observer[k * n + i]];
+    const double rest = values[observed->node];
     for (int i = 0; i < system->dimension; i++)
         state[i] = sin(1.0 + i);
-    evaluate(g, &system->spec, state, 0.37, values);
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < system->dof; i++) {
+        row[i] = values[observed->row[i]];
         expected += row[i] * state[i];
-    double error = fabs(values[node] - expected);
+    }
+    evaluate(g, &system->spec, state, 0.37, values);
+    double error = fabs(values[observed->node] - expected);
     evaluate(g, &system->spec, NULL, 0, values);
     return rest == 0 && error <= 1e-12 * fabs(expected);
 }
@@ -246,19 +240,18 @@ static void build(saltus_system *system) {
     double reference[SALTUS_STATE_MAX] = {0}, *values = system->numbers;
     system->tape = tape;
     system->forced = g->forced;
-    system->guarded = g->guards > 0;
+    system->guarded = g->partial.root_count > 0;
     system->coefficients.scalar[0] = system->omega;
     system->coefficients.terms =
         (g->forced ? SALTUS_TERM_FORCED : 0) | (system->extra ? SALTUS_TERM_EXTRA : 0);
     evaluate(g, &system->spec, NULL, 0, values);
     double length = typical_length(system, g);
     for (int i = 0; i < system->dimension; i++) {
-        if (g->initial[i] >= 0)
-            reference[i] = values[g->initial[i]];
-        double own = g->scale[i] >= 0 ? fabs(values[g->scale[i]])
-                     : i < n          ? length
-                     : i < 2 * n      ? length
-                                      : fabs(reference[i]);
+        if (g->state[i].initial >= 0)
+            reference[i] = values[g->state[i].initial];
+        double own = g->state[i].scale >= 0 ? fabs(values[g->state[i].scale])
+                     : i < 2 * n            ? length
+                                            : fabs(reference[i]);
         system->scale[i] = own > 0 && isfinite(own) ? own : 1;
     }
     for (int i = 0; i < n * n; i++)
@@ -267,20 +260,20 @@ static void build(saltus_system *system) {
     system->mirror_shift = g->forced;
     system->mirror = is_odd(system, g, g->forced, values);
     evaluate(g, &system->spec, NULL, 0, values);
-    for (int s = 0; s < system->spec.stop_count && s < of_model(system->spec.model)->text.coordinates.count;
-         s++)
-        system->offset[s] = values[g->offset[s]];
+    for (int s = 0; s < system->spec.stop_count && s < g->stop_count; s++)
+        system->offset[s] = values[g->stops[s].offset];
     for (int s = 0; s < tape->slot_count; s++)
         system->coefficients.slot[s] = values[tape->slot_node[s]];
 }
 
-/* The derivative of a number along a direction. */
-static double varied(const saltus_equations_graph *g, const saltus_system *system,
-                     const saltus_direction *direction, int node) {
+/* The derivative of a number along a direction, at a closing speed; -1: of none. */
+static double varied(const saltus_system *system, const saltus_equations_graph *g,
+                     const saltus_direction *direction, int node, double speed) {
     double sum = 0;
-    for (int p = 0; p < g->parameter_count && node >= 0 && node < g->derivative_count; p++)
+    for (int p = 0; p < system->spec.model->parameter_count && node >= 0; p++)
         if (g->derivatives[p] && direction->parameter[p] != 0)
-            sum += direction->parameter[p] * system->numbers[g->derivatives[p][node]];
+            sum += direction->parameter[p] *
+                   saltus_graph_at_speed(&g->graph, g->derivatives[p][node], system->numbers, speed);
     return sum;
 }
 
@@ -292,74 +285,81 @@ static void vary(const saltus_system *system, const saltus_direction *direction,
     if (system->spec.model->forcing >= 0)
         variation->coefficients.scalar[0] = direction->parameter[system->spec.model->forcing];
     for (int s = 0; s < g->tape->slot_count; s++)
-        variation->coefficients.slot[s] = varied(g, system, direction, g->tape->slot_node[s]);
+        variation->coefficients.slot[s] = varied(system, g, direction, g->tape->slot_node[s], 0);
     for (int i = 0; i < n * n; i++)
-        variation->inverse_mass[i] = varied(g, system, direction, g->inverse_mass[i]);
+        variation->inverse_mass[i] = varied(system, g, direction, g->inverse_mass[i], 0);
     for (int s = 0; s < system->spec.stop_count; s++) {
-        variation->d[s] += varied(g, system, direction, g->clearance[s]);
-        variation->r[s] += varied(g, system, direction, g->restitution[s]);
-        variation->offset[s] += varied(g, system, direction, g->offset[s]);
+        const saltus_stop_nodes *stop = &g->stops[s];
+        variation->d[s] += varied(system, g, direction, stop->clearance, 0);
+        variation->r[s] += varied(system, g, direction, stop->restitution, 0);
+        variation->offset[s] += varied(system, g, direction, stop->offset, 0);
         for (int i = 0; i < n; i++)
-            variation->normal[s][i] += varied(g, system, direction, g->normal[s * n + i]);
+            variation->normal[s][i] += varied(system, g, direction, stop->normal[i], 0);
     }
     for (int i = 0; i < n && system->observable >= 0; i++)
-        variation->observer[i] = varied(g, system, direction, g->observer[system->observable * n + i]);
+        variation->observer[i] = varied(system, g, direction, g->observed[system->observable].row[i], 0);
 }
 
 static bool by_speed(const saltus_spec *spec, int stop) {
     const saltus_equations_graph *g = graph_of(spec);
-    return g && stop < of_model(spec->model)->text.coordinates.count && g->rebound[stop] >= 0;
+    return g && stop < g->stop_count && g->stops[stop].rebound >= 0;
 }
 
 static saltus_rebound rebound(const saltus_system *system, int stop, double speed) {
     const saltus_equations_graph *g = graph_of(&system->spec);
-    return (saltus_rebound){saltus_graph_at_speed(&g->graph, g->restitution[stop], system->numbers, speed),
-                            saltus_graph_at_speed(&g->graph, g->rebound[stop], system->numbers, speed)};
+    const saltus_stop_nodes *own = &g->stops[stop];
+    return (saltus_rebound){saltus_graph_at_speed(&g->graph, own->restitution, system->numbers, speed),
+                            saltus_graph_at_speed(&g->graph, own->rebound, system->numbers, speed)};
 }
 
 static double rebound_change(const saltus_system *system, int stop, double speed,
                              const saltus_direction *direction) {
     const saltus_equations_graph *g = graph_of(&system->spec);
-    const int node = g->restitution[stop];
-    double sum = 0;
-    for (int p = 0; p < g->parameter_count && node < g->derivative_count; p++)
-        if (g->derivatives[p] && direction->parameter[p] != 0)
-            sum += direction->parameter[p] *
-                   saltus_graph_at_speed(&g->graph, g->derivatives[p][node], system->numbers, speed);
-    return sum;
+    return varied(system, g, direction, g->stops[stop].restitution, speed);
 }
 
 /* Nodes of equations of a common size: what is asked many times takes no memory for these. */
 enum { common = 400 };
 
-/* Values of some nodes in `room` for so many or, to be freed, elsewhere; NULL without memory. */
-static double *evaluate_some(const saltus_system *system, const int *nodes, int count, const double *state,
+/* Values of a part's nodes in `room` for so many or, to be freed, elsewhere; NULL without memory. */
+static double *evaluate_part(const saltus_system *system, const saltus_graph_part *part, const double *state,
                              double phase, double room[common]) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     double *values = g->graph.count <= common ? room : values_of(g);
     if (values)
-        saltus_graph_evaluate_some(&g->graph, nodes, count, system->spec.parameters, state,
+        saltus_graph_evaluate_some(&g->graph, part->nodes, part->count, system->spec.parameters, state,
                                    phase * system->period, phase, values);
     return values;
+}
+
+/* The value of a part's only root; NAN without memory. */
+static double value_of_part(const saltus_system *system, const saltus_graph_part *part, const double *state,
+                            double phase) {
+    double room[common], *values = evaluate_part(system, part, state, phase, room),
+                         value = values ? values[part->roots[0]] : NAN;
+    if (values != room)
+        free(values);
+    return value;
 }
 
 /* A trace that depends on parameters alone was evaluated when the system was built. */
 static double trace(const saltus_system *system, const double *state, double phase) {
     const saltus_equations_graph *g = graph_of(&system->spec);
-    if (!(g->graph.nodes[g->trace].depends & ~(unsigned)SALTUS_OF_PARAMETERS))
-        return system->numbers[g->trace];
-    double room[common], *values = evaluate_some(system, g->traced, g->traced_count, state, phase, room),
-                         result = values ? values[g->trace] : NAN;
-    if (values != room)
-        free(values);
-    return result;
+    const int node = g->trace.roots[0];
+    return g->graph.nodes[node].depends & ~(unsigned)SALTUS_OF_PARAMETERS
+               ? value_of_part(system, &g->trace, state, phase)
+               : system->numbers[node];
+}
+
+static double crossing(const saltus_system *system, const double *state) {
+    return value_of_part(system, &graph_of(&system->spec)->zero, state, 0);
 }
 
 static void start(const saltus_system *system, double *state) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     for (int i = 0; i < system->dimension; i++)
-        if (g->initial[i] >= 0)
-            state[i] = system->numbers[g->initial[i]];
+        if (g->state[i].initial >= 0)
+            state[i] = system->numbers[g->state[i].initial];
 }
 
 static saltus_state_name state_name(const saltus_spec *spec, int dof, int entry) {
@@ -396,26 +396,17 @@ static void observe(const saltus_system *system, const double *state, double pha
     double *all = values_of(g);
     if (all)
         evaluate(g, &system->spec, state, phase, all);
-    for (int k = 0; k < g->observe_count; k++)
-        values[k] = all ? all[g->observe[k]] : NAN;
+    for (int k = 0; k < g->observed_count; k++)
+        values[k] = all ? all[g->observed[k].node] : NAN;
     free(all);
-}
-
-static double crossing(const saltus_system *system, const double *state) {
-    const saltus_equations_graph *g = graph_of(&system->spec);
-    double room[common], *values = evaluate_some(system, g->zeros, g->zero_count, state, 0, room),
-                         value = values ? values[g->zero] : NAN;
-    if (values != room)
-        free(values);
-    return value;
 }
 
 static bool defined(const saltus_system *system, const double *state, double phase) {
     const saltus_equations_graph *g = graph_of(&system->spec);
-    double room[common], *values = evaluate_some(system, g->guarded, g->guarded_count, state, phase, room);
+    double room[common], *values = evaluate_part(system, &g->partial, state, phase, room);
     bool good = values != NULL;
-    for (int k = 0; k < g->guards && good; k++)
-        good = isfinite(values[g->guard[k]]);
+    for (int k = 0; k < g->partial.root_count && good; k++)
+        good = isfinite(values[g->partial.roots[k]]);
     /* One without a value may stand where parameters choose another. */
     if (values && !good) {
         evaluate(g, &system->spec, state, phase, values);
@@ -463,32 +454,31 @@ static saltus_status place_failure(const char *origin, const char *name, int lin
     return saltus_fail(message, SALTUS_BAD_INPUT, "%s:%d: %s: %s", origin, line, name, sentence);
 }
 
-/* "x", "x[i]" or "x[2]" of a left side, or the names of an entry of a matrix, "x1,x2", which stay whole. */
-static saltus_status parse_left(const char *origin, const saltus_equation *e, saltus_parsed *p,
-                                saltus_message *message) {
-    const char *open = strchr(e->name, '['), *name = e->name;
+/* "x", "x[i]" or "x[2]" of a left side, or the names of an entry of a matrix, "x1,x2", which stay whole. What
+ * is wrong with it; NULL: nothing. */
+static const char *parse_left(const char *name, saltus_parsed *p) {
+    const char *open = strchr(name, '[');
     size_t length = open ? (size_t)(open - name) : strlen(name);
     if (strchr(name, ','))
-        return SALTUS_OK;
+        return NULL;
     if (length > 1 && name[length - 1] == '\'' && !open)
         length--;
     if (length == 0 || length >= sizeof p->base)
-        return place_failure(origin, e->name, e->line, "a name must have 1 to 31 characters", message);
+        return "a name must have 1 to 31 characters";
     memcpy(p->base, name, length);
     if (!open)
-        return SALTUS_OK;
+        return NULL;
     char *end;
     size_t inside = strcspn(open + 1, "]");
     if (open[1 + inside] != ']' || inside == 0 || inside >= sizeof p->index)
-        return place_failure(origin, e->name, e->line,
-                             "must be a name, or a name with one index such as x[i] or x[1]", message);
+        return "must be a name, or a name with one index such as x[i] or x[1]";
     memcpy(p->index, open + 1, inside);
     long number = strtol(p->index, &end, 10);
-    if (*end == '\0') {
-        p->number = number < 1 || number > 100000 ? -1 : (int)number;
-        p->index[0] = '\0';
-    }
-    return p->number < 0 ? place_failure(origin, e->name, e->line, "indices begin at 1", message) : SALTUS_OK;
+    if (*end)
+        return NULL;
+    p->index[0] = '\0';
+    p->number = (int)number;
+    return number < 1 || number > 100000 ? "indices begin at 1" : NULL;
 }
 
 static saltus_status parse_equation(const char *origin, const saltus_equation *e, saltus_parsed *p,
@@ -504,15 +494,16 @@ static saltus_status parse_equation(const char *origin, const saltus_equation *e
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
     if (!p->text)
         return SALTUS_OK;
-    saltus_status status = parse_left(origin, e, p, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = saltus_expression_parse(p->text, &p->right, &reason);
+    const char *wrong = parse_left(p->name, p);
+    if (wrong)
+        return place_failure(origin, e->name, e->line, wrong, message);
+    saltus_status status = saltus_expression_parse(p->text, &p->right, &reason);
     return status == SALTUS_BAD_INPUT ? place_failure(origin, e->name, e->line, reason.text, message)
            : status != SALTUS_OK      ? saltus_fail(message, status, "%s", reason.text)
                                       : SALTUS_OK;
 }
 
+/* All equations of a list; `stride` bytes lie from one to the next. */
 static saltus_status parse_list(const char *origin, const saltus_equation *items, int count, size_t stride,
                                 saltus_parsed_list *list, saltus_message *message) {
     saltus_status status = SALTUS_OK;
@@ -704,15 +695,6 @@ static saltus_status check_used(const text_model *m, saltus_message *message) {
     return SALTUS_OK;
 }
 
-/* The equation that an acceleration or a rate comes from. */
-static const saltus_parsed *equation_of(const text_model *m, const saltus_equations_graph *g, int i) {
-    const saltus_parsed_list *list = i < g->dof ? &m->text.motion : &m->text.states;
-    for (int k = 0; k < list->count; k++)
-        if (strncmp(g->names[i], list->items[k].base, strlen(list->items[k].base)) == 0)
-            return &list->items[k];
-    return &list->items[0];
-}
-
 /* The field a period later is the same: otherwise t goes on where the forcing begins anew. Looked at where no
  * rule picks out, also with parameters other than zero in the place of those that are by default. */
 static saltus_status check_periodic(const text_model *m, const saltus_spec *spec, saltus_message *message) {
@@ -746,7 +728,11 @@ static saltus_status check_periodic(const text_model *m, const saltus_spec *spec
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
     if (worst < 0)
         return SALTUS_OK;
-    const saltus_parsed *own = equation_of(m, g, worst);
+    const saltus_parsed_list *list = worst < g->dof ? &m->text.motion : &m->text.states;
+    const saltus_parsed *own = &list->items[0];
+    for (int k = list->count - 1; k >= 0; k--)
+        if (strncmp(g->names[worst], list->items[k].base, strlen(list->items[k].base)) == 0)
+            own = &list->items[k];
     return place_failure(
         m->text.origin, own->name, own->line,
         "time must enter with the period of the forcing, as in cos(omega*t): t begins anew every period",
@@ -769,31 +755,32 @@ static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus
 }
 
 static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_message *message) {
+    static const saltus_text_stop none;
+    const saltus_text_stop *stops = text->stop_count ? text->stops : &none;
+    const size_t apart = sizeof(saltus_equation), stops_apart = sizeof *stops;
     saltus_parsed_text *t = &m->text;
-    const struct {
-        const saltus_equation_list *from;
-        saltus_parsed_list *to;
-    } lists[] = {{&text->families, &t->families}, {&text->let, &t->let},       {&text->motion, &t->motion},
-                 {&text->mass, &t->mass},         {&text->states, &t->states}, {&text->observe, &t->observe},
-                 {&text->scale, &t->scale}};
     saltus_status status = copy_numbers(m, text, message);
+    const struct {
+        const char *origin;
+        const saltus_equation *items;
+        int count;
+        size_t stride;
+        saltus_parsed_list *to;
+    } lists[] = {{t->origin, text->families.items, text->families.count, apart, &t->families},
+                 {t->origin, text->let.items, text->let.count, apart, &t->let},
+                 {t->origin, text->motion.items, text->motion.count, apart, &t->motion},
+                 {t->origin, text->mass.items, text->mass.count, apart, &t->mass},
+                 {t->origin, text->states.items, text->states.count, apart, &t->states},
+                 {t->origin, text->observe.items, text->observe.count, apart, &t->observe},
+                 {t->origin, text->scale.items, text->scale.count, apart, &t->scale},
+                 {t->scene, text->initial.items, text->initial.count, apart, &t->initial},
+                 {t->scene, &stops->coordinate, text->stop_count, stops_apart, &t->coordinates},
+                 {t->scene, &stops->d, text->stop_count, stops_apart, &t->clearances},
+                 {t->scene, &stops->r, text->stop_count, stops_apart, &t->restitutions},
+                 {t->origin, &text->zero, text->zero.text != NULL, apart, &t->zero}};
     for (size_t k = 0; k < sizeof lists / sizeof lists[0] && status == SALTUS_OK; k++)
-        status = parse_list(t->origin, lists[k].from->items, lists[k].from->count,
-                            sizeof *lists[k].from->items, lists[k].to, message);
-    if (status == SALTUS_OK)
-        status = parse_list(t->scene, text->initial.items, text->initial.count, sizeof *text->initial.items,
-                            &t->initial, message);
-    saltus_parsed_list *const stops[] = {&t->coordinates, &t->clearances, &t->restitutions};
-    const saltus_equation *firsts[] = {NULL, NULL, NULL};
-    if (text->stop_count) {
-        firsts[0] = &text->stops[0].coordinate;
-        firsts[1] = &text->stops[0].d;
-        firsts[2] = &text->stops[0].r;
-    }
-    for (int k = 0; k < 3 && status == SALTUS_OK; k++)
-        status = parse_list(t->scene, firsts[k], text->stop_count, sizeof *text->stops, stops[k], message);
-    if (status == SALTUS_OK && text->zero.text)
-        status = parse_list(t->origin, &text->zero, 1, sizeof text->zero, &t->zero, message);
+        status = parse_list(lists[k].origin, lists[k].items, lists[k].count, lists[k].stride, lists[k].to,
+                            message);
     if (status == SALTUS_OK)
         status = check_names(m, message);
     return status == SALTUS_OK ? find_forcing(m, text, message) : status;

@@ -104,6 +104,15 @@ static bool is_named(const char *name, const char *text, int length) {
     return strncmp(name, text, (size_t)length) == 0 && name[length] == '\0';
 }
 
+static int apply(builder *b, saltus_operation operation, int x, int y) {
+    return saltus_graph_apply(b->graph, operation, x, y);
+}
+
+/* On what else than these a node depends. */
+static unsigned depends_beyond(const builder *b, int node, unsigned these) {
+    return b->graph->nodes[node].depends & ~these;
+}
+
 static int node_of(builder *b, int term);
 
 /* The value of an index or a bound of a sum, which must be a whole number. */
@@ -213,28 +222,7 @@ static const saltus_parsed *equation_for(const saltus_parsed_list *list, const c
     return found;
 }
 
-/* The node of an abbreviation's member, read once. */
-static int abbreviation(builder *b, const saltus_parsed *equation, int number) {
-    const int k = (int)(equation - b->text->let.items);
-    if (b->at_rest)
-        return right_side(b, equation, number);
-    if (number >= b->known[k].room) {
-        int room = 2 * number + 8, *nodes = realloc(b->known[k].node, (size_t)room * sizeof *nodes);
-        if (no_memory(b, nodes))
-            return 0;
-        for (int j = b->known[k].room; j < room; j++)
-            nodes[j] = -1;
-        b->known[k].node = nodes;
-        b->known[k].room = room;
-    }
-    if (b->known[k].node[number] < 0) {
-        int node = right_side(b, equation, number);
-        b->known[k].node[number] = node;
-    }
-    return b->known[k].node[number];
-}
-
-/* -1: there is no abbreviation of that name. */
+/* The node of an abbreviation's member, read once; -1: there is no abbreviation of that name. */
 static int let_of(builder *b, const saltus_expression_term *term, const char *name) {
     const saltus_parsed_list *let = &b->text->let;
     bool known = false;
@@ -251,7 +239,23 @@ static int let_of(builder *b, const saltus_expression_term *term, const char *na
     if (!equation)
         return refuse(b, term, number ? "%.*s[%d] is not defined" : "%.*s needs an index", term->length, name,
                       number);
-    return abbreviation(b, equation, number);
+    if (b->at_rest)
+        return right_side(b, equation, number);
+    const int k = (int)(equation - let->items);
+    if (number >= b->known[k].room) {
+        int room = 2 * number + 8, *nodes = realloc(b->known[k].node, (size_t)room * sizeof *nodes);
+        if (no_memory(b, nodes))
+            return 0;
+        for (int j = b->known[k].room; j < room; j++)
+            nodes[j] = -1;
+        b->known[k].node = nodes;
+        b->known[k].room = room;
+    }
+    if (b->known[k].node[number] < 0) {
+        int node = right_side(b, equation, number);
+        b->known[k].node[number] = node;
+    }
+    return b->known[k].node[number];
 }
 
 static int leaf_of(builder *b, const saltus_expression_term *term, const char *name) {
@@ -269,14 +273,6 @@ static int leaf_of(builder *b, const saltus_expression_term *term, const char *n
     return saltus_graph_leaf(b->graph, time ? SALTUS_OP_TIME : SALTUS_OP_PHASE, -1);
 }
 
-static int parameter_of(builder *b, const saltus_expression_term *term, const char *name) {
-    for (int k = 0; k < b->text->parameter_count; k++)
-        if (is_named(b->text->parameters[k].name, name, term->length))
-            return b->text->parameters[k].integer ? saltus_graph_constant(b->graph, b->parameters[k])
-                                                  : saltus_graph_leaf(b->graph, SALTUS_OP_PARAMETER, k);
-    return -1;
-}
-
 static int state_of(builder *b, const saltus_expression_term *term, const char *name) {
     for (int kind = 0; kind < 2; kind++) {
         int number, count = kind ? b->state_count : b->displacement_count;
@@ -287,14 +283,10 @@ static int state_of(builder *b, const saltus_expression_term *term, const char *
         if (kind && term->rate)
             return refuse(b, term, "%s is a first-order state and has no velocity", q->name);
         int member = number ? q->first + number - 1 : member_of(b, term, q);
-        if (b->status != SALTUS_OK)
+        if (b->status != SALTUS_OK || b->at_rest)
             return 0;
-        if (b->at_rest)
-            return 0;
-        return saltus_graph_leaf(b->graph, SALTUS_OP_STATE,
-                                 member + (kind         ? 2 * b->made->dof
-                                           : term->rate ? b->made->dof
-                                                        : 0));
+        const int first = kind ? 2 * b->made->dof : term->rate ? b->made->dof : 0;
+        return saltus_graph_leaf(b->graph, SALTUS_OP_STATE, first + member);
     }
     return -1;
 }
@@ -334,8 +326,10 @@ static int name_of(builder *b, const saltus_expression_term *term) {
     if (node < 0 && term->rate)
         return refuse(b, term, "%.*s is no displacement, so it has no velocity %.*s'", term->length, name,
                       term->length, name);
-    if (node < 0)
-        node = parameter_of(b, term, name);
+    for (int k = 0; k < b->text->parameter_count && node < 0; k++)
+        if (is_named(b->text->parameters[k].name, name, term->length))
+            node = b->text->parameters[k].integer ? saltus_graph_constant(b->graph, b->parameters[k])
+                                                  : saltus_graph_leaf(b->graph, SALTUS_OP_PARAMETER, k);
     if (node < 0)
         node = leaf_of(b, term, name);
     for (int k = 0; k < b->text->constant_count && node < 0; k++)
@@ -369,7 +363,7 @@ static int decided(const builder *b, saltus_syntax kind, int x, int y) {
 }
 
 static bool switches(builder *b, const saltus_expression_term *term, int node) {
-    if (b->status == SALTUS_OK && b->graph->nodes[node].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+    if (b->status == SALTUS_OK && depends_beyond(b, node, SALTUS_OF_PARAMETERS))
         refuse(b, term, "%s of a state or of time switches the equations, which is not possible yet",
                saltus_function_name(term->function));
     return b->status == SALTUS_OK;
@@ -388,14 +382,16 @@ static int choice_of(builder *b, const saltus_expression_term *term) {
     if (!switches(b, term, x) || !switches(b, term, y))
         return 0;
     int first = node_of(b, yes), second = node_of(b, no);
-    bool turned = test->kind == SALTUS_SYNTAX_GREATER || test->kind == SALTUS_SYNTAX_GREATER_EQUAL;
-    if (test->kind == SALTUS_SYNTAX_EQUAL || test->kind == SALTUS_SYNTAX_UNEQUAL)
-        return saltus_graph_choose(b->graph, SALTUS_OP_CHOOSE_EQUAL, x, y,
-                                   test->kind == SALTUS_SYNTAX_EQUAL ? first : second,
-                                   test->kind == SALTUS_SYNTAX_EQUAL ? second : first);
-    bool strict = test->kind == SALTUS_SYNTAX_LESS || test->kind == SALTUS_SYNTAX_GREATER;
-    return saltus_graph_choose(b->graph, strict ? SALTUS_OP_CHOOSE_LESS : SALTUS_OP_CHOOSE_LESS_EQUAL,
-                               turned ? y : x, turned ? x : y, first, second);
+    const bool equal = test->kind == SALTUS_SYNTAX_EQUAL || test->kind == SALTUS_SYNTAX_UNEQUAL;
+    const bool strict = test->kind == SALTUS_SYNTAX_LESS || test->kind == SALTUS_SYNTAX_GREATER;
+    const bool turned = test->kind == SALTUS_SYNTAX_GREATER || test->kind == SALTUS_SYNTAX_GREATER_EQUAL;
+    const bool exchanged = test->kind == SALTUS_SYNTAX_UNEQUAL;
+    return saltus_graph_choose(b->graph,
+                               equal    ? SALTUS_OP_CHOOSE_EQUAL
+                               : strict ? SALTUS_OP_CHOOSE_LESS
+                                        : SALTUS_OP_CHOOSE_LESS_EQUAL,
+                               turned ? y : x, turned ? x : y, exchanged ? second : first,
+                               exchanged ? first : second);
 }
 
 /* sum(i, first, last, what): zero where last is below first. */
@@ -415,7 +411,7 @@ static int sum_of(builder *b, const saltus_expression_term *term) {
     b->local[local].length = index->length;
     for (int i = first; i <= last && b->status == SALTUS_OK && !b->graph->full; i++) {
         b->local[local].value = i;
-        sum = saltus_graph_apply(b->graph, SALTUS_OP_ADD, sum, node_of(b, what));
+        sum = apply(b, SALTUS_OP_ADD, sum, node_of(b, what));
     }
     b->locals--;
     return sum;
@@ -435,26 +431,15 @@ static int call_of(builder *b, const saltus_expression_term *term) {
     if (term->function == SALTUS_FUNCTION_sign && next >= 0)
         return refuse(b, term, "dry friction, sign(s, k), is not possible yet");
     if (next < 0)
-        return b->status == SALTUS_OK ? saltus_graph_apply(b->graph, operation, node, -1) : 0;
+        return b->status == SALTUS_OK ? apply(b, operation, node, -1) : 0;
     for (; next >= 0 && b->status == SALTUS_OK; next = terms[next].next) {
         int other = node_of(b, next);
         if (!smooth && !switches(b, term, other))
             return 0;
         if (b->status == SALTUS_OK)
-            node = saltus_graph_apply(b->graph, operation, node, other);
+            node = apply(b, operation, node, other);
     }
     return node;
-}
-
-/* Keep a division for check_divisions; one by a number is checked at once. */
-static bool note_division(builder *b, int divisor, int begin) {
-    if (b->status != SALTUS_OK || b->graph->nodes[divisor].operation == SALTUS_OP_CONSTANT)
-        return b->status == SALTUS_OK;
-    division *entry = saltus_list_add(&b->divisions, sizeof *entry);
-    if (no_memory(b, entry))
-        return false;
-    *entry = (division){divisor, begin, b->equation};
-    return true;
 }
 
 /* No divisor is zero wherever one looks. Parameters, too, have other values than their defaults. */
@@ -500,23 +485,30 @@ static int node_of(builder *b, int term) {
     case SALTUS_SYNTAX_CALL:
         return call_of(b, t);
     case SALTUS_SYNTAX_NEGATE:
-        return saltus_graph_apply(b->graph, SALTUS_OP_SUBTRACT, 0, node_of(b, t->first));
+        return apply(b, SALTUS_OP_SUBTRACT, 0, node_of(b, t->first));
     default:
         break;
     }
     int left = node_of(b, t->first), right = node_of(b, terms[t->first].next);
-    if (t->kind == SALTUS_SYNTAX_DIVIDE && b->status == SALTUS_OK &&
-        b->graph->nodes[right].operation == SALTUS_OP_CONSTANT && b->graph->nodes[right].value == 0)
-        return refuse(b, t, "a division by zero");
-    if (t->kind == SALTUS_SYNTAX_DIVIDE && !note_division(b, right, t->begin))
+    if (b->status != SALTUS_OK)
         return 0;
-    return b->status == SALTUS_OK ? saltus_graph_apply(b->graph, operations[t->kind], left, right) : 0;
+    const saltus_graph_node *divisor = t->kind == SALTUS_SYNTAX_DIVIDE ? &b->graph->nodes[right] : NULL;
+    if (divisor && divisor->operation == SALTUS_OP_CONSTANT && divisor->value == 0)
+        return refuse(b, t, "a division by zero");
+    if (divisor && divisor->operation != SALTUS_OP_CONSTANT) {
+        division *entry = saltus_list_add(&b->divisions, sizeof *entry);
+        if (no_memory(b, entry))
+            return 0;
+        *entry = (division){right, t->begin, b->equation};
+    }
+    return apply(b, operations[t->kind], left, right);
 }
 
-/* The sizes of the families, and what is a displacement or a state, in the order of the text. */
-static void lay_out(builder *b, const saltus_parsed_list *list, quantity **made, int *count, int *total) {
+/* The sizes of the families, and what is a displacement or a state, in the order of the text; how many
+ * members these have together. */
+static int lay_out(builder *b, const saltus_parsed_list *list, quantity **made, int *count) {
+    int total = 0;
     *made = keep(b, (size_t)list->count, sizeof **made);
-    *count = *total = 0;
     for (int k = 0; k < list->count && b->status == SALTUS_OK; k++) {
         const saltus_parsed *e = &list->items[k];
         int j = 0;
@@ -538,33 +530,28 @@ static void lay_out(builder *b, const saltus_parsed_list *list, quantity **made,
         if (b->status == SALTUS_OK && members && !e->index[0] && !e->number)
             refuse(b, NULL, "%s is a family: write %s[i], or %s[1] for one member", e->base, e->base,
                    e->base);
-        (*made)[(*count)++] = (quantity){e->base, members, *total};
-        *total += members ? members : 1;
+        (*made)[(*count)++] = (quantity){e->base, members, total};
+        total += members ? members : 1;
     }
     b->equation = NULL;
+    return total;
 }
 
-static void name_members(builder *b, const quantity *list, int count, int first) {
-    for (int k = 0; k < count; k++)
-        for (int j = 0; j < (list[k].count ? list[k].count : 1); j++)
-            if (list[k].count)
-                snprintf(b->made->names[first + list[k].first + j], SALTUS_NAME_MAX, "%.20s%d", list[k].name,
-                         j + 1);
-            else
-                snprintf(b->made->names[first + list[k].first], SALTUS_NAME_MAX, "%s", list[k].name);
-}
-
-/* Right sides for all members of all quantities. */
+/* Names and right sides of all members of all quantities, the first of which is the field's `first`. */
 static void read_members(builder *b, const saltus_parsed_list *equations, const quantity *list, int count,
-                         int *nodes) {
-    for (int k = 0; k < count; k++)
-        for (int j = 0; j < (list[k].count ? list[k].count : 1) && b->status == SALTUS_OK; j++) {
-            int number = list[k].count ? j + 1 : 0;
-            const saltus_parsed *e = equation_for(equations, list[k].name, (int)strlen(list[k].name), number);
-            if (!e)
-                refuse(b, NULL, "%s[%d] has no equation", list[k].name, number);
+                         int first) {
+    for (const quantity *q = list; q < list + count; q++)
+        for (int j = 0; j < (q->count ? q->count : 1) && b->status == SALTUS_OK; j++) {
+            const int number = q->count ? j + 1 : 0, place = first + q->first + j;
+            const saltus_parsed *e = equation_for(equations, q->name, (int)strlen(q->name), number);
+            if (number)
+                snprintf(b->made->names[place], SALTUS_NAME_MAX, "%.20s%d", q->name, number);
             else
-                nodes[list[k].first + j] = right_side(b, e, number);
+                snprintf(b->made->names[place], SALTUS_NAME_MAX, "%s", q->name);
+            if (!e)
+                refuse(b, NULL, "%s[%d] has no equation", q->name, number);
+            else
+                b->made->field[place] = right_side(b, e, number);
         }
 }
 
@@ -596,15 +583,12 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
         return;
     }
     bool found = false;
-    for (int k = 0; k < b->displacement_count; k++)
-        for (int j = 0;
-             j < (b->displacements[k].count ? b->displacements[k].count : 1) && b->status == SALTUS_OK; j++) {
-            const quantity *q = &b->displacements[k];
-            int i = q->first + j;
-            bool family = e->index[0] && strcmp(q->name, e->base) == 0;
-            bool one =
-                !e->index[0] && (strcmp(b->made->names[i], e->name) == 0 ||
-                                 (strcmp(q->name, e->base) == 0 && e->number == (q->count ? j + 1 : 0)));
+    for (const quantity *q = b->displacements; q < b->displacements + b->displacement_count; q++)
+        for (int j = 0; j < (q->count ? q->count : 1) && b->status == SALTUS_OK; j++) {
+            const int i = q->first + j;
+            const bool same = strcmp(q->name, e->base) == 0, family = e->index[0] && same;
+            const bool one = !e->index[0] && (strcmp(b->made->names[i], e->name) == 0 ||
+                                              (same && e->number == (q->count ? j + 1 : 0)));
             if (!family && !one)
                 continue;
             found = true;
@@ -619,116 +603,91 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
 
 /* The inverse of the mass matrix, entry by entry as nodes (Gauss and Jordan without pivots: it is positive
  * definite), and what the forces become. */
-static void divide_by_mass(builder *b, int *force) {
+static void divide_by_mass(builder *b) {
     const int n = b->made->dof;
-    saltus_graph *g = b->graph;
     int *mass = scratch(b, (size_t)n * (size_t)n, sizeof *mass), *inverse = b->made->inverse_mass;
     bool *given = scratch(b, (size_t)n * (size_t)n, sizeof *given);
-    int *sum = scratch(b, (size_t)n, sizeof *sum);
+    int *sum = scratch(b, (size_t)n, sizeof *sum), *force = b->made->field;
     if (b->status != SALTUS_OK)
         return;
     for (int i = 0; i < n; i++)
-        inverse[i * n + i] = mass[i * n + i] = saltus_graph_constant(g, 1);
+        inverse[i * n + i] = mass[i * n + i] = saltus_graph_constant(b->graph, 1);
     for (int k = 0; k < b->text->mass.count && b->status == SALTUS_OK; k++)
         read_mass(b, &b->text->mass.items[k], mass, given);
     for (int k = 0; k < n * n && b->status == SALTUS_OK; k++)
-        if (g->nodes[mass[k]].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+        if (depends_beyond(b, mass[k], SALTUS_OF_PARAMETERS))
             refuse(b, NULL, "mass: one that depends on the state or on time is not possible yet");
     for (int p = 0; p < n && b->status == SALTUS_OK && b->text->mass.count; p++) {
-        int pivot = mass[p * n + p];
+        int *row = &mass[p * n], *other = &inverse[p * n], pivot = row[p];
         for (int j = 0; j < n; j++) {
-            mass[p * n + j] = saltus_graph_apply(g, SALTUS_OP_DIVIDE, mass[p * n + j], pivot);
-            inverse[p * n + j] = saltus_graph_apply(g, SALTUS_OP_DIVIDE, inverse[p * n + j], pivot);
+            row[j] = apply(b, SALTUS_OP_DIVIDE, row[j], pivot);
+            other[j] = apply(b, SALTUS_OP_DIVIDE, other[j], pivot);
         }
         for (int i = 0; i < n; i++) {
             int factor = mass[i * n + p];
             for (int j = 0; j < n && i != p && factor != 0; j++) {
-                int a = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, mass[p * n + j]);
-                int c = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, inverse[p * n + j]);
-                mass[i * n + j] = saltus_graph_apply(g, SALTUS_OP_SUBTRACT, mass[i * n + j], a);
-                inverse[i * n + j] = saltus_graph_apply(g, SALTUS_OP_SUBTRACT, inverse[i * n + j], c);
+                int a = apply(b, SALTUS_OP_MULTIPLY, factor, row[j]);
+                int c = apply(b, SALTUS_OP_MULTIPLY, factor, other[j]);
+                mass[i * n + j] = apply(b, SALTUS_OP_SUBTRACT, mass[i * n + j], a);
+                inverse[i * n + j] = apply(b, SALTUS_OP_SUBTRACT, inverse[i * n + j], c);
             }
         }
     }
     for (int i = 0; i < n && b->status == SALTUS_OK; i++)
         for (int j = 0; j < n; j++)
             sum[i] =
-                saltus_graph_apply(g, SALTUS_OP_ADD, sum[i],
-                                   saltus_graph_apply(g, SALTUS_OP_MULTIPLY, inverse[i * n + j], force[j]));
+                apply(b, SALTUS_OP_ADD, sum[i], apply(b, SALTUS_OP_MULTIPLY, inverse[i * n + j], force[j]));
     memcpy(force, sum, (size_t)n * sizeof *sum);
-}
-
-/* How fast a rebound gains speed with the closing speed, where a restitution depends on it. */
-static void read_rebound(builder *b, int s) {
-    const int r = b->made->restitution[s];
-    b->made->rebound[s] = -1;
-    if (r < 0 || !(b->graph->nodes[r].depends & SALTUS_OF_SPEED))
-        return;
-    const int speed = saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1), count = b->graph->count;
-    int *derivatives = scratch(b, (size_t)count, sizeof *derivatives);
-    if (!derivatives)
-        return;
-    saltus_graph_differentiate(b->graph, speed, count, SALTUS_OF_PARAMETERS | SALTUS_OF_SPEED, NULL,
-                               derivatives);
-    const int change = saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, speed, derivatives[r]);
-    b->made->rebound[s] = saltus_graph_apply(b->graph, SALTUS_OP_ADD, r, change);
-    b->equation = &b->text->restitutions.items[s];
-    if (!(saltus_graph_ways(b->graph, b->made->rebound[s]) <= SALTUS_AT_SPEED_MAX))
-        refuse(b, NULL, "is too long for a restitution");
 }
 
 /* The derivatives of an expression by the displacements. False: some depend on more than parameters. */
 static bool make_row(builder *b, int node, int *row) {
-    const int n = b->made->dof, count = node + 1;
+    const int count = node + 1;
     bool *needed = scratch(b, (size_t)b->graph->count, sizeof *needed), constant = true;
     int *derivatives = scratch(b, (size_t)count, sizeof *derivatives);
     if (b->status != SALTUS_OK)
         return constant;
     saltus_graph_mark(b->graph, &node, 1, NULL, needed);
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < b->made->dof; i++) {
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i);
         saltus_graph_differentiate(b->graph, leaf, count, ~0u, needed, derivatives);
         row[i] = derivatives[node];
-        constant = constant && !(b->graph->nodes[row[i]].depends & ~(unsigned)SALTUS_OF_PARAMETERS);
+        constant = constant && !depends_beyond(b, row[i], SALTUS_OF_PARAMETERS);
     }
     return constant;
 }
 
 /* An observed quantity, and what each displacement adds to it where that is a number. */
-static void read_observed(builder *b, int k) {
-    saltus_equations_graph *made = b->made;
-    const saltus_parsed *e = &b->text->observe.items[k];
-    const int n = made->dof, node = made->observe[k] = right_side(b, e, 0);
+static void read_observed(builder *b, const saltus_parsed *e, saltus_observed_nodes *made) {
+    made->row = keep(b, (size_t)b->made->dof, sizeof *made->row);
+    made->node = right_side(b, e, 0);
     b->equation = e;
-    if (b->status == SALTUS_OK && b->graph->nodes[node].depends & SALTUS_OF_SPEED)
+    if (b->status == SALTUS_OK && b->graph->nodes[made->node].depends & SALTUS_OF_SPEED)
         refuse(b, NULL, "speed: the closing speed belongs to a restitution r");
-    made->sums[k] = b->status == SALTUS_OK && make_row(b, node, made->observer + k * n);
+    made->sum = b->status == SALTUS_OK && make_row(b, made->node, made->row);
     b->equation = NULL;
 }
 
 /* A stop's coordinate must be linear in the displacements, with factors that depend on parameters alone. */
-static void read_stop(builder *b, int s) {
-    const saltus_parsed_text *text = b->text;
-    saltus_equations_graph *made = b->made;
-    const int n = made->dof;
-    int coordinate = right_side(b, &text->coordinates.items[s], 0), rest = coordinate;
-    b->equation = &text->coordinates.items[s];
+static void read_coordinate(builder *b, const saltus_parsed *e, saltus_stop_nodes *made) {
+    const int n = b->made->dof;
+    made->normal = keep(b, (size_t)n, sizeof *made->normal);
+    int coordinate = right_side(b, e, 0), rest = coordinate;
+    b->equation = e;
     if (b->status == SALTUS_OK && b->graph->nodes[coordinate].depends & SALTUS_OF_TIME)
         refuse(b, NULL, "a coordinate that moves in time is not possible yet");
-    if (b->status == SALTUS_OK && !make_row(b, coordinate, made->normal + s * n))
+    if (b->status == SALTUS_OK && !make_row(b, coordinate, made->normal))
         refuse(b, NULL, "a coordinate that is not linear in the displacements is not possible yet");
     for (int i = 0; i < n && b->status == SALTUS_OK; i++) {
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, i);
-        rest = saltus_graph_apply(
-            b->graph, SALTUS_OP_SUBTRACT, rest,
-            saltus_graph_apply(b->graph, SALTUS_OP_MULTIPLY, made->normal[s * n + i], leaf));
+        rest = apply(b, SALTUS_OP_SUBTRACT, rest, apply(b, SALTUS_OP_MULTIPLY, made->normal[i], leaf));
     }
     if (b->status != SALTUS_OK)
         return;
     b->at_rest = true;
-    made->offset[s] = right_side(b, &text->coordinates.items[s], 0);
+    made->offset = right_side(b, e, 0);
     b->at_rest = false;
-    b->equation = &text->coordinates.items[s];
+    b->equation = e;
     /* With the displacements' parts gone the constant one is left. */
     double *values = scratch(b, (size_t)b->graph->count, sizeof *values), state[SALTUS_STATE_MAX];
     if (!values)
@@ -736,34 +695,52 @@ static void read_stop(builder *b, int s) {
     for (int i = 0; i < SALTUS_STATE_MAX; i++)
         state[i] = 0.3 + 0.1 * sin(1.0 + i);
     saltus_graph_evaluate(b->graph, b->parameters, state, 0.3, 0.2, values);
-    double size = fabs(values[made->offset[s]]), left = values[rest] - values[made->offset[s]];
+    double size = fabs(values[made->offset]), left = values[rest] - values[made->offset];
     for (int i = 0; i < n; i++)
-        size += fabs(values[made->normal[s * n + i]]);
+        size += fabs(values[made->normal[i]]);
     if (b->status == SALTUS_OK && !(fabs(left) <= 1e-12 * size))
-        refuse(
-            b, NULL,
-            "must be a sum of displacements times numbers, and a number; another dependence is not possible "
-            "yet");
-    made->clearance[s] = text->clearances.items[s].text ? right_side(b, &text->clearances.items[s], 0) : -1;
-    b->restituting = true;
-    made->restitution[s] =
-        text->restitutions.items[s].text ? right_side(b, &text->restitutions.items[s], 0) : -1;
-    b->restituting = false;
+        refuse(b, NULL,
+               "must be a sum of displacements times numbers, and a number; another dependence is not "
+               "possible yet");
+}
+
+/* A stop: where it acts, its clearance and restitution, and how fast a rebound gains speed with the closing
+ * speed, where the restitution depends on it. */
+static void read_stop(builder *b, int s) {
+    const saltus_parsed *const e[] = {&b->text->clearances.items[s], &b->text->restitutions.items[s]};
+    saltus_stop_nodes *made = &b->made->stops[s];
+    int *const nodes[] = {&made->clearance, &made->restitution};
+    read_coordinate(b, &b->text->coordinates.items[s], made);
+    made->rebound = -1;
     for (int k = 0; k < 2 && b->status == SALTUS_OK; k++) {
-        int node = k ? made->restitution[s] : made->clearance[s];
-        const unsigned others = ~(unsigned)SALTUS_OF_PARAMETERS & ~(k ? (unsigned)SALTUS_OF_SPEED : 0u);
-        b->equation = k ? &text->restitutions.items[s] : &text->clearances.items[s];
-        if (node >= 0 && b->graph->nodes[node].depends & others)
+        b->restituting = k == 1;
+        *nodes[k] = e[k]->text ? right_side(b, e[k], 0) : -1;
+        b->restituting = false;
+    }
+    for (int k = 0; k < 2 && b->status == SALTUS_OK; k++) {
+        b->equation = e[k];
+        if (*nodes[k] >= 0 &&
+            depends_beyond(b, *nodes[k], k ? SALTUS_OF_PARAMETERS | SALTUS_OF_SPEED : SALTUS_OF_PARAMETERS))
             refuse(b, NULL, "must be made of numbers and parameters%s", k ? ", and the closing speed" : "");
     }
-    if (b->status == SALTUS_OK)
-        read_rebound(b, s);
-    b->equation = NULL;
+    const int r = made->restitution;
+    if (b->status != SALTUS_OK || r < 0 || !(b->graph->nodes[r].depends & SALTUS_OF_SPEED))
+        return;
+    const int speed = saltus_graph_leaf(b->graph, SALTUS_OP_SPEED, -1), count = b->graph->count;
+    int *derivatives = scratch(b, (size_t)count, sizeof *derivatives);
+    if (!derivatives)
+        return;
+    saltus_graph_differentiate(b->graph, speed, count, SALTUS_OF_PARAMETERS | SALTUS_OF_SPEED, NULL,
+                               derivatives);
+    made->rebound = apply(b, SALTUS_OP_ADD, r, apply(b, SALTUS_OP_MULTIPLY, speed, derivatives[r]));
+    if (!(saltus_graph_ways(b->graph, made->rebound) <= SALTUS_AT_SPEED_MAX))
+        refuse(b, NULL, "is too long for a restitution");
 }
 
 /* Numbers by the names of states: scale and initial. */
-static void read_by_state(builder *b, const saltus_parsed_list *list, int *nodes) {
+static void read_by_state(builder *b, const saltus_parsed_list *list, bool initial) {
     const int n = b->made->dof, all = n + b->made->extra;
+    b->equation = NULL;
     for (int k = 0; k < list->count && b->status == SALTUS_OK; k++) {
         const saltus_parsed *e = &list->items[k];
         int i = 0, node = right_side(b, e, 0);
@@ -775,42 +752,49 @@ static void read_by_state(builder *b, const saltus_parsed_list *list, int *nodes
             i++;
         if (i == all || ((rate || dotted) && i >= n))
             refuse(b, NULL, "%s is no displacement, velocity or state", e->name);
-        else if (b->status == SALTUS_OK && b->graph->nodes[node].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
+        else if (b->status == SALTUS_OK && depends_beyond(b, node, SALTUS_OF_PARAMETERS))
             refuse(b, NULL, "must be made of numbers and parameters");
-        else
-            nodes[i < n ? i + (rate || dotted ? n : 0) : i + n] = node;
+        else {
+            saltus_state_nodes *made = &b->made->state[i >= n || rate || dotted ? i + n : i];
+            *(initial ? &made->initial : &made->scale) = node;
+        }
     }
-    b->equation = NULL;
 }
 
-/* All that nodes are made of, in the order of evaluation. */
-static int *list_parts(builder *b, const int *nodes, int node_count, int *count) {
+/* All that a part's roots are made of. */
+static void fill_part(builder *b, saltus_graph_part *part) {
     bool *needed = scratch(b, (size_t)b->graph->count, sizeof *needed);
-    int *parts = keep(b, (size_t)b->graph->count, sizeof *parts);
-    *count = 0;
+    part->nodes = keep(b, (size_t)b->graph->count, sizeof *part->nodes);
     if (b->status != SALTUS_OK)
-        return parts;
-    saltus_graph_mark(b->graph, nodes, node_count, NULL, needed);
+        return;
+    saltus_graph_mark(b->graph, part->roots, part->root_count, NULL, needed);
     for (int k = 0; k < b->graph->count; k++)
         if (needed[k])
-            parts[(*count)++] = k;
-    return parts;
+            part->nodes[part->count++] = k;
+}
+
+/* A part of one root. */
+static void make_part(builder *b, saltus_graph_part *part, int root) {
+    part->roots = keep(b, 1, sizeof *part->roots);
+    if (b->status != SALTUS_OK)
+        return;
+    part->roots[0] = root;
+    part->root_count = 1;
+    fill_part(b, part);
 }
 
 /* Sum of the field's derivatives by the velocities and states that they are the rates of. */
-static void add_trace(builder *b, const int *field) {
-    const int n = b->made->dof, all = n + b->made->extra;
-    int count = b->graph->count, *derivatives = scratch(b, (size_t)count, sizeof *derivatives);
-    if (!derivatives)
-        return;
-    for (int i = 0; i < all && !b->graph->full; i++) {
+static void add_trace(builder *b) {
+    const int n = b->made->dof, count = b->graph->count;
+    int *derivatives = scratch(b, (size_t)count, sizeof *derivatives), trace = 0;
+    for (int i = 0; i < n + b->made->extra && derivatives && !b->graph->full; i++) {
         int leaf = saltus_graph_leaf(b->graph, SALTUS_OP_STATE, n + i);
         if (leaf >= count)
             continue; /* nothing depends on it */
         saltus_graph_differentiate(b->graph, leaf, count, ~0u, NULL, derivatives);
-        b->made->trace = saltus_graph_apply(b->graph, SALTUS_OP_ADD, b->made->trace, derivatives[field[i]]);
+        trace = apply(b, SALTUS_OP_ADD, trace, derivatives[b->made->field[i]]);
     }
-    b->made->traced = list_parts(b, &b->made->trace, 1, &b->made->traced_count);
+    make_part(b, &b->made->trace, trace);
 }
 
 /* Whether an operation has no value at some operands. Poles are not meant: steps shrink before them. */
@@ -823,25 +807,25 @@ static bool is_partial(const saltus_graph *g, const saltus_graph_node *n) {
 }
 
 /* Which parts of the field have no value at some states. */
-static void find_guards(builder *b) {
-    saltus_equations_graph *made = b->made;
+static void find_partial(builder *b) {
     const saltus_graph *g = b->graph;
+    saltus_graph_part *part = &b->made->partial;
     bool *field = scratch(b, (size_t)g->count, sizeof *field);
-    made->guard = keep(b, (size_t)g->count, sizeof *made->guard);
+    part->roots = keep(b, (size_t)g->count, sizeof *part->roots);
     if (b->status != SALTUS_OK)
         return;
-    saltus_graph_mark(g, made->field, made->dof + made->extra, NULL, field);
+    saltus_graph_mark(g, b->made->field, b->made->dof + b->made->extra, NULL, field);
     for (int k = 0; k < g->count; k++)
-        if (field[k] && is_partial(g, &g->nodes[k]) && g->nodes[k].depends & ~(unsigned)SALTUS_OF_PARAMETERS)
-            made->guard[made->guards++] = k;
-    made->guarded = list_parts(b, made->guard, made->guards, &made->guarded_count);
+        if (field[k] && is_partial(g, &g->nodes[k]) && depends_beyond(b, k, SALTUS_OF_PARAMETERS))
+            part->roots[part->root_count++] = k;
+    fill_part(b, part);
 }
 
 /* Derivatives of all numbers with respect to each parameter; what depends on states has its own on the tape.
  */
 static void add_derivatives(builder *b) {
     saltus_equations_graph *made = b->made;
-    const int count = made->derivative_count = b->graph->count;
+    const int count = b->graph->count;
     for (int p = 0; p < b->text->parameter_count && b->status == SALTUS_OK; p++) {
         if (b->text->parameters[p].integer)
             continue;
@@ -854,85 +838,82 @@ static void add_derivatives(builder *b) {
 }
 
 /* The expression whose zeros are the section. */
-static void read_zero(builder *b) {
-    saltus_equations_graph *made = b->made;
-    made->zero = right_side(b, &b->text->zero.items[0], 0);
-    b->equation = &b->text->zero.items[0];
-    if (b->status == SALTUS_OK &&
-        !(b->graph->nodes[made->zero].depends & ~(unsigned)(SALTUS_OF_PARAMETERS | SALTUS_OF_TIME)))
+static void read_zero(builder *b, const saltus_parsed *e) {
+    const int zero = right_side(b, e, 0);
+    b->equation = e;
+    if (b->status == SALTUS_OK && !depends_beyond(b, zero, SALTUS_OF_PARAMETERS | SALTUS_OF_TIME))
         refuse(b, NULL, "must depend on the state");
     b->equation = NULL;
-    if (b->status == SALTUS_OK)
-        made->zeros = list_parts(b, &made->zero, 1, &made->zero_count);
+    make_part(b, &b->made->zero, zero);
 }
 
-static void build(builder *b) {
+/* What there is, of which sizes, and room for it. */
+static void open_graph(builder *b) {
     const saltus_parsed_text *text = b->text;
     saltus_equations_graph *made = b->made;
+    const size_t parameters = (size_t)text->parameter_count;
     b->known = keep(b, (size_t)text->let.count, sizeof *b->known);
-    made->parameter_count = text->parameter_count;
-    made->derivatives = keep(b, (size_t)text->parameter_count, sizeof *made->derivatives);
-    made->parameters = keep(b, (size_t)text->parameter_count, sizeof *made->parameters);
+    made->derivatives = keep(b, parameters, sizeof *made->derivatives);
+    made->parameters = keep(b, parameters, sizeof *made->parameters);
     if (b->status != SALTUS_OK || no_memory(b, saltus_graph_open(b->graph) ? b : NULL))
         return;
-    memcpy(made->parameters, b->parameters, (size_t)text->parameter_count * sizeof *made->parameters);
-    lay_out(b, &text->motion, &b->displacements, &b->displacement_count, &made->dof);
-    lay_out(b, &text->states, &b->states, &b->state_count, &made->extra);
-    const int n = made->dof, all = n + made->extra;
-    if (b->status == SALTUS_OK && (n > SALTUS_MODES_MAX || 2 * n + made->extra > SALTUS_STATE_MAX))
+    memcpy(made->parameters, b->parameters, parameters * sizeof *made->parameters);
+    made->dof = lay_out(b, &text->motion, &b->displacements, &b->displacement_count);
+    made->extra = lay_out(b, &text->states, &b->states, &b->state_count);
+    const int n = made->dof, dimension = 2 * n + made->extra;
+    if (b->status == SALTUS_OK && (n > SALTUS_MODES_MAX || dimension > SALTUS_STATE_MAX))
         refuse(
             b, NULL,
             "%d displacements and %d states: at most %d displacements and a state of %d numbers are possible",
             n, made->extra, SALTUS_MODES_MAX, SALTUS_STATE_MAX);
     if (b->status != SALTUS_OK)
         return;
-    const size_t stops = (size_t)text->coordinates.count;
-    int *field = made->field = keep(b, (size_t)all, sizeof *field);
-    made->names = keep(b, (size_t)all, sizeof *made->names);
-    made->inverse_mass = keep(b, (size_t)n * (size_t)n, sizeof(int));
-    made->normal = keep(b, stops * (size_t)n, sizeof(int));
-    made->offset = keep(b, stops, sizeof(int));
-    made->clearance = keep(b, stops, sizeof(int));
-    made->restitution = keep(b, stops, sizeof(int));
-    made->rebound = keep(b, stops, sizeof(int));
-    made->observe = keep(b, (size_t)text->observe.count, sizeof(int));
-    made->observer = keep(b, (size_t)(text->observe.count * n), sizeof(int));
-    made->sums = keep(b, (size_t)text->observe.count, sizeof(bool));
-    made->scale = keep(b, 2 * (size_t)all, sizeof(int));
-    made->initial = keep(b, 2 * (size_t)all, sizeof(int));
-    if (b->status == SALTUS_OK) {
-        memset(made->scale, -1, 2 * (size_t)all * sizeof(int));
-        memset(made->initial, -1, 2 * (size_t)all * sizeof(int));
-        name_members(b, b->displacements, b->displacement_count, 0);
-        name_members(b, b->states, b->state_count, n);
-        read_members(b, &text->motion, b->displacements, b->displacement_count, field);
-        read_members(b, &text->states, b->states, b->state_count, field + n);
-    }
+    made->stop_count = text->coordinates.count;
+    made->observed_count = text->observe.count;
+    made->field = keep(b, (size_t)(n + made->extra), sizeof *made->field);
+    made->names = keep(b, (size_t)(n + made->extra), sizeof *made->names);
+    made->inverse_mass = keep(b, (size_t)n * (size_t)n, sizeof *made->inverse_mass);
+    made->stops = keep(b, (size_t)made->stop_count, sizeof *made->stops);
+    made->observed = keep(b, (size_t)made->observed_count, sizeof *made->observed);
+    made->state = keep(b, (size_t)dimension, sizeof *made->state);
+    for (int i = 0; i < dimension && b->status == SALTUS_OK; i++)
+        made->state[i] = (saltus_state_nodes){-1, -1};
+}
+
+static void build(builder *b) {
+    const saltus_parsed_text *text = b->text;
+    saltus_equations_graph *made = b->made;
+    open_graph(b);
+    if (b->status != SALTUS_OK)
+        return;
+    const int n = made->dof, all = n + made->extra;
+    read_members(b, &text->motion, b->displacements, b->displacement_count, 0);
+    read_members(b, &text->states, b->states, b->state_count, n);
     if (b->status == SALTUS_OK)
-        divide_by_mass(b, field);
-    for (size_t s = 0; s < stops && b->status == SALTUS_OK; s++) {
-        read_stop(b, (int)s);
+        divide_by_mass(b);
+    for (int s = 0; s < made->stop_count && b->status == SALTUS_OK; s++) {
+        read_stop(b, s);
         free_all(&b->scratch);
     }
-    made->observe_count = text->observe.count;
-    for (int k = 0; k < text->observe.count && b->status == SALTUS_OK; k++) {
-        read_observed(b, k);
+    b->equation = NULL;
+    for (int k = 0; k < made->observed_count && b->status == SALTUS_OK; k++) {
+        read_observed(b, &text->observe.items[k], &made->observed[k]);
         free_all(&b->scratch);
     }
-    made->zero = -1;
     if (b->status == SALTUS_OK && text->zero.count)
-        read_zero(b);
-    read_by_state(b, &text->scale, made->scale);
-    read_by_state(b, &text->initial, made->initial);
+        read_zero(b, &text->zero.items[0]);
+    read_by_state(b, &text->scale, false);
+    read_by_state(b, &text->initial, true);
+    b->equation = NULL;
     if (b->status == SALTUS_OK)
         check_divisions(b);
     if (b->status != SALTUS_OK)
         return;
     for (int i = 0; i < all; i++)
-        made->forced |= (b->graph->nodes[field[i]].depends & SALTUS_OF_TIME) != 0;
-    find_guards(b);
-    add_trace(b, field);
-    made->tape = saltus_tape_new(b->graph, field, all, n, 2 * n + made->extra);
+        made->forced |= (b->graph->nodes[made->field[i]].depends & SALTUS_OF_TIME) != 0;
+    find_partial(b);
+    add_trace(b);
+    made->tape = saltus_tape_new(b->graph, made->field, all, n, n + all);
     if (!made->tape && b->graph->full)
         refuse(b, NULL, "the equations have too many terms");
     no_memory(b, made->tape);

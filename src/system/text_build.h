@@ -43,7 +43,33 @@ typedef struct saltus_parsed_text {
     };
 } saltus_parsed_text;
 
-/* The graph of a text for given whole-number parameters, which decide its sizes. Nodes: */
+/* Nodes that are wanted together, and all that they are made of, in the order of evaluation. */
+typedef struct saltus_graph_part {
+    int *roots, root_count;
+    int *nodes, count;
+} saltus_graph_part;
+
+/* What a graph has of a stop, as nodes. */
+typedef struct saltus_stop_nodes {
+    int *normal;                /* [dof] */
+    int offset;                 /* the constant part of its coordinate */
+    int clearance, restitution; /* -1: a number does */
+    int rebound;                /* d(restitution speed) / d speed; -1: speed is not in it */
+} saltus_stop_nodes;
+
+/* Of an observed quantity. */
+typedef struct saltus_observed_nodes {
+    int node;
+    int *row; /* [dof]: its derivatives by the displacements ... */
+    bool sum; /* ... and whether these are made of parameters alone */
+} saltus_observed_nodes;
+
+/* Of an entry of the state; -1: the text says nothing. */
+typedef struct saltus_state_nodes {
+    int scale, initial;
+} saltus_state_nodes;
+
+/* The graph of a text for given whole-number parameters, which decide its sizes. */
 typedef struct saltus_equations_graph {
     struct saltus_equations_graph *next; /* for other whole numbers */
     saltus_list owned;                   /* void *: the arrays below */
@@ -52,25 +78,18 @@ typedef struct saltus_equations_graph {
     saltus_tape *tape; /* of accelerations and rates */
     int dof, extra;
     char (*names)[SALTUS_NAME_MAX]; /* of displacements and states */
-    int *field;                     /* accelerations, then rates */
-    int *inverse_mass;              /* dof x dof */
-    int *normal;                    /* [stop][dof] */
-    int *offset;                    /* of each stop: the constant part of its coordinate */
-    int *clearance, *restitution;   /* of each stop; -1: a number does */
-    int *rebound;                   /* of each stop: d(restitution speed) / d speed; -1: speed is not in it */
-    int *observe, observe_count;
-    int *observer;                /* [observed quantity][dof]: its derivatives by the displacements ... */
-    bool *sums;                   /* ... where these are made of parameters alone */
-    int zero, *zeros, zero_count; /* the section's expression, -1: none; what it is made of, in its order */
-    int *scale, *initial;         /* of each state (dimension); -1: the text says nothing */
-    int trace, *traced, traced_count; /* of the Jacobian, and what it is made of, in its order */
-    bool forced;                      /* depends on time */
-    /* Parts of the field that have no value at some states, divisions apart: these nodes (`guards`), and in
-     * their order all that they are made of (`guarded`). */
-    int *guard, guards, *guarded, guarded_count;
-    int parameter_count;
+    saltus_state_nodes *state;      /* [dimension] */
+    saltus_stop_nodes *stops;
+    int stop_count;
+    saltus_observed_nodes *observed;
+    int observed_count;
+    int *field;                /* nodes of accelerations, then of rates */
+    int *inverse_mass;         /* nodes, dof x dof */
+    saltus_graph_part zero;    /* the section's expression; without a root: none */
+    saltus_graph_part trace;   /* of the Jacobian */
+    saltus_graph_part partial; /* parts of the field that have no value at some states, divisions apart */
+    bool forced;               /* depends on time */
     int **derivatives; /* [parameter][node]: of nodes that numbers are made of; NULL for whole parameters */
-    int derivative_count;
 } saltus_equations_graph;
 
 /* Build it. Errors: SALTUS_BAD_INPUT with a sentence that tells the line, SALTUS_NO_MEMORY. */
