@@ -202,15 +202,6 @@ static bool opens_line(const builder *b, size_t place) {
     return true;
 }
 
-/* A character that YAML has, but as nothing that could stand in a text. */
-static saltus_status fail_character(const builder *b) {
-    int line = 1;
-    for (size_t k = 0; k < b->parser.problem_offset && k < b->length; k++)
-        line += b->text[k] == '\n';
-    return saltus_source_fail(b->source, line, SALTUS_BAD_INPUT, "not valid %s: the character U+%04X",
-                              b->source->language, (unsigned)b->parser.problem_value);
-}
-
 /* What is wrong where libyaml's parser stumbled, and what would be right, from the signs that stand there.
  * Its own words are kept for what is seldom. May move *line to where the fault begins. */
 static void explain_syntax(const builder *b, size_t place, int *line, char *what, size_t room) {
@@ -266,8 +257,14 @@ static saltus_status fail_syntax(const builder *b) {
     char what[300];
     if (p->error == YAML_MEMORY_ERROR)
         return no_memory(b);
-    if (p->error == YAML_READER_ERROR)
-        return fail_character(b);
+    if (p->error ==
+        YAML_READER_ERROR) { /* a character that YAML has, but as nothing that could stand in a text */
+        int line = 1;
+        for (size_t k = 0; k < p->problem_offset && k < b->length; k++)
+            line += b->text[k] == '\n';
+        return saltus_source_fail(b->source, line, SALTUS_BAD_INPUT, "not valid %s: the character U+%04X",
+                                  b->source->language, (unsigned)p->problem_value);
+    }
     int line = line_of(p->problem_mark);
     if (b->complete && p->error == YAML_PARSER_ERROR)
         return fail_because(b, SALTUS_CAUSE_SEVERAL, line,
@@ -315,53 +312,40 @@ static saltus_status add_key(builder *b, const saltus_node *mapping, const yaml_
     return status;
 }
 
-/* Put a new node where the text stands: the root, the value of the last key, or one more of a list. */
-static saltus_node *place_node(builder *b, const yaml_event_t *event) {
-    container *parent = b->depth ? &b->open[b->depth - 1] : NULL;
-    saltus_node *node = take(b->document, sizeof *node);
-    if (!node)
-        return NULL;
-    node->line = line_of(event->start_mark);
-    node->column = (int)event->start_mark.column + 1;
-    node->key = b->key;
-    node->key_line = b->key ? b->key_line : node->line;
-    b->key = NULL;
-    if (!parent)
-        b->document->root = node;
-    else if (parent->last)
-        parent->last->next = node;
-    else
-        parent->node->first = node;
-    if (parent) {
-        parent->last = node;
-        parent->node->count++;
-    }
-    return node;
-}
-
+/* A new value where the text stands: the root, that of the last key, or one more of a list. */
 static saltus_status add_value(builder *b, const yaml_event_t *event) {
+    const bool scalar = event->type == YAML_SCALAR_EVENT, list = event->type == YAML_SEQUENCE_START_EVENT;
+    const int line = line_of(event->start_mark);
+    container *parent = b->depth ? &b->open[b->depth - 1] : NULL;
     saltus_status status = SALTUS_OK;
-    int line = line_of(event->start_mark);
-    if (event->type != YAML_SCALAR_EVENT && b->depth > deepest)
+    if (!scalar && b->depth > deepest)
         return saltus_source_fail(b->source, line, SALTUS_BAD_INPUT,
                                   "lists and mappings are nested too deep; at most %d levels are possible",
                                   deepest);
     if (b->nodes++ == most_nodes)
         return saltus_source_fail(b->source, line, SALTUS_BAD_INPUT,
                                   "too many values; at most %d are possible", most_nodes);
-    saltus_node *node = place_node(b, event);
+    saltus_node *node = take(b->document, sizeof *node);
     if (!node)
         return no_memory(b);
-    if (event->type == YAML_SCALAR_EVENT) {
-        node->kind = SALTUS_NODE_SCALAR;
+    node->line = line;
+    node->column = (int)event->start_mark.column + 1;
+    node->key = b->key;
+    node->key_line = b->key ? b->key_line : line;
+    b->key = NULL;
+    *(!parent ? &b->document->root : parent->last ? &parent->last->next : &parent->node->first) = node;
+    if (parent) {
+        parent->last = node;
+        parent->node->count++;
+    }
+    node->kind = scalar ? SALTUS_NODE_SCALAR : list ? SALTUS_NODE_LIST : SALTUS_NODE_MAPPING;
+    if (scalar) {
         node->quoted = event->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
         node->text = keep_text(b, event, &status);
         return status;
     }
-    bool list = event->type == YAML_SEQUENCE_START_EVENT;
     bool flow = list ? event->data.sequence_start.style == YAML_FLOW_SEQUENCE_STYLE
                      : event->data.mapping_start.style == YAML_FLOW_MAPPING_STYLE;
-    node->kind = list ? SALTUS_NODE_LIST : SALTUS_NODE_MAPPING;
     b->open[b->depth++] = (container){.node = node, .bracket = (char)(!flow ? 0 : list ? '[' : '{')};
     return SALTUS_OK;
 }

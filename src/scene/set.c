@@ -39,6 +39,7 @@ static saltus_status refuse_value(const setting *s, const char *complaint, saltu
                           quoted.text, complaint);
 }
 
+/* Whether a system can have a value at all, the others being the model's defaults. */
 static saltus_status check_alone(const saltus_spec *spec, saltus_message *message) {
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(spec, &system, message);
@@ -69,27 +70,21 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
     return SALTUS_OK;
 }
 
-/* "1" or "1,-1". */
-static saltus_status read_weight(const setting *s, double weight[2], saltus_message *message) {
-    static const char *const form = "must be 1 or 2 numbers, such as 1,-1";
-    char first[value_size];
-    size_t length = strcspn(s->value, ",");
-    memcpy(first, s->value, length);
-    first[length] = '\0';
-    weight[1] = 0;
-    if (saltus_read_number(first, &weight[0]) ||
-        (s->value[length] && saltus_read_number(s->value + length + 1, &weight[1])))
-        return refuse_value(s, form, message);
-    if (weight[0] == 0 && weight[1] == 0)
-        return refuse_value(s, "a stop must limit at least one mass", message);
-    return SALTUS_OK;
-}
-
 /* Give one key of a stop its value, without any check of its range. */
 static saltus_status assign(saltus_stop *stop, int key, const setting *s, saltus_message *message) {
-    if (key == stop_weight)
-        return read_weight(s, stop->weight, message);
-    const char *complaint = saltus_read_stop(stop, key, s->value);
+    const char *complaint = NULL;
+    if (key == stop_weight) { /* "1" or "1,-1" */
+        const size_t length = strcspn(s->value, ",");
+        char first[value_size];
+        snprintf(first, sizeof first, "%.*s", (int)length, s->value);
+        stop->weight[1] = 0;
+        if (saltus_read_number(first, &stop->weight[0]) ||
+            (s->value[length] && saltus_read_number(s->value + length + 1, &stop->weight[1])))
+            complaint = "must be 1 or 2 numbers, such as 1,-1";
+        else if (stop->weight[0] == 0 && stop->weight[1] == 0)
+            complaint = "a stop must limit at least one mass";
+    } else
+        complaint = saltus_read_stop(stop, key, s->value);
     return complaint ? refuse_value(s, complaint, message) : SALTUS_OK;
 }
 
@@ -97,30 +92,29 @@ static saltus_status assign(saltus_stop *stop, int key, const setting *s, saltus
 static saltus_status set_stop(saltus_scene *scene, int key, int number, const setting *s,
                               saltus_message *message) {
     saltus_spec *spec = &scene->spec, alone = saltus_spec_defaults(spec->model);
+    const saltus_fault fault = {.key = s->key};
     if (!saltus_model_has_stop_key(spec->model, key))
-        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
-                              "%s: a stop of the model %s is placed by %s", s->key, spec->model->name,
-                              spec->model->stop_key);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault, "%s: a stop of the model %s is placed by %s",
+                              s->key, spec->model->name, spec->model->stop_key);
     if (key == stop_coordinate)
         return saltus_fail_at(
-            message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+            message, SALTUS_BAD_INPUT, fault,
             "%s: where a stop acts is part of the scene's equations; change it in the scene", s->key);
     if (key == stop_sides && number == 0 && strcmp(s->value, "none") == 0) {
         spec->stop_count = 0;
         return SALTUS_OK;
     }
     if (spec->stop_count == 0 && (key != stop_d || number > 1))
-        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
                               "%s: the scene has no stop; d=... makes one, so set d first", s->key);
     if (number > spec->stop_count && spec->stop_count > 0)
-        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
-                              "%s: the scene has %d stop%s", s->key, spec->stop_count,
-                              spec->stop_count > 1 ? "s" : "");
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault, "%s: the scene has %d stop%s", s->key,
+                              spec->stop_count, spec->stop_count > 1 ? "s" : "");
     for (int k = 0; k < spec->stop_count && (key == stop_d || key == stop_r); k++) {
         const char *text =
             saltus_stop_text(spec, k, key == stop_d ? SALTUS_STOP_CLEARANCE : SALTUS_STOP_RESTITUTION);
         if (text && (number == 0 || number == k + 1))
-            return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
+            return saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
                                   "%s: is %.200s in the scene; the names in it are what can be set", s->key,
                                   text);
     }
@@ -135,14 +129,6 @@ static saltus_status set_stop(saltus_scene *scene, int key, int number, const se
         if (number == 0 || number == k + 1)
             status = assign(&spec->stops[k], key, s, message);
     return status;
-}
-
-/* Which names there are the whole scene tells: its system is asked when it is built. */
-static saltus_status set_observe(saltus_spec *spec, const setting *s, saltus_message *message) {
-    if (strlen(s->value) >= sizeof spec->observe)
-        return refuse_value(s, "too long for a name", message);
-    strcpy(spec->observe, s->value);
-    return SALTUS_OK;
 }
 
 static saltus_status set_initial(saltus_scene *scene, int entry, const setting *s, saltus_message *message) {
@@ -209,8 +195,13 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
             saltus_status status = set_stop(scene, k, number, s, message);
             return status == SALTUS_OK ? saltus_spec_check_poincare(&scene->spec, message) : status;
         }
-    if (strcmp(s->key, "observe") == 0)
-        return set_observe(&scene->spec, s, message);
+    /* Which names there are the whole scene tells: its system is asked when it is built. */
+    if (strcmp(s->key, "observe") == 0 && strlen(s->value) >= sizeof scene->spec.observe)
+        return refuse_value(s, "too long for a name", message);
+    if (strcmp(s->key, "observe") == 0) {
+        strcpy(scene->spec.observe, s->value);
+        return SALTUS_OK;
+    }
     int entry = saltus_spec_state_index(&scene->spec, s->key);
     if (entry >= 0)
         return set_initial(scene, entry, s, message);

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/text.h"
 #include "base/field.h"
+#include "base/memory.h"
 #include "scene/scene.h"
 #include "system/system.h"
 
@@ -11,18 +12,20 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Lists that a text is made of while it is read. */
+/* A text while it is read. */
 typedef struct reading {
     const saltus_source *source;
     saltus_text text;
     saltus_text_parameter parameters[SALTUS_PARAMETERS_MAX];
     saltus_text_stop stops[SALTUS_STOPS_MAX];
-    saltus_text_constant *constants;
-    double **values; /* of the constants */
-    saltus_equation *equations[8];
-    char **words; /* names made here: entries of the mass matrix */
-    int word_count;
+    saltus_list owned; /* void *: what the text points to besides */
 } reading;
+
+/* Zeroed memory that lives as long as the reading; NULL: there is none. */
+static void *keep(reading *r, size_t count, size_t size) {
+    void **entry = saltus_list_add(&r->owned, sizeof *entry);
+    return entry ? *entry = calloc(count + 1, size) : NULL;
+}
 
 static saltus_status no_memory(const reading *r) {
     return saltus_source_fail(r->source, 0, SALTUS_NO_MEMORY, "no memory for the model");
@@ -44,7 +47,9 @@ static saltus_status read_value(const reading *r, const saltus_node *node, doubl
 
 /* name: default, or {default, min, max, integer, meaning}. */
 static saltus_status read_parameter(reading *r, const saltus_node *node) {
+    static const char *const keys[] = {"default", "min", "max", "integer", "meaning"};
     saltus_text_parameter *p = &r->parameters[r->text.parameter_count];
+    double *const numbers[] = {&p->fallback, &p->min, &p->max};
     saltus_status status = SALTUS_OK;
     if (r->text.parameter_count == SALTUS_PARAMETERS_MAX)
         return saltus_node_fail(r->source, node, "%s: at most %d parameters are possible", node->key,
@@ -58,19 +63,17 @@ static saltus_status read_parameter(reading *r, const saltus_node *node) {
     if (!saltus_node_member(node, "default"))
         return saltus_node_fail(r->source, node, "%s: default is missing", node->key);
     for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next) {
-        static const char *const keys[] = {"default", "min", "max", "integer", "meaning"};
-        if (strcmp(m->key, "default") == 0)
-            status = read_value(r, m, &p->fallback);
-        else if (strcmp(m->key, "min") == 0)
-            status = read_value(r, m, &p->min);
-        else if (strcmp(m->key, "max") == 0)
-            status = read_value(r, m, &p->max);
-        else if (strcmp(m->key, "integer") == 0 && m->kind == SALTUS_NODE_SCALAR &&
-                 (strcmp(m->text, "true") == 0 || strcmp(m->text, "false") == 0))
+        int k = 0;
+        while (k < 5 && strcmp(m->key, keys[k]) != 0)
+            k++;
+        const bool word = m->kind == SALTUS_NODE_SCALAR;
+        if (k < 3)
+            status = read_value(r, m, numbers[k]);
+        else if (k == 3 && word && (strcmp(m->text, "true") == 0 || strcmp(m->text, "false") == 0))
             p->integer = strcmp(m->text, "true") == 0;
-        else if (strcmp(m->key, "integer") == 0)
+        else if (k == 3)
             status = wrong_kind(r, m, "true or false");
-        else if (strcmp(m->key, "meaning") == 0 && m->kind == SALTUS_NODE_SCALAR)
+        else if (k == 4 && word)
             p->meaning = m->text;
         else
             status = saltus_unknown_key(r->source, m->key_line, m->key, keys, 5);
@@ -82,30 +85,20 @@ static saltus_status read_parameter(reading *r, const saltus_node *node) {
     return status;
 }
 
-static saltus_status read_parameters(reading *r, const saltus_node *node) {
-    saltus_status status = SALTUS_OK;
-    if (node->kind != SALTUS_NODE_MAPPING)
-        return wrong_kind(r, node, "a mapping of names to values");
-    for (const saltus_node *p = node->first; p && status == SALTUS_OK; p = p->next)
-        status = read_parameter(r, p);
-    return status;
-}
-
 /* A number, a list of them, or a list of rows. */
-static saltus_status read_constant(reading *r, const saltus_node *node, saltus_text_constant *made,
-                                   double **values) {
+static saltus_status read_constant(reading *r, const saltus_node *node, saltus_text_constant *made) {
     int rows = node->kind == SALTUS_NODE_LIST ? node->count : 0, columns = 0, at = 0;
     saltus_status status = SALTUS_OK;
     if (node->kind == SALTUS_NODE_MAPPING || (node->kind == SALTUS_NODE_LIST && rows == 0))
         return wrong_kind(r, node, "a number, a vector [..] or a matrix [[..], ..]");
     if (rows && node->first->kind == SALTUS_NODE_LIST)
         columns = node->first->count;
-    *values = calloc((size_t)(rows ? rows : 1) * (size_t)(columns ? columns : 1) + 1, sizeof **values);
-    if (!*values)
+    double *values = keep(r, (size_t)(rows ? rows : 1) * (size_t)(columns ? columns : 1), sizeof *values);
+    if (!values)
         return no_memory(r);
-    *made = (saltus_text_constant){node->key, rows, columns, *values, node->key_line};
+    *made = (saltus_text_constant){node->key, rows, columns, values, node->key_line};
     if (!rows)
-        return read_value(r, node, *values);
+        return read_value(r, node, values);
     for (const saltus_node *row = node->first; row && status == SALTUS_OK; row = row->next) {
         bool list = row->kind == SALTUS_NODE_LIST;
         if (row->kind == SALTUS_NODE_MAPPING || list != (columns > 0) || (list && row->count != columns))
@@ -114,7 +107,7 @@ static saltus_status read_constant(reading *r, const saltus_node *node, saltus_t
                 "%s: all rows must be lists of equally many numbers, or all entries numbers", node->key);
         for (const saltus_node *entry = list ? row->first : row; entry && status == SALTUS_OK;
              entry = list ? entry->next : NULL)
-            status = read_value(r, entry, &(*values)[at++]);
+            status = read_value(r, entry, &values[at++]);
     }
     return status;
 }
@@ -123,27 +116,23 @@ static saltus_status read_constants(reading *r, const saltus_node *node) {
     saltus_status status = SALTUS_OK;
     if (node->kind != SALTUS_NODE_MAPPING)
         return wrong_kind(r, node, "a mapping of names to numbers, vectors and matrices");
-    r->constants = calloc((size_t)node->count + 1, sizeof *r->constants);
-    r->values = calloc((size_t)node->count + 1, sizeof *r->values);
-    if (!r->constants || !r->values)
+    saltus_text_constant *constants = keep(r, (size_t)node->count, sizeof *constants);
+    if (!constants)
         return no_memory(r);
-    r->text.constants = r->constants;
-    for (const saltus_node *c = node->first; c && status == SALTUS_OK; c = c->next) {
-        int k = r->text.constant_count++;
-        status = read_constant(r, c, &r->constants[k], &r->values[k]);
-    }
+    r->text.constants = constants;
+    for (const saltus_node *c = node->first; c && status == SALTUS_OK; c = c->next)
+        status = read_constant(r, c, &constants[r->text.constant_count++]);
     return status;
 }
 
 /* Left sides to right sides; of a matrix of masses entries are named "x1,x2". */
-static saltus_status read_equations(reading *r, const saltus_node *node, saltus_equation_list *list,
-                                    int which) {
+static saltus_status read_equations(reading *r, const saltus_node *node, saltus_equation_list *list) {
     int count = 0, at = 0;
     if (node->kind != SALTUS_NODE_MAPPING)
         return wrong_kind(r, node, "a mapping of names to expressions");
     for (const saltus_node *e = node->first; e; e = e->next)
         count += e->kind == SALTUS_NODE_MAPPING ? e->count : 1;
-    saltus_equation *items = r->equations[which] = calloc((size_t)count + 1, sizeof *items);
+    saltus_equation *items = keep(r, (size_t)count, sizeof *items);
     if (!items)
         return no_memory(r);
     for (const saltus_node *e = node->first; e; e = e->next) {
@@ -152,23 +141,14 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
             return wrong_kind(r, e,
                               "an expression; one with a comma, or that begins with *, [ or &, needs quotes");
         for (const saltus_node *entry = row ? e->first : e; entry; entry = row ? entry->next : NULL) {
-            const char *name = entry->key;
+            char *pair = row ? keep(r, strlen(e->key) + strlen(entry->key) + 1, 1) : NULL;
             if (entry->kind != SALTUS_NODE_SCALAR)
                 return wrong_kind(r, entry, "an expression");
-            if (row) {
-                char *word = malloc(strlen(e->key) + strlen(entry->key) + 2);
-                char **words = realloc(r->words, ((size_t)r->word_count + 1) * sizeof *words);
-                if (words)
-                    r->words = words;
-                if (!word || !words) {
-                    free(word);
-                    return no_memory(r);
-                }
-                sprintf(word, "%s,%s", e->key, entry->key);
-                r->words[r->word_count++] = word;
-                name = word;
-            }
-            items[at++] = (saltus_equation){name, entry->text, entry->key_line};
+            if (row && !pair)
+                return no_memory(r);
+            if (row)
+                sprintf(pair, "%s,%s", e->key, entry->key);
+            items[at++] = (saltus_equation){row ? pair : entry->key, entry->text, entry->key_line};
         }
     }
     *list = (saltus_equation_list){items, at};
@@ -300,52 +280,46 @@ static saltus_status read_way(reading *r, const saltus_node *node, const char *o
                                   node->text, one, other);
 }
 
-static saltus_status read_section_key(reading *r, const saltus_node *node) {
-    static const char *const keys[] = {"zero", "direction", "impact", "side"};
-    saltus_poincare *section = &r->text.poincare;
-    double number;
-    if (node->kind != SALTUS_NODE_SCALAR)
-        return wrong_kind(r, node, "a single value");
-    if (strcmp(node->key, "zero") == 0) {
-        section->kind = SALTUS_POINCARE_ZERO;
-        r->text.zero = (saltus_equation){"section: zero", node->text, node->key_line};
-    } else if (strcmp(node->key, "direction") == 0)
-        return read_way(r, node, "up", "down", &section->direction);
-    else if (strcmp(node->key, "impact") == 0) {
-        if (saltus_read_number(node->text, &number) || number != floor(number) || number < 1 ||
-            number > SALTUS_STOPS_MAX)
-            return saltus_node_fail(r->source, node, "section: impact = %.40s: must be the number of a stop",
-                                    node->text);
-        section->kind = SALTUS_POINCARE_IMPACT;
-        section->stop = (int)number - 1;
-    } else if (strcmp(node->key, "side") == 0)
-        return read_way(r, node, "upper", "lower", &section->side);
-    else
-        return saltus_unknown_key(r->source, node->key_line, node->key, keys, 4);
-    return SALTUS_OK;
-}
-
 /* maxima, or {zero: expression, direction: up or down}, or {impact: 1, side: upper}. */
 static saltus_status read_section(reading *r, const saltus_node *node) {
+    static const char *const keys[] = {"zero", "direction", "impact", "side"};
     saltus_poincare *section = &r->text.poincare;
     const bool zero = saltus_node_member(node, "zero"), impact = saltus_node_member(node, "impact");
     saltus_status status = SALTUS_OK;
+    double number;
     if (node->kind == SALTUS_NODE_SCALAR && strcmp(node->text, "maxima") == 0)
         return SALTUS_OK;
     if (node->kind != SALTUS_NODE_MAPPING)
         return wrong_kind(
             r, node, "maxima, or a mapping such as {zero: x - 1, direction: up} or {impact: 1, side: upper}");
-    for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next)
-        status = read_section_key(r, m);
-    if (status != SALTUS_OK)
-        return status;
-    if (zero == impact)
-        return saltus_node_fail(r->source, node, "section: must have either zero or impact");
-    if ((zero && section->side) || (impact && section->direction))
-        return saltus_node_fail(r->source, node, "section: direction goes with zero, side with impact");
+    for (const saltus_node *m = node->first; m && status == SALTUS_OK; m = m->next) {
+        if (m->kind != SALTUS_NODE_SCALAR)
+            status = wrong_kind(r, m, "a single value");
+        else if (strcmp(m->key, "zero") == 0) {
+            section->kind = SALTUS_POINCARE_ZERO;
+            r->text.zero = (saltus_equation){"section: zero", m->text, m->key_line};
+        } else if (strcmp(m->key, "direction") == 0)
+            status = read_way(r, m, "up", "down", &section->direction);
+        else if (strcmp(m->key, "side") == 0)
+            status = read_way(r, m, "upper", "lower", &section->side);
+        else if (strcmp(m->key, "impact") != 0)
+            status = saltus_unknown_key(r->source, m->key_line, m->key, keys, 4);
+        else if (saltus_read_number(m->text, &number) || number != floor(number) || number < 1 ||
+                 number > SALTUS_STOPS_MAX)
+            status = saltus_node_fail(r->source, m, "section: impact = %.40s: must be the number of a stop",
+                                      m->text);
+        else {
+            section->kind = SALTUS_POINCARE_IMPACT;
+            section->stop = (int)number - 1;
+        }
+    }
+    if (status == SALTUS_OK && zero == impact)
+        status = saltus_node_fail(r->source, node, "section: must have either zero or impact");
+    else if (status == SALTUS_OK && ((zero && section->side) || (impact && section->direction)))
+        status = saltus_node_fail(r->source, node, "section: direction goes with zero, side with impact");
     if (section->direction == 0)
         section->direction = 1;
-    return SALTUS_OK;
+    return status;
 }
 
 static saltus_status read_key(reading *r, const saltus_node *node) {
@@ -361,9 +335,15 @@ static saltus_status read_key(reading *r, const saltus_node *node) {
                  {"scale", &t->scale}};
     for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++)
         if (strcmp(node->key, lists[k].key) == 0)
-            return read_equations(r, node, lists[k].list, (int)k);
-    if (strcmp(node->key, "parameters") == 0)
-        return read_parameters(r, node);
+            return read_equations(r, node, lists[k].list);
+    if (strcmp(node->key, "parameters") == 0) {
+        saltus_status status = SALTUS_OK;
+        if (node->kind != SALTUS_NODE_MAPPING)
+            return wrong_kind(r, node, "a mapping of names to values");
+        for (const saltus_node *p = node->first; p && status == SALTUS_OK; p = p->next)
+            status = read_parameter(r, p);
+        return status;
+    }
     if (strcmp(node->key, "constants") == 0)
         return read_constants(r, node);
     if (strcmp(node->key, "forcing") == 0) {
@@ -380,18 +360,6 @@ static saltus_status read_key(reading *r, const saltus_node *node) {
         if (strcmp(node->key, keys[k]) == 0)
             return saltus_node_fail(r->source, node, "%s: is not possible yet", node->key);
     return saltus_unknown_key(r->source, node->key_line, node->key, keys, 15);
-}
-
-static void close_reading(reading *r) {
-    for (int k = 0; k < r->text.constant_count; k++)
-        free(r->values[k]);
-    for (size_t k = 0; k < sizeof r->equations / sizeof r->equations[0]; k++)
-        free(r->equations[k]);
-    for (int k = 0; k < r->word_count; k++)
-        free(r->words[k]);
-    free(r->words);
-    free(r->constants);
-    free(r->values);
 }
 
 saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_node *root,
@@ -421,7 +389,7 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     if (!initial)
         initial = saltus_node_member(node, "start");
     if (status == SALTUS_OK && initial)
-        status = read_equations(&r, initial, &r.text.initial, 7);
+        status = read_equations(&r, initial, &r.text.initial);
     if (status == SALTUS_OK)
         status = read_stops(&r, root, contacts);
     FILE *out = status == SALTUS_OK ? open_memstream(&json, &length) : NULL;
@@ -441,18 +409,10 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
             *source->message = reason;
     }
     free(json);
-    close_reading(&r);
+    for (int k = 0; k < r.owned.count; k++)
+        free(((void **)r.owned.items)[k]);
+    free(r.owned.items);
     return status;
-}
-
-/* The path as seen from the folder of the scene. */
-static char *path_beside(const char *origin, const char *path) {
-    const char *slash = path[0] == '/' || !origin ? NULL : strrchr(origin, '/');
-    size_t folder = slash ? (size_t)(slash - origin) + 1 : 0;
-    char *whole = malloc(folder + strlen(path) + 1);
-    if (whole)
-        sprintf(whole, "%.*s%s", (int)folder, folder ? origin : "", path);
-    return whole;
 }
 
 /* Equations stand in a file of their own under `model:`, as in a scene, or alone. */
@@ -461,10 +421,14 @@ saltus_status saltus_scene_read_model_file(const saltus_source *source, const sa
     const saltus_node *name = saltus_node_member(root, "model");
     saltus_source place = {.language = "YAML", .message = source->message};
     saltus_document document = {.root = NULL};
-    char *text = NULL, *path = path_beside(source->origin, name->text);
+    /* The path as seen from the folder of the scene. */
+    const char *slash = name->text[0] == '/' || !source->origin ? NULL : strrchr(source->origin, '/');
+    const size_t folder = slash ? (size_t)(slash - source->origin) + 1 : 0;
+    char *text = NULL, *path = malloc(folder + strlen(name->text) + 1);
     saltus_message reason = {.text = ""};
     if (!path)
         return saltus_source_fail(source, 0, SALTUS_NO_MEMORY, "no memory for the model");
+    sprintf(path, "%.*s%s", (int)folder, folder ? source->origin : "", name->text);
     struct stat info;
     saltus_status status = SALTUS_OK;
     /* What waits for somebody to write is no file of equations. */

@@ -157,13 +157,6 @@ static bool find_place(const toolchain *w, const char *flags, saltus_compile_sou
     return source != NULL;
 }
 
-/* A shape's own part of the name. */
-static void add_shape(char path[path_max], const saltus_compile_shape *shape) {
-    const size_t used = strlen(path);
-    snprintf(path + used, path_max - used, "-%s-%d-%d-%d.so", shape->wide ? "lanes" : "alone", shape->order,
-             shape->columns, shape->directions);
-}
-
 /* Take the function from its file, where there is one of the user's own. */
 static bool load(saltus_compiled *c) {
     struct stat s;
@@ -300,40 +293,31 @@ static int start(toolchain *w, const char *flags, const char *source, const char
     return -1;
 }
 
-/* What the end of the pipe says: '+', '-', 0: nothing yet. */
-static char read_outcome(int outcome) {
-    char said = 0;
-    ssize_t count = read(outcome, &said, 1);
-    if (count == 1)
-        return said;
-    return count < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : '-';
-}
-
-static double milliseconds_since(const struct timespec *then) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return 1e3 * (double)(now.tv_sec - then->tv_sec) + 1e-6 * (double)(now.tv_nsec - then->tv_nsec);
-}
-
 /* The next state of a function that is not there yet. */
 static progress advance(saltus_compiled *c, progress now, saltus_compile_source *make, const void *from) {
+    struct timespec time;
+    toolchain w;
+    clock_gettime(CLOCK_MONOTONIC, &time);
     if (now == progress_runs) {
-        char said = read_outcome(c->outcome);
-        if (said == 0)
+        char said = '-'; /* '+' or '-'; the end of the pipe without a word is no good sign either */
+        if (read(c->outcome, &said, 1) < 0 && (errno == EAGAIN || errno == EINTR))
             return now;
         close(c->outcome);
         c->outcome = -1;
         return said == '+' && load(c) ? progress_ready : progress_over;
     }
-    toolchain w;
     if (now == progress_none) {
-        clock_gettime(CLOCK_MONOTONIC, &c->since);
-        if (open_toolchain(&w) || !find_place(&w, c->shape.flags, make, from, c->path))
+        const saltus_compile_shape *shape = &c->shape;
+        c->since = time;
+        if (open_toolchain(&w) || !find_place(&w, shape->flags, make, from, c->path))
             return progress_over;
-        add_shape(c->path, &c->shape);
+        const size_t used = strlen(c->path);
+        snprintf(c->path + used, path_max - used, "-%s-%d-%d-%d.so", shape->wide ? "lanes" : "alone",
+                 shape->order, shape->columns, shape->directions);
         return load(c) ? progress_ready : progress_wait;
     }
-    if (milliseconds_since(&c->since) < c->shape.delay)
+    if (1e3 * (double)(time.tv_sec - c->since.tv_sec) + 1e-6 * (double)(time.tv_nsec - c->since.tv_nsec) <
+        c->shape.delay)
         return now;
     /* Another process may have made it meanwhile. */
     if (load(c))
@@ -391,39 +375,35 @@ void saltus_compiled_list_free(saltus_compiled_list *list) {
     free(list);
 }
 
-static bool same_shape(const saltus_compile_shape *a, const saltus_compile_shape *b) {
-    return strcmp(a->flags, b->flags) == 0 && a->wide == b->wide && a->order == b->order &&
-           a->columns == b->columns && a->directions == b->directions;
-}
-
-static saltus_compiled *add(saltus_compiled_list *list, const saltus_compile_shape *shape) {
-    saltus_compiled *made = calloc(1, sizeof *made);
-    saltus_compiled **entry = made ? saltus_list_add(&list->items, sizeof(saltus_compiled *)) : NULL;
-    if (!entry) {
-        free(made);
-        return NULL;
-    }
-    made->shape = *shape;
-    made->outcome = -1;
-    atomic_init(&made->owners, 1);
-    atomic_init(&made->function, NULL);
-    atomic_init(&made->progress, progress_none);
-    pthread_mutex_init(&made->lock, NULL);
-    *entry = made;
-    return made;
-}
-
 saltus_compiled *saltus_compiled_hold(saltus_compiled_list *list, const saltus_compile_shape *shape) {
+    saltus_compiled *found = NULL;
     if (!list)
         return NULL;
     pthread_mutex_lock(&list->lock);
-    saltus_compiled *found = NULL;
     for (int k = 0; k < list->items.count && !found; k++) {
         saltus_compiled *own = ((saltus_compiled **)list->items.items)[k];
-        found = same_shape(&own->shape, shape) ? own : NULL;
+        const saltus_compile_shape *other = &own->shape;
+        if (strcmp(other->flags, shape->flags) == 0 && other->wide == shape->wide &&
+            other->order == shape->order && other->columns == shape->columns &&
+            other->directions == shape->directions)
+            found = own;
     }
-    if (!found)
-        found = add(list, shape);
+    if (!found) {
+        found = calloc(1, sizeof *found);
+        saltus_compiled **entry = found ? saltus_list_add(&list->items, sizeof *entry) : NULL;
+        if (entry) {
+            *entry = found;
+            found->shape = *shape;
+            found->outcome = -1;
+            atomic_init(&found->owners, 1);
+            atomic_init(&found->function, NULL);
+            atomic_init(&found->progress, progress_none);
+            pthread_mutex_init(&found->lock, NULL);
+        } else {
+            free(found);
+            found = NULL;
+        }
+    }
     if (found)
         atomic_fetch_add(&found->owners, 1);
     pthread_mutex_unlock(&list->lock);

@@ -22,17 +22,6 @@ saltus_status saltus_spec_differentiable(const saltus_spec *spec, const saltus_d
     return SALTUS_OK;
 }
 
-static saltus_status parameter_direction(const saltus_spec *spec, int index, saltus_direction *direction,
-                                         double *value, saltus_message *message) {
-    const saltus_parameter *p = &spec->model->parameters[index];
-    if (p->integer)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: a whole number (%s) cannot be varied continuously",
-                           p->name, p->meaning);
-    direction->parameter[index] = 1;
-    *value = spec->parameters[index];
-    return saltus_spec_differentiable(spec, direction, message);
-}
-
 /* `stop` counts the stops from 1; 0: all of them. */
 static saltus_status stop_direction(const saltus_spec *spec, const char *key, int number, int stop,
                                     saltus_direction *direction, double *value, saltus_message *message) {
@@ -68,16 +57,24 @@ static saltus_status stop_direction(const saltus_spec *spec, const char *key, in
 
 saltus_status saltus_spec_direction(const saltus_spec *spec, const char *key, saltus_direction *direction,
                                     double *value, saltus_message *message) {
-    int index = saltus_model_parameter_index(spec->model, key), numbers, stop = 0, number = 0;
-    const saltus_parameter *table = saltus_stop_parameters(&numbers);
+    int index = saltus_model_parameter_index(spec->model, key), stop = 0, number = 0;
+    const saltus_parameter *own = index >= 0 ? &spec->model->parameters[index] : NULL, *table;
     double present = 0;
+    int numbers;
     saltus_status status;
     *direction = (saltus_direction){.parameter = {0}};
+    table = saltus_stop_parameters(&numbers);
     while (number < numbers && !saltus_key_numbered(key, table[number].name, &stop))
         number++;
-    if (index >= 0)
-        status = parameter_direction(spec, index, direction, &present, message);
-    else if (number < numbers)
+    if (own && own->integer)
+        status =
+            saltus_fail(message, SALTUS_BAD_INPUT, "%s: a whole number (%s) cannot be varied continuously",
+                        own->name, own->meaning);
+    else if (own) {
+        direction->parameter[index] = 1;
+        present = spec->parameters[index];
+        status = saltus_spec_differentiable(spec, direction, message);
+    } else if (number < numbers)
         status = stop_direction(spec, key, number, stop, direction, &present, message);
     else
         status =

@@ -231,14 +231,6 @@ static int parse_name(parser *self) {
     return term;
 }
 
-static int parse_sign(parser *self, saltus_syntax kind) {
-    int begin = self->place++, operand = parse_number_valued(self, sign_binds);
-    if (operand < 0 || kind == SALTUS_SYNTAX_ADD)
-        return operand;
-    return add_term(self,
-                    (saltus_expression_term){.kind = kind, .begin = begin, .length = 1, .first = operand});
-}
-
 static int parse_first(parser *self) {
     const char *c = rest_of(self);
     if (*c == '(') {
@@ -250,8 +242,14 @@ static int parse_first(parser *self) {
         self->place++;
         return term;
     }
-    if (*c == '-' || *c == '+')
-        return parse_sign(self, *c == '-' ? SALTUS_SYNTAX_NEGATE : SALTUS_SYNTAX_ADD);
+    if (*c == '-' || *c == '+') {
+        int begin = self->place++, operand = parse_number_valued(self, sign_binds);
+        if (operand < 0 || *c == '+')
+            return operand;
+        return add_term(self,
+                        (saltus_expression_term){
+                            .kind = SALTUS_SYNTAX_NEGATE, .begin = begin, .length = 1, .first = operand});
+    }
     if (is_digit(*c) || *c == '.')
         return parse_number(self);
     if (is_letter(*c))

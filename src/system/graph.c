@@ -233,16 +233,6 @@ static int constant(saltus_graph *g, double value) {
     return saltus_graph_constant(g, value);
 }
 
-/* a^b -> b a^(b - 1) a' + a^b log(a) b' */
-static int differentiate_power(saltus_graph *g, int a, int b, int da, int db) {
-    int lower = saltus_graph_apply(g, SALTUS_OP_POWER, a, subtract(g, b, constant(g, 1)));
-    int first = multiply(g, multiply(g, b, lower), da);
-    if (db == 0)
-        return first;
-    int power = saltus_graph_apply(g, SALTUS_OP_POWER, a, b);
-    return add(g, first, multiply(g, multiply(g, power, function(g, SALTUS_OP_LOG, a)), db));
-}
-
 int saltus_graph_outer_derivative(saltus_graph *g, int node) {
     const saltus_operation operation = g->nodes[node].operation;
     const int a = g->nodes[node].operand[0];
@@ -291,8 +281,12 @@ static int differentiate(saltus_graph *g, int node, const int *d) {
         return add(g, multiply(g, da, b), multiply(g, a, db));
     case SALTUS_OP_DIVIDE:
         return divide(g, subtract(g, da, multiply(g, node, db)), b);
-    case SALTUS_OP_POWER:
-        return differentiate_power(g, a, b, da, db);
+    case SALTUS_OP_POWER: { /* a^b -> b a^(b - 1) a' + a^b log(a) b' */
+        int lower = saltus_graph_apply(g, SALTUS_OP_POWER, a, subtract(g, b, constant(g, 1)));
+        int first = multiply(g, multiply(g, b, lower), da);
+        return db == 0 ? first
+                       : add(g, first, multiply(g, multiply(g, node, function(g, SALTUS_OP_LOG, a)), db));
+    }
     case SALTUS_OP_ATAN2:
         return divide(g, subtract(g, multiply(g, b, da), multiply(g, a, db)),
                       add(g, multiply(g, a, a), multiply(g, b, b)));

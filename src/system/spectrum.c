@@ -42,29 +42,20 @@ static void find_of_modes(saltus_system *system) {
     system->eigenvalues = 2 * system->dof;
 }
 
-static void find(saltus_system *system) {
+saltus_system saltus_spectrum_of(const saltus_system *system, saltus_eigenvalues *room) {
     const int n = system->dof, dimension = system->dimension;
     double matrix[SALTUS_SPECTRUM_MAX * SALTUS_SPECTRUM_MAX];
-    system->eigenvalues = 0;
-    if (!system->linear) {
-        find_of_modes(system);
-        return;
-    }
-    /* The transposed matrix has the same eigenvalues. */
-    for (int i = 0; i < dimension; i++)
-        for (int j = 0; j < dimension; j++)
-            matrix[i * dimension + j] = i < n ? j == n + i : system->linear[(i - n) * dimension + j];
-    if (saltus_dense_eigenvalues(matrix, dimension, system->eigen_real, system->eigen_imaginary))
-        system->eigenvalues = dimension;
-    else
-        find_of_modes(system);
-}
-
-saltus_system saltus_spectrum_of(const saltus_system *system, saltus_eigenvalues *room) {
     saltus_system known = *system;
     known.eigen_real = room->real;
     known.eigen_imaginary = room->imaginary;
-    find(&known);
+    /* The transposed matrix has the same eigenvalues. */
+    for (int i = 0; i < dimension && system->linear; i++)
+        for (int j = 0; j < dimension; j++)
+            matrix[i * dimension + j] = i < n ? j == n + i : system->linear[(i - n) * dimension + j];
+    if (system->linear && saltus_dense_eigenvalues(matrix, dimension, room->real, room->imaginary))
+        known.eigenvalues = dimension;
+    else
+        find_of_modes(&known);
     return known;
 }
 
@@ -135,18 +126,13 @@ double saltus_system_step_limit(const saltus_system *system, int order) {
     return reach_of_all(system, order, limit);
 }
 
-/* The angular frequency of the fastest motion that lasts: of the modes, each counted the less the more it is
- * damped, and of the forcing's second harmonic. */
-static double ringing_of(const saltus_system *system) {
-    double fastest = system->forced ? 2 * system->omega : 0;
+bool saltus_system_outruns(const saltus_system *system, int order, double angle) {
+    /* The angular frequency of the fastest motion that lasts: of the modes, each counted the less the more it
+     * is damped, and of the forcing's second harmonic. */
+    double ringing = system->forced ? 2 * system->omega : 0;
     for (int i = 0; i < system->eigenvalues; i++) {
         const double modulus = hypot(system->eigen_real[i], system->eigen_imaginary[i]);
-        fastest = fmax(fastest, modulus + fmin(system->eigen_real[i], 0));
+        ringing = fmax(ringing, modulus + fmin(system->eigen_real[i], 0));
     }
-    return fastest;
-}
-
-bool saltus_system_outruns(const saltus_system *system, int order, double angle) {
-    const double ringing = ringing_of(system);
     return ringing > 0 && ringing * reach_of_all(system, order, 2 * angle / ringing) <= angle;
 }

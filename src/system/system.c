@@ -34,13 +34,9 @@ saltus_spec saltus_spec_defaults(const saltus_model *model) {
     return spec;
 }
 
-static double parameter(const saltus_spec *spec, const char *name) {
-    return spec->parameters[saltus_model_parameter_index(spec->model, name)];
-}
-
 bool saltus_spec_matters(const saltus_spec *spec, int k) {
     const saltus_parameter *p = &spec->model->parameters[k];
-    return !p->given || parameter(spec, p->given) > p->above;
+    return !p->given || spec->parameters[saltus_model_parameter_index(spec->model, p->given)] > p->above;
 }
 
 bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b) {
@@ -55,12 +51,12 @@ bool saltus_spec_equal(const saltus_spec *a, const saltus_spec *b) {
     return equal;
 }
 
-/* `stop`: of which stop the value is, from 1, 0 if of none; `owner` begins the sentence. */
-static saltus_status check_range(const saltus_parameter *p, int stop, const char *owner, double value,
-                                 saltus_message *message) {
-    const saltus_fault fault = {.key = p->name, .stop = stop};
+/* `fault`: of which stop the value is; `owner` begins the sentence. */
+static saltus_status check_range(const saltus_parameter *p, saltus_fault fault, const char *owner,
+                                 double value, saltus_message *message) {
     bool low = p->open_min ? !(value > p->min) : !(value >= p->min);
     bool high = p->open_max ? !(value < p->max) : !(value <= p->max);
+    fault.key = p->name;
     if (p->integer && value != floor(value))
         return saltus_fail_at(message, SALTUS_BAD_INPUT, fault, "%s%s = %g: must be a whole number (%s)",
                               owner, p->name, value, p->meaning);
@@ -77,26 +73,28 @@ static saltus_status check_stop(const saltus_spec *spec, int s, saltus_message *
         [SALTUS_STOP_XI] = stop->xi, [SALTUS_STOP_D] = stop->d, [SALTUS_STOP_R] = stop->r};
     const bool by_xi = strcmp(spec->model->stop_key, "xi") == 0,
                weighed = strcmp(spec->model->stop_key, "weight") == 0;
+    saltus_fault fault = {.key = "weight", .stop = s + 1};
     char owner[32] = "";
     if (spec->stop_count > 1)
         snprintf(owner, sizeof owner, "stop %d: ", s + 1);
     for (int k = by_xi ? SALTUS_STOP_XI : SALTUS_STOP_D; k < SALTUS_STOP_NUMBERS; k++) {
-        saltus_status status = check_range(&stop_parameters[k], s + 1, owner, values[k], message);
+        saltus_status status = check_range(&stop_parameters[k], fault, owner, values[k], message);
         if (status != SALTUS_OK)
             return status;
     }
     if (weighed && !(isfinite(stop->weight[0]) && isfinite(stop->weight[1])))
-        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "weight", .stop = s + 1},
-                              "%sweight: must be finite numbers", owner);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault, "%sweight: must be finite numbers", owner);
     if (weighed && stop->weight[0] == 0 && stop->weight[1] == 0)
-        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "weight", .stop = s + 1},
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
                               "%sweight = [0, 0]: a stop must limit at least one mass", owner);
+    fault.key = "sides";
     if (stop->sides < SALTUS_UPPER || stop->sides > SALTUS_BOTH)
-        return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = "sides", .stop = s + 1},
-                              "%ssides: must be upper, lower or both", owner);
+        return saltus_fail_at(message, SALTUS_BAD_INPUT, fault, "%ssides: must be upper, lower or both",
+                              owner);
+    fault.key = "d";
     if (stop->sides == SALTUS_BOTH && !(stop->d > 0))
         return saltus_fail_at(
-            message, SALTUS_BAD_INPUT, (saltus_fault){.key = "d", .stop = s + 1},
+            message, SALTUS_BAD_INPUT, fault,
             "%sd = %g: must be greater than 0 with sides: both (no room is left between the stops)", owner,
             stop->d);
     return SALTUS_OK;
@@ -110,7 +108,8 @@ static saltus_status check_spec(const saltus_spec *spec, saltus_message *message
                               "stops: %d given, at most %d are possible", spec->stop_count, SALTUS_STOPS_MAX);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < spec->model->parameter_count && status == SALTUS_OK; k++)
-        status = check_range(&spec->model->parameters[k], 0, "", spec->parameters[k], message);
+        status = check_range(&spec->model->parameters[k], (saltus_fault){.stop = 0}, "", spec->parameters[k],
+                             message);
     for (int s = 0; s < spec->stop_count && status == SALTUS_OK; s++)
         status = check_stop(spec, s, message);
     return status;
@@ -585,20 +584,13 @@ static saltus_state_name state_name(const saltus_spec *spec, int dof, int entry)
     return name;
 }
 
-/* x' for x_dot. */
-static saltus_state_name with_prime(const char *name) {
-    saltus_state_name plain;
-    size_t length = strlen(name);
-    bool dotted = length > 4 && strcmp(name + length - 4, "_dot") == 0;
-    snprintf(plain.text, sizeof plain.text, "%.*s%s", dotted ? (int)length - 4 : (int)length, name,
-             dotted ? "'" : "");
-    return plain;
-}
-
 static int state_index(const saltus_spec *spec, int dof, int dimension, const char *name) {
-    const saltus_state_name wanted = with_prime(name);
-    const int first[] = {0, dof, 2 * dof, dimension};
+    const int first[] = {0, dof, 2 * dof, dimension}, length = (int)strlen(name);
+    const bool dotted = length > 4 && strcmp(name + length - 4, "_dot") == 0; /* x' for x_dot */
+    saltus_state_name wanted;
     int number;
+    snprintf(wanted.text, sizeof wanted.text, "%.*s%s", dotted ? length - 4 : length, name,
+             dotted ? "'" : "");
     if (saltus_model_parameter_index(spec->model, name) >= 0)
         return -1;
     for (int i = 0; i < dimension; i++)

@@ -57,6 +57,14 @@ static const saltus_graph_node *node_at(const maker *m, int node) {
     return &m->graph->nodes[node];
 }
 
+static int apply(maker *m, saltus_operation operation, int a, int b) {
+    return saltus_graph_apply(m->graph, operation, a, b);
+}
+
+static int constant(maker *m, double value) {
+    return saltus_graph_constant(m->graph, value);
+}
+
 static bool is_number(const maker *m, int node) {
     return (node_at(m, node)->depends & ~(unsigned)SALTUS_OF_PARAMETERS) == 0;
 }
@@ -113,35 +121,32 @@ static int small_power(const maker *m, int node) {
 
 /* A power by products where the exponent is a small whole number, otherwise by exp and log. */
 static int rewrite_power(maker *m, int a, int b) {
-    saltus_graph *g = m->graph;
     int power = small_power(m, b), result = a;
     if (!power)
-        return saltus_graph_apply(
-            g, SALTUS_OP_EXP,
-            saltus_graph_apply(g, SALTUS_OP_MULTIPLY, b, saltus_graph_apply(g, SALTUS_OP_LOG, a, -1)), -1);
+        return apply(m, SALTUS_OP_EXP, apply(m, SALTUS_OP_MULTIPLY, b, apply(m, SALTUS_OP_LOG, a, -1)), -1);
     /* Squares first: x^6 = (x x^2)^2. */
     for (int bit = 1 << (int)log2(abs(power)) >> 1; bit > 0; bit >>= 1) {
-        result = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, result, result);
+        result = apply(m, SALTUS_OP_MULTIPLY, result, result);
         if (abs(power) & bit)
-            result = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a, result);
+            result = apply(m, SALTUS_OP_MULTIPLY, a, result);
     }
-    return power > 0 ? result : saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_constant(g, 1), result);
+    return power > 0 ? result : apply(m, SALTUS_OP_DIVIDE, constant(m, 1), result);
 }
 
 /* A node as a factor times a node that is no such product itself. */
 static summand split(maker *m, int node) {
     saltus_graph *g = m->graph;
-    summand s = {saltus_graph_constant(g, 1), node};
+    summand s = {constant(m, 1), node};
     for (;;) {
         const saltus_graph_node n = g->nodes[s.node];
         if (n.operation == SALTUS_OP_MULTIPLY && is_number(m, n.operand[0])) {
-            s.factor = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, s.factor, n.operand[0]);
+            s.factor = apply(m, SALTUS_OP_MULTIPLY, s.factor, n.operand[0]);
             s.node = n.operand[1];
         } else if (n.operation == SALTUS_OP_MULTIPLY && is_number(m, n.operand[1])) {
-            s.factor = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, s.factor, n.operand[1]);
+            s.factor = apply(m, SALTUS_OP_MULTIPLY, s.factor, n.operand[1]);
             s.node = n.operand[0];
         } else if (n.operation == SALTUS_OP_DIVIDE && is_number(m, n.operand[1])) {
-            s.factor = saltus_graph_apply(g, SALTUS_OP_DIVIDE, s.factor, n.operand[1]);
+            s.factor = apply(m, SALTUS_OP_DIVIDE, s.factor, n.operand[1]);
             s.node = n.operand[0];
         } else if (n.operation == SALTUS_OP_POWER && small_power(m, n.operand[1]) > 1) {
             /* (c x)^2 = c^2 x^2; the product is used as often as the power. */
@@ -153,9 +158,9 @@ static summand split(maker *m, int node) {
         } else if (n.operation == SALTUS_OP_MULTIPLY) {
             /* (c x) (d y) = (c d) (x y) */
             summand a = split(m, n.operand[0]), b = split(m, n.operand[1]);
-            s.factor = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, s.factor,
-                                          saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a.factor, b.factor));
-            s.node = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, a.node, b.node);
+            s.factor =
+                apply(m, SALTUS_OP_MULTIPLY, s.factor, apply(m, SALTUS_OP_MULTIPLY, a.factor, b.factor));
+            s.node = apply(m, SALTUS_OP_MULTIPLY, a.node, b.node);
             return s;
         } else
             return s;
@@ -168,7 +173,7 @@ static void collect(maker *m, int factor, int node, saltus_list *sum, bool outer
     if (m->failed)
         return;
     if (is_number(m, node)) {
-        add_summand(m, sum, (summand){saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, node), -1});
+        add_summand(m, sum, (summand){apply(m, SALTUS_OP_MULTIPLY, factor, node), -1});
         return;
     }
     summand part = split(m, node);
@@ -176,11 +181,10 @@ static void collect(maker *m, int factor, int node, saltus_list *sum, bool outer
     bool sums = n.operation == SALTUS_OP_ADD || n.operation == SALTUS_OP_SUBTRACT;
     if (!follow_graph(m))
         return;
-    factor = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, part.factor);
+    factor = apply(m, SALTUS_OP_MULTIPLY, factor, part.factor);
     if (sums && (outermost || m->uses[part.node] <= 1) && m->place[part.node] < 0) {
-        int other = n.operation == SALTUS_OP_ADD
-                        ? factor
-                        : saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, saltus_graph_constant(g, -1));
+        int other =
+            n.operation == SALTUS_OP_ADD ? factor : apply(m, SALTUS_OP_MULTIPLY, factor, constant(m, -1));
         collect(m, factor, n.operand[0], sum, false);
         collect(m, other, n.operand[1], sum, false);
         return;
@@ -197,7 +201,7 @@ static void merge(maker *m, saltus_list *sum) {
         while (j < kept && s[j].node != s[k].node)
             j++;
         if (j < kept)
-            s[j].factor = saltus_graph_apply(m->graph, SALTUS_OP_ADD, s[j].factor, s[k].factor);
+            s[j].factor = apply(m, SALTUS_OP_ADD, s[j].factor, s[k].factor);
         else
             s[kept++] = s[k];
     }
@@ -216,18 +220,18 @@ typedef struct shared_sum {
 } shared_sum;
 
 /* The constant in a number, and what else it is made of. */
-static double take_constant(saltus_graph *g, int node, int *rest) {
-    const saltus_graph_node n = g->nodes[node];
+static double take_constant(maker *m, int node, int *rest) {
+    const saltus_graph_node n = *node_at(m, node);
     int a, b;
     if (n.operation == SALTUS_OP_CONSTANT) {
-        *rest = saltus_graph_constant(g, 1);
+        *rest = constant(m, 1);
         return n.value;
     }
     *rest = node;
     if (n.operation != SALTUS_OP_MULTIPLY && n.operation != SALTUS_OP_DIVIDE)
         return 1;
-    double first = take_constant(g, n.operand[0], &a), second = take_constant(g, n.operand[1], &b);
-    *rest = saltus_graph_apply(g, n.operation, a, b);
+    double first = take_constant(m, n.operand[0], &a), second = take_constant(m, n.operand[1], &b);
+    *rest = apply(m, n.operation, a, b);
     return n.operation == SALTUS_OP_MULTIPLY ? first * second : first / second;
 }
 
@@ -235,18 +239,8 @@ static int by_node(const void *a, const void *b) {
     return ((const summand *)a)->node - ((const summand *)b)->node;
 }
 
-/* Whether a sum is one that there is, but for the rounding of its constants. */
-static bool equal_parts(const part *a, const part *b, int count) {
-    bool same = true;
-    for (int k = 0; k < count && same; k++)
-        same = a[k].node == b[k].node && a[k].factor == b[k].factor &&
-               fabs(a[k].constant - b[k].constant) <= 1e-15 * fabs(a[k].constant);
-    return same;
-}
-
 /* A constant times a sum whose first constant is 1: equations of a family then share the sum. */
 static summand share_sum(maker *m, saltus_list *terms) {
-    saltus_graph *g = m->graph;
     summand *s = terms->items;
     const int count = terms->count, first = m->parts.count;
     double scale = 1;
@@ -257,7 +251,7 @@ static summand share_sum(maker *m, saltus_list *terms) {
         if (!own)
             return (summand){0, 0};
         own->node = s[k].node;
-        own->constant = take_constant(g, s[k].factor, &own->factor);
+        own->constant = take_constant(m, s[k].factor, &own->factor);
         if (k == 0 && own->constant != 0)
             scale = own->constant;
         own->constant /= scale;
@@ -265,22 +259,26 @@ static summand share_sum(maker *m, saltus_list *terms) {
     const part *parts = m->parts.items;
     for (int k = 0; k < m->sums.count; k++) {
         const shared_sum *other = (shared_sum *)m->sums.items + k;
-        if (other->count == count && equal_parts(parts + first, parts + other->first, count)) {
+        bool same = other->count == count; /* but for the rounding of constants */
+        for (int j = 0; j < count && same; j++) {
+            const part *a = &parts[first + j], *b = &parts[other->first + j];
+            same = a->node == b->node && a->factor == b->factor &&
+                   fabs(a->constant - b->constant) <= 1e-15 * fabs(a->constant);
+        }
+        if (same) {
             m->parts.count = first;
-            return (summand){saltus_graph_constant(g, scale), other->node};
+            return (summand){constant(m, scale), other->node};
         }
     }
     for (int k = 0; k < count; k++) {
         int factor =
-            saltus_graph_apply(g, SALTUS_OP_MULTIPLY, saltus_graph_constant(g, parts[first + k].constant),
-                               parts[first + k].factor);
-        node = saltus_graph_apply(g, SALTUS_OP_ADD, node,
-                                  saltus_graph_apply(g, SALTUS_OP_MULTIPLY, factor, s[k].node));
+            apply(m, SALTUS_OP_MULTIPLY, constant(m, parts[first + k].constant), parts[first + k].factor);
+        node = apply(m, SALTUS_OP_ADD, node, apply(m, SALTUS_OP_MULTIPLY, factor, s[k].node));
     }
     shared_sum *entry = saltus_list_grow(&m->sums, sizeof *entry, &m->failed);
     if (entry)
         *entry = (shared_sum){first, count, node};
-    return (summand){saltus_graph_constant(g, scale), node};
+    return (summand){constant(m, scale), node};
 }
 
 /* Whether a node is the velocity of another one, a displacement. */
@@ -305,7 +303,6 @@ static int cofactor(const maker *m, int node, int x) {
 /* x y_1 + x y_2 + ... -> x (y_1 + y_2 + ...): one product in place of several. What is a number in the sum
  * stays a number times x. */
 static void factor_out(maker *m, saltus_list *sum, int x) {
-    saltus_graph *g = m->graph;
     saltus_list inner = {.items = NULL}, rest = {.items = NULL};
     for (int k = 0; k < sum->count && !m->failed; k++) {
         const summand s = ((summand *)sum->items)[k];
@@ -327,7 +324,7 @@ static void factor_out(maker *m, saltus_list *sum, int x) {
     inner.count = kept;
     if (!m->failed) {
         summand shared = share_sum(m, &inner);
-        shared.node = saltus_graph_apply(g, SALTUS_OP_MULTIPLY, x, shared.node);
+        shared.node = apply(m, SALTUS_OP_MULTIPLY, x, shared.node);
         add_summand(m, &rest, shared);
     }
     free(inner.items);
@@ -367,7 +364,7 @@ static void factor_sum(maker *m, saltus_list *sum) {
 /* A sum as a step of its own. */
 static int combine(maker *m, int node) {
     saltus_list sum = {.items = NULL};
-    collect(m, saltus_graph_constant(m->graph, 1), node, &sum, true);
+    collect(m, constant(m, 1), node, &sum, true);
     merge(m, &sum);
     factor_sum(m, &sum);
     /* The registers first: their steps come before this one. */
@@ -395,18 +392,6 @@ static int combine(maker *m, int node) {
     return m->failed ? 0 : add_step(m, step);
 }
 
-/* Powers, and tan a = sin a / cos a, by functions that have a rule of their own. */
-static int rewrite(maker *m, int node) {
-    saltus_graph *g = m->graph;
-    const saltus_graph_node n = *node_at(m, node);
-    if (n.operation == SALTUS_OP_POWER)
-        return rewrite_power(m, n.operand[0], n.operand[1]);
-    if (n.operation != SALTUS_OP_TAN)
-        return node;
-    return saltus_graph_apply(g, SALTUS_OP_DIVIDE, saltus_graph_apply(g, SALTUS_OP_SIN, n.operand[0], -1),
-                              saltus_graph_apply(g, SALTUS_OP_COS, n.operand[0], -1));
-}
-
 /* The step of a function comes before those of its derivative, which may be made of the function: so it has
  * its register first. */
 static int add_function(maker *m, int node) {
@@ -429,11 +414,10 @@ static int add_function(maker *m, int node) {
     if (two) {
         /* d atan2(y, x) = (x dy - y dx) / (x^2 + y^2) */
         int y = n.operand[0], x = n.operand[1];
-        int size = saltus_graph_apply(g, SALTUS_OP_ADD, saltus_graph_apply(g, SALTUS_OP_MULTIPLY, x, x),
-                                      saltus_graph_apply(g, SALTUS_OP_MULTIPLY, y, y));
-        step.b = register_of(m, saltus_graph_apply(g, SALTUS_OP_DIVIDE, x, size));
-        step.b2 = register_of(m, saltus_graph_apply(g, SALTUS_OP_DIVIDE,
-                                                    saltus_graph_apply(g, SALTUS_OP_SUBTRACT, 0, y), size));
+        int size =
+            apply(m, SALTUS_OP_ADD, apply(m, SALTUS_OP_MULTIPLY, x, x), apply(m, SALTUS_OP_MULTIPLY, y, y));
+        step.b = register_of(m, apply(m, SALTUS_OP_DIVIDE, x, size));
+        step.b2 = register_of(m, apply(m, SALTUS_OP_DIVIDE, apply(m, SALTUS_OP_SUBTRACT, 0, y), size));
     } else {
         summand derivative = split(m, saltus_graph_outer_derivative(g, node));
         step.sign = node_at(m, derivative.factor)->value;
@@ -444,62 +428,54 @@ static int add_function(maker *m, int node) {
     return step.out;
 }
 
-/* One of two series; which one is decided by parameters alone. */
-static int add_choice(maker *m, int node) {
-    saltus_graph *g = m->graph;
-    const saltus_graph_node n = *node_at(m, node);
-    int one = saltus_graph_constant(g, 1);
-    int chosen = saltus_graph_choose(g, n.operation, n.operand[0], n.operand[1], one, 0);
-    saltus_tape_step step = {.code = SALTUS_TAPE_CHOOSE,
-                             .out = -1,
-                             .depends = n.depends,
-                             .a = register_of(m, n.operand[2]),
-                             .b = register_of(m, n.operand[3]),
-                             .a2 = -1,
-                             .b2 = -1,
-                             .first = slot_of(m, chosen)};
-    return m->failed ? 0 : add_step(m, step);
-}
-
-static int add_leaf(maker *m, int node) {
-    const saltus_graph_node n = *node_at(m, node);
-    int place = new_register(m, n.depends, n.operation != SALTUS_OP_STATE);
-    if (n.operation == SALTUS_OP_STATE)
-        m->tape->state_register[n.index] = place;
-    else
-        *(n.operation == SALTUS_OP_TIME ? &m->tape->time : &m->tape->phase) = place;
-    return place;
-}
-
 static int add_node(maker *m, int node) {
     const saltus_graph_node n = *node_at(m, node);
+    const bool moves = n.operation == SALTUS_OP_STATE;
     saltus_tape_step step = {.out = -1, .depends = n.depends, .a2 = -1, .b2 = -1};
-    if (n.operation == SALTUS_OP_STATE || n.operation == SALTUS_OP_TIME || n.operation == SALTUS_OP_PHASE)
-        return add_leaf(m, node);
-    int other = rewrite(m, node);
-    if (other != node)
-        return register_of(m, other);
+    if (moves || n.operation == SALTUS_OP_TIME || n.operation == SALTUS_OP_PHASE) {
+        int place = new_register(m, n.depends, !moves);
+        *(moves                           ? &m->tape->state_register[n.index]
+          : n.operation == SALTUS_OP_TIME ? &m->tape->time
+                                          : &m->tape->phase) = place;
+        return place;
+    }
+    /* Powers, and tan a = sin a / cos a, by functions that have a rule of their own. */
+    if (n.operation == SALTUS_OP_POWER)
+        return register_of(m, rewrite_power(m, n.operand[0], n.operand[1]));
+    if (n.operation == SALTUS_OP_TAN) {
+        int cosine = apply(m, SALTUS_OP_COS, n.operand[0], -1);
+        int sine = apply(m, SALTUS_OP_SIN, n.operand[0], -1);
+        return register_of(m, apply(m, SALTUS_OP_DIVIDE, sine, cosine));
+    }
     summand part = split(m, node);
     if (is_number(m, node) || part.node != node || n.operation == SALTUS_OP_ADD ||
         n.operation == SALTUS_OP_SUBTRACT)
         return combine(m, node);
     if (n.operation == SALTUS_OP_ATAN2 || (n.operation >= SALTUS_OP_SQRT && n.operation <= SALTUS_OP_TANH))
         return add_function(m, node);
-    if (n.operation >= SALTUS_OP_CHOOSE_LESS)
-        return add_choice(m, node);
+    if (n.operation >= SALTUS_OP_CHOOSE_LESS) {
+        /* One of two series; which one is decided by parameters alone. */
+        int chosen =
+            saltus_graph_choose(m->graph, n.operation, n.operand[0], n.operand[1], constant(m, 1), 0);
+        step.code = SALTUS_TAPE_CHOOSE;
+        step.a = register_of(m, n.operand[2]);
+        step.b = register_of(m, n.operand[3]);
+        step.first = slot_of(m, chosen);
+        return m->failed ? 0 : add_step(m, step);
+    }
     step.a = register_of(m, n.operand[0]);
     step.b = register_of(m, n.operand[1]);
     if (m->failed || m->place[node] >= 0)
         return m->failed ? 0 : m->place[node];
-    if (n.operation == SALTUS_OP_MULTIPLY && is_rate_of(m, n.operand[0], n.operand[1])) {
+    const bool first = is_rate_of(m, n.operand[0], n.operand[1]);
+    if (n.operation == SALTUS_OP_MULTIPLY && first) {
         step.b = step.a;
         step.a = register_of(m, n.operand[1]);
     }
-    step.code = n.operation == SALTUS_OP_DIVIDE ? SALTUS_TAPE_DIVIDE
-                : step.a == step.b              ? SALTUS_TAPE_SQUARE
-                : is_rate_of(m, n.operand[1], n.operand[0]) || is_rate_of(m, n.operand[0], n.operand[1])
-                    ? SALTUS_TAPE_RATE
-                    : SALTUS_TAPE_MULTIPLY;
+    step.code = n.operation == SALTUS_OP_DIVIDE                      ? SALTUS_TAPE_DIVIDE
+                : step.a == step.b                                   ? SALTUS_TAPE_SQUARE
+                : first || is_rate_of(m, n.operand[1], n.operand[0]) ? SALTUS_TAPE_RATE
+                                                                     : SALTUS_TAPE_MULTIPLY;
     return m->failed ? 0 : add_step(m, step);
 }
 
@@ -528,18 +504,6 @@ static void count_uses(maker *m, const int *roots, int root_count) {
     for (int k = 0; k < root_count; k++)
         m->uses[roots[k]]++;
     free(needed);
-}
-
-/* The square of a displacement comes with its product with the velocity, where both are there. */
-static void relate_squares(saltus_tape *tape) {
-    for (int k = 0; k < tape->step_count; k++) {
-        saltus_tape_step *square = &tape->steps[k];
-        for (int j = 0; j < tape->step_count && square->code == SALTUS_TAPE_SQUARE; j++)
-            if (tape->steps[j].code == SALTUS_TAPE_RATE && tape->steps[j].a == square->a) {
-                square->code = SALTUS_TAPE_INTEGRAL;
-                square->b = tape->steps[j].out;
-            }
-    }
 }
 
 saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_count, int dof, int dimension) {
@@ -573,10 +537,14 @@ saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_cou
     free(m.place);
     free(m.slot_of);
     free(m.uses);
-    if (!m.failed) {
-        relate_squares(tape);
-        m.failed = !saltus_tape_arrange(tape, dof);
-    }
+    /* The square of a displacement comes with its product with the velocity, where both are there. */
+    for (int k = 0; k < tape->step_count && !m.failed; k++)
+        for (int j = 0; j < tape->step_count && tape->steps[k].code == SALTUS_TAPE_SQUARE; j++)
+            if (tape->steps[j].code == SALTUS_TAPE_RATE && tape->steps[j].a == tape->steps[k].a) {
+                tape->steps[k].code = SALTUS_TAPE_INTEGRAL;
+                tape->steps[k].b = tape->steps[j].out;
+            }
+    m.failed = m.failed || !saltus_tape_arrange(tape, dof);
     if (!m.failed) {
         tape->compiled = saltus_compiled_list_new();
         return tape;
@@ -603,12 +571,6 @@ void saltus_tape_free(saltus_tape *tape) {
     free(tape);
 }
 
-static bool same_step(const saltus_tape_step *a, const saltus_tape_step *b) {
-    return a->code == b->code && a->function == b->function && a->out == b->out && a->a == b->a &&
-           a->b == b->b && a->sign == b->sign && a->a2 == b->a2 && a->b2 == b->b2 && a->first == b->first &&
-           a->count == b->count && a->depends == b->depends && a->linear == b->linear;
-}
-
 bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
     bool same = a->step_count == b->step_count && a->term_count == b->term_count &&
                 a->slot_count == b->slot_count && a->register_count == b->register_count &&
@@ -618,8 +580,13 @@ bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
         same = a->state_register[i] == b->state_register[i];
     for (int i = 0; same && i < a->output_count; i++)
         same = a->outputs[i] == b->outputs[i];
-    for (int k = 0; same && k < a->step_count; k++)
-        same = same_step(&a->steps[k], &b->steps[k]);
+    for (int k = 0; same && k < a->step_count; k++) {
+        const saltus_tape_step *x = &a->steps[k], *y = &b->steps[k];
+        same = x->code == y->code && x->function == y->function && x->out == y->out && x->a == y->a &&
+               x->b == y->b && x->sign == y->sign && x->a2 == y->a2 && x->b2 == y->b2 &&
+               x->first == y->first && x->count == y->count && x->depends == y->depends &&
+               x->linear == y->linear;
+    }
     for (int k = 0; same && k < a->term_count; k++)
         same = a->terms[k].slot == b->terms[k].slot && a->terms[k].from == b->terms[k].from;
     return same;
