@@ -93,17 +93,13 @@ static bool is_hidden(const cli_command *command, const saltus_option *option) {
     return false;
 }
 
-/* Whether -o can have an ending of which the file can be written from begin to end. */
-static bool can_be_piped(const cli_command *command) {
-    int k = 0;
-    while (command->endings && command->endings[k] && strcmp(command->endings[k], ".h5") == 0)
-        k++;
-    return command->endings && command->endings[k];
-}
-
 bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
-    const cli_option *const common[] = {&quiet, command->endings ? &cli_force : NULL,
-                                        can_be_piped(command) ? &format : NULL, NULL};
+    /* Whether -o can have an ending of which the file can be written from begin to end. */
+    bool piped = false;
+    for (int k = 0; command->endings && command->endings[k]; k++)
+        piped |= strcmp(command->endings[k], ".h5") != 0;
+    const cli_option *const common[] = {&quiet, command->endings ? &cli_force : NULL, piped ? &format : NULL,
+                                        NULL};
     const cli_option *own = NULL;
     for (int k = 0; !own && command->options[k]; k++)
         own = number-- == 0 ? command->options[k] : NULL;
@@ -122,38 +118,30 @@ bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
     return own != NULL;
 }
 
-/* Whole numbers may be written as 1e6, too. */
-static bool read_member(const saltus_option *option, const char *text, void *record) {
-    char *end = NULL;
-    if (saltus_field_read(&option->field, text, record))
-        return saltus_option_admits(option, record);
-    double value = strtod(text, &end);
-    return !option->field.words && end != text && *end == '\0' && isfinite(value) &&
-           saltus_field_set_number(&option->field, value, record) && saltus_option_admits(option, record);
-}
-
-static bool refuse_member(const saltus_option *option, const char *text) {
-    char demand[SALTUS_FIELD_TEXT_MAX];
-    const char *kind = option->field.words                 ? ""
-                       : option->field.type == SALTUS_REAL ? "a number "
-                                                           : "a whole number ";
-    const char *what = saltus_option_demand(option, demand) + strlen("must be ");
-    const char *zero = strncmp(what, "0 or ", 5) == 0 ? "0 or " : "";
-    const char *of = *kind && strncmp(what, "at least ", 9) == 0 ? "of " : "";
-    return cli_refuse(false, "%s %s: must be %s%s%s%s", option->flag, text, zero, kind, of,
-                      what + strlen(zero));
-}
-
-/* Into all tables of the command that have the option. */
-static bool set_members(const cli_command *command, const char *flag, const char *text,
-                        cli_request *request) {
-    for (const cli_table *table = command->tables; table->options; table++)
+/* A value of the library's into all tables of the command that have the option. Whole numbers may be written
+ * as 1e6, too. */
+static bool set_members(const saltus_option *option, const char *text, cli_request *request) {
+    for (const cli_table *table = request->command->tables; table->options; table++)
         for (int k = 0; k < table->options->count; k++) {
             const saltus_option *o = &table->options->options[k];
-            if (!takes(table, o) || strcmp(o->flag, flag) != 0)
+            void *record = (char *)request + table->offset;
+            char *end = NULL, demand[SALTUS_FIELD_TEXT_MAX];
+            if (!takes(table, o) || strcmp(o->flag, option->flag) != 0)
                 continue;
-            if (!read_member(o, text, (char *)request + table->offset))
-                return refuse_member(o, text);
+            const double value = strtod(text, &end);
+            const bool number = !o->field.words && end != text && *end == '\0' && isfinite(value);
+            if ((saltus_field_read(&o->field, text, record) ||
+                 (number && saltus_field_set_number(&o->field, value, record))) &&
+                saltus_option_admits(o, record))
+                continue;
+            const char *kind = o->field.words                 ? ""
+                               : o->field.type == SALTUS_REAL ? "a number "
+                                                              : "a whole number ";
+            const char *what = saltus_option_demand(o, demand) + strlen("must be ");
+            const char *zero = strncmp(what, "0 or ", 5) == 0 ? "0 or " : "";
+            const char *of = *kind && strncmp(what, "at least ", 9) == 0 ? "of " : "";
+            return cli_refuse(false, "%s %s: must be %s%s%s%s", o->flag, text, zero, kind, of,
+                              what + strlen(zero));
         }
     return true;
 }
@@ -243,7 +231,7 @@ static int take_option(int count, char **arguments, cli_request *request) {
                           count > 1 ? arguments[1] : "");
     if (!flag && count < 2)
         return cli_refuse(0, "%s: needs a value (%s)", name, entry.argument);
-    if (!own && !set_members(command, name, arguments[1], request))
+    if (!own && !set_members(entry.option, arguments[1], request))
         return 0;
     used = flag ? 0 : 1;
     do
@@ -357,20 +345,11 @@ static bool choose_look(cli_request *request) {
     return cli_refuse(false, "%s%s: %s", size ? "--size " : "-o ", size ? size : output, message.text);
 }
 
-static int work_on_scene(const cli_command *command, const cli_request *request) {
+int cli_run(const cli_command *command, cli_request *request) {
+    target out = {.descriptor = -1};
     cli_setup setup;
     saltus_message message = {.text = ""};
     const char *cut = NULL;
-    int code = cli_build(request, &setup);
-    if (code != CLI_DONE)
-        return code;
-    saltus_status status = command->work(request, &setup, &cut, &message);
-    cli_clear(&setup);
-    return cut ? interrupt_report(cut) : cli_report(status, &message);
-}
-
-int cli_run(const cli_command *command, cli_request *request) {
-    target out = {.descriptor = -1};
     /* What the first rank finds out holds for all. */
     int code = ranks_here() == 0 ? target_open(command, request, &out) : CLI_DONE;
     if (command->together)
@@ -378,7 +357,12 @@ int cli_run(const cli_command *command, cli_request *request) {
     if (code == CLI_DONE && !choose_look(request))
         code = CLI_BAD_INPUT;
     if (code == CLI_DONE)
-        code = command->work ? work_on_scene(command, request) : command->run(request);
+        code = command->work ? cli_build(request, &setup) : command->run(request);
+    if (code == CLI_DONE && command->work) {
+        saltus_status status = command->work(request, &setup, &cut, &message);
+        cli_clear(&setup);
+        code = cut ? interrupt_report(cut) : cli_report(status, &message);
+    }
     return target_close(&out, code);
 }
 

@@ -99,14 +99,6 @@ void manual_help(const cli_command *command, FILE *file) {
     fprintf(file, "\nsee also: saltus help %s\n", command->see);
 }
 
-/* Lines as they are, each behind some blanks. */
-static void put_lines(const char *text, FILE *file) {
-    for (size_t length; *text; text += length + 1) {
-        length = strcspn(text, "\n");
-        fprintf(file, "    %.*s\n", (int)length, text);
-    }
-}
-
 void manual_topic_help(const manual_topic *topic, FILE *file) {
     fprintf(file, "saltus help %s: %s\n", topic->name, topic->summary);
     for (const manual_part *p = topic->parts; p->kind != MANUAL_END; p++) {
@@ -117,7 +109,8 @@ void manual_topic_help(const manual_topic *topic, FILE *file) {
         if (p->kind == MANUAL_WORDS)
             put_wrapped(p->text, file);
         else if (p->kind == MANUAL_LINES)
-            put_lines(p->text, file);
+            for (const char *at = p->text; *at; at += strcspn(at, "\n") + 1)
+                fprintf(file, "    %.*s\n", (int)strcspn(at, "\n"), at);
         else
             fprintf(file, "%s%s%s\n", p->kind == MANUAL_COMMAND ? "    saltus " : "", p->text,
                     p->kind == MANUAL_FILE || p->kind == MANUAL_TERM ? ":" : "");
@@ -143,41 +136,6 @@ static void put_roff(const char *text, const char *between, FILE *file) {
         }
 }
 
-static void put_options(const cli_command *command, FILE *file) {
-    cli_entry entry;
-    char text[SALTUS_FIELD_TEXT_MAX];
-    fputs(".SH OPTIONS\n", file);
-    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
-        fputs(".TP\n\\fB", file);
-        put_roff(entry.flag, ".PP", file);
-        fputs("\\fR", file);
-        if (entry.argument) {
-            fputs(" \\fI", file);
-            put_roff(entry.argument, ".PP", file);
-            fputs("\\fR", file);
-        }
-        fputc('\n', file);
-        put_roff(meaning_of(&entry, text), ".PP", file);
-        if (*default_of(&entry, text)) {
-            fputs(" (default ", file);
-            put_roff(text, ".PP", file);
-            fputc(')', file);
-        }
-        fputc('\n', file);
-    }
-}
-
-static void put_examples(const cli_example *examples, FILE *file) {
-    fputs(".SH EXAMPLES\n", file);
-    for (; examples->line; examples++) {
-        fputs(".TP\n\\fBsaltus ", file);
-        put_roff(examples->line, ".PP", file);
-        fputs("\\fR\n", file);
-        put_roff(examples->what, ".PP", file);
-        fputc('\n', file);
-    }
-}
-
 static void put_see(const char *see, FILE *file) {
     fputs(".SH SEE ALSO\n.BR saltus (1)", file);
     for (const char *at = see; *at;) {
@@ -189,20 +147,36 @@ static void put_see(const char *see, FILE *file) {
     fputc('\n', file);
 }
 
+/* A part of a page: what stands before it, its text and what stands behind. */
+static void put_part(const char *before, const char *text, const char *behind, FILE *file) {
+    fputs(before, file);
+    put_roff(text, ".PP", file);
+    fputs(behind, file);
+}
+
 static void put_command_page(const cli_command *command, FILE *file) {
+    cli_entry entry;
+    char text[SALTUS_FIELD_TEXT_MAX];
     fprintf(file, ".SH NAME\nsaltus\\-%s \\- %s\n.SH SYNOPSIS\n\\fBsaltus %s\\fR ", command->name,
             command->summary, command->name);
-    put_roff(command->usage, ".PP", file);
-    fputs("\n.SH DESCRIPTION\n", file);
-    put_roff(command->help, ".PP", file);
-    fputc('\n', file);
-    put_options(command, file);
-    put_examples(command->examples, file);
-    if (command->notes) {
-        fputs(".SH NOTES\n", file);
-        put_roff(command->notes, ".PP", file);
+    put_part("", command->usage, "\n", file);
+    put_part(".SH DESCRIPTION\n", command->help, "\n.SH OPTIONS\n", file);
+    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
+        put_part(".TP\n\\fB", entry.flag, "\\fR", file);
+        if (entry.argument)
+            put_part(" \\fI", entry.argument, "\\fR", file);
+        put_part("\n", meaning_of(&entry, text), "", file);
+        if (*default_of(&entry, text))
+            put_part(" (default ", text, ")", file);
         fputc('\n', file);
     }
+    fputs(".SH EXAMPLES\n", file);
+    for (const cli_example *e = command->examples; e->line; e++) {
+        put_part(".TP\n\\fBsaltus ", e->line, "\\fR\n", file);
+        put_part("", e->what, "\n", file);
+    }
+    if (command->notes)
+        put_part(".SH NOTES\n", command->notes, "\n", file);
     put_see(command->see, file);
 }
 
@@ -268,25 +242,6 @@ void manual_page(const cli_command *command, FILE *file) {
         put_program_page(file);
 }
 
-/* What may follow a flag: words, or files where any text is taken. */
-static void put_completion_of(const cli_command *command, FILE *file) {
-    cli_entry entry;
-    fprintf(file, "    %s)\n        case $before in\n", command->name);
-    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
-        const saltus_word *words = entry.option ? entry.option->field.words : NULL;
-        if (!words)
-            continue;
-        fprintf(file, "        %s) words='", entry.flag);
-        for (; words->word; words++)
-            fprintf(file, "%s%s", words->word, words[1].word ? " " : "");
-        fputs("' ;;\n", file);
-    }
-    fputs("        *) words='", file);
-    for (int k = 0; cli_entry_at(command, k, &entry); k++)
-        fprintf(file, "%s ", entry.flag);
-    fputs("--help' ;;\n        esac ;;\n", file);
-}
-
 void manual_completion(FILE *file) {
     fputs("# Completion of saltus in bash; made from the commands' tables of options.\n"
           "_saltus() {\n"
@@ -297,8 +252,24 @@ void manual_completion(FILE *file) {
     for (int k = 0; manual_commands[k]; k++)
         fprintf(file, "%s ", manual_commands[k]->name);
     fputs("help --version'\n    else case ${COMP_WORDS[1]} in\n", file);
-    for (int k = 0; manual_commands[k]; k++)
-        put_completion_of(manual_commands[k], file);
+    for (int k = 0; manual_commands[k]; k++) {
+        cli_entry entry;
+        fprintf(file, "    %s)\n        case $before in\n", manual_commands[k]->name);
+        /* What may follow a flag: words, or files where any text is taken. */
+        for (int j = 0; cli_entry_at(manual_commands[k], j, &entry); j++) {
+            const saltus_word *words = entry.option ? entry.option->field.words : NULL;
+            if (!words)
+                continue;
+            fprintf(file, "        %s) words='", entry.flag);
+            for (; words->word; words++)
+                fprintf(file, "%s%s", words->word, words[1].word ? " " : "");
+            fputs("' ;;\n", file);
+        }
+        fputs("        *) words='", file);
+        for (int j = 0; cli_entry_at(manual_commands[k], j, &entry); j++)
+            fprintf(file, "%s ", entry.flag);
+        fputs("--help' ;;\n        esac ;;\n", file);
+    }
     fputs("    help) words='", file);
     for (int k = 0; manual_commands[k]; k++)
         fprintf(file, "%s ", manual_commands[k]->name);

@@ -66,21 +66,17 @@ static char *scene_text(const char *name, bool *memory) {
     return copy;
 }
 
-static void tell_date(char date[32]) {
+saltus_status cli_origin_new(const cli_request *request, cli_origin *origin, saltus_message *message) {
     const char *epoch = getenv("SOURCE_DATE_EPOCH");
     char *end = NULL;
     long long seconds = epoch ? strtoll(epoch, &end, 10) : 0;
     time_t now = epoch && end != epoch && *end == '\0' ? (time_t)seconds : time(NULL);
     struct tm parts;
-    if (!gmtime_r(&now, &parts) || !strftime(date, 32, "%Y-%m-%dT%H:%M:%SZ", &parts))
-        date[0] = '\0';
-}
-
-saltus_status cli_origin_new(const cli_request *request, cli_origin *origin, saltus_message *message) {
     bool memory = true;
+    if (!gmtime_r(&now, &parts) || !strftime(origin->date, sizeof origin->date, "%Y-%m-%dT%H:%M:%SZ", &parts))
+        origin->date[0] = '\0';
     origin->command = command_line(request);
     origin->scene = request->scene ? scene_text(request->scene, &memory) : NULL;
-    tell_date(origin->date);
     origin->told = (saltus_origin){origin->command, origin->date, origin->scene};
     if (origin->command && memory)
         return SALTUS_OK;

@@ -27,16 +27,6 @@ void progress_begin(progress *p, bool quiet, long long total, long long earlier)
                     .told_done = earlier};
 }
 
-/* Points per second of late: what was long ago counts less and less. */
-static double measure(progress *p, long long done, double now) {
-    double passed = now - p->looked, fade = exp(-passed / memory);
-    p->work = p->work * fade + (double)(done - p->seen);
-    p->time = p->time * fade + passed;
-    p->seen = done;
-    p->looked = now;
-    return p->time > 0 ? p->work / p->time : 0;
-}
-
 static void describe_left(const progress *p, long long done, double rate, char text[48]) {
     double left = rate > 0 ? (double)(p->total - done) / rate : INFINITY;
     if (left < 100)
@@ -66,32 +56,29 @@ void progress_line(const char *format, ...) {
     fflush(stderr);
 }
 
-/* Where there is no room for the bar and all the numbers, the numbers that are waited for. */
-static void draw_bar(double part, double rate, const char *left) {
+void progress_show(progress *p, long long done) {
     enum { cells = 30, beside = 50 };
-    char bar[cells + 1];
+    const double now = saltus_seconds(), passed = now - p->looked, fade = exp(-passed / memory);
+    if (!p->shown || passed < bar_pause)
+        return;
+    /* Points per second of late: what was long ago counts less and less. */
+    p->work = p->work * fade + (double)(done - p->seen);
+    p->time = p->time * fade + passed;
+    p->seen = done;
+    p->looked = now;
+    const double rate = p->time > 0 ? p->work / p->time : 0,
+                 part = p->total > 0 ? (double)done / (double)p->total : 1;
+    char left[48], bar[cells + 1] = "";
+    describe_left(p, done, rate, left);
     for (int k = 0; k < cells; k++)
         bar[k] = part * cells >= k + 1 ? '#' : '.';
-    bar[cells] = '\0';
-    if (columns() > cells + beside)
+    /* Where there is no room for the bar and all the numbers, the numbers that are waited for. */
+    if (p->terminal && columns() > cells + beside)
         progress_line("[%s] %5.1f %%  %.4g points/s  %s", bar, 100 * part, rate, left);
-    else
+    else if (p->terminal)
         progress_line("%.1f %%, %s", 100 * part, left);
-}
-
-void progress_show(progress *p, long long done) {
-    double now = saltus_seconds();
-    if (!p->shown || now - p->looked < bar_pause)
-        return;
-    double rate = measure(p, done, now), part = p->total > 0 ? (double)done / (double)p->total : 1;
-    char left[48];
-    describe_left(p, done, rate, left);
-    if (p->terminal) {
-        draw_bar(part, rate, left);
-        return;
-    }
-    bool further = 10 * (done - p->told_done) >= p->total;
-    if (now - p->told < (further ? line_pause : line_patience))
+    const bool further = 10 * (done - p->told_done) >= p->total;
+    if (p->terminal || now - p->told < (further ? line_pause : line_patience))
         return;
     fprintf(stderr, "saltus: %.1f %% (%lld of %lld points), %.4g points/s, %s\n", 100 * part, done, p->total,
             rate, left);

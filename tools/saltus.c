@@ -44,18 +44,6 @@ static int help(int count, char **arguments) {
     return cli_finish();
 }
 
-static int run_command(const cli_command *command, int count, char **arguments) {
-    cli_request request;
-    if (!cli_parse(command, count, arguments, &request))
-        return CLI_BAD_INPUT;
-    if (request.help) {
-        manual_help(command, stdout);
-        return cli_finish();
-    }
-    int code = cli_run(command, &request), written = cli_finish();
-    return code ? code : written;
-}
-
 /* A standard stream that is closed must not be taken by the first file that is opened. What is put in its
  * place can be neither read nor written as it should be, so that this is noticed. */
 static void fill_streams(void) {
@@ -82,10 +70,18 @@ int main(int count, char **arguments) {
     const cli_command *command = find_command(name);
     if (!command)
         return CLI_BAD_INPUT;
+    cli_request request;
     int code = CLI_FAILED;
     interrupt_catch();
-    if (!command->together || ranks_join())
-        code = run_command(command, count - 2, arguments + 2);
+    if (!command->together || ranks_join()) {
+        code = cli_parse(command, count - 2, arguments + 2, &request) ? CLI_DONE : CLI_BAD_INPUT;
+        if (code == CLI_DONE && request.help)
+            manual_help(command, stdout);
+        else if (code == CLI_DONE)
+            code = cli_run(command, &request);
+        int written = cli_finish();
+        code = code ? code : written;
+    }
     ranks_leave();
     return code;
 }

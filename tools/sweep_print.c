@@ -24,15 +24,6 @@ typedef struct share {
     long long count;
 } share;
 
-static saltus_status tally_file(const saltus_sweep_file *file, sweep_report *report,
-                                saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    sweep_tally_clear(&report->tally);
-    for (long long k = 0; k < file->row_count && status == SALTUS_OK; k++)
-        status = sweep_tally_add(&report->tally, &file->rows[k], message);
-    return status;
-}
-
 static int larger_share(const void *a, const void *b) {
     const share *x = a, *y = b;
     return x->count != y->count ? (x->count < y->count ? 1 : -1) : x->attractor - y->attractor;
@@ -141,33 +132,11 @@ static void print_table(const sweep_order *order, const sweep_report *report, co
         printf("all were there\n");
 }
 
-static void put_classes(const sweep_tally *tally, long long rows) {
-    printf(", \"classes\": [");
-    for (int k = 0; k < tally->count; k++)
-        printf("%s{\"label\": \"%s\", \"count\": %lld, \"share\": %.17g}", k ? ", " : "",
-               tally->classes[k].label, tally->classes[k].count,
-               percent(tally->classes[k].count, rows) / 100);
-    printf("]");
-}
-
-static void put_attractors(const saltus_sweep_file *file, const share *shares) {
-    printf(", \"attractors\": [");
-    for (int k = 0; k < file->attractor_count; k++) {
-        int a = shares[k].attractor;
-        printf("%s{\"label\": \"%s\", \"largest_multiplier\": ", k ? ", " : "", file->attractor_label[a]);
-        if (isfinite(file->attractor_multiplier[a]))
-            printf("%.17g", file->attractor_multiplier[a]);
-        else
-            printf("null");
-        printf(", \"count\": %lld, \"share\": %.17g}", shares[k].count,
-               percent(shares[k].count, file->row_count) / 100);
-    }
-    printf("]");
-}
-
 static void put_json(const sweep_order *order, const sweep_report *report, const saltus_sweep_file *file,
                      const share *shares) {
     const saltus_sweep *sweep = order->sweep;
+    const sweep_tally *tally = &report->tally;
+    const long long all = counted(report);
     printf("{\"version\": \"%s\", \"scene\": ", SALTUS_VERSION);
     saltus_put_string(stdout, saltus_sweep_scene(sweep)->name);
     printf(", \"file\": ");
@@ -177,13 +146,24 @@ static void put_json(const sweep_order *order, const sweep_report *report, const
     for (int k = 0; k < saltus_sweep_pass_count(sweep); k++)
         printf("%s\"%s\"", k ? ", " : "", saltus_pass_word(saltus_sweep_pass_at(sweep, k)));
     printf("], \"seeds\": %d, \"rows\": %lld, \"computed\": %lld, \"seconds\": %.6g, "
-           "\"trajectories_per_second\": %.6g, \"ranks\": %d",
+           "\"trajectories_per_second\": %.6g, \"ranks\": %d, \"classes\": [",
            saltus_sweep_choices(sweep)->seeds, report->rows, report->computed, report->seconds, rate(report),
            report->ranks);
-    put_classes(&report->tally, counted(report));
-    if (shares)
-        put_attractors(file, shares);
-    printf("}\n");
+    for (int k = 0; k < tally->count; k++)
+        printf("%s{\"label\": \"%s\", \"count\": %lld, \"share\": %.17g}", k ? ", " : "",
+               tally->classes[k].label, tally->classes[k].count, percent(tally->classes[k].count, all) / 100);
+    printf(shares ? "], \"attractors\": [" : "]");
+    for (int k = 0; k < file->attractor_count && shares; k++) {
+        const int a = shares[k].attractor;
+        printf("%s{\"label\": \"%s\", \"largest_multiplier\": ", k ? ", " : "", file->attractor_label[a]);
+        if (isfinite(file->attractor_multiplier[a]))
+            printf("%.17g", file->attractor_multiplier[a]);
+        else
+            printf("null");
+        printf(", \"count\": %lld, \"share\": %.17g}", shares[k].count,
+               percent(shares[k].count, file->row_count) / 100);
+    }
+    printf(shares ? "]}\n" : "}\n");
 }
 
 static saltus_status print_report(const sweep_order *order, sweep_report *report, bool json,
@@ -194,8 +174,12 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     bool read = (order->basins || report->computed < report->rows) && cli_ends_in(order->path, ".h5");
     if (read)
         status = saltus_sweep_file_read(order->path, &file, message);
-    if (read && status == SALTUS_OK && report->computed < report->rows)
-        status = tally_file(&file, report, message);
+    /* Of a run that went on, the tally is that of the file. */
+    const bool anew = status == SALTUS_OK && read && report->computed < report->rows;
+    if (anew)
+        sweep_tally_clear(&report->tally);
+    for (long long k = 0; k < file.row_count && anew && status == SALTUS_OK; k++)
+        status = sweep_tally_add(&report->tally, &file.rows[k], message);
     if (status == SALTUS_OK && file.attractor_count > 0) {
         shares = count_shares(&file);
         if (!shares)

@@ -91,41 +91,31 @@ static const char *input_that_is(const cli_request *request, const struct stat *
     return from && is_file(from, file) ? from : NULL;
 }
 
-/* The kind of file that a command writes under a name of this ending, as saltus_file_identify tells it; what
- * is exported is of its input's kind. "": it will write nothing, and say why. */
-static void kind_of(const cli_command *command, const cli_request *request, const char *path, char kind[64]) {
-    const bool table = cli_ends_in(path, ".csv");
-    saltus_file_facts input = {.kind = ""};
-    if (!command->kind && request->input_count)
-        input = saltus_file_identify(request->inputs[0]);
-    const char *data = command->kind ? command->kind : input.hdf5 ? input.kind : "";
-    if (table || cli_ends_in(path, ".h5"))
-        snprintf(kind, 64, "%s%s", data, table && *data ? " table" : "");
-    else
-        strcpy(kind, cli_ends_in(path, ".gp") ? "script" : "picture");
-}
-
-static bool has_journal(const char *path) {
-    char name[4096];
-    int length = snprintf(name, sizeof name, "%s.journal", path);
-    return length > 0 && (size_t)length < sizeof name && access(name, F_OK) == 0;
-}
-
 /* What is there already may be replaced if it is of the kind that is written, and finished. */
 static int check_earlier(const cli_command *command, const cli_request *request, const place *p, bool there) {
-    saltus_file_facts facts = {.kind = "empty", .complete = true};
-    char kind[64];
+    saltus_file_facts facts = {.kind = "empty", .complete = true}, input = {.kind = ""};
+    const bool table = cli_ends_in(p->path, ".csv");
+    char kind[64], journal[4096];
     if (cli_given(request, "--resume") || cli_given(request, "--force"))
         return CLI_DONE;
     if (there)
         facts = saltus_file_identify(p->path);
-    kind_of(command, request, p->path, kind);
+    /* The kind of file that the command writes under a name of this ending, as saltus_file_identify tells it;
+     * what is exported is of its input's kind. "": it will write nothing, and say why. */
+    if (!command->kind && request->input_count)
+        input = saltus_file_identify(request->inputs[0]);
+    const char *data = command->kind ? command->kind : input.hdf5 ? input.kind : "";
+    if (table || cli_ends_in(p->path, ".h5"))
+        snprintf(kind, sizeof kind, "%s%s", data, table && *data ? " table" : "");
+    else
+        strcpy(kind, cli_ends_in(p->path, ".gp") ? "script" : "picture");
     if (strcmp(facts.kind, "empty") != 0 && kind[0] && strcmp(facts.kind, kind) != 0)
         return refuse(
             CLI_BAD_INPUT, p,
             "is there and another kind of file (%s, not %s); another name, or --force to replace it",
             facts.kind[0] ? facts.kind : "not one of Saltus", kind);
-    if (!facts.complete || has_journal(p->path))
+    const int length = snprintf(journal, sizeof journal, "%s.journal", p->path);
+    if (!facts.complete || ((size_t)length < sizeof journal && access(journal, F_OK) == 0))
         return refuse(CLI_BAD_INPUT, p, "holds an interrupted run; %s--force begins anew",
                       command->resumes ? "--resume goes on with it, " : "");
     return CLI_DONE;
@@ -172,29 +162,20 @@ static int check_data(const cli_command *command, const cli_request *request) {
     return cli_given(request, "--keep-script") ? CLI_DONE : check_place(command, request, &beside);
 }
 
-/* The files that a command writes beside its result. */
-static int check_others(const cli_command *command, const cli_request *request) {
-    static const char *const endings[] = {".gp", NULL};
-    const place script = {"--keep-script", cli_text(request, "--keep-script"), endings};
-    int code = script.path ? check_place(command, request, &script) : CLI_DONE;
-    return code == CLI_DONE && cli_given(request, "--data") ? check_data(command, request) : code;
-}
-
-/* The ending of what goes to standard output: the one of --format, or the first that can. */
-static int choose_ending(const cli_command *command, const cli_request *request, const char **ending) {
-    const char *format = cli_text(request, "--format");
+/* Standard output in place of a file, which has the ending of --format or the first that can go there. */
+static int divert(const cli_command *command, cli_request *request, target *out) {
+    const char *format = cli_text(request, "--format"), *base = getenv("TMPDIR"), *ending = NULL;
     const place p = {"-o", "-", NULL};
-    *ending = NULL;
-    for (int k = 0; command->endings[k] && !*ending; k++)
+    for (int k = 0; command->endings[k] && !ending; k++)
         if (format ? strcmp(command->endings[k] + 1, format) == 0 : strcmp(command->endings[k], ".h5") != 0)
-            *ending = command->endings[k];
-    if (!*ending && format) {
+            ending = command->endings[k];
+    if (!ending && format) {
         char endings[64];
         list_endings(command->endings, endings);
         return cli_refuse(CLI_BAD_INPUT, "--format %s: the formats of saltus %s are %s", format,
                           command->name, endings);
     }
-    if (!*ending || strcmp(*ending, ".h5") == 0)
+    if (!ending || strcmp(ending, ".h5") == 0)
         return refuse(CLI_BAD_INPUT, &p,
                       "HDF5 cannot be written to standard output, only to a file that can be gone back in; "
                       "name one");
@@ -202,14 +183,6 @@ static int choose_ending(const cli_command *command, const cli_request *request,
         return refuse(CLI_BAD_INPUT, &p, "--json writes to standard output, too; one of them");
     if (cli_given(request, "--resume"))
         return refuse(CLI_BAD_INPUT, &p, "--resume needs the file of the interrupted run");
-    return CLI_DONE;
-}
-
-static int divert(const cli_command *command, cli_request *request, target *out) {
-    const char *ending, *base = getenv("TMPDIR");
-    int code = choose_ending(command, request, &ending);
-    if (code != CLI_DONE)
-        return code;
     if (!base || !*base || strlen(base) > sizeof out->folder - 16)
         base = "/tmp";
     snprintf(out->folder, sizeof out->folder, "%s/saltus-XXXXXX", base);
@@ -239,9 +212,13 @@ int target_open(const cli_command *command, cli_request *request, target *out) {
                           cli_text(request, "--format"));
     if (!request->output)
         return CLI_DONE;
-    const place result = {"-o", request->output, command->endings};
+    static const char *const script_endings[] = {".gp", NULL};
+    const place result = {"-o", request->output, command->endings},
+                script = {"--keep-script", cli_text(request, "--keep-script"), script_endings};
     int code = to_stdout ? divert(command, request, out) : check_place(command, request, &result);
-    return code == CLI_DONE ? check_others(command, request) : code;
+    if (code == CLI_DONE && script.path)
+        code = check_place(command, request, &script);
+    return code == CLI_DONE && cli_given(request, "--data") ? check_data(command, request) : code;
 }
 
 /* The file as it is. False, with errno, where it could not be read or written. */
