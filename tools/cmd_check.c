@@ -72,13 +72,6 @@ static void print_metric(const saltus_system *system) {
         printf("%s%.9g%s", i % n ? ", " : "  ", inverse[i], i % n + 1 < n ? "" : "\n");
 }
 
-static void print_symmetry(const saltus_system *system) {
-    bool shift = false, symmetric = saltus_system_mirror_symmetric(system, &shift);
-    printf("symmetry: %s\n", !symmetric ? "none found under a change of all signs"
-                             : shift    ? "all signs changed, with half a period's shift"
-                                        : "all signs changed");
-}
-
 /* A line for each column; a failure where one is wrong. */
 static saltus_status print_derivatives(const saltus_scene *scene, const saltus_system *system,
                                        saltus_message *message) {
@@ -108,6 +101,7 @@ static saltus_status print_derivatives(const saltus_scene *scene, const saltus_s
 static saltus_status check_scene(const cli_request *request, cli_setup *setup, const char **cut,
                                  saltus_message *message) {
     int count;
+    bool shift = false, symmetric = saltus_system_mirror_symmetric(setup->system, &shift);
     (void)cut;
     const saltus_spec *spec = &setup->scene.spec;
     const saltus_parameter *table = saltus_model_parameters(spec->model, &count);
@@ -120,7 +114,9 @@ static saltus_status check_scene(const cli_request *request, cli_setup *setup, c
         print_stop(saltus_system_spec(setup->system), s);
     if (spec->stop_count)
         print_metric(setup->system);
-    print_symmetry(setup->system);
+    printf("symmetry: %s\n", !symmetric ? "none found under a change of all signs"
+                             : shift    ? "all signs changed, with half a period's shift"
+                                        : "all signs changed");
     if (saltus_system_forced(setup->system))
         printf("forcing period T = %.15g, ", saltus_system_period(setup->system));
     else

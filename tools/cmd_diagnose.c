@@ -11,17 +11,10 @@ static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NU
 static const cli_option *const options[] = {&cli_set, &cli_section,       &cli_from, &cli_output,
                                             &data,    CLI_FIGURE_OPTIONS, NULL};
 
-/* A motion and what its page shows. */
-typedef struct page {
-    saltus_motion motion;
-    saltus_trajectory record, section;
-    saltus_spectra spectra;
-    bool sectioned, analysed;
-} page;
-
-/* One orbit of a periodic motion; enough of any other to see what it does. */
-static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow, page *p,
-                                   saltus_message *message) {
+/* One orbit of a periodic motion; enough of any other to see what it does, and points of its section. */
+static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow,
+                                   const saltus_motion *motion, saltus_trajectory *record,
+                                   saltus_trajectory *section, saltus_message *message) {
     enum {
         unsettled_periods = 240,
         resting_periods = 4,
@@ -29,8 +22,7 @@ static saltus_status record_motion(const saltus_system *system, const saltus_flo
         samples = 240,
         section_points = 2000
     };
-    const saltus_motion *motion = &p->motion;
-    bool settled = saltus_verdict_settled(motion->verdict);
+    const bool settled = saltus_verdict_settled(motion->verdict);
     long long periods = motion->periods ? motion->periods : settled ? resting_periods : unsettled_periods;
     int per_period = periods * samples < orbit_samples ? orbit_samples / (int)periods : samples;
     /* A trajectory would leave an orbit that is not stable. */
@@ -38,58 +30,52 @@ static saltus_status record_motion(const saltus_system *system, const saltus_flo
                                          .per_period = per_period,
                                          .points = motion->section_states,
                                          .orbit = motion->stable ? 0 : motion->periods};
-    saltus_status status = saltus_trajectory_follow(system, motion->state, flow, &plan, &p->record, message);
-    p->sectioned = !settled;
-    if (status == SALTUS_OK && p->sectioned)
-        status =
-            saltus_trajectory_record(system, motion->state, flow, 0, section_points, 1, &p->section, message);
-    return status;
-}
-
-/* The spectrum of what moves, up to the frequencies that the page shows. */
-static saltus_status analyse_motion(const saltus_system *system, const saltus_flow_options *flow, page *p,
-                                    saltus_message *message) {
-    enum { line_samples = 1024, density_samples = 256 };
-    bool periodic = p->motion.verdict == SALTUS_PERIODIC;
-    saltus_spectrum_options options = saltus_spectrum_defaults();
-    options.flow = *flow;
-    options.quantity_count = 1;
-    options.per_period = periodic ? line_samples : density_samples;
-    options.periods = periodic ? 2LL * p->motion.periods : 0;
-    p->analysed = periodic || !saltus_verdict_settled(p->motion.verdict);
-    return p->analysed ? saltus_motion_spectra(system, &p->motion, &options, &p->spectra, message)
-                       : SALTUS_OK;
+    saltus_status status = saltus_trajectory_follow(system, motion->state, flow, &plan, record, message);
+    return status == SALTUS_OK && !settled
+               ? saltus_trajectory_record(system, motion->state, flow, 0, section_points, 1, section, message)
+               : status;
 }
 
 static saltus_status diagnose(const cli_request *request, cli_setup *setup, const char **cut,
                               saltus_message *message) {
+    enum { line_samples = 1024, density_samples = 256 };
     if (!request->output)
         return saltus_fail(message, SALTUS_BAD_INPUT, "diagnose: needs -o file.png, file.pdf or file.svg");
     const saltus_scene *scene = &setup->scene;
     saltus_classify_options how = cli_classify_options(request);
-    page p = {.sectioned = false};
-    saltus_status status = cli_motion(request, setup, &how, &p.motion, message);
+    saltus_motion motion = {0};
+    saltus_trajectory record = {0}, section = {0};
+    saltus_spectra spectra = {0};
+    saltus_status status = cli_motion(request, setup, &how, &motion, message);
     const saltus_system *system = setup->system;
-    bool classified = status == SALTUS_OK;
+    const bool classified = status == SALTUS_OK, periodic = motion.verdict == SALTUS_PERIODIC,
+               settled = saltus_verdict_settled(motion.verdict), analysed = periodic || !settled;
     if (classified && interrupt_asked())
         status = SALTUS_INTERRUPTED;
     if (status == SALTUS_OK)
-        status = record_motion(system, &how.flow, &p, message);
-    if (status == SALTUS_OK)
-        status = analyse_motion(system, &how.flow, &p, message);
+        status = record_motion(system, &how.flow, &motion, &record, &section, message);
+    if (status == SALTUS_OK && analysed) {
+        /* Of what moves, up to the frequencies that the page shows. */
+        saltus_spectrum_options options = saltus_spectrum_defaults();
+        options.flow = how.flow;
+        options.quantity_count = 1;
+        options.per_period = periodic ? line_samples : density_samples;
+        options.periods = periodic ? 2LL * motion.periods : 0;
+        status = saltus_motion_spectra(system, &motion, &options, &spectra, message);
+    }
     if (status == SALTUS_OK) {
-        const saltus_diagnosis diagnosis = {&p.motion, &p.record, p.sectioned ? &p.section : NULL,
-                                            p.analysed ? &p.spectra : NULL};
+        const saltus_diagnosis diagnosis = {&motion, &record, settled ? NULL : &section,
+                                            analysed ? &spectra : NULL};
         status = saltus_write_sheet(request->output, scene, system, &how.flow, &diagnosis, &request->look,
                                     cli_text(request, "--data"), message);
     }
     if (status == SALTUS_OK || (classified && interrupt_asked()))
-        saltus_write_motion_text(stdout, scene, system, &p.motion);
+        saltus_write_motion_text(stdout, scene, system, &motion);
     cli_tell_written(request, "figure", status);
-    saltus_spectra_clear(&p.spectra);
-    saltus_trajectory_clear(&p.section);
-    saltus_trajectory_clear(&p.record);
-    saltus_motion_clear(&p.motion);
+    saltus_spectra_clear(&spectra);
+    saltus_trajectory_clear(&section);
+    saltus_trajectory_clear(&record);
+    saltus_motion_clear(&motion);
     *cut = status != SALTUS_OK && interrupt_asked() ? "no figure was drawn" : NULL;
     return status;
 }

@@ -62,22 +62,18 @@ static bool joined(void) {
     return begun && !ended;
 }
 
-/* Threads that the MPI library starts for itself must not catch the signals that are meant for ours. */
-static bool start_mpi(int *level) {
-    sigset_t all, usual;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &usual);
-    bool started = MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, level) == MPI_SUCCESS;
-    pthread_sigmask(SIG_SETMASK, &usual, NULL);
-    return started;
-}
-
 bool ranks_join(void) {
+    sigset_t all, usual;
     int level = 0;
     long count = announced();
     if (count < 2 && !getenv("PMIX_RANK"))
         return true;
-    if (!start_mpi(&level))
+    /* Threads that the MPI library starts for itself must not catch the signals that are meant for ours. */
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &usual);
+    const bool started = MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &level) == MPI_SUCCESS;
+    pthread_sigmask(SIG_SETMASK, &usual, NULL);
+    if (!started)
         return refuse(count, "MPI could not be started");
     if (count > 1 && ranks_count() == 1)
         return refuse(count, "MPI knows of one only: the launcher is not that of the MPI library in use");

@@ -10,32 +10,29 @@
 
 enum { largest_file = 1 << 20 };
 
-/* The built-in scenes that may have been meant: those that contain the word or are contained in it, and the
- * nearest; all of them when nothing is near. */
-static saltus_words suggest(const char *name) {
-    saltus_words words = {""};
-    const char *names[64];
-    int count = 0;
-    for (; count < saltus_builtin_count && count < 64; count++)
-        names[count] = saltus_builtins[count].name;
-    const char *nearest = saltus_nearest_word(name, names, count);
-    for (int k = 0; k < count; k++)
-        if (names[k] == nearest || (strlen(name) > 2 && (strstr(names[k], name) || strstr(name, names[k]))))
-            saltus_words_add(&words, names[k]);
-    return words.text[0] ? words : saltus_words_of(names, count);
-}
-
 static saltus_status fail_to_open(const char *source, int error, saltus_message *message) {
     const saltus_source place = {.origin = source, .message = message};
-    bool path = strpbrk(source, "/.") != NULL;
     if (error == EISDIR)
         return saltus_source_fail(&place, 0, SALTUS_IO, "is a directory, not a scene file");
     if (error != ENOENT && error != ENAMETOOLONG)
         return saltus_source_fail(&place, 0, SALTUS_IO, "cannot be opened (%s)", strerror(error));
-    if (path)
+    if (strpbrk(source, "/."))
         return saltus_source_fail(&place, 0, SALTUS_IO, "no such file");
-    saltus_quoted name = saltus_quote(source);
-    saltus_words words = suggest(source);
+    /* The built-in scenes that may have been meant: those that contain the word or are contained in it, and
+     * the nearest; all of them when nothing is near. */
+    saltus_words words = {""};
+    const char *names[64] = {NULL};
+    int count = 0;
+    for (; count < saltus_builtin_count && count < 64; count++)
+        names[count] = saltus_builtins[count].name;
+    const char *nearest = saltus_nearest_word(source, names, count);
+    for (int k = 0; k < count; k++)
+        if (names[k] == nearest ||
+            (strlen(source) > 2 && (strstr(names[k], source) || strstr(source, names[k]))))
+            saltus_words_add(&words, names[k]);
+    if (!words.text[0])
+        words = saltus_words_of(names, count);
+    const saltus_quoted name = saltus_quote(source);
     return saltus_fail(message, SALTUS_BAD_INPUT,
                        "%s: neither a file nor a built-in scene; built-in scenes: %s", name.text, words.text);
 }

@@ -512,8 +512,8 @@ saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_cou
         return NULL;
     saltus_tape *tape = m.tape;
     tape->time = tape->phase = -1;
-    tape->state_count = dimension;
     tape->output_count = root_count;
+    tape->state_count = dimension;
     tape->state_register = malloc((size_t)(dimension + 1) * sizeof *tape->state_register);
     tape->outputs = malloc((size_t)(root_count + 1) * sizeof *tape->outputs);
     m.failed = !tape->state_register || !tape->outputs;
@@ -525,12 +525,12 @@ saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_cou
         tape->outputs[k] = register_of(&m, roots[k]);
     tape->steps = m.steps.items;
     tape->terms = m.terms.items;
-    tape->slot_node = m.slots.items;
     tape->depends = m.depends.items;
     tape->step_count = m.steps.count;
     tape->term_count = m.terms.count;
-    tape->slot_count = m.slots.count;
     tape->register_count = m.depends.count;
+    tape->slot_node = m.slots.items;
+    tape->slot_count = m.slots.count;
     free(m.linear.items);
     free(m.sums.items);
     free(m.parts.items);
@@ -538,11 +538,11 @@ saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_cou
     free(m.slot_of);
     free(m.uses);
     /* The square of a displacement comes with its product with the velocity, where both are there. */
-    for (int k = 0; k < tape->step_count && !m.failed; k++)
-        for (int j = 0; j < tape->step_count && tape->steps[k].code == SALTUS_TAPE_SQUARE; j++)
-            if (tape->steps[j].code == SALTUS_TAPE_RATE && tape->steps[j].a == tape->steps[k].a) {
-                tape->steps[k].code = SALTUS_TAPE_INTEGRAL;
-                tape->steps[k].b = tape->steps[j].out;
+    for (saltus_tape_step *s = tape->steps; s < tape->steps + tape->step_count && !m.failed; s++)
+        for (int j = 0; j < tape->step_count && s->code == SALTUS_TAPE_SQUARE; j++)
+            if (tape->steps[j].code == SALTUS_TAPE_RATE && tape->steps[j].a == s->a) {
+                s->code = SALTUS_TAPE_INTEGRAL;
+                s->b = tape->steps[j].out;
             }
     m.failed = m.failed || !saltus_tape_arrange(tape, dof);
     if (!m.failed) {
@@ -573,9 +573,9 @@ void saltus_tape_free(saltus_tape *tape) {
 
 bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
     bool same = a->step_count == b->step_count && a->term_count == b->term_count &&
-                a->slot_count == b->slot_count && a->register_count == b->register_count &&
-                a->state_count == b->state_count && a->output_count == b->output_count &&
-                a->time == b->time && a->phase == b->phase;
+                a->register_count == b->register_count && a->state_count == b->state_count &&
+                a->slot_count == b->slot_count && a->output_count == b->output_count && a->time == b->time &&
+                a->phase == b->phase;
     for (int i = 0; same && i < a->state_count; i++)
         same = a->state_register[i] == b->state_register[i];
     for (int i = 0; same && i < a->output_count; i++)

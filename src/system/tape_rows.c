@@ -93,14 +93,6 @@ static bool is_last(const arranger *m, const saltus_tape_step *s) {
     return s->code == SALTUS_TAPE_COMBINE && !m->used[s->out];
 }
 
-static int level_of(const arranger *m, const saltus_tape_step *s) {
-    int level = s->code == SALTUS_TAPE_INTEGRAL; /* after the rate, which may stand later among the steps */
-    for (int k = 0, place; (place = needs(m->tape, s, k)) != -2; k++)
-        if (place >= 0 && m->homes[place].level > level)
-            level = m->homes[place].level;
-    return level + 1;
-}
-
 static unsigned long long mix(unsigned long long x) {
     x = (x ^ x >> 31) * 0x9e3779b97f4a7c15ULL;
     return (x ^ x >> 29) * 0xbf58476d1ce4e5b9ULL + 1;
@@ -127,17 +119,6 @@ static unsigned long long kind_of(const arranger *m, const saltus_tape_step *s) 
                  : mix(rows + mix((unsigned long long)s->code * 64 + s->depends * 4 + s->linear * 2u +
                                   m->accelerates[s->out])) |
                        1;
-}
-
-/* In a product the operand of the earlier row comes first, so that q * u and u * q are of one kind. */
-static void order_operands(const arranger *m, saltus_tape_step *s) {
-    const home *a = &m->homes[s->a], *b = &m->homes[s->b];
-    if (s->code == SALTUS_TAPE_MULTIPLY &&
-        (b->row < a->row || (b->row == a->row && b->element < a->element))) {
-        int other = s->a;
-        s->a = s->b;
-        s->b = other;
-    }
 }
 
 static void add_step(arranger *m, saltus_tape_row row) {
@@ -262,9 +243,10 @@ static void add_combinations(arranger *m, saltus_tape_row *row) {
     for (int e = 0; e < m->member_count; e++)
         count += member(m, e)->count;
     incidence *list = calloc((size_t)count + 1, sizeof *list);
-    if (total_elements(m) > 1) {
+    const int beside = total_elements(m);
+    if (beside > 1) {
         row->code = SALTUS_TAPE_TOTAL;
-        row->count = total_elements(m);
+        row->count = beside;
     }
     int *slots = calloc((size_t)row->count, sizeof *slots);
     if (!list || !slots) {
@@ -427,13 +409,42 @@ static void mark_delicate(arranger *m) {
     }
 }
 
+/* How deep each step lies, one deeper than what it takes; the deepest. Combinations that nothing takes wait
+ * for all others. */
+static int find_levels(arranger *m) {
+    const saltus_tape *tape = m->tape;
+    int levels = 0;
+    for (int k = 0; k < tape->step_count; k++) {
+        const saltus_tape_step *s = &tape->steps[k];
+        int level =
+            s->code == SALTUS_TAPE_INTEGRAL; /* after the rate, which may stand later among the steps */
+        for (int j = 0, place; (place = needs(tape, s, j)) != -2; j++)
+            if (place >= 0 && m->homes[place].level > level)
+                level = m->homes[place].level;
+        m->homes[s->out].level = level + 1;
+        levels = level + 1 > levels ? level + 1 : levels;
+    }
+    for (int k = 0; k < tape->step_count; k++)
+        if (is_last(m, &tape->steps[k]))
+            m->homes[tape->steps[k].out].level = levels;
+    return levels;
+}
+
 /* All steps of a depth, kind by kind. */
 static void arrange_level(arranger *m, int level, bool *done) {
-    saltus_tape *tape = m->tape;
+    const saltus_tape *tape = m->tape;
     for (int k = 0; k < tape->step_count; k++)
         if (!done[k] && m->homes[tape->steps[k].out].level == level) {
-            order_operands(m, &tape->steps[k]);
-            m->homes[tape->steps[k].out].kind = kind_of(m, &tape->steps[k]);
+            saltus_tape_step *s = &tape->steps[k];
+            const home *a = &m->homes[s->a], *b = &m->homes[s->b];
+            /* In a product the operand of the earlier row comes first: q * u and u * q are of one kind. */
+            if (s->code == SALTUS_TAPE_MULTIPLY &&
+                (b->row < a->row || (b->row == a->row && b->element < a->element))) {
+                const int other = s->a;
+                s->a = s->b;
+                s->b = other;
+            }
+            m->homes[s->out].kind = kind_of(m, s);
         }
     for (int k = 0; k < tape->step_count && !m->failed; k++) {
         if (done[k] || m->homes[tape->steps[k].out].level != level)
@@ -515,14 +526,7 @@ bool saltus_tape_arrange(saltus_tape *tape, int dof) {
         place_leaves(&m, dof);
         mark_delicate(&m);
         mark_used(&m);
-        for (int k = 0; k < tape->step_count; k++) {
-            home *h = &m.homes[tape->steps[k].out];
-            h->level = level_of(&m, &tape->steps[k]);
-            levels = h->level > levels ? h->level : levels;
-        }
-        for (int k = 0; k < tape->step_count; k++)
-            if (is_last(&m, &tape->steps[k]))
-                m.homes[tape->steps[k].out].level = levels;
+        levels = find_levels(&m);
     }
     for (int level = 1; level <= levels && !m.failed; level++)
         arrange_level(&m, level, done);

@@ -215,19 +215,6 @@ char *saltus_graph_text(const saltus_graph *graph, int node, const saltus_parame
     return text;
 }
 
-/* How large a node would be if nothing in it cancelled. */
-static double size_of(const saltus_graph_node *n, const double *sizes, double value) {
-    switch (n->operation) {
-    case SALTUS_OP_ADD:
-    case SALTUS_OP_SUBTRACT:
-        return sizes[n->operand[0]] + sizes[n->operand[1]];
-    case SALTUS_OP_MULTIPLY:
-        return sizes[n->operand[0]] * sizes[n->operand[1]];
-    default:
-        return fabs(value);
-    }
-}
-
 /* How near an operation is to where it has no value: 0 on it, relative to the size of what it is made of;
  * infinite where it has one everywhere. `operand` receives what decides. */
 static double nearness(const saltus_graph *g, const saltus_graph_node *n, const double *values,
@@ -267,8 +254,12 @@ int saltus_graph_fault(const saltus_graph *graph, const int *roots, int root_cou
         const saltus_graph_node *n = &graph->nodes[k];
         bool sound = true;
         int which;
+        /* How large a node would be if nothing in it cancelled. */
         sizes[k] = n->operation == SALTUS_OP_STATE ? fmax(scale[n->index], fabs(values[k]))
-                                                   : size_of(n, sizes, values[k]);
+                   : n->operation == SALTUS_OP_ADD || n->operation == SALTUS_OP_SUBTRACT
+                       ? sizes[n->operand[0]] + sizes[n->operand[1]]
+                   : n->operation == SALTUS_OP_MULTIPLY ? sizes[n->operand[0]] * sizes[n->operand[1]]
+                                                        : fabs(values[k]);
         for (int j = 0; j < saltus_operation_operands(n->operation); j++)
             sound = sound && isfinite(values[n->operand[j]]);
         if (!needed[k] || !sound || saltus_operation_operands(n->operation) == 0)
