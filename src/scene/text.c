@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/text.h"
 #include "base/field.h"
-#include "base/memory.h"
 #include "scene/scene.h"
 #include "system/system.h"
 
@@ -20,12 +19,6 @@ typedef struct reading {
     saltus_text_stop stops[SALTUS_STOPS_MAX];
     saltus_list owned; /* void *: what the text points to besides */
 } reading;
-
-/* Zeroed memory that lives as long as the reading; NULL: there is none. */
-static void *keep(reading *r, size_t count, size_t size) {
-    void **entry = saltus_list_add(&r->owned, sizeof *entry);
-    return entry ? *entry = calloc(count + 1, size) : NULL;
-}
 
 static saltus_status no_memory(const reading *r) {
     return saltus_source_fail(r->source, 0, SALTUS_NO_MEMORY, "no memory for the model");
@@ -93,7 +86,8 @@ static saltus_status read_constant(reading *r, const saltus_node *node, saltus_t
         return wrong_kind(r, node, "a number, a vector [..] or a matrix [[..], ..]");
     if (rows && node->first->kind == SALTUS_NODE_LIST)
         columns = node->first->count;
-    double *values = keep(r, (size_t)(rows ? rows : 1) * (size_t)(columns ? columns : 1), sizeof *values);
+    double *values = saltus_text_keep(&r->owned, (size_t)(rows ? rows : 1) * (size_t)(columns ? columns : 1),
+                                      sizeof *values);
     if (!values)
         return no_memory(r);
     *made = (saltus_text_constant){node->key, rows, columns, values, node->key_line};
@@ -116,7 +110,7 @@ static saltus_status read_constants(reading *r, const saltus_node *node) {
     saltus_status status = SALTUS_OK;
     if (node->kind != SALTUS_NODE_MAPPING)
         return wrong_kind(r, node, "a mapping of names to numbers, vectors and matrices");
-    saltus_text_constant *constants = keep(r, (size_t)node->count, sizeof *constants);
+    saltus_text_constant *constants = saltus_text_keep(&r->owned, (size_t)node->count, sizeof *constants);
     if (!constants)
         return no_memory(r);
     r->text.constants = constants;
@@ -132,7 +126,7 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
         return wrong_kind(r, node, "a mapping of names to expressions");
     for (const saltus_node *e = node->first; e; e = e->next)
         count += e->kind == SALTUS_NODE_MAPPING ? e->count : 1;
-    saltus_equation *items = keep(r, (size_t)count, sizeof *items);
+    saltus_equation *items = saltus_text_keep(&r->owned, (size_t)count, sizeof *items);
     if (!items)
         return no_memory(r);
     for (const saltus_node *e = node->first; e; e = e->next) {
@@ -141,7 +135,7 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
             return wrong_kind(r, e,
                               "an expression; one with a comma, or that begins with *, [ or &, needs quotes");
         for (const saltus_node *entry = row ? e->first : e; entry; entry = row ? entry->next : NULL) {
-            char *pair = row ? keep(r, strlen(e->key) + strlen(entry->key) + 1, 1) : NULL;
+            char *pair = row ? saltus_text_keep(&r->owned, strlen(e->key) + strlen(entry->key) + 1, 1) : NULL;
             if (entry->kind != SALTUS_NODE_SCALAR)
                 return wrong_kind(r, entry, "an expression");
             if (row && !pair)
@@ -409,9 +403,7 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
             *source->message = reason;
     }
     free(json);
-    for (int k = 0; k < r.owned.count; k++)
-        free(((void **)r.owned.items)[k]);
-    free(r.owned.items);
+    saltus_text_release(&r.owned);
     return status;
 }
 

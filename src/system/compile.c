@@ -128,31 +128,25 @@ static unsigned long long hash(unsigned long long h, const void *bytes, size_t s
 }
 
 /* What all functions of one system are kept under: a key from the text without a shape, the compiler, its
- * options. */
-static void make_path(const toolchain *w, const saltus_compile_shape *shape, const char *source,
-                      char path[path_max]) {
+ * options. False: no memory, or the text is none to compile. */
+static bool find_place(const toolchain *w, const char *flags, saltus_compile_source *make, const void *from,
+                       char path[path_max]) {
     const long long identity[] = {(long long)w->identity.st_size, (long long)w->identity.st_mtim.tv_sec,
                                   (long long)w->identity.st_mtim.tv_nsec, (long long)w->identity.st_ino};
+    const saltus_compile_shape any = {.flags = flags};
+    char *source = make(from, &any);
     unsigned long long key[2];
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2 && source; k++) {
         key[k] = 0xcbf29ce484222325ULL ^ (0x9e3779b97f4a7c15ULL * (unsigned)k);
         key[k] = hash(key[k], source, strlen(source));
-        key[k] = hash(key[k], shape->flags, strlen(shape->flags) + 1);
+        key[k] = hash(key[k], flags, strlen(flags) + 1);
         key[k] = hash(key[k], w->compiler, strlen(w->compiler) + 1);
         key[k] = hash(key[k], identity, sizeof identity);
         for (int j = 0; j < option_count; j++)
             key[k] = hash(key[k], options[j], strlen(options[j]) + 1);
     }
-    snprintf(path, path_max, "%.*s/%016llx%016llx", path_max - name_max, w->folder, key[0], key[1]);
-}
-
-/* Where the functions of a system are kept; false: no memory, or the text is none to compile. */
-static bool find_place(const toolchain *w, const char *flags, saltus_compile_source *make, const void *from,
-                       char path[path_max]) {
-    const saltus_compile_shape any = {.flags = flags};
-    char *source = make(from, &any);
     if (source)
-        make_path(w, &any, source, path);
+        snprintf(path, path_max, "%.*s/%016llx%016llx", path_max - name_max, w->folder, key[0], key[1]);
     free(source);
     return source != NULL;
 }

@@ -17,6 +17,7 @@ typedef struct text_model {
     saltus_model model; /* first: what the library sees */
     atomic_int owners;
     saltus_parsed_text text;
+    saltus_list owned; /* void *: what stands here and in the text */
     char *source;
     int *parameter_line;
     _Atomic(saltus_equations_graph *) graphs;
@@ -440,13 +441,18 @@ static bool fault(const saltus_system *system, const double *state, double phase
     return found;
 }
 
-/* A copy of a text in memory of its own; NULL stays NULL. */
-static char *copied(const char *text, bool *whole) {
-    char *copy = text ? malloc(strlen(text) + 1) : NULL;
-    if (copy)
-        strcpy(copy, text);
-    *whole = *whole && (!text || copy);
+/* A copy of so many bytes that lives as long as the model; NULL, with *whole false, without memory. */
+static void *copied(text_model *m, const void *bytes, size_t size, bool *whole) {
+    void *copy = saltus_text_keep(&m->owned, size, 1);
+    if (copy && size)
+        memcpy(copy, bytes, size);
+    *whole = *whole && copy;
     return copy;
+}
+
+/* The same of a text; NULL stays NULL. */
+static char *copied_text(text_model *m, const char *text, bool *whole) {
+    return text ? copied(m, text, strlen(text), whole) : NULL;
 }
 
 static saltus_status place_failure(const char *origin, const char *name, int line, const char *sentence,
@@ -481,12 +487,12 @@ static const char *parse_left(const char *name, saltus_parsed *p) {
     return number < 1 || number > 100000 ? "indices begin at 1" : NULL;
 }
 
-static saltus_status parse_equation(const char *origin, const saltus_equation *e, saltus_parsed *p,
-                                    saltus_message *message) {
+static saltus_status parse_equation(text_model *m, const char *origin, const saltus_equation *e,
+                                    saltus_parsed *p, saltus_message *message) {
     saltus_message reason = {.text = ""};
     bool whole = true;
-    p->name = copied(e->name, &whole);
-    p->text = copied(e->text, &whole);
+    p->name = copied_text(m, e->name, &whole);
+    p->text = copied_text(m, e->text, &whole);
     p->origin = origin;
     p->line = e->line;
     p->right.root = -1;
@@ -503,62 +509,34 @@ static saltus_status parse_equation(const char *origin, const saltus_equation *e
                                       : SALTUS_OK;
 }
 
-/* All equations of a list; `stride` bytes lie from one to the next. */
-static saltus_status parse_list(const char *origin, const saltus_equation *items, int count, size_t stride,
-                                saltus_parsed_list *list, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    list->items = calloc((size_t)count + 1, sizeof *list->items);
-    if (!list->items)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
-    for (; list->count < count && status == SALTUS_OK; list->count++) {
-        const char *at = (const char *)items + (size_t)list->count * stride;
-        status = parse_equation(origin, (const saltus_equation *)(const void *)at, &list->items[list->count],
-                                message);
-    }
-    return status;
-}
-
-static void clear_list(saltus_parsed_list *list) {
-    for (int k = 0; k < list->count; k++) {
-        free(list->items[k].name);
-        free(list->items[k].text);
-        saltus_expression_clear(&list->items[k].right);
-    }
-    free(list->items);
-}
-
 /* Copies of parameters and constants. */
 static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus_message *message) {
     saltus_parsed_text *to = &m->text;
     bool whole = true;
-    m->parameter_line = calloc((size_t)text->parameter_count + 1, sizeof *m->parameter_line);
-    to->parameters = calloc((size_t)text->parameter_count + 1, sizeof *to->parameters);
-    to->constants = calloc((size_t)text->constant_count + 1, sizeof *to->constants);
-    to->origin = copied(text->origin, &whole);
-    to->scene = copied(text->scene ? text->scene : text->origin, &whole);
-    to->forcing = copied(text->forcing.text, &whole);
-    m->source = copied(text->source ? text->source : "", &whole);
+    m->parameter_line = saltus_text_keep(&m->owned, (size_t)text->parameter_count, sizeof *m->parameter_line);
+    to->parameters = saltus_text_keep(&m->owned, (size_t)text->parameter_count, sizeof *to->parameters);
+    to->constants = saltus_text_keep(&m->owned, (size_t)text->constant_count, sizeof *to->constants);
+    to->origin = copied_text(m, text->origin, &whole);
+    to->scene = copied_text(m, text->scene ? text->scene : text->origin, &whole);
+    to->forcing = copied_text(m, text->forcing.text, &whole);
+    m->source = copied_text(m, text->source ? text->source : "", &whole);
     whole = whole && to->parameters && to->constants && m->parameter_line;
     for (; whole && to->parameter_count < text->parameter_count; to->parameter_count++) {
         const saltus_text_parameter *p = &text->parameters[to->parameter_count];
         m->parameter_line[to->parameter_count] = p->line;
-        char *name = copied(p->name, &whole), *meaning = copied(p->meaning ? p->meaning : "", &whole);
-        to->parameters[to->parameter_count] = (saltus_parameter){.name = name,
-                                                                 .integer = p->integer,
-                                                                 .fallback = p->fallback,
-                                                                 .min = p->min,
-                                                                 .max = p->max,
-                                                                 .meaning = meaning};
+        to->parameters[to->parameter_count] =
+            (saltus_parameter){.name = copied_text(m, p->name, &whole),
+                               .integer = p->integer,
+                               .fallback = p->fallback,
+                               .min = p->min,
+                               .max = p->max,
+                               .meaning = copied_text(m, p->meaning ? p->meaning : "", &whole)};
     }
     for (; whole && to->constant_count < text->constant_count; to->constant_count++) {
         saltus_text_constant c = text->constants[to->constant_count];
         size_t count = (size_t)(c.rows ? c.rows : 1) * (size_t)(c.columns ? c.columns : 1);
-        double *values = malloc(count * sizeof *values);
-        c.name = copied(c.name, &whole);
-        whole = whole && values;
-        if (values)
-            memcpy(values, c.values, count * sizeof *values);
-        c.values = values;
+        c.name = copied_text(m, c.name, &whole);
+        c.values = copied(m, c.values, count * sizeof *c.values, &whole);
         to->constants[to->constant_count] = c;
     }
     return whole ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
@@ -567,22 +545,9 @@ static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus
 static void free_model(text_model *m) {
     saltus_parsed_text *t = &m->text;
     for (size_t l = 0; l < sizeof t->lists / sizeof t->lists[0]; l++)
-        clear_list(&t->lists[l]);
-    for (int k = 0; k < t->parameter_count; k++) {
-        free((void *)(uintptr_t)t->parameters[k].name);
-        free((void *)(uintptr_t)t->parameters[k].meaning);
-    }
-    for (int k = 0; k < t->constant_count; k++) {
-        free((void *)(uintptr_t)t->constants[k].name);
-        free((void *)(uintptr_t)t->constants[k].values);
-    }
-    free(t->parameters);
-    free(t->constants);
-    free(t->origin);
-    free(t->scene);
-    free(t->forcing);
-    free(m->source);
-    free(m->parameter_line);
+        for (int k = 0; k < t->lists[l].count; k++)
+            saltus_expression_clear(&t->lists[l].items[k].right);
+    saltus_text_release(&m->owned);
     for (saltus_equations_graph *g = atomic_load(&m->graphs), *next; g; g = next) {
         next = g->next;
         saltus_equations_graph_free(g);
@@ -778,9 +743,17 @@ static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_m
                  {t->scene, &stops->d, text->stop_count, stops_apart, &t->clearances},
                  {t->scene, &stops->r, text->stop_count, stops_apart, &t->restitutions},
                  {t->origin, &text->zero, text->zero.text != NULL, apart, &t->zero}};
-    for (size_t k = 0; k < sizeof lists / sizeof lists[0] && status == SALTUS_OK; k++)
-        status = parse_list(lists[k].origin, lists[k].items, lists[k].count, lists[k].stride, lists[k].to,
-                            message);
+    for (size_t k = 0; k < sizeof lists / sizeof lists[0] && status == SALTUS_OK; k++) {
+        saltus_parsed_list *to = lists[k].to;
+        to->items = saltus_text_keep(&m->owned, (size_t)lists[k].count, sizeof *to->items);
+        if (!to->items)
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
+        for (; to->count < lists[k].count && status == SALTUS_OK; to->count++) {
+            const char *at = (const char *)lists[k].items + (size_t)to->count * lists[k].stride;
+            status = parse_equation(m, lists[k].origin, (const saltus_equation *)(const void *)at,
+                                    &to->items[to->count], message);
+        }
+    }
     if (status == SALTUS_OK)
         status = check_names(m, message);
     return status == SALTUS_OK ? find_forcing(m, text, message) : status;

@@ -4,6 +4,7 @@
 #ifndef SALTUS_SYSTEM_TEXT_H
 #define SALTUS_SYSTEM_TEXT_H
 
+#include "base/memory.h"
 #include "saltus/system.h"
 
 /* Names in texts are at most one byte shorter. */
@@ -59,6 +60,11 @@ typedef struct saltus_text {
     saltus_equation zero;
     saltus_equation forcing; /* its text is the parameter's name; NULL: autonomous */
 } saltus_text;
+
+/* Zeroed memory that lives as long as the list; NULL: there is none. */
+void *saltus_text_keep(saltus_list *owned, size_t count, size_t size);
+/* Free all of it; the list is empty then. */
+void saltus_text_release(saltus_list *owned);
 
 /* Make a model; all names and expressions are checked with the parameters' defaults. Errors: SALTUS_BAD_INPUT
  * with a sentence that tells the line, SALTUS_NO_MEMORY. It is to be released once. */

@@ -75,29 +75,27 @@ static bool no_memory(builder *b, const void *array) {
     return !array;
 }
 
-/* Zeroed memory that is freed with its list; NULL after a complaint. */
-static void *take(builder *b, saltus_list *list, size_t count, size_t size) {
-    void **entry = saltus_list_add(list, sizeof *entry), *array = calloc(count + 1, size);
-    if (entry)
-        *entry = array;
-    else
-        free(array);
-    return no_memory(b, entry ? array : NULL) ? NULL : array;
+void *saltus_text_keep(saltus_list *owned, size_t count, size_t size) {
+    void **entry = saltus_list_add(owned, sizeof *entry);
+    return entry ? *entry = calloc(count + 1, size) : NULL;
 }
 
+void saltus_text_release(saltus_list *owned) {
+    for (int k = 0; k < owned->count; k++)
+        free(((void **)owned->items)[k]);
+    free(owned->items);
+    *owned = (saltus_list){.items = NULL};
+}
+
+/* Memory for what is made, and for the making; NULL after a complaint. */
 static void *keep(builder *b, size_t count, size_t size) {
-    return take(b, &b->made->owned, count, size);
+    void *array = saltus_text_keep(&b->made->owned, count, size);
+    return no_memory(b, array) ? NULL : array;
 }
 
 static void *scratch(builder *b, size_t count, size_t size) {
-    return take(b, &b->scratch, count, size);
-}
-
-static void free_all(saltus_list *list) {
-    for (int k = 0; k < list->count; k++)
-        free(((void **)list->items)[k]);
-    free(list->items);
-    *list = (saltus_list){.items = NULL};
+    void *array = saltus_text_keep(&b->scratch, count, size);
+    return no_memory(b, array) ? NULL : array;
 }
 
 static bool is_named(const char *name, const char *text, int length) {
@@ -893,12 +891,12 @@ static void build(builder *b) {
         divide_by_mass(b);
     for (int s = 0; s < made->stop_count && b->status == SALTUS_OK; s++) {
         read_stop(b, s);
-        free_all(&b->scratch);
+        saltus_text_release(&b->scratch);
     }
     b->equation = NULL;
     for (int k = 0; k < made->observed_count && b->status == SALTUS_OK; k++) {
         read_observed(b, &text->observe.items[k], &made->observed[k]);
-        free_all(&b->scratch);
+        saltus_text_release(&b->scratch);
     }
     if (b->status == SALTUS_OK && text->zero.count)
         read_zero(b, &text->zero.items[0]);
@@ -932,7 +930,7 @@ saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const d
     for (int k = 0; b.known && k < text->let.count; k++)
         free(b.known[k].node);
     free(b.divisions.items);
-    free_all(&b.scratch);
+    saltus_text_release(&b.scratch);
     if (b.status != SALTUS_OK) {
         saltus_equations_graph_free(b.made);
         *made = NULL;
@@ -943,7 +941,7 @@ saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const d
 void saltus_equations_graph_free(saltus_equations_graph *g) {
     if (!g)
         return;
-    free_all(&g->owned);
+    saltus_text_release(&g->owned);
     saltus_tape_free(g->tape);
     saltus_graph_close(&g->graph);
     free(g);
@@ -967,7 +965,7 @@ saltus_status saltus_constant_value(const char *text, double *value, saltus_mess
             *value = graph.nodes[node].value;
     }
     free(b.divisions.items);
-    free_all(&b.scratch);
+    saltus_text_release(&b.scratch);
     saltus_graph_close(&graph);
     saltus_expression_clear(&equation.right);
     free(b.made);
