@@ -706,7 +706,6 @@ static saltus_status check_periodic(const text_model *m, const saltus_spec *spec
 
 /* The parameter that is the angular frequency of the forcing; -1: there is none. */
 static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus_message *message) {
-    m->model.forcing = -1;
     for (int k = 0; k < m->text.parameter_count && m->text.forcing; k++)
         if (strcmp(m->text.parameters[k].name, m->text.forcing) == 0)
             m->model.forcing = k;
@@ -765,63 +764,65 @@ static void own(const saltus_model *model, int change) {
         free_model(m);
 }
 
+/* What all models from text have in common. */
+static const saltus_model common_model = {.name = "text",
+                                          .kernel = "tape",
+                                          .summary = "equations from the scene",
+                                          .notation = {.structure = SALTUS_STRUCTURE_BODIES,
+                                                       .displacement = "x",
+                                                       .coordinate = "x",
+                                                       .part = "displacement",
+                                                       .time = "t",
+                                                       .response = 1},
+                                          .stop_key = "coordinate",
+                                          .forcing = -1,
+                                          .coordinate = coordinate,
+                                          .own = own,
+                                          .shape = shape,
+                                          .by_speed = by_speed,
+                                          .rebound = rebound,
+                                          .rebound_change = rebound_change,
+                                          .complete = complete,
+                                          .normal = normal,
+                                          .reserve = reserve,
+                                          .build = build,
+                                          .vary = vary,
+                                          .start = start,
+                                          .trace = trace,
+                                          .state_name = state_name,
+                                          .right_side = right_side,
+                                          .observable = observable,
+                                          .observe = observe,
+                                          .crossing = crossing,
+                                          .observable_row = observable_row,
+                                          .defined = defined,
+                                          .fault = fault};
+
 saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model **model,
                                     saltus_message *message) {
     text_model *m = calloc(1, sizeof *m);
+    int dof, extra;
     *model = NULL;
     if (!m)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
     atomic_init(&m->owners, 1);
     atomic_init(&m->graphs, NULL);
+    m->model = common_model;
     saltus_status status = fill_model(m, text, message);
-    m->model = (saltus_model){.name = "text",
-                              .kernel = "tape",
-                              .summary = "equations from the scene",
-                              .parameters = m->text.parameters,
-                              .parameter_count = m->text.parameter_count,
-                              .notation = {.structure = SALTUS_STRUCTURE_BODIES,
-                                           .displacement = "x",
-                                           .coordinate = "x",
-                                           .part = "displacement",
-                                           .time = "t",
-                                           .response = 1},
-                              .stop_key = "coordinate",
-                              .forcing = m->model.forcing,
-                              .text = m->source,
-                              .coordinate = coordinate,
-                              .own = own,
-                              .shape = shape,
-                              .by_speed = by_speed,
-                              .rebound = rebound,
-                              .rebound_change = rebound_change,
-                              .complete = complete,
-                              .normal = normal,
-                              .reserve = reserve,
-                              .build = build,
-                              .vary = vary,
-                              .start = start,
-                              .trace = trace,
-                              .state_name = state_name,
-                              .right_side = right_side,
-                              .observable = observable,
-                              .observe = observe,
-                              .poincare = text->poincare,
-                              .crossing = crossing,
-                              .observable_row = observable_row,
-                              .defined = defined,
-                              .fault = fault};
+    m->model.parameters = m->text.parameters;
+    m->model.parameter_count = m->text.parameter_count;
+    m->model.text = m->source;
+    m->model.poincare = text->poincare;
     if (m->text.zero.count)
         m->model.poincare.text = m->text.zero.items[0].text;
     /* Every name is looked up once, with the defaults. */
-    int dof, extra;
-    if (status == SALTUS_OK) {
-        saltus_spec spec = saltus_spec_defaults(&m->model);
+    const saltus_spec spec = saltus_spec_defaults(&m->model);
+    if (status == SALTUS_OK)
         status = shape(&spec, &dof, &extra, message);
-        if (status == SALTUS_OK)
-            status = check_used(m, message);
-        if (status == SALTUS_OK)
-            status = check_periodic(m, &spec, message);
-    }
+    if (status == SALTUS_OK)
+        status = check_used(m, message);
+    if (status == SALTUS_OK)
+        status = check_periodic(m, &spec, message);
     if (status != SALTUS_OK)
         free_model(m);
     else

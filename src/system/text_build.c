@@ -19,6 +19,11 @@ typedef struct quantity {
     int count, first; /* index of the first one */
 } quantity;
 
+typedef struct quantities {
+    quantity *items;
+    int count;
+} quantities;
+
 typedef struct division {
     int divisor, begin; /* node, and where the operator stands */
     const saltus_parsed *equation;
@@ -30,8 +35,7 @@ typedef struct builder {
     const double *parameters;
     saltus_equations_graph *made;
     saltus_graph *graph;
-    quantity *displacements, *states;
-    int displacement_count, state_count;
+    quantities displacements, states;
     struct {
         const char *name;
         int length;
@@ -142,21 +146,20 @@ static int member_of(builder *b, const saltus_expression_term *term, const quant
 }
 
 /* Also x3 for x[3]. */
-static const quantity *find_quantity(const quantity *list, int count, const char *name, int length,
-                                     int *number) {
+static const quantity *find_quantity(const quantities *list, const char *name, int length, int *number) {
     int digits = 0;
     *number = 0;
-    for (int k = 0; k < count; k++)
-        if (is_named(list[k].name, name, length))
-            return &list[k];
+    for (int k = 0; k < list->count; k++)
+        if (is_named(list->items[k].name, name, length))
+            return &list->items[k];
     while (digits < length - 1 && name[length - 1 - digits] >= '0' && name[length - 1 - digits] <= '9')
         digits++;
     if (digits == 0 || digits > 6 || name[length - digits] == '0')
         return NULL;
-    for (int k = 0; k < count; k++)
-        if (list[k].count > 0 && is_named(list[k].name, name, length - digits)) {
+    for (int k = 0; k < list->count; k++)
+        if (list->items[k].count > 0 && is_named(list->items[k].name, name, length - digits)) {
             *number = atoi(name + length - digits);
-            return *number <= list[k].count ? &list[k] : NULL;
+            return *number <= list->items[k].count ? &list->items[k] : NULL;
         }
     return NULL;
 }
@@ -273,9 +276,8 @@ static int leaf_of(builder *b, const saltus_expression_term *term, const char *n
 
 static int state_of(builder *b, const saltus_expression_term *term, const char *name) {
     for (int kind = 0; kind < 2; kind++) {
-        int number, count = kind ? b->state_count : b->displacement_count;
-        const quantity *q =
-            find_quantity(kind ? b->states : b->displacements, count, name, term->length, &number);
+        int number;
+        const quantity *q = find_quantity(kind ? &b->states : &b->displacements, name, term->length, &number);
         if (!q)
             continue;
         if (kind && term->rate)
@@ -293,7 +295,7 @@ static int state_of(builder *b, const saltus_expression_term *term, const char *
 static int refuse_name(builder *b, const saltus_expression_term *term, const char *name) {
     const saltus_parsed_text *t = b->text;
     const int room =
-        t->parameter_count + t->constant_count + t->let.count + b->displacement_count + b->state_count;
+        t->parameter_count + t->constant_count + t->let.count + b->displacements.count + b->states.count;
     const char **words = scratch(b, (size_t)room, sizeof *words);
     char word[SALTUS_NAME_MAX];
     int count = 0;
@@ -305,10 +307,10 @@ static int refuse_name(builder *b, const saltus_expression_term *term, const cha
         words[count++] = t->constants[k].name;
     for (int k = 0; k < t->let.count; k++)
         words[count++] = t->let.items[k].base;
-    for (int k = 0; k < b->displacement_count; k++)
-        words[count++] = b->displacements[k].name;
-    for (int k = 0; k < b->state_count; k++)
-        words[count++] = b->states[k].name;
+    for (int k = 0; k < b->displacements.count; k++)
+        words[count++] = b->displacements.items[k].name;
+    for (int k = 0; k < b->states.count; k++)
+        words[count++] = b->states.items[k].name;
     snprintf(word, sizeof word, "%.*s", term->length, name);
     const char *meant = saltus_nearest_word(word, words, count);
     return refuse(b, term, "%.*s: nothing has this name%s%s%s", term->length, name,
@@ -504,15 +506,15 @@ static int node_of(builder *b, int term) {
 
 /* The sizes of the families, and what is a displacement or a state, in the order of the text; how many
  * members these have together. */
-static int lay_out(builder *b, const saltus_parsed_list *list, quantity **made, int *count) {
+static int lay_out(builder *b, const saltus_parsed_list *list, quantities *made) {
     int total = 0;
-    *made = keep(b, (size_t)list->count, sizeof **made);
+    made->items = keep(b, (size_t)list->count, sizeof *made->items);
     for (int k = 0; k < list->count && b->status == SALTUS_OK; k++) {
         const saltus_parsed *e = &list->items[k];
         int j = 0;
-        while (j < *count && strcmp((*made)[j].name, e->base) != 0)
+        while (j < made->count && strcmp(made->items[j].name, e->base) != 0)
             j++;
-        if (j < *count)
+        if (j < made->count)
             continue;
         int members = 0;
         for (int f = 0; f < b->text->families.count && b->status == SALTUS_OK; f++)
@@ -528,7 +530,7 @@ static int lay_out(builder *b, const saltus_parsed_list *list, quantity **made, 
         if (b->status == SALTUS_OK && members && !e->index[0] && !e->number)
             refuse(b, NULL, "%s is a family: write %s[i], or %s[1] for one member", e->base, e->base,
                    e->base);
-        (*made)[(*count)++] = (quantity){e->base, members, total};
+        made->items[made->count++] = (quantity){e->base, members, total};
         total += members ? members : 1;
     }
     b->equation = NULL;
@@ -536,9 +538,8 @@ static int lay_out(builder *b, const saltus_parsed_list *list, quantity **made, 
 }
 
 /* Names and right sides of all members of all quantities, the first of which is the field's `first`. */
-static void read_members(builder *b, const saltus_parsed_list *equations, const quantity *list, int count,
-                         int first) {
-    for (const quantity *q = list; q < list + count; q++)
+static void read_members(builder *b, const saltus_parsed_list *equations, const quantities *list, int first) {
+    for (const quantity *q = list->items; q < list->items + list->count; q++)
         for (int j = 0; j < (q->count ? q->count : 1) && b->status == SALTUS_OK; j++) {
             const int number = q->count ? j + 1 : 0, place = first + q->first + j;
             const saltus_parsed *e = equation_for(equations, q->name, (int)strlen(q->name), number);
@@ -581,7 +582,7 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
         return;
     }
     bool found = false;
-    for (const quantity *q = b->displacements; q < b->displacements + b->displacement_count; q++)
+    for (const quantity *q = b->displacements.items; q < b->displacements.items + b->displacements.count; q++)
         for (int j = 0; j < (q->count ? q->count : 1) && b->status == SALTUS_OK; j++) {
             const int i = q->first + j;
             const bool same = strcmp(q->name, e->base) == 0, family = e->index[0] && same;
@@ -856,8 +857,8 @@ static void open_graph(builder *b) {
     if (b->status != SALTUS_OK || no_memory(b, saltus_graph_open(b->graph) ? b : NULL))
         return;
     memcpy(made->parameters, b->parameters, parameters * sizeof *made->parameters);
-    made->dof = lay_out(b, &text->motion, &b->displacements, &b->displacement_count);
-    made->extra = lay_out(b, &text->states, &b->states, &b->state_count);
+    made->dof = lay_out(b, &text->motion, &b->displacements);
+    made->extra = lay_out(b, &text->states, &b->states);
     const int n = made->dof, dimension = 2 * n + made->extra;
     if (b->status == SALTUS_OK && (n > SALTUS_MODES_MAX || dimension > SALTUS_STATE_MAX))
         refuse(
@@ -885,8 +886,8 @@ static void build(builder *b) {
     if (b->status != SALTUS_OK)
         return;
     const int n = made->dof, all = n + made->extra;
-    read_members(b, &text->motion, b->displacements, b->displacement_count, 0);
-    read_members(b, &text->states, b->states, b->state_count, n);
+    read_members(b, &text->motion, &b->displacements, 0);
+    read_members(b, &text->states, &b->states, n);
     if (b->status == SALTUS_OK)
         divide_by_mass(b);
     for (int s = 0; s < made->stop_count && b->status == SALTUS_OK; s++) {
