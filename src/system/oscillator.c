@@ -81,18 +81,22 @@ static double decay_bound(const saltus_system *system) {
     return system->extra ? fmax(decay, system->coefficients.scalar[oscillator_rate_z]) : decay;
 }
 
-/* A length that the motion is likely to have: the smallest clearance, else the forced response. */
+/* A length that the motion is likely to have: the smallest clearance, else the forced response. Between two
+ * sides a clearance is one however small it is. */
 static double typical_length(const saltus_system *system) {
     const double *p = system->spec.parameters;
     double length = 0;
+    bool between = false;
     for (int s = 0; s < system->spec.stop_count; s++) {
+        between |= system->spec.stops[s].sides == SALTUS_BOTH;
         double d = fabs(system->spec.stops[s].d);
         if (d > 0 && (length == 0 || d < length))
             length = d;
     }
-    double force = fabs(p[p_F]) + fabs(p[p_F0]);
-    if (length == 0)
-        length = force / (p[p_k] + p[p_m] * gsl_pow_2(p[p_omega]));
+    const double force = fabs(p[p_F]) + fabs(p[p_F0]),
+                 response = force / (p[p_k] + p[p_m] * gsl_pow_2(p[p_omega]));
+    if (length == 0 || (!between && isfinite(response) && length < SALTUS_NO_CLEARANCE * response))
+        length = response;
     return length > 0 ? length : 1;
 }
 

@@ -29,6 +29,9 @@ typedef struct saltus_coefficients {
     unsigned terms; /* which terms the scene has (saltus_term) */
 } saltus_coefficients;
 
+/* A clearance that is so small a part of what else is known of a motion's size tells nothing of that. */
+#define SALTUS_NO_CLEARANCE 1e-4
+
 enum saltus_term {
     SALTUS_TERM_FORCED = 1,
     SALTUS_TERM_CUBIC = 2,

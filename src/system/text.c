@@ -118,9 +118,13 @@ static double typical_length(const saltus_system *system, const saltus_equations
         if (d > 0 && (length == 0 || d < length))
             length = d;
     }
-    for (int i = 0; i < system->dof && length == 0; i++)
+    /* A clearance that the motion begins far away from is none of its lengths. */
+    double begin = 0;
+    for (int i = 0; i < system->dof && begin == 0; i++)
         if (g->state[i].initial >= 0)
-            length = fabs(system->numbers[g->state[i].initial]);
+            begin = fabs(system->numbers[g->state[i].initial]);
+    if (length < SALTUS_NO_CLEARANCE * begin)
+        length = begin;
     return length > 0 && isfinite(length) ? length : 1;
 }
 
