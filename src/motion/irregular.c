@@ -16,6 +16,7 @@
 #include "motion/evidence.h"
 #include "motion/motion.h"
 #include "saltus/series.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -153,13 +154,13 @@ static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome
     return status;
 }
 
-/* Whether a stable orbit lies amid the motion; looked for once. */
+/* Whether a stable orbit lies amid the motion; looked for once, where there can be one. */
 static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     const saltus_ensemble *e = &j->ensemble;
     saltus_track tracks[trajectories];
     saltus_motion orbit = {0};
     bool found = false;
-    if (j->searched)
+    if (j->searched || saltus_system_keeps_volume(j->system))
         return SALTUS_OK;
     j->searched = true;
     for (int m = 0; m < trajectories; m++)

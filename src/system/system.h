@@ -32,6 +32,9 @@ typedef struct saltus_coefficients {
 /* A clearance that is so small a part of what else is known of a motion's size tells nothing of that. */
 #define SALTUS_NO_CLEARANCE 1e-4
 
+/* Whether the flow keeps volumes, as saltus_system_conservative of a scene with forcing, too. */
+bool saltus_system_keeps_volume(const saltus_system *system);
+
 enum saltus_term {
     SALTUS_TERM_FORCED = 1,
     SALTUS_TERM_CUBIC = 2,
