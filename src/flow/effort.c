@@ -21,7 +21,8 @@ saltus_status saltus_effort_check(const saltus_effort *effort, const saltus_syst
         return SALTUS_OK;
     return saltus_fail(message, SALTUS_STALLED,
                        "given up: %.0e steps more than the %d that a period, T = %.6g, may take: %s",
-                       effort->spent, SALTUS_EFFORT_USUAL, effort->period,
+                       effort->spent, SALTUS_EFFORT_USUAL,
+                       saltus_effort_period(effort, saltus_system_period(system)),
                        saltus_effort_cause(system, cause));
 }
 

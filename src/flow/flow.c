@@ -150,7 +150,8 @@ static void give_up(saltus_flow *flow, int lane) {
  * in that. */
 static double steps_most(const saltus_flow *flow, const saltus_lane *self) {
     const saltus_effort *effort = flow->options.effort;
-    return flow->period_steps_max * (effort ? fmax(1, self->system->period / effort->period) : 1);
+    const double own = self->system->period;
+    return flow->period_steps_max * (effort ? fmax(1, own / saltus_effort_period(effort, own)) : 1);
 }
 
 /* The state of a lane at a time within its step, from the step's series; at its begin also where these have
@@ -385,7 +386,10 @@ static void pass_time(saltus_flow *flow, int lane, bool contact_event) {
         self->now = saltus_time_after(self->now, flow->work.lane->passing[lane]);
     self->info.steps++;
     if (flow->options.effort)
-        saltus_effort_add(flow->options.effort, self->step.length, flow->options.columns, flow->collocated);
+        saltus_effort_add(flow->options.effort,
+                          self->step.length /
+                              saltus_effort_period(flow->options.effort, self->system->period),
+                          flow->options.columns, flow->collocated);
     flow->mixture.layers -= self->step.length;
     self->flight = self->flight > self->step.length ? self->flight - self->step.length : INFINITY;
     if (!flow->collocated)
