@@ -8,6 +8,7 @@
 #include "branch/options.h"
 #include "branch/rest_locus.h"
 #include "branch/trace.h"
+#include "flow/effort.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -22,6 +23,7 @@ typedef enum run_phase {
 
 struct saltus_branch {
     saltus_branch_options options;
+    saltus_effort effort;              /* of the points of a run whose options have none */
     const volatile sig_atomic_t *stop; /* asked for between steps, never within one */
     run_phase phase;
     saltus_trail trail;
@@ -63,6 +65,8 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
     if (!b)
         return saltus_branch_no_memory(message);
     b->options = *options;
+    if (!b->options.orbit.flow.effort)
+        b->options.orbit.flow.effort = &b->effort;
     b->stop = options->orbit.flow.stop;
     b->phase = RUN_ORBITS;
     b->trail.options = &b->options;
@@ -151,6 +155,7 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
         bool more, seeks = o->locus && b->phase <= RUN_ORBITS;
         if (saltus_stop_asked(b->stop))
             return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
+        saltus_effort_next_point(&b->effort);
         saltus_status status = advance(b, &more, message);
         /* While the first point of a locus is sought, the points on the way are not wanted. */
         if (seeks)
