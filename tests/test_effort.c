@@ -4,6 +4,7 @@
 #include "command.h"
 
 #include "flow/effort.h"
+#include "system/system.h"
 
 static saltus_scene built_in(const char *name) {
     saltus_scene scene;
@@ -115,13 +116,92 @@ static void a_used_up_effort_ends_all_flows(void **state) {
     check_near(effort.spent, 1, 0);
     saltus_effort_add(&effort, 0, 3, false);
     check_near(effort.spent, 5, 0);
-    saltus_effort_add(&effort, 2.0 / SALTUS_EFFORT_USUAL, 7, false);
+    saltus_effort_add(&effort, 1.0 / SALTUS_EFFORT_USUAL, 7, false);
     check_near(effort.spent, 5, 1e-12);
     saltus_effort_add(&effort, 0, 0, true);
     check_near(effort.spent, 8, 1e-12);
-    saltus_effort_add(&effort, 2, 0, false);
+    saltus_effort_add(&effort, 1.0 / SALTUS_EFFORT_USUAL_STIFF, 7, true);
+    check_near(effort.spent, 8, 1e-12);
+    saltus_effort_add(&effort, 1, 0, false);
     check_near(effort.spent, 0, 0);
+    /* A point of a branch takes off what it may take. */
+    effort.spent = 1.5 * SALTUS_EFFORT_AT_POINT;
+    saltus_effort_next_point(&effort);
+    check_near(effort.spent, 0.5 * SALTUS_EFFORT_AT_POINT, 0);
+    saltus_effort_next_point(&effort);
+    check_near(effort.spent, 0, 0);
+    /* Where nobody says by what time steps are counted it is that of each system. */
+    check_near(saltus_effort_period(&effort, 3), 2, 0);
+    effort.period = 0;
+    check_near(saltus_effort_period(&effort, 3), 3, 0);
     saltus_system_free(system);
+}
+
+/* Many steps a period, if far fewer than where a period cannot be followed at all, are named, too. */
+static void stiff_elements_are_named(void **state) {
+    (void)state;
+    skip_where_slow();
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_message message = {.text = ""};
+    saltus_scene scene = built_in("two-mass");
+    double spent;
+    check_ok(saltus_scene_set(&scene, "kz=1e6", &message), &message);
+    assert_int_equal(classify(&scene, &how, &spent, &message), SALTUS_STALLED);
+    assert_non_null(strstr(message.text, "kz = 1e+06 is too great"));
+    assert_true(spent <= SALTUS_EFFORT_MOST + 100);
+    saltus_scene_clear(&scene);
+}
+
+/* A clearance far below what else is known of a motion's size is no measure of it: the motion is the one with
+ * no clearance, and is found as soon. */
+static void tiny_clearances_are_no_scale(void **state) {
+    static const char *const cases[][2] = {{"relief-valve", "1e-300"},    {"relief-valve", "1e-6"},
+                                           {"relief-valve", "0"},         {"impact-oscillator", "1e-300"},
+                                           {"impact-oscillator", "1e-9"}, {"impact-oscillator", "0"}};
+    fixture *f = *state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char line[80];
+        snprintf(line, sizeof line, "classify %s --set d=%s", cases[k][0], cases[k][1]);
+        char *out = told(f, line);
+        if (!strstr(out, k < 3 ? "relief-valve: 1/1, stable" : "impact-oscillator: 2/1, stable"))
+            fail_msg("%s: %s", line, out);
+        free(out);
+    }
+}
+
+/* Where the flow keeps volumes no orbit attracts; one is sought amid chaos only where one can be. */
+static void volumes_are_kept_or_not(void **state) {
+    static const struct {
+        const char *name, *settings[2];
+        bool kept;
+    } cases[] = {{"pipe", {"alpha=0", "sides=none"}, true},   {"pipe", {"alpha=0", "r=1"}, true},
+                 {"pipe", {"alpha=0", "r=0.9"}, false},       {"pipe", {"alpha=1e-6", "r=1"}, false},
+                 {"impact-oscillator", {"c=0", "r=1"}, true}, {"duffing", {"c=0", "r=0.8"}, false}};
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_message message = {.text = ""};
+        saltus_scene scene = built_in(cases[k].name);
+        saltus_system *system = NULL;
+        for (int i = 0; i < 2; i++)
+            check_ok(saltus_scene_set(&scene, cases[k].settings[i], &message), &message);
+        check_ok(saltus_system_new(&scene.spec, &system, &message), &message);
+        if (saltus_system_keeps_volume(system) != cases[k].kept)
+            fail_msg("%s, %s, %s", cases[k].name, cases[k].settings[0], cases[k].settings[1]);
+        saltus_system_free(system);
+        saltus_scene_clear(&scene);
+    }
+}
+
+/* A branch into forcing that is too slow ends there with the sentence that names it; its points are kept. */
+static void branches_end_where_they_take_too_much(void **state) {
+    fixture *f = *state;
+    skip_where_slow();
+    char *out = told(f, "continue impact-oscillator --in omega=1e-9:1 -o branch.h5 --force");
+    const char *flip = strstr(out, "PD"), *end = strstr(out, "given up: ");
+    assert_non_null(flip);
+    if (!end || end < flip || !strstr(end, "omega = ") || !strstr(end, " is too small"))
+        fail_msg("%s", out);
+    free(out);
 }
 
 /* Sweeps and basins of which no trajectory could be followed end as classification does; one that could is
@@ -149,8 +229,14 @@ static void sweeps_say_why_all_have_failed(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(healthy_scenes_spend_next_to_nothing), cmocka_unit_test(slow_cycles_are_found),
-        cmocka_unit_test(slow_forcing_is_named), cmocka_unit_test(a_used_up_effort_ends_all_flows),
+        cmocka_unit_test(healthy_scenes_spend_next_to_nothing),
+        cmocka_unit_test(slow_cycles_are_found),
+        cmocka_unit_test(slow_forcing_is_named),
+        cmocka_unit_test(stiff_elements_are_named),
+        cmocka_unit_test(volumes_are_kept_or_not),
+        cmocka_unit_test_setup_teardown(tiny_clearances_are_no_scale, open_fixture, close_fixture),
+        cmocka_unit_test_setup_teardown(branches_end_where_they_take_too_much, open_fixture, close_fixture),
+        cmocka_unit_test(a_used_up_effort_ends_all_flows),
         cmocka_unit_test_setup_teardown(sweeps_say_why_all_have_failed, open_fixture, close_fixture)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
