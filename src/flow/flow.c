@@ -71,6 +71,8 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
     const saltus_time now = saltus_time_after(time, 0);
     *self = (saltus_lane){.system = self->system,
                           .degree = self->degree,
+                          .first = self->first,
+                          .later = self->later,
                           .brief = self->brief,
                           .flight = INFINITY,
                           .now = now,

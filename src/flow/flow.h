@@ -65,11 +65,19 @@ typedef struct saltus_first_event {
     int face;
 } saltus_first_event;
 
+/* A degree of series, and the longest step that is stable with it. */
+typedef struct saltus_pace {
+    int degree;
+    double limit;
+} saltus_pace;
+
 /* One trajectory: its place in time, its contacts, and what it has to report. */
 typedef struct saltus_lane {
     const saltus_system *system;
-    int degree;   /* of its series where nothing ends its steps before */
-    double brief; /* what takes no longer is reached with fewer orders than these */
+    int degree;               /* of its series where nothing ends its steps before */
+    saltus_pace first, later; /* where tangent vectors hold transients at first, and once these have gone */
+    bool settled;             /* they have */
+    double brief;             /* what takes no longer is reached with fewer orders than these */
     saltus_time now;
     saltus_target target;
     saltus_step step;
@@ -138,6 +146,14 @@ static inline double saltus_time_between(saltus_time a, saltus_time b) {
 void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const double *state);
 /* While a contact holds, rounding must not lift the state off the stop; tangent vectors neither. */
 void saltus_flow_keep_contacts(saltus_flow *flow, int lane);
+
+/* prescribed.c */
+/* What is done after a step that another one follows. */
+typedef saltus_status saltus_step_function(void *context, saltus_message *message);
+/* saltus_flow_coast, of which every step is told (`after` may be NULL). Errors: those of `after`, too. */
+saltus_status saltus_flow_coast_by_steps(saltus_flow *flow, int lane, saltus_time until,
+                                         saltus_extreme *extremes, saltus_step_function *after, void *context,
+                                         saltus_message *message);
 
 /* flight.c */
 /* Expand the series of all lanes to the degrees that their steps need, and measure how far they reach. */

@@ -156,15 +156,21 @@ static void load_lane(saltus_flow *flow, int lane) {
     const bool collocated = o->integrator == SALTUS_RADAU;
     const saltus_system *system = flow->lane[lane].system,
                         known = collocated ? *system : saltus_spectrum_of(system, &room);
-    const int degree = collocated                     ? SALTUS_RADAU_DEGREE
-                       : o->order || flow->transients ? usual_order(o)
-                                                      : degree_for(&known, o->rtol);
+    saltus_lane *self = &flow->lane[lane];
+    const int steady = collocated ? SALTUS_RADAU_DEGREE
+                       : o->order ? o->order
+                                  : degree_for(&known, o->rtol),
+              degree = flow->transients && !collocated ? usual_order(o) : steady;
     if (flow->radau && !collocated)
         flow->mixture.worth = collocation_cost * saltus_system_step_limit(&known, degree);
-    flow->lane[lane].degree = degree;
+    self->degree = degree;
     /* An order that is asked for is that of every step. */
-    flow->lane[lane].brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
+    self->brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
     load_system(&flow->work, flow->kernel, lane, &known, degree);
+    self->first = (saltus_pace){degree, flow->work.lane->limit[lane]};
+    self->later =
+        steady == degree ? self->first : (saltus_pace){steady, saltus_system_step_limit(&known, steady)};
+    self->settled = false;
     load_system(&flow->probe[lane], flow->narrow, 0, &known, SALTUS_ORDER_MIN);
 }
 
