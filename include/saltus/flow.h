@@ -133,9 +133,9 @@ void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *direc
 /* A run through a period that would take more steps of the integrator than this, as the first of them show,
  * ends with SALTUS_STALLED; 0: the usual 1e8, with an effort 8e4. */
 void saltus_flow_limit_steps(saltus_flow *flow, double per_period);
-/* Tangent vectors that are set anew at short intervals never leave the transients of the fastest modes, where
- * accuracy bounds the steps and stability does not: series of the order that suits the tolerance are faster
- * then. For one that was chosen (`order` = 0); lasts as long as the flow. */
+/* Tangent vectors that are set anew hold transients of the fastest modes at first, where accuracy bounds the
+ * steps and stability does not: series of the order that suits the tolerance are faster then, until these
+ * have died away. For one that was chosen (`order` = 0); lasts as long as the flow. */
 void saltus_flow_expect_transients(saltus_flow *flow);
 /* Give a lane another system of the same model and shape (the same stops, other values). The lane must be
  * started or placed again. */

@@ -91,10 +91,58 @@ static bool raise_degrees(saltus_flow *flow, const double *ahead) {
     return missed;
 }
 
+/* The degree that a lane's next step has. Tangent vectors that have just been set, or an impact has changed,
+ * hold motions that die away soon, for which a high degree reaches farthest. Once stability bounds the steps
+ * of a lower one, too, more orders are of no use. */
+static void choose_pace(saltus_flow *flow) {
+    for (int l = 0; l < flow->lanes; l++) {
+        saltus_lane *self = &flow->lane[l];
+        const saltus_pace pace = self->settled ? self->later : self->first;
+        flow->shortened |= pace.degree != self->degree;
+        self->degree = pace.degree;
+        flow->work.lane->limit[l] = pace.limit;
+    }
+}
+
+/* Whether transients have gone: by how far the step just expanded reaches, or would with the lower degree. */
+static void judge_pace(saltus_flow *flow) {
+    const double settled = 0.8, unsettled = 0.6; /* of the longest stable step */
+    saltus_work *w = &flow->work;
+    double step[SALTUS_LANES_MAX], degree[SALTUS_LANES_MAX];
+    unsigned asked = 0;
+    for (int l = 0; l < flow->lanes; l++) {
+        saltus_lane *self = &flow->lane[l];
+        step[l] = w->lane->step[l];
+        degree[l] = w->lane->degree[l];
+        if (degree[l] < self->degree || self->first.degree == self->later.degree)
+            continue;
+        if (!self->settled) {
+            asked |= 1u << l;
+            w->lane->degree[l] = self->later.degree;
+        } else {
+            self->settled = step[l] > unsettled * self->later.limit;
+        }
+    }
+    if (!asked)
+        return;
+    saltus_work_settle_degrees(w);
+    flow->kernel->measure(w);
+    for (int l = 0; l < flow->lanes; l++) {
+        saltus_lane *self = &flow->lane[l];
+        if (asked >> l & 1)
+            self->settled = w->lane->step[l] > settled * self->later.limit;
+        w->lane->step[l] = step[l];
+        w->lane->degree[l] = degree[l];
+    }
+    saltus_work_settle_degrees(w);
+}
+
 void saltus_flow_expand(saltus_flow *flow) {
     saltus_work *w = &flow->work;
     double ahead[SALTUS_LANES_MAX];
     unsigned hasty = 0;
+    if (flow->transients)
+        choose_pace(flow);
     if (flow->shortened)
         set_full_degrees(flow);
     for (int l = 0; l < flow->lanes; l++) {
@@ -113,6 +161,8 @@ void saltus_flow_expand(saltus_flow *flow) {
         expand(flow, hasty ? first_orders : 0, some);
         flow->kernel->measure(w);
     }
+    if (flow->transients)
+        judge_pace(flow);
     if (!flow->shortened)
         return;
     if (raise_degrees(flow, ahead)) {

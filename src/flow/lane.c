@@ -53,9 +53,14 @@ void saltus_flow_tangents(const saltus_flow *flow, int lane, double *tangents) {
         saltus_lane_gather(flow, lane, c + 1, tangents + c * flow->dimension);
 }
 
-void saltus_flow_set_tangents(saltus_flow *flow, int lane, const double *tangents) {
+static void scatter_tangents(saltus_flow *flow, int lane, const double *tangents) {
     for (int c = 0; c < flow->options.columns; c++)
         saltus_lane_scatter(flow, lane, c + 1, tangents + c * flow->dimension);
+}
+
+void saltus_flow_set_tangents(saltus_flow *flow, int lane, const double *tangents) {
+    flow->lane[lane].settled = false;
+    scatter_tangents(flow, lane, tangents);
 }
 
 void saltus_lane_gather_all(saltus_flow *flow, int lane) {
@@ -65,7 +70,7 @@ void saltus_lane_gather_all(saltus_flow *flow, int lane) {
 
 void saltus_lane_scatter_all(saltus_flow *flow, int lane) {
     saltus_lane_scatter(flow, lane, 0, flow->state);
-    saltus_flow_set_tangents(flow, lane, flow->tangents);
+    scatter_tangents(flow, lane, flow->tangents);
 }
 
 void saltus_flow_delays(const saltus_flow *flow, int lane, double *delays) {
