@@ -21,7 +21,7 @@ struct made {
     made_function *function;
     double a, b;                     /* what the function makes of them */
     double mix[64];                  /* count x count, of helices */
-    int evaluations;                 /* since the last made_count */
+    int evaluations, measurements;   /* since the last made_count, with and without the Jacobian */
     double first[made_unknowns_max]; /* where the first of them was */
     int failing;                     /* the number of the evaluation that fails with `failure`; 0: none */
     saltus_status failure;
@@ -40,9 +40,20 @@ static inline saltus_status made_evaluate(void *self, const double *u, saltus_me
     return SALTUS_OK;
 }
 
+/* The residuals alone. */
+static inline saltus_status made_measure(void *self, const double *u, saltus_message *message) {
+    made *m = self;
+    double unused[made_unknowns_max * made_unknowns_max];
+    m->measurements++;
+    if (u[0] > m->border)
+        return saltus_fail(message, SALTUS_STALLED, "%g is beyond the border", u[0]);
+    m->function(m, u, m->e.residual, unused);
+    return SALTUS_OK;
+}
+
 /* Begin to count evaluations; let one of them fail. */
 static inline void made_count(made *m, int failing, saltus_status failure) {
-    m->evaluations = 0;
+    m->evaluations = m->measurements = 0;
     m->failing = failing;
     m->failure = failure;
 }

@@ -83,6 +83,68 @@ static void hyperplanes_are_kept_to(void **state) {
         }
 }
 
+/* From a point of the curve to one near it the residuals alone lead, the Jacobian being found once at the
+ * end; to one far away they do not, and all is as it is without them. */
+static void residuals_alone_lead_near(void **state) {
+    (void)state;
+    unsigned long long seed = 7;
+    for (int unknowns = 3; unknowns <= made_unknowns_max; unknowns += 2)
+        for (int far = 0; far < 2; far++) {
+            made m;
+            saltus_message message = {.text = ""};
+            double from[made_unknowns_max], normal[made_unknowns_max], anchor[made_unknowns_max],
+                u[2][made_unknowns_max], on[made_unknowns_max], unused[made_unknowns_max];
+            int iterations[2];
+            made_open_helix(&m, unknowns, &seed);
+            made_helix_at(unknowns, 0.3, from, normal);
+            for (int k = 0; k < 2; k++) {
+                m.e.measure = made_measure;
+                m.e.hasty = k;
+                check_ok(saltus_equations_evaluate(&m.e, from, &message), &message);
+                for (int j = 0; j < unknowns; j++)
+                    u[k][j] = anchor[j] = from[j] + (far ? 0.8 : 1e-3) * normal[j];
+                made_count(&m, 0, SALTUS_OK);
+                check_ok(saltus_newton(&m.e, u[k], normal, anchor, false, &iterations[k], &message),
+                         &message);
+                if (k && !far) {
+                    assert_int_equal(m.evaluations, 1);
+                    assert_in_range(m.measurements, 2, 8);
+                    assert_true(m.e.size <= 0.1 * m.e.tolerance);
+                }
+                made_helix_at(unknowns, u[k][unknowns - 1], on, unused);
+                check_near(made_apart(u[k], on, unknowns), 0, 1e-14);
+                assert_true(made_apart(m.e.place, u[k], unknowns) < 1e-8);
+            }
+            check_near(made_apart(u[0], u[1], unknowns), 0, 1e-14);
+            assert_int_equal(iterations[0], iterations[1]);
+            made_close(&m);
+        }
+}
+
+/* Without a Jacobian known, or where the residuals cannot be had, each step has one of its own. */
+static void residuals_that_do_not_help(void **state) {
+    (void)state;
+    made m;
+    saltus_message message = {.text = ""};
+    int iterations;
+    double u[2] = {1, 0}, normal[2] = {0, 1}, anchor[2];
+    made_open(&m, 2, made_ellipse, 1, 1);
+    m.e.measure = made_measure;
+    m.e.hasty = true;
+    anchor[0] = 1;
+    anchor[1] = 0.01;
+    memcpy(u, anchor, sizeof u);
+    check_ok(saltus_newton(&m.e, u, normal, anchor, false, &iterations, &message), &message);
+    assert_int_equal(m.measurements, 0);
+    m.border = 0.9999;
+    memcpy(u, anchor, sizeof u);
+    made_count(&m, 0, SALTUS_OK);
+    assert_int_equal(saltus_newton(&m.e, u, normal, anchor, false, &iterations, &message), SALTUS_STALLED);
+    assert_int_equal(m.measurements, 1);
+    assert_true(u[0] == 1);
+    made_close(&m);
+}
+
 /* atan (x - y) = 0: far away full steps lead ever further, shortened ones do not. */
 static void arc(const made *m, const double *u, double *residual, double *jacobian) {
     (void)m;
@@ -339,6 +401,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solutions_are_found),
         cmocka_unit_test(hyperplanes_are_kept_to),
+        cmocka_unit_test(residuals_alone_lead_near),
+        cmocka_unit_test(residuals_that_do_not_help),
         cmocka_unit_test(damping_reaches_further),
         cmocka_unit_test(convergence_is_quadratic),
         cmocka_unit_test(failures_are_told_apart),

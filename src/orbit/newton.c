@@ -16,20 +16,32 @@ void saltus_equations_reserve(saltus_equations *e, int unknowns, saltus_arena *a
     e->count = unknowns - 1;
     e->residual = saltus_arena_doubles(arena, m - 1);
     e->jacobian = saltus_arena_doubles(arena, (m - 1) * m);
+    e->place = saltus_arena_doubles(arena, m);
+    e->known = false;
     e->matrix = saltus_arena_doubles(arena, m * m);
     e->step = saltus_arena_doubles(arena, m);
     e->trial = saltus_arena_doubles(arena, m);
     e->kept = saltus_arena_doubles(arena, m);
 }
 
-saltus_status saltus_equations_evaluate(saltus_equations *e, const double *u, saltus_message *message) {
+/* Residuals at u, by one of the two functions, and how large they are. */
+static saltus_status find_residual(saltus_equations *e,
+                                   saltus_status (*function)(void *, const double *, saltus_message *),
+                                   const double *u, saltus_message *message) {
     e->size = INFINITY;
-    saltus_status status = e->evaluate(e->self, u, message);
+    saltus_status status = function(e->self, u, message);
     if (status != SALTUS_OK)
         return status;
     e->size = 0;
     for (int i = 0; i < e->count; i++)
         e->size = fmax(e->size, fabs(e->residual[i]));
+    return status;
+}
+
+saltus_status saltus_equations_evaluate(saltus_equations *e, const double *u, saltus_message *message) {
+    saltus_status status = find_residual(e, e->evaluate, u, message);
+    memcpy(e->place, u, (size_t)e->unknowns * sizeof *u);
+    e->known = status == SALTUS_OK;
     return status;
 }
 
@@ -81,11 +93,9 @@ static saltus_status judge(const saltus_equations *e, saltus_status status, salt
     return status;
 }
 
-/* Newton's step from the point last evaluated. */
-static bool find_step(saltus_equations *e, const double *u, const double *normal, const double *anchor) {
+/* The step from the residual at u by the matrix last factored. */
+static void solve_step(saltus_equations *e, const double *u, const double *normal, const double *anchor) {
     double aside = 0;
-    if (!factor_bordered(e, normal))
-        return false;
     for (int i = 0; i < e->count; i++)
         e->step[i] = -e->residual[i];
     for (int j = 0; j < e->unknowns && normal; j++)
@@ -94,6 +104,97 @@ static bool find_step(saltus_equations *e, const double *u, const double *normal
     saltus_dense_resolve(&e->lu, false, 1, e->step);
     if (!normal) /* solving leaves a rounding, and a parameter of 0 shows it */
         e->step[e->count] = 0;
+}
+
+/* Newton's step from the point last evaluated. */
+static bool find_step(saltus_equations *e, const double *u, const double *normal, const double *anchor) {
+    if (!factor_bordered(e, normal))
+        return false;
+    solve_step(e, u, normal, anchor);
+    return true;
+}
+
+/* Whether one step more, whose end need not be evaluated, will end in rounding: the fall of the residual in
+ * the last step is squared in the next. */
+static bool last_ends_in_rounding(const saltus_equations *e, double size, double fall) {
+    return size <= e->tolerance && size * fall * fall < rounding;
+}
+
+static bool is_small(const saltus_equations *e, double size, double fall) {
+    return size <= 1e-3 * e->tolerance || (size <= e->tolerance && fall > 0.1);
+}
+
+static void take(const saltus_equations *e, double *u) {
+    for (int j = 0; j < e->unknowns; j++)
+        u[j] += e->step[j];
+}
+
+/* As many steps as Newton's method takes from a residual whose fall in the first step is that. */
+static int count_steps(const saltus_equations *e, double size, double fall) {
+    int steps = 1;
+    for (size *= fall; steps < e->iterations; steps++, size *= fall) {
+        if (last_ends_in_rounding(e, size, fall) || is_small(e, size, fall))
+            break;
+        fall *= fall;
+    }
+    return steps;
+}
+
+/* What led well within the tolerance by residuals alone. */
+typedef struct approached {
+    bool near;
+    int iterations; /* of Newton's method instead, by how the residual fell at first */
+    double fall;    /* of the residual in the last step, in relation to how far away the Jacobian was known */
+} approached;
+
+/* From u with the Jacobian of the last point, which is not far away. Where the residuals fall too slowly for
+ * that to be worth while u stays as it was. Errors: those that no other way could mend. */
+static saltus_status approach(saltus_equations *e, double *u, const double *normal, const double *anchor,
+                              approached *found, saltus_message *message) {
+    enum { evaluations_max = 8 };
+    const double within = 0.1 * e->tolerance;
+    double before = INFINITY, apart = 0, length = 0, ratio = 1;
+    *found = (approached){.near = false};
+    if (!(e->hasty && e->measure && e->known && normal) || !factor_bordered(e, normal))
+        return SALTUS_OK;
+    memcpy(e->trial, u, (size_t)e->unknowns * sizeof *u);
+    for (int j = 0; j < e->unknowns; j++)
+        apart = hypot(apart, u[j] - e->place[j]);
+    for (int k = 0; k < evaluations_max && !found->near; k++) {
+        const saltus_status tried = find_residual(e, e->measure, e->trial, message);
+        if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
+            return tried;
+        const double left = evaluations_max - 1 - k;
+        ratio = k ? e->size / before : 1;
+        found->near = tried == SALTUS_OK && (e->size <= within || (e->size <= e->tolerance && ratio > 0.1));
+        if (k < 2)
+            found->iterations = count_steps(e, k ? before : e->size, k ? ratio * fmin(1, length / apart) : 0);
+        if (found->near || tried != SALTUS_OK || (k > 0 && !(e->size * pow(ratio, left) <= within)))
+            break;
+        before = e->size;
+        solve_step(e, e->trial, normal, anchor);
+        take(e, e->trial);
+        for (int j = 0; j < e->unknowns && k == 0; j++)
+            length = hypot(length, e->step[j]);
+    }
+    found->fall = ratio / apart;
+    if (found->near)
+        memcpy(u, e->trial, (size_t)e->unknowns * sizeof *u);
+    return SALTUS_OK;
+}
+
+/* Whether Newton's step from the point just evaluated, to which residuals alone have led, ends in rounding:
+ * it is taken then. */
+static bool finish(saltus_equations *e, double *u, const double *normal, const double *anchor,
+                   const approached *found) {
+    double length = 0;
+    if (!(e->size <= e->tolerance) || !find_step(e, u, normal, anchor))
+        return false;
+    for (int j = 0; j < e->unknowns; j++)
+        length = hypot(length, e->step[j]);
+    if (!(e->size * found->fall * length < rounding))
+        return false;
+    take(e, u);
     return true;
 }
 
@@ -102,10 +203,17 @@ static bool find_step(saltus_equations *e, const double *u, const double *normal
  * end in rounding is the last, and its end is not evaluated. */
 saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal, const double *anchor,
                             bool damped, int *iterations, saltus_message *message) {
-    saltus_status status = saltus_equations_evaluate(e, u, message);
-    double best = e->size;
+    approached found;
     *iterations = 0;
+    saltus_status status = approach(e, u, normal, anchor, &found, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(e, u, message);
+    double best = e->size;
     report(e, 0);
+    if (status == SALTUS_OK && found.near && finish(e, u, normal, anchor, &found)) {
+        *iterations = found.iterations;
+        return status;
+    }
     while (status == SALTUS_OK && *iterations < e->iterations) {
         bool taken;
         if (!find_step(e, u, normal, anchor))
@@ -124,13 +232,11 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
             break;
         double fall = e->size / best;
         best = e->size;
-        if (normal && best <= e->tolerance && best * fall * fall < rounding &&
-            find_step(e, u, normal, anchor)) {
-            for (int j = 0; j < e->unknowns; j++)
-                u[j] += e->step[j];
+        if (normal && last_ends_in_rounding(e, best, fall) && find_step(e, u, normal, anchor)) {
+            take(e, u);
             break;
         }
-        if (best <= 1e-3 * e->tolerance || (best <= e->tolerance && fall > 0.1))
+        if (is_small(e, best, fall))
             break;
     }
     return judge(e, status, message);

@@ -11,12 +11,17 @@ typedef struct saltus_equations {
     void *self; /* what `evaluate` is given */
     /* Residuals and Jacobian at u go to the members below. */
     saltus_status (*evaluate)(void *self, const double *u, saltus_message *message);
+    /* Residuals alone, where they are far cheaper than with the Jacobian, otherwise NULL. */
+    saltus_status (*measure)(void *self, const double *u, saltus_message *message);
     int count, unknowns; /* unknowns = count + 1 */
     double *residual;    /* count, of the last evaluation */
-    double *jacobian;    /* count x unknowns */
-    double size;         /* the largest residual; INFINITY after an evaluation that failed */
-    double tolerance;    /* of the residual */
-    int iterations;      /* at most */
+    double *jacobian;    /* count x unknowns, at `place` where it is known */
+    double *place;
+    bool known;
+    bool hasty;       /* Newton's method goes by `measure` as far as that leads, from the Jacobian known */
+    double size;      /* the largest residual; INFINITY after an evaluation that failed */
+    double tolerance; /* of the residual */
+    int iterations;   /* at most */
     void (*history)(void *context, int iteration, double residual, const char *unknowns); /* may be NULL */
     void *context;
     const char *kind; /* for history: what is unknown */
