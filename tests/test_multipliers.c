@@ -5,7 +5,7 @@
 
 #include "base/dense.h"
 #include "base/periodic.h"
-#include "orbit/multipliers.h"
+#include "orbit/sequence.h"
 
 #include <complex.h>
 
@@ -415,6 +415,61 @@ static void orbits_in_quadruple_precision(void **unused) {
     }
 }
 
+/* Shooting leaves the derivative around the orbit behind: the same multipliers as those of the flow that
+ * finds its events itself, with impacts, and with chatter and sticking. */
+static void left_by_shooting(void **unused) {
+    (void)unused;
+    static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25"};
+    for (int f = 0; f < 4; f++) {
+        reference r = read_reference(names[f]);
+        const saltus_family family = {.spec = r.spec};
+        saltus_system *system = build(&r.spec);
+        saltus_flow_options options = saltus_flow_defaults();
+        saltus_orbit_options orbit = saltus_orbit_defaults();
+        saltus_message message = {.text = ""};
+        saltus_lap lap = {.keeps_events = true};
+        saltus_shooting *shooting = NULL;
+        saltus_sequence sequence;
+        saltus_multiplier expected[n_max], found[n_max];
+        double state[n_max], volume;
+        int count;
+        saltus_cocycle cocycle = run_cocycle(system, r.periods, r.states[0], 0), left = {0};
+        check_ok(saltus_cocycle_multipliers(cocycle.segments, r.n, cocycle.count, cocycle.zeros, expected,
+                                            &volume, &message),
+                 &message);
+        saltus_flow *flow = open_flow(system, &options, 0, r.states[0]);
+        memcpy(state, r.states[0], (size_t)r.n * sizeof *state);
+        check_ok(saltus_sequence_make(flow, r.periods, false, state, &lap, &sequence, &message), &message);
+        check_ok(saltus_shooting_new(&family, &orbit, &shooting, &message), &message);
+        check_ok(saltus_shooting_shape(shooting, &sequence, &message), &message);
+        saltus_equations *equations = saltus_shooting_equations(shooting);
+        double *u = calloc((size_t)equations->unknowns, sizeof *u);
+        check_ok(saltus_shooting_fill(shooting, NULL, state, u, &message), &message);
+        saltus_shooting_collect(shooting, &left);
+        check_ok(saltus_newton(equations, u, NULL, NULL, true, &count, &message), &message);
+        assert_true(saltus_shooting_collected(shooting, u) && left.given);
+        u[0] += 1e-3;
+        assert_false(saltus_shooting_collected(shooting, u));
+        assert_true(left.count >= r.periods * left.density);
+        check_ok(saltus_cocycle_multipliers(left.segments, r.n, left.count, cocycle.zeros, found, &volume,
+                                            &message),
+                 &message);
+        bool claimed[n_max] = {false};
+        for (int i = 0; i < r.n - cocycle.zeros; i++) {
+            double modulus = exp(expected[i].log_modulus), angle = atan2(expected[i].im, expected[i].re);
+            check_near(claim_nearest(modulus, angle, found, r.n, claimed), 0, 1e-6);
+        }
+        free(u);
+        saltus_shooting_free(shooting);
+        saltus_flow_free(flow);
+        saltus_lap_close(&lap);
+        saltus_cocycle_close(&left);
+        saltus_cocycle_close(&cocycle);
+        saltus_system_free(system);
+        free(r.text);
+    }
+}
+
 /* Sticking makes two multipliers exact zeros; the others are resolved. */
 static void sticking_orbit(void **unused) {
     (void)unused;
@@ -674,19 +729,13 @@ static void refused_equilibria(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(factorisation_is_kept),
-        cmocka_unit_test(determinants),
-        cmocka_unit_test(null_vectors),
-        cmocka_unit_test(small_qr),
-        cmocka_unit_test(prescribed_multipliers),
-        cmocka_unit_test(orbits_in_quadruple_precision),
-        cmocka_unit_test(sticking_orbit),
-        cmocka_unit_test(uncoupled_modes),
-        cmocka_unit_test(impact_without_rebound),
-        cmocka_unit_test(buckled_equilibria),
-        cmocka_unit_test(equilibria_and_multipliers),
-        cmocka_unit_test(contacts_are_found),
-        cmocka_unit_test(maxwell_equilibrium),
+        cmocka_unit_test(factorisation_is_kept),  cmocka_unit_test(determinants),
+        cmocka_unit_test(null_vectors),           cmocka_unit_test(small_qr),
+        cmocka_unit_test(prescribed_multipliers), cmocka_unit_test(orbits_in_quadruple_precision),
+        cmocka_unit_test(left_by_shooting),       cmocka_unit_test(sticking_orbit),
+        cmocka_unit_test(uncoupled_modes),        cmocka_unit_test(impact_without_rebound),
+        cmocka_unit_test(buckled_equilibria),     cmocka_unit_test(equilibria_and_multipliers),
+        cmocka_unit_test(contacts_are_found),     cmocka_unit_test(maxwell_equilibrium),
         cmocka_unit_test(refused_equilibria),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -28,10 +28,11 @@ saltus_status saltus_flow_place(saltus_flow *flow, int lane, saltus_time time, c
     return SALTUS_OK;
 }
 
-saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, saltus_extreme *extremes,
-                                saltus_message *message) {
+saltus_status saltus_flow_coast_by_steps(saltus_flow *flow, int lane, saltus_time until,
+                                         saltus_extreme *extremes, saltus_step_function *after, void *context,
+                                         saltus_message *message) {
     saltus_lane *self = &flow->lane[lane];
-    saltus_event event;
+    saltus_event event = {.kind = SALTUS_STEP};
     double ahead = saltus_time_between(self->now, until);
     if (!(ahead >= 0))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
@@ -40,10 +41,20 @@ saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, 
     self->target.coasting = true;
     self->target.since = self->now;
     self->target.extremes = extremes;
-    saltus_flow_aim(flow, lane, until, 0);
-    saltus_status status = saltus_flow_run(flow, &lane, &event, message);
+    saltus_status status = SALTUS_OK;
+    while (status == SALTUS_OK && event.kind == SALTUS_STEP) {
+        saltus_flow_aim(flow, lane, until, after ? SALTUS_WATCH_STEP : 0);
+        status = saltus_flow_run(flow, &lane, &event, message);
+        if (status == SALTUS_OK && event.kind == SALTUS_STEP)
+            status = after(context, message);
+    }
     self->target.coasting = false;
     return status;
+}
+
+saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, saltus_extreme *extremes,
+                                saltus_message *message) {
+    return saltus_flow_coast_by_steps(flow, lane, until, extremes, NULL, NULL, message);
 }
 
 /* The acceleration towards a holding face if it let go, its rate, and how it answers to the columns. The

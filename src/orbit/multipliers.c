@@ -52,6 +52,7 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
                                   bool autonomous, saltus_message *message) {
     int n = cocycle->n = saltus_system_dimension(system);
     cocycle->count = cocycle->zeros = 0;
+    cocycle->given = false;
     cocycle->autonomous = autonomous;
     cocycle->periods = periods;
     cocycle->scale = saltus_system_scale(system);
@@ -68,14 +69,26 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     return SALTUS_OK;
 }
 
+/* Whether the fastest modes of a system that may be stiff are under way all the time. */
+static bool wants_taylor(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
+                         const saltus_flow_options *options) {
+    const int n = saltus_system_dimension(system);
+    return options->integrator == SALTUS_AUTOMATIC &&
+           choose_density(system, n, periods, cocycle->most) > coarse;
+}
+
+bool saltus_cocycle_takes(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
+                          const saltus_flow_options *options) {
+    return !(system->stiff && wants_taylor(cocycle, system, periods, options));
+}
+
 saltus_status saltus_cocycle_flow(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
                                   const saltus_flow_options *options, saltus_flow **flow,
                                   saltus_message *message) {
-    const int n = saltus_system_dimension(system);
     saltus_flow_options own = *options;
-    if (own.integrator == SALTUS_AUTOMATIC && choose_density(system, n, periods, cocycle->most) > coarse)
+    if (wants_taylor(cocycle, system, periods, options))
         own.integrator = SALTUS_TAYLOR;
-    saltus_status status = saltus_flow_single(system, n, &own, flow, message);
+    saltus_status status = saltus_flow_single(system, saltus_system_dimension(system), &own, flow, message);
     if (status == SALTUS_OK)
         saltus_flow_expect_transients(*flow);
     return status;
@@ -112,7 +125,8 @@ static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, 
     long long steps = before.steps;
     if (cocycle->autonomous)
         note_field(cocycle, flow);
-    saltus_flow_set_tangents(flow, 0, cocycle->columns);
+    if (!cocycle->given)
+        saltus_flow_set_tangents(flow, 0, cocycle->columns);
     for (saltus_event event = {.kind = SALTUS_STEP}; event.kind != SALTUS_REACHED;) {
         saltus_status status =
             saltus_flow_advance(flow, until, SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT, &event, message);
@@ -126,29 +140,42 @@ static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, 
             return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
     }
     cocycle->sum_rule += saltus_flow_information(flow, 0).log_volume - before.log_volume;
-    saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)cocycle->count++ * (size_t)(n * n));
+    if (!cocycle->given)
+        saltus_flow_tangents(flow, 0, cocycle->segments + (size_t)cocycle->count++ * (size_t)(n * n));
     return SALTUS_OK;
+}
+
+/* Room for so many matrices more. */
+static saltus_status reserve_segments(saltus_cocycle *cocycle, int more, saltus_message *message) {
+    if (cocycle->count + more <= cocycle->room)
+        return SALTUS_OK;
+    const size_t room = (size_t)(cocycle->count + more), n = (size_t)cocycle->n;
+    double *segments = realloc(cocycle->segments, room * n * n * sizeof *segments);
+    if (segments)
+        cocycle->segments = segments;
+    double *fields = segments ? realloc(cocycle->fields, room * n * sizeof *fields) : NULL;
+    if (!fields)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+    cocycle->fields = fields;
+    cocycle->room = (int)room;
+    return SALTUS_OK;
+}
+
+saltus_status saltus_cocycle_add(saltus_cocycle *cocycle, const double *matrix, saltus_message *message) {
+    const size_t square = (size_t)(cocycle->n * cocycle->n);
+    saltus_status status =
+        reserve_segments(cocycle, cocycle->count < cocycle->room ? 1 : cocycle->count + 8, message);
+    if (status == SALTUS_OK)
+        memcpy(cocycle->segments + square * (size_t)cocycle->count++, matrix, square * sizeof *matrix);
+    return status;
 }
 
 saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
                                     saltus_lap *lap, saltus_message *message) {
     saltus_time from = saltus_flow_time(flow, 0);
     double length = saltus_time_between(from, until);
-    int more = (int)fmax(1, ceil(length * cocycle->density - 1e-9));
-    size_t square = (size_t)(cocycle->n * cocycle->n);
-    if (cocycle->count + more > cocycle->room) {
-        size_t room = (size_t)(cocycle->count + more);
-        double *grown = realloc(cocycle->segments, room * square * sizeof *grown);
-        if (!grown)
-            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-        cocycle->segments = grown;
-        grown = realloc(cocycle->fields, room * (size_t)cocycle->n * sizeof *grown);
-        if (!grown)
-            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
-        cocycle->fields = grown;
-        cocycle->room = (int)room;
-    }
-    saltus_status status = SALTUS_OK;
+    const int more = cocycle->given ? 1 : (int)fmax(1, ceil(length * cocycle->density - 1e-9));
+    saltus_status status = reserve_segments(cocycle, more, message);
     for (int m = 1; m <= more && status == SALTUS_OK; m++) {
         double end = saltus_time_periods(from) + length * m / more, whole = floor(end);
         saltus_time at = m < more ? (saltus_time){(long long)whole, end - whole} : until;

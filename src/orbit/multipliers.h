@@ -12,6 +12,7 @@
  * columns, and is the workspace for that. */
 typedef struct saltus_cocycle {
     int n, count, room, periods;
+    bool given;          /* the matrices come from elsewhere: following an orbit adds all but these */
     int zeros;           /* multipliers that are zero because directions are lost (lasting contacts, r = 0) */
     double *segments;    /* count matrices n x n, by columns */
     double sum_rule;     /* integral of the trace, and 2 ln r for each impact */
@@ -37,6 +38,11 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
 saltus_status saltus_cocycle_flow(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
                                   const saltus_flow_options *options, saltus_flow **flow,
                                   saltus_message *message);
+/* Whether the flows that orbits are found with follow such a cocycle as well as one of its own. */
+bool saltus_cocycle_takes(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
+                          const saltus_flow_options *options);
+/* One matrix more, by columns. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_cocycle_add(saltus_cocycle *cocycle, const double *matrix, saltus_message *message);
 /* A zeroed cocycle is accepted. */
 void saltus_cocycle_close(saltus_cocycle *cocycle);
 /* Follow lane 0 of a flow to a time; contact events go to the lap (may be NULL). Errors: those of the flow,

@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* From so many tangent vectors on they are nearly all that an orbit costs. */
+enum { many = 8 };
+
 static void reserve(saltus_shooting *p) {
     size_t n = (size_t)p->n;
     p->state_scale = saltus_arena_doubles(&p->arena, n);
@@ -14,6 +17,8 @@ static void reserve(saltus_shooting *p) {
     p->shift = saltus_arena_doubles(&p->arena, n);
     p->tangents = saltus_arena_doubles(&p->arena, n * (size_t)p->columns);
     p->gradient = saltus_arena_doubles(&p->arena, (size_t)p->columns);
+    p->collection.since = saltus_arena_doubles(&p->arena, n * n);
+    p->collection.work = saltus_arena_doubles(&p->arena, n * n);
 }
 
 static void reserve_shape(saltus_shooting *p, int unknowns) {
@@ -29,7 +34,7 @@ static void reserve_shape(saltus_shooting *p, int unknowns) {
 /* Flow, scales and vectors for the first system. */
 static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
     saltus_flow_options flow = p->options.flow;
-    const saltus_system *system = p->system;
+    const saltus_system *system = p->full.system;
     p->n = saltus_system_dimension(system);
     saltus_direction direction[SALTUS_DIRECTIONS_MAX];
     for (int d = 0; d < p->family.parameters; d++)
@@ -39,11 +44,17 @@ static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
         direction[p->directions++] = saltus_spec_omega_direction(&p->family.spec);
     flow.directions = p->directions;
     p->columns = flow.columns = p->n + flow.directions;
-    saltus_status status = saltus_flow_new(&system, 1, &flow, &p->flow, message);
+    saltus_status status = saltus_flow_new(&system, 1, &flow, &p->full.flow, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_single(p->bare.system, 0, &flow, &p->bare.flow, message);
     if (status != SALTUS_OK)
         return status;
     if (p->directions)
-        saltus_flow_set_directions(p->flow, direction);
+        saltus_flow_set_directions(p->full.flow, direction);
+    if (p->n >= many) {
+        p->equations.measure = saltus_shooting_residual;
+        saltus_flow_expect_transients(p->full.flow);
+    }
     reserve(p);
     if (!saltus_arena_open(&p->arena))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
@@ -75,7 +86,9 @@ saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbi
                                       .iterations = options->iterations,
                                       .history = options->history,
                                       .context = options->context};
-    status = saltus_system_new(&family->spec, &p->system, message);
+    status = saltus_system_new(&family->spec, &p->full.system, message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&family->spec, &p->bare.system, message);
     if (status == SALTUS_OK)
         status = open_parts(p, message);
     if (status != SALTUS_OK) {
@@ -99,18 +112,23 @@ void saltus_shooting_free(saltus_shooting *p) {
         return;
     close_shape(p);
     saltus_arena_close(&p->arena);
-    saltus_flow_free(p->flow);
-    saltus_system_free(p->system);
+    for (int k = 0; k < 2; k++) {
+        const saltus_tuned *tuned = k ? &p->bare : &p->full;
+        saltus_flow_free(tuned->flow);
+        saltus_system_free(tuned->system);
+    }
     free(p);
 }
 
 saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *sequence,
                                     saltus_message *message) {
-    int marks = sequence->count, cuts = sequence->cuts, faces = saltus_system_face_count(p->system);
+    int marks = sequence->count, cuts = sequence->cuts, faces = saltus_system_face_count(p->full.system);
     close_shape(p);
     p->equations.size = INFINITY;
+    p->collection.whole = false;
     p->steps = 0;
-    saltus_flow_limit_steps(p->flow, 0);
+    saltus_flow_limit_steps(p->full.flow, 0);
+    saltus_flow_limit_steps(p->bare.flow, 0);
     if (sequence->periods < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %d: must be at least 1", sequence->periods);
     p->sequence = *sequence;
@@ -170,7 +188,7 @@ const double *saltus_shooting_scale(const saltus_shooting *p) {
     return p->scale;
 }
 const saltus_system *saltus_shooting_system(const saltus_shooting *p) {
-    return p->system;
+    return p->full.system;
 }
 double saltus_shooting_speed_scale(const saltus_shooting *p) {
     return p->speed;
@@ -185,6 +203,18 @@ double saltus_shooting_onward(const saltus_shooting *p, double *speed) {
 const saltus_breach *saltus_shooting_breaches(const saltus_shooting *p, int *count) {
     *count = p->breach_count;
     return p->breaches;
+}
+
+void saltus_shooting_collect(saltus_shooting *p, saltus_cocycle *cocycle) {
+    p->collection.into = cocycle;
+}
+
+bool saltus_shooting_collected(const saltus_shooting *p, const double *u) {
+    const double near = 1e-8;
+    bool same = p->collection.whole && p->equations.known;
+    for (int j = 0; j < p->equations.unknowns && same; j++)
+        same = fabs(u[j] - p->equations.place[j]) < near;
+    return same;
 }
 
 double saltus_shooting_growth(const saltus_shooting *p) {
@@ -214,7 +244,7 @@ saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters,
     for (int cut = 1; cut < s->cuts && status == SALTUS_OK; cut++) {
         /* The residual of the segment before this cut is the state at its end less the unknown, still zero,
          * from where the flow could not find the events of the later segments. */
-        status = saltus_shooting_along(p, cut, u, message);
+        status = saltus_shooting_along(p, p->equations.measure ? &p->bare : &p->full, cut, u, message);
         for (int i = 0; i < n && status == SALTUS_OK; i++)
             u[cut * n + i] += p->equations.residual[(cut - 1) * n + i];
     }

@@ -17,6 +17,7 @@
 #ifndef SALTUS_ORBIT_SHOOTING_H
 #define SALTUS_ORBIT_SHOOTING_H
 
+#include "orbit/multipliers.h"
 #include "orbit/newton.h"
 #include "saltus/orbit.h"
 
@@ -119,6 +120,11 @@ double saltus_shooting_growth(const saltus_shooting *shooting);
 /* The speed of the flow across the anchor's hyperplane where the orbit closes, in units of that at the
  * anchor, at the last evaluation, 0 without an anchor; and its *speed in all directions. */
 double saltus_shooting_onward(const saltus_shooting *shooting, double *speed);
+/* From now on each evaluation of the equations puts the derivative around the orbit into a cocycle, in short
+ * segments; NULL: no longer. Not where the period is an unknown. */
+void saltus_shooting_collect(saltus_shooting *shooting, saltus_cocycle *cocycle);
+/* Whether a cocycle has been filled so at these unknowns, or at those that Newton's last step led to them. */
+bool saltus_shooting_collected(const saltus_shooting *shooting, const double *u);
 /* What the last evaluation saw of the orbit between its marks; `count` entries. */
 const saltus_breach *saltus_shooting_breaches(const saltus_shooting *shooting, int *count);
 /* The scale of normal speeds, in which breaches give them. */

@@ -5,12 +5,26 @@
 
 #include "orbit/shooting.h"
 
+/* A flow, and the parameters and the sequence's omega that its system has. */
+typedef struct saltus_tuned {
+    saltus_flow *flow;
+    saltus_system *system;
+    double at[2], omega;
+} saltus_tuned;
+
+/* The derivative along the orbit in short segments, which goes to a cocycle where there is one. */
+typedef struct saltus_collection {
+    saltus_cocycle *into;
+    double *since, *work; /* derivative from the segment's begin to the piece's, by columns */
+    bool begun;           /* it is not the identity */
+    double begin;         /* of the segment */
+    bool whole;           /* it has gone there in the last evaluation */
+} saltus_collection;
+
 struct saltus_shooting {
     saltus_family family;
     saltus_orbit_options options;
-    saltus_system *system;
-    double at[2], omega; /* the parameters, and the sequence's omega, that `system` has */
-    saltus_flow *flow;
+    saltus_tuned full, bare; /* with all tangent vectors, and without any */
     int n, columns;
     int directions;              /* of them: the parameters, and omega where the scene is not forced */
     double length, speed, force; /* scales of gaps, normal speeds, normal accelerations */
@@ -27,18 +41,21 @@ struct saltus_shooting {
     double onward,
         flow_speed; /* of the flow at the end, in units of the anchor's: across it, and altogether */
     double steps;   /* of the integrator in a period, as usual here; 0: not known */
+    saltus_collection collection;
     saltus_breach *breaches;
     int breach_count, breach_room;
 };
 
 /* The omega of unknowns; 0 where it is none of them. */
 double saltus_shooting_omega(const saltus_shooting *shooting, const double *u);
-/* Along the first so many segments: their residuals, whatever the states at later cuts may be. Errors: those
- * of the flow; marks out of order. */
-saltus_status saltus_shooting_along(saltus_shooting *shooting, int segments, const double *u,
-                                    saltus_message *message);
-/* Once around: residuals, Jacobian and breaches at u. `self` is the shooting. Errors: those of the flow;
- * marks out of order. */
+/* Along the first so many segments with one of the two flows: their residuals, with the full one their rows
+ * of the Jacobian, whatever the states at later cuts may be. Errors: those of the flow; marks out of order.
+ */
+saltus_status saltus_shooting_along(saltus_shooting *shooting, saltus_tuned *by, int segments,
+                                    const double *u, saltus_message *message);
+/* Once around: residuals and breaches at u, with the Jacobian, or without. `self` is the shooting. Errors:
+ * those of the flow; marks out of order. */
 saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message);
+saltus_status saltus_shooting_residual(void *self, const double *u, saltus_message *message);
 
 #endif

@@ -5,8 +5,8 @@
  * rows, which a piece multiplies by A. A mark at time t contributes the equation's gradient as a row, and to
  * its own column the shift that a delay of t causes (saltus_strike).
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/flow.h"
 #include "orbit/shooting_private.h"
-#include "system/system.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,6 +14,10 @@
 /* Where the walk is. */
 typedef struct walk {
     saltus_shooting *p;
+    saltus_flow *flow;
+    bool whole;      /* the flow has all tangent vectors; otherwise it has none */
+    bool collects;   /* the derivative in short segments */
+    double period;   /* of its system */
     const double *u; /* unscaled */
     double time;     /* in periods */
     bool driven;
@@ -40,13 +44,13 @@ static void begin_piece(saltus_shooting *p) {
     for (int d = 0; d < p->directions; d++)
         for (int i = 0; i < n && column_place(p, d) >= 0; i++)
             p->tangents[(n + d) * n + i] = p->answer[i * p->equations.unknowns + column_place(p, d)];
-    saltus_flow_set_tangents(p->flow, 0, p->tangents);
+    saltus_flow_set_tangents(p->full.flow, 0, p->tangents);
 }
 
 /* answer = A answer, with the columns that the flow has now. */
 static void end_piece(saltus_shooting *p) {
     int n = p->n, m = p->equations.unknowns;
-    saltus_flow_tangents(p->flow, 0, p->tangents);
+    saltus_flow_tangents(p->full.flow, 0, p->tangents);
     memset(p->next, 0, (size_t)(n * m) * sizeof(double));
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++) {
@@ -62,6 +66,60 @@ static void end_piece(saltus_shooting *p) {
     p->next = swap;
 }
 
+/* The derivative over a piece, by columns, goes on that from the segment's begin. */
+static void collect_piece(saltus_shooting *p, const double *piece) {
+    saltus_collection *c = &p->collection;
+    const int n = p->n;
+    if (c->begun) {
+        memset(c->work, 0, (size_t)(n * n) * sizeof(double));
+        for (int j = 0; j < n; j++)
+            for (int k = 0; k < n; k++)
+                for (int i = 0; i < n; i++)
+                    c->work[j * n + i] = fma(piece[k * n + i], c->since[j * n + k], c->work[j * n + i]);
+        double *swap = c->since;
+        c->since = c->work;
+        c->work = swap;
+    } else {
+        memcpy(c->since, piece, (size_t)(n * n) * sizeof *piece);
+    }
+    c->begun = true;
+}
+
+/* The same of a piece that a mark has ended, whose time answers to the state: the flow's tangent vectors have
+ * passed it at a fixed time. */
+static void collect_mark(saltus_shooting *p, const saltus_strike *strike) {
+    const int n = p->n;
+    for (int k = 0; k < n; k++)
+        for (int i = 0; i < n; i++)
+            p->tangents[k * n + i] -=
+                strike->shift[i] * (strike->equation_gradient[k] / strike->equation_rate);
+    collect_piece(p, p->tangents);
+}
+
+/* A segment ends with the piece. */
+static saltus_status collect_segment(walk *w, saltus_message *message) {
+    saltus_collection *c = &w->p->collection;
+    collect_piece(w->p, w->p->tangents);
+    c->begun = false;
+    c->begin = saltus_time_periods(saltus_flow_time(w->flow, 0));
+    return saltus_cocycle_add(c->into, c->since, message);
+}
+
+/* After a step within a piece: where one more step would make the segment too long it ends, and a piece with
+ * it. */
+static saltus_status after_step(void *context, saltus_message *message) {
+    walk *w = context;
+    const saltus_collection *c = &w->p->collection;
+    const double length = saltus_time_periods(saltus_flow_time(w->flow, 0)) - c->begin,
+                 step = saltus_flow_step_length(w->flow, 0) / w->period;
+    if ((length + step) * c->into->density <= 1)
+        return SALTUS_OK;
+    end_piece(w->p);
+    saltus_status status = collect_segment(w, message);
+    begin_piece(w->p);
+    return status;
+}
+
 static void note_breach(saltus_shooting *p, saltus_breach_kind kind, double value, int mark, int face,
                         double time) {
     if (p->breach_count < p->breach_room)
@@ -73,12 +131,13 @@ static void note_breach(saltus_shooting *p, saltus_breach_kind kind, double valu
 static saltus_status coast(walk *w, double until, int mark, saltus_message *message) {
     saltus_shooting *p = w->p;
     saltus_extreme extremes[SALTUS_FACES_MAX];
-    unsigned contacts = saltus_flow_contacts(p->flow, 0);
-    double begin = saltus_time_periods(saltus_flow_time(p->flow, 0));
+    unsigned contacts = saltus_flow_contacts(w->flow, 0);
+    double begin = saltus_time_periods(saltus_flow_time(w->flow, 0));
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
-    saltus_status status = saltus_flow_coast(p->flow, 0, saltus_time_of(until), extremes, message);
-    for (int f = 0; f < saltus_system_face_count(p->system) && status == SALTUS_OK; f++) {
+    saltus_status status = saltus_flow_coast_by_steps(w->flow, 0, saltus_time_of(until), extremes,
+                                                      w->collects ? after_step : NULL, w, message);
+    for (int f = 0; f < saltus_system_face_count(p->full.system) && status == SALTUS_OK; f++) {
         const saltus_extreme *extreme = &extremes[f];
         bool held = contacts >> f & 1;
         saltus_breach_kind kind = held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP;
@@ -102,7 +161,11 @@ static saltus_status drive(walk *w, double until, int mark, saltus_message *mess
     saltus_event event;
     saltus_status status;
     do {
-        status = saltus_flow_advance(w->p->flow, saltus_time_of(until), SALTUS_WATCH_STICK, &event, message);
+        status =
+            saltus_flow_advance(w->flow, saltus_time_of(until),
+                                SALTUS_WATCH_STICK | (w->collects ? SALTUS_WATCH_STEP : 0), &event, message);
+        if (status == SALTUS_OK && event.kind == SALTUS_STEP)
+            status = after_step(w, message);
         if (status == SALTUS_OK && event.kind == SALTUS_STICK) {
             w->held_since[event.face] = saltus_time_periods(event.time);
             if (event.face == awaited)
@@ -116,7 +179,8 @@ static saltus_status drive(walk *w, double until, int mark, saltus_message *mess
 static saltus_status run_piece(walk *w, double until, int mark, saltus_message *message) {
     if (!(until >= w->time))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
-    begin_piece(w->p);
+    if (w->whole)
+        begin_piece(w->p);
     w->time = until;
     return w->driven ? drive(w, until, mark, message) : coast(w, until, mark, message);
 }
@@ -125,15 +189,16 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
 static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_message *message) {
     saltus_shooting *p = w->p;
     int n = p->n, m = p->equations.unknowns;
-    w->time = p->sequence.cut[cut];
+    w->time = p->collection.begin = p->sequence.cut[cut];
+    p->collection.begun = false;
     /* Where the flow finds its events itself, what the start touches is for it to resolve. */
     saltus_status status =
         w->driven && contacts == 0
-            ? saltus_flow_start(p->flow, 0, saltus_time_of(w->time), w->u + cut * n, message)
-            : saltus_flow_place(p->flow, 0, saltus_time_of(w->time), w->u + cut * n, contacts, message);
-    if (status != SALTUS_OK)
+            ? saltus_flow_start(w->flow, 0, saltus_time_of(w->time), w->u + cut * n, message)
+            : saltus_flow_place(w->flow, 0, saltus_time_of(w->time), w->u + cut * n, contacts, message);
+    if (status != SALTUS_OK || !w->whole)
         return status;
-    saltus_flow_tangents(p->flow, 0, p->tangents);
+    saltus_flow_tangents(w->flow, 0, p->tangents);
     memset(p->answer, 0, (size_t)(n * m) * sizeof(double));
     for (int i = 0; i < n; i++) {
         for (int k = 0; k < n; k++)
@@ -145,12 +210,10 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
     return status;
 }
 
-/* The equation of a mark and its row, from the answer before the piece that led to it. */
-static void mark_row(saltus_shooting *p, int k, const saltus_strike *strike, double scale) {
+/* The row of a mark's equation, from the answer before the piece that led to it. */
+static void mark_row(saltus_shooting *p, int k, const saltus_strike *strike, double scale, double period) {
     int n = p->n, m = p->equations.unknowns, row = p->sequence.cuts * n + k;
-    double *gradient = p->equations.jacobian + (size_t)row * (size_t)m,
-           period = saltus_system_period(p->system);
-    p->equations.residual[row] = strike->equation / scale;
+    double *gradient = p->equations.jacobian + (size_t)row * (size_t)m;
     for (int j = 0; j < m; j++)
         gradient[j] = 0;
     for (int i = 0; i < n; i++)
@@ -182,45 +245,62 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     saltus_strike strike = {.equation_gradient = p->gradient, .shift = p->shift};
     saltus_status status = run_piece(w, w->u[own], k, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_strike(p->flow, 0, mark->kind, mark->face, &strike, message);
+        status = saltus_flow_strike(w->flow, 0, mark->kind, mark->face, &strike, message);
     if (status != SALTUS_OK)
         return status;
-    mark_row(p, k, &strike, mark->kind == SALTUS_RELEASE ? p->force : p->length);
+    const double scale = mark->kind == SALTUS_RELEASE ? p->force : p->length;
+    p->equations.residual[own] = strike.equation / scale;
     mark_breaches(w, k, &strike);
-    end_piece(p);
-    double period = saltus_system_period(p->system);
-    for (int i = 0; i < p->n; i++)
-        p->answer[i * p->equations.unknowns + own] += strike.shift[i] * period;
     w->driven = mark->driven;
+    if (!w->whole)
+        return status;
+    mark_row(p, k, &strike, scale, w->period);
+    end_piece(p);
+    if (w->collects)
+        collect_mark(p, &strike);
+    for (int i = 0; i < p->n; i++)
+        p->answer[i * p->equations.unknowns + own] += strike.shift[i] * w->period;
     return status;
 }
 
 /* Continuity: the state at a segment's end is that at the next cut. */
-static void match(walk *w, int cut) {
+static saltus_status match(walk *w, int cut, saltus_message *message) {
     saltus_shooting *p = w->p;
     int n = p->n, m = p->equations.unknowns, next = (cut + 1) % p->sequence.cuts;
     const double *scale = p->scale;
+    saltus_flow_state(w->flow, 0, p->end);
+    for (int i = 0; i < n; i++)
+        p->equations.residual[cut * n + i] = (p->end[i] - w->u[next * n + i]) / scale[i];
+    if (!w->whole)
+        return SALTUS_OK;
     end_piece(p);
-    saltus_flow_state(p->flow, 0, p->end);
     for (int i = 0; i < n; i++) {
         double *row = p->equations.jacobian + (size_t)(cut * n + i) * (size_t)m;
-        p->equations.residual[cut * n + i] = (p->end[i] - w->u[next * n + i]) / scale[i];
         for (int j = 0; j < m; j++)
             row[j] = p->answer[i * m + j] / scale[i];
         row[next * n + i] -= 1 / scale[i];
     }
+    return w->collects ? collect_segment(w, message) : SALTUS_OK;
 }
 
-/* Where on an orbit of unknown period its base is. */
+/* How far from where it should be the base of an orbit of unknown period is. */
+static void find_aside(saltus_shooting *p) {
+    const saltus_sequence *s = &p->sequence;
+    double *aside = &p->equations.residual[p->plain_count];
+    *aside = 0;
+    for (int i = 0; i < p->n; i++)
+        *aside += s->across[i] / p->scale[i] * (p->plain[i] - s->anchor[i]);
+}
+
+/* The row of that equation. */
 static void anchor_row(saltus_shooting *p) {
     const saltus_sequence *s = &p->sequence;
     double *row = p->equations.jacobian + (size_t)p->plain_count * (size_t)p->equations.unknowns;
     memset(row, 0, (size_t)p->equations.unknowns * sizeof *row);
-    p->equations.residual[p->plain_count] = p->onward = p->flow_speed = 0;
-    saltus_flow_field(p->flow, 0, p->shift);
+    p->onward = p->flow_speed = 0;
+    saltus_flow_field(p->full.flow, 0, p->shift);
     for (int i = 0; i < p->n; i++) {
         row[i] = s->across[i] / p->scale[i];
-        p->equations.residual[p->plain_count] += row[i] * (p->plain[i] - s->anchor[i]);
         p->onward += row[i] * p->shift[i] / s->speed;
         p->flow_speed = hypot(p->flow_speed, p->shift[i] / p->scale[i] / s->speed);
     }
@@ -228,13 +308,13 @@ static void anchor_row(saltus_shooting *p) {
 
 /* The unknowns of the states and times are scaled, omega falls with the period's logarithm, the parameters go
  * by the family's units. */
-static void scale_columns(saltus_shooting *p) {
+static void scale_columns(saltus_shooting *p, double omega) {
     int m = p->equations.unknowns;
     for (int i = 0; i < p->count; i++)
         for (int j = 0; j < m; j++)
             p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= j < p->plain_count ? p->scale[j]
                                                                         : j < p->count
-                                                                            ? -p->omega
+                                                                            ? -omega
                                                                             : p->family.unit[j - p->count];
 }
 
@@ -269,17 +349,16 @@ saltus_status saltus_family_tune(const saltus_family *family, const double *para
     return SALTUS_OK;
 }
 
-/* Make the system that of the parameters and of omega. */
-static saltus_status tune(saltus_shooting *p, const double *parameters, double omega,
-                          saltus_message *message) {
-    bool same = omega == p->omega;
-    for (int d = 0; d < p->family.parameters; d++)
-        same = same && parameters[d] == p->at[d];
+/* Make a flow's system that of the parameters and of omega. */
+static saltus_status tune(const saltus_family *family, saltus_tuned *t, const double *parameters,
+                          double omega, saltus_message *message) {
+    bool same = omega == t->omega;
+    for (int d = 0; d < family->parameters; d++)
+        same = same && parameters[d] == t->at[d];
     saltus_status status =
-        same ? SALTUS_OK
-             : saltus_family_tune(&p->family, parameters, omega, p->flow, &p->system, p->at, message);
+        same ? SALTUS_OK : saltus_family_tune(family, parameters, omega, t->flow, &t->system, t->at, message);
     if (status == SALTUS_OK)
-        p->omega = omega;
+        t->omega = omega;
     return status;
 }
 
@@ -299,15 +378,21 @@ static void learn_steps(saltus_shooting *p, long long steps) {
     const double many = 100, least = 2e4;
     double own = (double)steps / p->sequence.periods;
     p->steps = p->steps > 0 ? fmin(own, 2 * p->steps) : own;
-    saltus_flow_limit_steps(p->flow, fmax(least, many * p->steps));
+    saltus_flow_limit_steps(p->full.flow, fmax(least, many * p->steps));
+    saltus_flow_limit_steps(p->bare.flow, fmax(least, many * p->steps));
 }
 
-saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const double *u,
+saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int segments, const double *u,
                                     saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
     for (int j = 0; j < p->count; j++)
         p->plain[j] = u[j] * p->scale[j];
-    walk w = {.p = p, .u = p->plain, .driven = s->driven};
+    walk w = {.p = p,
+              .flow = by->flow,
+              .whole = by == &p->full,
+              .collects = by == &p->full && p->collection.into && p->count == p->plain_count,
+              .u = p->plain,
+              .driven = s->driven};
     unsigned contacts = s->contacts;
     long long steps = 0;
     int k = 0;
@@ -316,7 +401,11 @@ saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const doub
     p->breach_count = 0;
     if (!lies_within(p, p->plain + s->cuts * p->n))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
-    saltus_status status = tune(p, u + p->count, saltus_shooting_omega(p, u), message);
+    saltus_status status = tune(&p->family, by, u + p->count, saltus_shooting_omega(p, u), message);
+    w.period = saltus_system_period(by->system);
+    p->collection.whole &= !w.whole;
+    if (status == SALTUS_OK && w.collects)
+        status = saltus_cocycle_open(p->collection.into, by->system, s->periods, false, message);
     for (int cut = 0; cut < segments && status == SALTUS_OK; cut++) {
         double until = cut + 1 < s->cuts ? s->cut[cut + 1] : s->base + s->periods;
         status = open_segment(&w, cut, contacts, message);
@@ -325,21 +414,39 @@ saltus_status saltus_shooting_along(saltus_shooting *p, int segments, const doub
         if (status == SALTUS_OK)
             status = run_piece(&w, until, k, message);
         if (status == SALTUS_OK)
-            match(&w, cut);
-        contacts = saltus_flow_contacts(p->flow, 0);
-        steps += saltus_flow_information(p->flow, 0).steps;
+            status = match(&w, cut, message);
+        contacts = saltus_flow_contacts(w.flow, 0);
+        steps += saltus_flow_information(w.flow, 0).steps;
     }
-    if (status == SALTUS_OK && segments == s->cuts)
+    if (status == SALTUS_OK && segments == s->cuts && w.whole)
         learn_steps(p, steps);
+    if (status == SALTUS_OK && w.collects) {
+        saltus_cocycle *into = p->collection.into;
+        into->given = true;
+        /* At an impact that grazes there is no derivative. */
+        p->collection.whole =
+            saltus_dense_finite(into->segments, (size_t)into->count * (size_t)(p->n * p->n));
+    }
     return status;
 }
 
 saltus_status saltus_shooting_around(void *self, const double *u, saltus_message *message) {
     saltus_shooting *p = self;
-    saltus_status status = saltus_shooting_along(p, p->sequence.cuts, u, message);
-    if (status == SALTUS_OK && p->count > p->plain_count)
+    saltus_status status = saltus_shooting_along(p, &p->full, p->sequence.cuts, u, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (p->count > p->plain_count) {
+        find_aside(p);
         anchor_row(p);
-    if (status == SALTUS_OK)
-        scale_columns(p);
+    }
+    scale_columns(p, p->full.omega);
+    return status;
+}
+
+saltus_status saltus_shooting_residual(void *self, const double *u, saltus_message *message) {
+    saltus_shooting *p = self;
+    saltus_status status = saltus_shooting_along(p, &p->bare, p->sequence.cuts, u, message);
+    if (status == SALTUS_OK && p->count > p->plain_count)
+        find_aside(p);
     return status;
 }
