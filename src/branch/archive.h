@@ -51,6 +51,9 @@ void saltus_archive_orbits(saltus_archive *archive, saltus_orbits *orbits);
 /* The sequence that a shooting has, which reading it takes on: marks belong to the segments that they were in
  * when it did, wherever they are now. */
 void saltus_archive_shape(saltus_archive *archive, saltus_shooting *shooting);
+/* The point at which the Jacobian of the shooting's equations is known, which the next step begins with;
+ * reading, they are evaluated there again. After their shape. */
+void saltus_archive_known(saltus_archive *archive, saltus_orbits *orbits);
 /* Reading replaces the starts that there are. */
 void saltus_archive_starts(saltus_archive *archive, saltus_starts *starts);
 

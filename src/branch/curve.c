@@ -128,9 +128,13 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
     }
     normal[k] = 1;
     predict(from, ahead, to);
-    /* To the last bit: the equations may not be defined beyond. */
+    /* To the last bit: the equations may not be defined beyond. Of the few such points each is found with its
+     * own Jacobian, as the equations may be singular there, too. */
+    const bool hasty = e->hasty;
+    e->hasty = false;
     to->u[k] = to->tangent[k] = value;
     saltus_status status = correct(e, from, normal, to, message);
+    e->hasty = hasty;
     free(normal);
     to->u[k] = value; /* Newton's last step may have left a rounding */
     to->ahead = saltus_dot(to->u, from->tangent, m) - saltus_dot(from->u, from->tangent, m);

@@ -32,8 +32,10 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
         status = saltus_cocycle_flow(&o->cocycle, o->system, 1, &o->options.flow, &o->tangent, message);
     if (status == SALTUS_OK)
         status = saltus_shooting_new(&o->family, &o->options, &o->shooting, message);
-    if (status == SALTUS_OK)
-        o->equations = saltus_shooting_equations(o->shooting);
+    if (status != SALTUS_OK)
+        return status;
+    o->equations = saltus_shooting_equations(o->shooting);
+    o->collects = o->equations->measure && saltus_cocycle_takes(&o->cocycle, o->system, 1, &o->options.flow);
     return status;
 }
 
@@ -221,11 +223,14 @@ static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocy
     survey->follows = survey->walked = false;
     survey->lap.keeps_events = true;
     saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, message);
-    if (status == SALTUS_OK && cocycle)
+    const bool given = cocycle && cocycle->given && saltus_shooting_collected(o->shooting, s->at.u);
+    if (given)
+        cocycle->sum_rule = cocycle->zeros = 0;
+    else if (status == SALTUS_OK && cocycle)
         status = saltus_cocycle_open(cocycle, o->system, s->sequence.periods, s->sequence.omega > 0, message);
     if (status != SALTUS_OK)
         return saltus_orbits_noted(o, status);
-    status = saltus_sequence_walk(&s->sequence, cocycle ? o->tangent : o->flow,
+    status = saltus_sequence_walk(&s->sequence, cocycle && !given ? o->tangent : o->flow,
                                   saltus_shooting_states(o->shooting, s->at.u), &survey->lap, cocycle, &why);
     if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);

@@ -53,6 +53,7 @@ typedef struct saltus_orbits {
     saltus_system *system;       /* of the flows */
     saltus_flow *flow, *tangent; /* event-driven, without and with tangent vectors */
     saltus_cocycle cocycle;
+    bool collects; /* the shooting can fill it on the way */
     gsl_root_fsolver *solver;
     int n;
     bool starved; /* memory was lacking, be it for something that was only tried */

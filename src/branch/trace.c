@@ -169,6 +169,7 @@ void saltus_trace_archive(saltus_trace *t, saltus_archive *a) {
     first->periods = first->points ? (int)periods : 0;
     saltus_archive_finite(a, first->points, (size_t)first->periods * (size_t)a->n);
     saltus_archive_shape(a, t->orbits.shooting);
+    saltus_archive_known(a, &t->orbits);
     saltus_archive_solution(a, t->here);
     a->sound = a->sound && (!a->reading || saltus_solution_fits(&t->orbits, t->here));
 }

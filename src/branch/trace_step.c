@@ -527,6 +527,28 @@ static saltus_status go_on_lost(saltus_trace *t, saltus_status reason, const cha
     return ended || status != SALTUS_OK ? status : leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why, message);
 }
 
+/* The longest step from a solution. The states at all cuts of a cycle count: lengths are those of their mean.
+ */
+static double longest_step(const saltus_trace *t, const saltus_solution *s) {
+    return (s->sequence.omega > 0 ? sqrt(s->sequence.cuts) : 1) * t->trail->options->step_max;
+}
+
+/* A step along the curve, to `next`. Where steps are as long as they may be Newton's effort makes them no
+ * longer, and may be saved; most of these points are regular and will be surveyed. */
+static saltus_status step_ahead(saltus_trace *t, const saltus_curve_bound *bound, int *reached,
+                                saltus_message *message) {
+    saltus_orbits *o = &t->orbits;
+    const bool steady = t->trail->step >= longest_step(t, t->here);
+    o->equations->hasty = steady;
+    saltus_shooting_collect(o->shooting, steady && o->collects ? &o->cocycle : NULL);
+    saltus_status status = saltus_curve_step(o->equations, &t->here->at, &t->trail->step, bound, 1,
+                                             &t->next->at, reached, message);
+    o->equations->hasty = false;
+    saltus_shooting_collect(o->shooting, NULL);
+    o->cocycle.given = o->cocycle.given && *reached < 0;
+    return status;
+}
+
 saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     static const char changed[] = "events change";
     saltus_orbits *o = &t->orbits;
@@ -537,8 +559,7 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     saltus_hopf_ahead hopf;
     bool ended = false, again;
     int reached;
-    saltus_status status =
-        saltus_curve_step(o->equations, &t->here->at, &trail->step, &bound, 1, &t->next->at, &reached, &why);
+    saltus_status status = step_ahead(t, &bound, &reached, &why);
     if (status == SALTUS_OK)
         status = saltus_solution_see(o, t->next, message);
     if (status == SALTUS_NO_MEMORY)
@@ -573,10 +594,7 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     status = give_specials(t, &hopf, message);
     if (status != SALTUS_OK || !trail->following)
         return status;
-    /* The states at all cuts of a cycle count: lengths are those of their mean. */
-    const double stretch = t->next->sequence.omega > 0 ? sqrt(t->next->sequence.cuts) : 1;
-    trail->step =
-        saltus_curve_next_step(trail->step, t->next->at.iterations, stretch * trail->options->step_max);
+    trail->step = saltus_curve_next_step(trail->step, t->next->at.iterations, longest_step(t, t->next));
     if (reached >= 0)
         return end_at_border(t, t->next, t->next->at.ahead, message);
     if (breached && (kind == SALTUS_BREACH_HOLD || kind == SALTUS_BREACH_FORCE))
