@@ -231,8 +231,11 @@ static double reach_of(const saltus_system *system, int face) {
 static double state_size(const saltus_flow *flow, int lane) {
     const double unit = flow->work.lane->omega_unit[lane];
     double size = 0;
-    for (int i = 0; i < flow->dof; i++)
-        size = fmax(size, fmax(fabs(flow->state[i]), fabs(flow->state[flow->dof + i]) / unit));
+    for (int i = 0; i < flow->dof; i++) {
+        const double displacement = fabs(flow->state[i]), velocity = fabs(flow->state[flow->dof + i]) / unit;
+        size = displacement > size ? displacement : size;
+        size = velocity > size ? velocity : size;
+    }
     return size;
 }
 

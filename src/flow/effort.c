@@ -3,6 +3,7 @@
 
 #include "system/system.h"
 
+#include <math.h>
 #include <stdio.h>
 
 saltus_flow_options saltus_effort_begin(const saltus_flow_options *options, const saltus_system *system,

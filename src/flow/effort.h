@@ -10,8 +10,6 @@
 
 #include "saltus/flow.h"
 
-#include <math.h>
-
 enum {
     SALTUS_EFFORT_USUAL = 500,
     SALTUS_EFFORT_USUAL_STIFF = 333, /* steps of the stiff integrator */
@@ -40,7 +38,8 @@ const char *saltus_effort_cause(const saltus_system *system, char cause[SALTUS_C
 
 /* What a point of a branch may take is taken off, before the next one is sought. */
 static inline void saltus_effort_next_point(saltus_effort *effort) {
-    effort->spent = fmax(0, effort->spent - SALTUS_EFFORT_AT_POINT);
+    const double spent = effort->spent - SALTUS_EFFORT_AT_POINT;
+    effort->spent = spent > 0 ? spent : 0;
 }
 
 /* The time that steps are counted by in a flow of a system with this period. */
@@ -51,7 +50,8 @@ static inline double saltus_effort_period(const saltus_effort *effort, double ow
 /* A step of so many periods, with so many tangent vectors; one of the stiff integrator costs three. */
 static inline void saltus_effort_add(saltus_effort *effort, double periods, int columns, bool stiff) {
     const double cost = stiff ? 3 : 1, usual = stiff ? SALTUS_EFFORT_USUAL_STIFF : SALTUS_EFFORT_USUAL;
-    effort->spent = fmax(0, effort->spent + (1 + columns) * cost * (1 - usual * periods));
+    const double spent = effort->spent + (1 + columns) * cost * (1 - usual * periods);
+    effort->spent = spent > 0 ? spent : 0;
 }
 
 #endif

@@ -148,7 +148,7 @@ void saltus_flow_expand(saltus_flow *flow) {
     for (int l = 0; l < flow->lanes; l++) {
         const saltus_lane *self = &flow->lane[l];
         if (self->target.aimed && self->hold.count == 0 &&
-            fmin(self->flight, w->lane->left[l]) <= self->brief)
+            (self->flight <= self->brief || w->lane->left[l] <= self->brief))
             hasty |= 1u << l;
     }
     const int full = w->degree_most;

@@ -247,11 +247,15 @@ static bool leads_on(saltus_flow *flow, int lane, double planned) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_work *w = &flow->work;
     const saltus_effort *effort = flow->options.effort;
-    const double gone = self->now.phase - self->cycle_from, most = steps_most(flow, self);
-    const bool many = self->cycle_steps >= first_steps || self->cycle_steps >= most,
+    const bool spent = effort && effort->spent > SALTUS_EFFORT_MOST,
                moves = planned > 0 && self->now.phase + w->lane->passing[lane] != self->now.phase;
+    /* Most steps: `steps_most` is never less than this. */
+    if (self->cycle_steps < first_steps && self->cycle_steps < flow->period_steps_max && !spent && moves)
+        return true;
+    const double gone = self->now.phase - self->cycle_from, most = steps_most(flow, self);
+    const bool many = self->cycle_steps >= first_steps || self->cycle_steps >= most;
     char cause[SALTUS_CAUSE_MAX];
-    if (effort && effort->spent > SALTUS_EFFORT_MOST)
+    if (spent)
         saltus_effort_check(effort, self->system, &self->why);
     else if (many && self->cycle_steps > most * gone)
         saltus_fail(

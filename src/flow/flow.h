@@ -71,33 +71,34 @@ typedef struct saltus_pace {
     double limit;
 } saltus_pace;
 
-/* One trajectory: its place in time, its contacts, and what it has to report. */
+/* One trajectory: its place in time, its contacts, and what it has to report. What every step looks at comes
+ * first and lies close together. */
 typedef struct saltus_lane {
     const saltus_system *system;
-    int degree;               /* of its series where nothing ends its steps before */
-    saltus_pace first, later; /* where tangent vectors hold transients at first, and once these have gone */
-    bool settled;             /* they have */
-    double brief;             /* what takes no longer is reached with fewer orders than these */
     saltus_time now;
     saltus_target target;
     saltus_step step;
-    saltus_contact_map hold; /* faces in lasting contact */
-    saltus_face_state face[SALTUS_FACES_MAX];
-    double flight;                        /* time to the next impact of a chatter, else infinite */
-    bool turned;                          /* the observer's velocity is zero now, by a turning event */
-    bool ended;                           /* the pending event, or the failure, waits to be fetched */
-    saltus_event pending;                 /* event at the step's end; kind SALTUS_STEP when there is none */
-    saltus_event queue[SALTUS_FACES_MAX]; /* impacts in the same instant as the pending one */
+    saltus_flow_info info;
+    double flight;     /* time to the next impact of a chatter, else infinite */
+    double brief;      /* what takes no longer is reached with fewer orders than `degree` */
+    double cycle_from; /* the steps counted within this period begin at this phase */
+    int cycle_steps;   /* so many */
+    int cycle_events;  /* contact events within this period */
+    int idle_events;   /* events since time last moved on */
+    int degree;        /* of its series where nothing ends its steps before */
     int queued;
     saltus_status failure;
-    saltus_message why; /* of the failure */
-    saltus_flow_info info;
-    int idle_events;   /* events since time last moved on */
-    int cycle_events;  /* contact events within this period */
-    int cycle_steps;   /* steps within this period, */
-    double cycle_from; /* from this phase on */
-    double last_speed; /* of the last contact event */
-    double *delay;     /* per column: d (event time) / d column of the last event */
+    bool settled;             /* tangent vectors hold no transients any more */
+    bool turned;              /* the observer's velocity is zero now, by a turning event */
+    bool ended;               /* the pending event, or the failure, waits to be fetched */
+    saltus_event pending;     /* event at the step's end; kind SALTUS_STEP when there is none */
+    double last_speed;        /* of the last contact event */
+    double *delay;            /* per column: d (event time) / d column of the last event */
+    saltus_pace first, later; /* where tangent vectors hold transients at first, and once these have gone */
+    saltus_face_state face[SALTUS_FACES_MAX];
+    saltus_contact_map hold;              /* faces in lasting contact */
+    saltus_event queue[SALTUS_FACES_MAX]; /* impacts in the same instant as the pending one */
+    saltus_message why;                   /* of the failure */
 } saltus_lane;
 
 /* Collocation and series in turns, where a system is stiff. Collocation's steps are as long as what lasts
