@@ -160,7 +160,7 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     saltus_track tracks[trajectories];
     saltus_motion orbit = {0};
     bool found = false;
-    if (j->searched || saltus_system_keeps_volume(j->system))
+    if (j->searched || saltus_system_keeps_volume(e->system))
         return SALTUS_OK;
     j->searched = true;
     for (int m = 0; m < trajectories; m++)
