@@ -222,6 +222,7 @@ static void steep_friction(void **unused) {
     saltus_system *system = build(&spec);
     saltus_flow_options options = saltus_flow_defaults();
     const double start[2] = {0.2, 1}, span = 0.1;
+    options.rtol = 1e-15;
     saltus_flow *flow = open_flow(system, &options, 0, start);
     double state[2], rate[2];
     advance(flow, span / saltus_system_period(system), 0);

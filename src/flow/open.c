@@ -23,9 +23,10 @@ saltus_flow_options saltus_flow_defaults(void) {
     return options;
 }
 
-/* A period of more steps than this is not followed to its end. */
+/* A period of more steps than this is not followed to its end. A run of branches, whose effort has no period
+ * of its own, tries what may come behind an event at any price. */
 static double steps_usual(const saltus_flow_options *options) {
-    return options->effort ? SALTUS_EFFORT_IN_PERIOD : 1e8;
+    return options->effort && options->effort->period > 0 ? SALTUS_EFFORT_IN_PERIOD : 1e8;
 }
 
 /* Where the tolerance bounds the steps, near the fastest by measurement on reference orbits alone and on
