@@ -79,7 +79,8 @@ static bool wants_taylor(const saltus_cocycle *cocycle, const saltus_system *sys
 
 bool saltus_cocycle_takes(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
                           const saltus_flow_options *options) {
-    return !(system->stiffness_ratio > 1 && wants_taylor(cocycle, system, periods, options));
+    return saltus_flow_width(system, options->integrator) > 1 ||
+           !wants_taylor(cocycle, system, periods, options);
 }
 
 saltus_status saltus_cocycle_flow(const saltus_cocycle *cocycle, const saltus_system *system, int periods,

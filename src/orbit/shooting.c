@@ -43,6 +43,10 @@ static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
     if (!saltus_system_forced(system))
         direction[p->directions++] = saltus_spec_omega_direction(&p->family.spec);
     flow.directions = p->directions;
+    /* Tangent vectors that begin anew in every segment bring layers with them, behind which collocation would
+     * have little time left: where series keep up with it side by side they do here, too. */
+    if (saltus_flow_width(system, flow.integrator) > 1)
+        flow.integrator = SALTUS_TAYLOR;
     p->columns = flow.columns = p->n + flow.directions;
     saltus_status status = saltus_flow_new(&system, 1, &flow, &p->full.flow, message);
     if (status == SALTUS_OK)
