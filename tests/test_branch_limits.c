@@ -243,6 +243,70 @@ static void damaged_numbers_are_refused(void **unused) {
     free(numbers);
 }
 
+/* Gone on with after any of its points a network of curves has the same next ones to the last bit, those of
+ * codimension two on the very next step, too. */
+static void gone_on_with_after_every_point(void **unused) {
+    (void)unused;
+    enum { points_max = 400, ahead = 3, numbers = 3 };
+    static const char *const settings[] = {"c=0.12504", "F=1.1739",  "F0=0.11951",
+                                           "d=0.42605", "r=0.40661", "omega=2.0486"};
+    static double seen[points_max][numbers], *saved[points_max];
+    static int saved_count[points_max];
+    saltus_scene scene = {0};
+    saltus_message message = {.text = ""};
+    saltus_motion motion = {0};
+    const saltus_classify_options how = saltus_classify_defaults();
+    const saltus_branch_point *point = NULL;
+    double start[4];
+    check_ok(saltus_scene_load("impact-oscillator", &scene, &message), &message);
+    for (size_t k = 0; k < sizeof settings / sizeof settings[0]; k++)
+        check_ok(saltus_scene_set(&scene, settings[k], &message), &message);
+    saltus_system *system = build(&scene.spec);
+    check_ok(saltus_scene_state(&scene, system, start, &message), &message);
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    saltus_branch_options options = branch_along("omega", 1.2292, 3.2778);
+    strcpy(options.key[1], "d");
+    options.low[1] = 0.12782;
+    options.high[1] = 0.85211;
+    options.locus = SALTUS_POINT_LP;
+    options.switches = 1;
+    options.step_max = 0.05;
+    int count = 0, tried = 0, corners = 0;
+    for (int from = -1; from < count; from++) {
+        saltus_branch *branch = NULL;
+        if (from >= 0 && saved_count[from] == 0)
+            continue;
+        check_ok(saltus_branch_new(&scene.spec, motion.periods, motion.state, &options, &branch, &message),
+                 &message);
+        int next = 0;
+        if (from >= 0)
+            check_ok(saltus_branch_resume(branch, saved[from], saved_count[from], &next, &message), &message);
+        for (int k = 0; from < 0 || k < ahead; k++, next++) {
+            check_ok(saltus_branch_step(branch, &point, &message), &message);
+            if (!point)
+                break;
+            const double told[numbers] = {point->value[0], point->value[1], point->arclength};
+            assert_true(next < points_max);
+            if (from < 0) {
+                memcpy(seen[next], told, sizeof told);
+                check_ok(saltus_branch_save(branch, &saved[next], &saved_count[next], &message), &message);
+                count = next + 1;
+            } else {
+                assert_memory_equal(seen[next], told, sizeof told);
+                corners += k == 0 && point->kind >= SALTUS_POINT_CP;
+            }
+        }
+        tried += from >= 0;
+        saltus_branch_free(branch);
+    }
+    assert_true(tried > 100 && corners > 5);
+    for (int k = 0; k < count; k++)
+        free(saved[k]);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+}
+
 /* A value that a step meets exactly is given there, and the rest of the run is as it was. */
 static void values_met_exactly(void **unused) {
     (void)unused;
@@ -465,6 +529,7 @@ int main(void) {
         cmocka_unit_test(interrupted_and_gone_on),
         cmocka_unit_test(options_that_do_not_matter),
         cmocka_unit_test(damaged_numbers_are_refused),
+        cmocka_unit_test(gone_on_with_after_every_point),
         cmocka_unit_test(values_met_exactly),
         cmocka_unit_test(long_steps_follow_the_curve),
         cmocka_unit_test(a_dead_mass_leaves_its_table),

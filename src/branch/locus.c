@@ -674,11 +674,18 @@ static void archive_close(saltus_archive *a, saltus_close *close) {
 static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->here.corner_count = (int)saltus_archive_whole(a, l->here.corner_count, 0, SALTUS_CORNERS_MAX);
     for (int k = 0; k < l->here.corner_count; k++) {
-        saltus_archive_real(a, &l->here.corners[k].value.mantissa);
-        saltus_archive_real(a, &l->here.corners[k].value.exponent);
-        saltus_archive_real(a, &l->here.corners[k].quiet);
-        archive_close(a, &l->here.corners[k].single);
-        archive_close(a, &l->here.corners[k].product);
+        saltus_locus_test *test = &l->here.corners[k];
+        test->kind = saltus_archive_kind(a, test->kind);
+        saltus_archive_real(a, &test->value.mantissa);
+        saltus_archive_real(a, &test->value.exponent);
+        saltus_archive_real(a, &test->quiet);
+        test->breach = saltus_archive_flag(a, test->breach);
+        test->ends = saltus_archive_flag(a, test->ends);
+        test->without = saltus_archive_flag(a, test->without);
+        test->joins = saltus_archive_flag(a, test->joins);
+        saltus_archive_real(a, &test->theta);
+        archive_close(a, &test->single);
+        archive_close(a, &test->product);
         saltus_archive_real(a, &l->here.before[k].mantissa);
         saltus_archive_real(a, &l->here.before[k].exponent);
     }
