@@ -201,7 +201,8 @@ bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
 void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
     enum { numbers_min = 7 }; /* of a visited point */
     t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
-    for (visited *v = t->visited; v < t->visited + t->visited_count; v++) {
+    for (int k = 0; k < t->visited_count; k++) {
+        visited *v = &t->visited[k];
         v->kind = saltus_archive_kind(a, v->kind);
         v->branch = (int)saltus_archive_whole(a, v->branch, 0, INT_MAX);
         v->periods = (int)saltus_archive_whole(a, v->periods, 0, INT_MAX);
