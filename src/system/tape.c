@@ -538,12 +538,14 @@ saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_cou
     free(m.slot_of);
     free(m.uses);
     /* The square of a displacement comes with its product with the velocity, where both are there. */
-    for (saltus_tape_step *s = tape->steps; s < tape->steps + tape->step_count && !m.failed; s++)
+    for (int i = 0; i < tape->step_count && !m.failed; i++) {
+        saltus_tape_step *s = &tape->steps[i];
         for (int j = 0; j < tape->step_count && s->code == SALTUS_TAPE_SQUARE; j++)
             if (tape->steps[j].code == SALTUS_TAPE_RATE && tape->steps[j].a == s->a) {
                 s->code = SALTUS_TAPE_INTEGRAL;
                 s->b = tape->steps[j].out;
             }
+    }
     m.failed = m.failed || !saltus_tape_arrange(tape, dof);
     if (!m.failed) {
         tape->compiled = saltus_compiled_list_new();

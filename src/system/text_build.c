@@ -539,7 +539,8 @@ static int lay_out(builder *b, const saltus_parsed_list *list, quantities *made)
 
 /* Names and right sides of all members of all quantities, the first of which is the field's `first`. */
 static void read_members(builder *b, const saltus_parsed_list *equations, const quantities *list, int first) {
-    for (const quantity *q = list->items; q < list->items + list->count; q++)
+    for (int i = 0; i < list->count; i++) {
+        const quantity *q = &list->items[i];
         for (int j = 0; j < (q->count ? q->count : 1) && b->status == SALTUS_OK; j++) {
             const int number = q->count ? j + 1 : 0, place = first + q->first + j;
             const saltus_parsed *e = equation_for(equations, q->name, (int)strlen(q->name), number);
@@ -552,6 +553,7 @@ static void read_members(builder *b, const saltus_parsed_list *equations, const 
             else
                 b->made->field[place] = right_side(b, e, number);
         }
+    }
 }
 
 /* Which displacement a name on a left side means; -1 after a complaint. */
@@ -582,7 +584,8 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
         return;
     }
     bool found = false;
-    for (const quantity *q = b->displacements.items; q < b->displacements.items + b->displacements.count; q++)
+    for (int k = 0; k < b->displacements.count; k++) {
+        const quantity *q = &b->displacements.items[k];
         for (int j = 0; j < (q->count ? q->count : 1) && b->status == SALTUS_OK; j++) {
             const int i = q->first + j;
             const bool same = strcmp(q->name, e->base) == 0, family = e->index[0] && same;
@@ -595,6 +598,7 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
                 mass[i * n + i] = right_side(b, e, j + 1);
             given[i * n + i] = true;
         }
+    }
     b->equation = e;
     if (b->status == SALTUS_OK && !found)
         refuse(b, NULL, "%s is no displacement", e->name);
