@@ -84,7 +84,7 @@ static void put_tape(FILE *out, const saltus_tape *tape) {
     put_operands(out, tape->row_terms, count_terms(tape));
     put_operands(out, &none, 1);
     fputs("}; static const saltus_tape_operand fixed_outputs[] = {", out);
-    put_operands(out, tape->output_at, tape->output_count);
+    put_operands(out, tape->outputs, tape->output_count);
     fputs("}; static const saltus_tape_row fixed_rows[] = {", out);
     for (int k = 0; k < tape->row_count; k++)
         put_row(out, &tape->rows[k]);
@@ -95,17 +95,17 @@ static void put_tape(FILE *out, const saltus_tape *tape) {
         fprintf(out, "%d, ", tape->weight_slot[1][k] < 0);
     fprintf(out,
             "}; static const saltus_tape fixed_tape = {.row_count = %d, .steady_rows = %d, "
-            ".steady_by_order = %d, .time = %d, .phase = %d, .elements = {%d, %d}, .weights = {%d, %d}, "
+            ".steady_by_order = %d, .elements = {%d, %d}, .weights = {%d, %d}, "
             ".output_row = %d, .rows = (saltus_tape_row *)fixed_rows, "
             ".row_terms = (saltus_tape_row_term *)fixed_terms, "
-            ".output_at = (saltus_tape_operand *)fixed_outputs, .state = {",
-            tape->row_count, tape->steady_rows, tape->steady_by_order, tape->time, tape->phase,
-            tape->elements[0], tape->elements[1], tape->weights[0], tape->weights[1], tape->output_row);
+            ".outputs = (saltus_tape_operand *)fixed_outputs, .state = {",
+            tape->row_count, tape->steady_rows, tape->steady_by_order, tape->elements[0], tape->elements[1],
+            tape->weights[0], tape->weights[1], tape->output_row);
     put_operands(out, tape->state, 3);
-    fputs("}, .time_at = ", out);
-    put_operands(out, &tape->time_at, 1);
-    fputs(".phase_at = ", out);
-    put_operands(out, &tape->phase_at, 1);
+    fputs("}, .time = ", out);
+    put_operands(out, &tape->time, 1);
+    fputs(".phase = ", out);
+    put_operands(out, &tape->phase, 1);
     fputs("};\n", out);
 }
 

@@ -11,61 +11,44 @@
 enum { many = 8 };
 
 static void reserve(saltus_shooting *p) {
-    size_t n = (size_t)p->n;
-    p->state_scale = saltus_arena_doubles(&p->arena, n);
-    p->end = saltus_arena_doubles(&p->arena, n);
-    p->shift = saltus_arena_doubles(&p->arena, n);
-    p->tangents = saltus_arena_doubles(&p->arena, n * (size_t)p->columns);
-    p->gradient = saltus_arena_doubles(&p->arena, (size_t)p->columns);
-    p->collection.since = saltus_arena_doubles(&p->arena, n * n);
-    p->collection.work = saltus_arena_doubles(&p->arena, n * n);
-}
-
-static void reserve_shape(saltus_shooting *p, int unknowns) {
-    saltus_arena *arena = &p->shape_arena;
-    saltus_equations_reserve(&p->equations, unknowns, arena);
+    const size_t count = (size_t)p->count, square = (size_t)p->n * (size_t)p->n;
+    saltus_equations_reserve(&p->equations, p->response.unknowns, &p->arena);
     p->equations.count = p->count;
-    p->scale = saltus_arena_doubles(arena, (size_t)p->count);
-    p->plain = saltus_arena_doubles(arena, (size_t)unknowns);
-    p->answer = saltus_arena_doubles(arena, (size_t)p->n * (size_t)unknowns);
-    p->next = saltus_arena_doubles(arena, (size_t)p->n * (size_t)unknowns);
+    p->scale = saltus_arena_doubles(&p->arena, count);
+    p->plain = saltus_arena_doubles(&p->arena, (size_t)p->response.unknowns);
+    saltus_response_reserve(&p->response, &p->arena);
+    p->collection.since = saltus_arena_doubles(&p->arena, square);
+    p->collection.work = saltus_arena_doubles(&p->arena, square);
 }
 
-/* Flow, scales and vectors for the first system. */
-static saltus_status open_parts(saltus_shooting *p, saltus_message *message) {
-    saltus_flow_options flow = p->options.flow;
+/* Flows and scales for the first system. */
+static saltus_status open_parts(saltus_shooting *p, saltus_flow_options flow, saltus_message *message) {
     const saltus_system *system = p->full.system;
-    p->n = saltus_system_dimension(system);
+    const double *scale = saltus_system_scale(system), frequency = 2 * M_PI / saltus_system_period(system);
     saltus_direction direction[SALTUS_DIRECTIONS_MAX];
+    flow.directions = p->family.parameters;
     for (int d = 0; d < p->family.parameters; d++)
         direction[d] = p->family.direction[d];
-    p->directions = p->family.parameters;
     if (!saltus_system_forced(system))
-        direction[p->directions++] = saltus_spec_omega_direction(&p->family.spec);
-    flow.directions = p->directions;
+        direction[flow.directions++] = saltus_spec_omega_direction(&p->family.spec);
     /* Tangent vectors that begin anew in every segment bring layers with them, behind which collocation would
      * have little time left: where series keep up with it side by side they do here, too. */
     if (saltus_flow_width(system, flow.integrator) > 1)
         flow.integrator = SALTUS_TAYLOR;
-    p->columns = flow.columns = p->n + flow.directions;
+    p->n = p->response.n = saltus_system_dimension(system);
+    p->response.directions = flow.directions;
+    flow.columns = p->n + flow.directions;
     saltus_status status = saltus_flow_new(&system, 1, &flow, &p->full.flow, message);
     if (status == SALTUS_OK)
         status = saltus_flow_single(p->bare.system, 0, &flow, &p->bare.flow, message);
     if (status != SALTUS_OK)
         return status;
-    if (p->directions)
+    if (flow.directions)
         saltus_flow_set_directions(p->full.flow, direction);
     if (p->n >= many) {
         p->equations.measure = saltus_shooting_residual;
         saltus_flow_expect_transients(p->full.flow);
     }
-    reserve(p);
-    if (!saltus_arena_open(&p->arena))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
-    reserve(p);
-    const double *scale = saltus_system_scale(system);
-    double frequency = 2 * M_PI / saltus_system_period(system);
-    /* The metric stays that of the first system, however the parameters change. */
     memcpy(p->state_scale, scale, (size_t)p->n * sizeof *scale);
     p->length = scale[0];
     p->speed = scale[saltus_system_dof(system)];
@@ -83,7 +66,6 @@ saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbi
     if (!p)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     p->family = *family;
-    p->options = *options;
     p->equations = (saltus_equations){.self = p,
                                       .evaluate = saltus_shooting_around,
                                       .tolerance = options->tolerance,
@@ -94,7 +76,7 @@ saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbi
     if (status == SALTUS_OK)
         status = saltus_system_new(&family->spec, &p->bare.system, message);
     if (status == SALTUS_OK)
-        status = open_parts(p, message);
+        status = open_parts(p, options->flow, message);
     if (status != SALTUS_OK) {
         saltus_shooting_free(p);
         return status;
@@ -104,18 +86,17 @@ saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbi
 }
 
 static void close_shape(saltus_shooting *p) {
-    saltus_arena_close(&p->shape_arena);
-    p->shape_arena = (saltus_arena){0};
+    saltus_arena_close(&p->arena);
+    p->arena = (saltus_arena){0};
     saltus_dense_lu_close(&p->equations.lu);
-    free(p->breaches);
-    p->breaches = NULL;
+    free(p->breaches.items);
+    p->breaches = (saltus_breaches){0};
 }
 
 void saltus_shooting_free(saltus_shooting *p) {
     if (!p)
         return;
     close_shape(p);
-    saltus_arena_close(&p->arena);
     for (int k = 0; k < 2; k++) {
         const saltus_tuned *tuned = k ? &p->bare : &p->full;
         saltus_flow_free(tuned->flow);
@@ -136,17 +117,22 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     if (sequence->periods < 1)
         return saltus_fail(message, SALTUS_BAD_INPUT, "periods = %d: must be at least 1", sequence->periods);
     p->sequence = *sequence;
-    p->plain_count = cuts * p->n + marks;
     p->count = saltus_sequence_unknowns(sequence, p->n);
+    p->response.plain = cuts * p->n + marks;
+    p->response.unknowns = p->count + (p->family.parameters > 1 ? p->family.parameters : 1);
+    /* The parameters' columns in their order, then omega's. */
+    for (int d = 0; d < p->response.directions; d++)
+        p->response.place[d] = d < p->family.parameters ? p->count + d
+                               : sequence->omega > 0    ? p->count - 1
+                                                        : -1;
     p->equations.kind = marks ? "event times unknown" : "stroboscopic map";
-    int unknowns = p->count + (p->family.parameters > 1 ? p->family.parameters : 1);
-    p->breach_room = 2 * marks + 2 * (marks + cuts + 1) * faces;
-    p->breaches = calloc((size_t)p->breach_room + 1, sizeof *p->breaches);
-    reserve_shape(p, unknowns);
-    if (!(p->breaches && saltus_dense_lu_open(&p->equations.lu, unknowns) &&
-          saltus_arena_open(&p->shape_arena)))
+    p->breaches.room = 2 * marks + 2 * (marks + cuts + 1) * faces;
+    p->breaches.items = calloc((size_t)p->breaches.room + 1, sizeof *p->breaches.items);
+    reserve(p);
+    if (!(p->breaches.items && saltus_dense_lu_open(&p->equations.lu, p->response.unknowns) &&
+          saltus_arena_open(&p->arena)))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a sequence of %d events", marks);
-    reserve_shape(p, unknowns);
+    reserve(p);
     for (int j = 0; j < p->count; j++)
         p->scale[j] = j < cuts * p->n ? p->state_scale[j % p->n] : 1;
     return SALTUS_OK;
@@ -205,8 +191,8 @@ double saltus_shooting_onward(const saltus_shooting *p, double *speed) {
     return p->onward;
 }
 const saltus_breach *saltus_shooting_breaches(const saltus_shooting *p, int *count) {
-    *count = p->breach_count;
-    return p->breaches;
+    *count = p->breaches.count;
+    return p->breaches.items;
 }
 
 void saltus_shooting_collect(saltus_shooting *p, saltus_cocycle *cocycle) {
@@ -240,7 +226,7 @@ saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters,
     for (int k = 0; k < s->count; k++)
         u[s->cuts * n + k] = s->mark[k].time;
     if (s->omega > 0)
-        u[p->plain_count] = log(saltus_spec_omega(&p->family.spec) / s->omega);
+        u[p->count - 1] = log(saltus_spec_omega(&p->family.spec) / s->omega);
     u[p->count] = 0;
     for (int d = 0; d < p->family.parameters; d++)
         u[p->count + d] = parameters[d];

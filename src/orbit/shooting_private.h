@@ -3,6 +3,7 @@
 #ifndef SALTUS_ORBIT_SHOOTING_PRIVATE_H
 #define SALTUS_ORBIT_SHOOTING_PRIVATE_H
 
+#include "orbit/response.h"
 #include "orbit/shooting.h"
 
 /* A flow, and the parameters and the sequence's omega that its system has. */
@@ -21,29 +22,32 @@ typedef struct saltus_collection {
     bool whole;           /* it has gone there in the last evaluation */
 } saltus_collection;
 
+/* What a walk saw of the orbit between its marks. */
+typedef struct saltus_breaches {
+    saltus_breach *items;
+    int count, room;
+} saltus_breaches;
+
 struct saltus_shooting {
+    /* Settled when it is made. */
     saltus_family family;
-    saltus_orbit_options options;
-    saltus_tuned full, bare; /* with all tangent vectors, and without any */
-    int n, columns;
-    int directions;              /* of them: the parameters, and omega where the scene is not forced */
-    double length, speed, force; /* scales of gaps, normal speeds, normal accelerations */
+    int n;
+    double length, speed, force;          /* scales of gaps, normal speeds, normal accelerations */
+    double state_scale[SALTUS_STATE_MAX]; /* of the first system, however the parameters change */
+    saltus_tuned full, bare;              /* with all tangent vectors, and without any */
+    /* Of the sequence it has taken on. */
     saltus_sequence sequence;
-    int plain_count; /* unknowns that are states and times */
-    int count;       /* of the equations, and of the unknowns but for the parameters */
+    int count; /* of the equations, and of the unknowns but for the parameters */
     saltus_equations equations;
-    saltus_arena arena; /* of what depends on the state's dimension alone */
-    double *state_scale, *end, *tangents, *gradient, *shift; /* n or columns of them; n x columns tangents */
-    saltus_arena shape_arena;                                /* of what depends on the sequence */
-    double *scale;                                           /* count */
-    double *plain;                                           /* the unknowns unscaled */
-    double *answer, *next; /* n x unknowns: how the state at hand answers to the unknowns */
-    double onward,
-        flow_speed; /* of the flow at the end, in units of the anchor's: across it, and altogether */
-    double steps;   /* of the integrator in a period, as usual here; 0: not known */
+    saltus_arena arena;
+    double *scale; /* count */
+    double *plain; /* the unknowns unscaled */
+    /* Of the walks around it. */
+    saltus_response response;
     saltus_collection collection;
-    saltus_breach *breaches;
-    int breach_count, breach_room;
+    saltus_breaches breaches;
+    double onward, flow_speed; /* as saltus_shooting_onward gives them */
+    double steps;              /* of the integrator in a period, as usual here; 0: not known */
 };
 
 /* The omega of unknowns; 0 where it is none of them. */

@@ -1,11 +1,8 @@
 /* Once around an orbit of a prescribed sequence: residuals, Jacobian and breaches.
  *
- * The orbit is walked in pieces between cuts and marks. Over a piece the flow carries n tangent vectors from
- * the identity, A, and the parameter column; how the state at hand answers to all unknowns is a matrix of n
- * rows, which a piece multiplies by A. A mark at time t contributes the equation's gradient as a row, and to
- * its own column the shift that a delay of t causes (saltus_strike).
+ * The orbit is walked in pieces between cuts and marks. A mark at time t contributes the equation's gradient
+ * as a row, and to its own column the shift that a delay of t causes (saltus_strike).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "flow/flow.h"
 #include "orbit/shooting_private.h"
 
 #include <math.h>
@@ -25,45 +22,7 @@ typedef struct walk {
 } walk;
 
 double saltus_shooting_omega(const saltus_shooting *p, const double *u) {
-    return p->sequence.omega > 0 ? saltus_spec_omega(&p->family.spec) * exp(-u[p->plain_count]) : 0;
-}
-
-/* The unknown that a parameter column of the flow belongs to, -1 for none: omega's comes last. */
-static int column_place(const saltus_shooting *p, int direction) {
-    if (direction < p->family.parameters)
-        return p->count + direction;
-    return p->count > p->plain_count ? p->plain_count : -1;
-}
-
-/* The tangent vectors of a new piece: the identity, and how the state answers to the parameter. */
-static void begin_piece(saltus_shooting *p) {
-    int n = p->n;
-    memset(p->tangents, 0, (size_t)(n * p->columns) * sizeof(double));
-    for (int i = 0; i < n; i++)
-        p->tangents[i * n + i] = 1;
-    for (int d = 0; d < p->directions; d++)
-        for (int i = 0; i < n && column_place(p, d) >= 0; i++)
-            p->tangents[(n + d) * n + i] = p->answer[i * p->equations.unknowns + column_place(p, d)];
-    saltus_flow_set_tangents(p->full.flow, 0, p->tangents);
-}
-
-/* answer = A answer, with the columns that the flow has now. */
-static void end_piece(saltus_shooting *p) {
-    int n = p->n, m = p->equations.unknowns;
-    saltus_flow_tangents(p->full.flow, 0, p->tangents);
-    memset(p->next, 0, (size_t)(n * m) * sizeof(double));
-    for (int k = 0; k < n; k++)
-        for (int i = 0; i < n; i++) {
-            double a = p->tangents[k * n + i];
-            for (int j = 0; j < p->plain_count; j++)
-                p->next[i * m + j] = fma(a, p->answer[k * m + j], p->next[i * m + j]);
-        }
-    for (int d = 0; d < p->directions; d++)
-        for (int i = 0; i < n && column_place(p, d) >= 0; i++)
-            p->next[i * m + column_place(p, d)] = p->tangents[(n + d) * n + i];
-    double *swap = p->answer;
-    p->answer = p->next;
-    p->next = swap;
+    return p->sequence.omega > 0 ? saltus_spec_omega(&p->family.spec) * exp(-u[p->count - 1]) : 0;
 }
 
 /* The derivative over a piece, by columns, goes on that from the segment's begin. */
@@ -89,17 +48,17 @@ static void collect_piece(saltus_shooting *p, const double *piece) {
  * passed it at a fixed time. */
 static void collect_mark(saltus_shooting *p, const saltus_strike *strike) {
     const int n = p->n;
+    double *tangents = p->response.tangents;
     for (int k = 0; k < n; k++)
         for (int i = 0; i < n; i++)
-            p->tangents[k * n + i] -=
-                strike->shift[i] * (strike->equation_gradient[k] / strike->equation_rate);
-    collect_piece(p, p->tangents);
+            tangents[k * n + i] -= strike->shift[i] * (strike->equation_gradient[k] / strike->equation_rate);
+    collect_piece(p, tangents);
 }
 
 /* A segment ends with the piece. */
 static saltus_status collect_segment(walk *w, saltus_message *message) {
     saltus_collection *c = &w->p->collection;
-    collect_piece(w->p, w->p->tangents);
+    collect_piece(w->p, w->p->response.tangents);
     c->begun = false;
     c->begin = saltus_time_periods(saltus_flow_time(w->flow, 0));
     return saltus_cocycle_add(c->into, c->since, message);
@@ -114,16 +73,16 @@ static saltus_status after_step(void *context, saltus_message *message) {
                  step = saltus_flow_step_length(w->flow, 0) / w->period;
     if ((length + step) * c->into->density <= 1)
         return SALTUS_OK;
-    end_piece(w->p);
+    saltus_response_end_piece(&w->p->response, w->flow);
     saltus_status status = collect_segment(w, message);
-    begin_piece(w->p);
+    saltus_response_begin_piece(&w->p->response, w->flow);
     return status;
 }
 
-static void note_breach(saltus_shooting *p, saltus_breach_kind kind, double value, int mark, int face,
+static void note_breach(saltus_breaches *list, saltus_breach_kind kind, double value, int mark, int face,
                         double time) {
-    if (p->breach_count < p->breach_room)
-        p->breaches[p->breach_count++] =
+    if (list->count < list->room)
+        list->items[list->count++] =
             (saltus_breach){.kind = kind, .value = value, .mark = mark, .face = face, .time = time};
 }
 
@@ -145,10 +104,12 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
         /* Just after a release or an impact without rebound the gap is zero: its maximum there is rounding.
          */
         if (extreme->value > -INFINITY && saltus_time_periods(extreme->time) - begin > 1e-6)
-            note_breach(p, kind, extreme->value / scale, mark, f, saltus_time_periods(extreme->time));
+            note_breach(&p->breaches, kind, extreme->value / scale, mark, f,
+                        saltus_time_periods(extreme->time));
         /* The own touch of an impact without speed must not hide another one. */
         if (extreme->value > extreme->inner && extreme->inner > -INFINITY)
-            note_breach(p, kind, extreme->inner / scale, mark, f, saltus_time_periods(extreme->inner_time));
+            note_breach(&p->breaches, kind, extreme->inner / scale, mark, f,
+                        saltus_time_periods(extreme->inner_time));
     }
     return status;
 }
@@ -180,7 +141,7 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
     if (!(until >= w->time))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
     if (w->whole)
-        begin_piece(w->p);
+        saltus_response_begin_piece(&w->p->response, w->flow);
     w->time = until;
     return w->driven ? drive(w, until, mark, message) : coast(w, until, mark, message);
 }
@@ -188,41 +149,17 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
 /* Start at a cut: the state there is itself unknown. */
 static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_message *message) {
     saltus_shooting *p = w->p;
-    int n = p->n, m = p->equations.unknowns;
+    const double *state = w->u + cut * p->n;
     w->time = p->collection.begin = p->sequence.cut[cut];
     p->collection.begun = false;
     /* Where the flow finds its events itself, what the start touches is for it to resolve. */
     saltus_status status =
         w->driven && contacts == 0
-            ? saltus_flow_start(w->flow, 0, saltus_time_of(w->time), w->u + cut * n, message)
-            : saltus_flow_place(w->flow, 0, saltus_time_of(w->time), w->u + cut * n, contacts, message);
-    if (status != SALTUS_OK || !w->whole)
-        return status;
-    saltus_flow_tangents(w->flow, 0, p->tangents);
-    memset(p->answer, 0, (size_t)(n * m) * sizeof(double));
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < n; k++)
-            p->answer[i * m + cut * n + k] = p->tangents[k * n + i];
-        for (int d = 0; d < p->directions; d++)
-            if (column_place(p, d) >= 0)
-                p->answer[i * m + column_place(p, d)] = p->tangents[(n + d) * n + i];
-    }
+            ? saltus_flow_start(w->flow, 0, saltus_time_of(w->time), state, message)
+            : saltus_flow_place(w->flow, 0, saltus_time_of(w->time), state, contacts, message);
+    if (status == SALTUS_OK && w->whole)
+        saltus_response_start(&p->response, w->flow, cut * p->n);
     return status;
-}
-
-/* The row of a mark's equation, from the answer before the piece that led to it. */
-static void mark_row(saltus_shooting *p, int k, const saltus_strike *strike, double scale, double period) {
-    int n = p->n, m = p->equations.unknowns, row = p->sequence.cuts * n + k;
-    double *gradient = p->equations.jacobian + (size_t)row * (size_t)m;
-    for (int j = 0; j < m; j++)
-        gradient[j] = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < p->plain_count; j++)
-            gradient[j] = fma(strike->equation_gradient[i] / scale, p->answer[i * m + j], gradient[j]);
-    for (int d = 0; d < p->directions; d++)
-        if (column_place(p, d) >= 0)
-            gradient[column_place(p, d)] = strike->equation_gradient[n + d] / scale;
-    gradient[row] += strike->equation_rate * period / scale;
 }
 
 /* How a contact interval and an impact stand at a mark. */
@@ -230,10 +167,11 @@ static void mark_breaches(walk *w, int k, const saltus_strike *strike) {
     saltus_shooting *p = w->p;
     const saltus_mark *mark = &p->sequence.mark[k];
     if (mark->kind == SALTUS_RELEASE) {
-        note_breach(p, SALTUS_BREACH_HOLD, w->held_since[mark->face] - w->time, k, mark->face, w->time);
+        note_breach(&p->breaches, SALTUS_BREACH_HOLD, w->held_since[mark->face] - w->time, k, mark->face,
+                    w->time);
         return;
     }
-    note_breach(p, SALTUS_BREACH_SPEED, -strike->speed / p->speed, k, mark->face, w->time);
+    note_breach(&p->breaches, SALTUS_BREACH_SPEED, -strike->speed / p->speed, k, mark->face, w->time);
     if (mark->kind == SALTUS_STICK)
         w->held_since[mark->face] = w->time;
 }
@@ -241,52 +179,54 @@ static void mark_breaches(walk *w, int k, const saltus_strike *strike) {
 static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     saltus_shooting *p = w->p;
     const saltus_mark *mark = &p->sequence.mark[k];
-    int own = p->sequence.cuts * p->n + k;
-    saltus_strike strike = {.equation_gradient = p->gradient, .shift = p->shift};
+    const double scale = mark->kind == SALTUS_RELEASE ? p->force : p->length;
+    const int own = p->sequence.cuts * p->n + k, m = p->equations.unknowns;
+    double gradient[SALTUS_STATE_MAX + SALTUS_DIRECTIONS_MAX], shift[SALTUS_STATE_MAX];
+    saltus_strike strike = {.equation_gradient = gradient, .shift = shift};
     saltus_status status = run_piece(w, w->u[own], k, message);
     if (status == SALTUS_OK)
         status = saltus_flow_strike(w->flow, 0, mark->kind, mark->face, &strike, message);
     if (status != SALTUS_OK)
         return status;
-    const double scale = mark->kind == SALTUS_RELEASE ? p->force : p->length;
     p->equations.residual[own] = strike.equation / scale;
     mark_breaches(w, k, &strike);
     w->driven = mark->driven;
     if (!w->whole)
         return status;
-    mark_row(p, k, &strike, scale, w->period);
-    end_piece(p);
+    saltus_response_mark(&p->response, &strike, scale, own, w->period,
+                         p->equations.jacobian + (size_t)own * (size_t)m);
+    saltus_response_end_piece(&p->response, w->flow);
     if (w->collects)
         collect_mark(p, &strike);
     for (int i = 0; i < p->n; i++)
-        p->answer[i * p->equations.unknowns + own] += strike.shift[i] * w->period;
+        p->response.answer[i * m + own] += shift[i] * w->period;
     return status;
 }
 
 /* Continuity: the state at a segment's end is that at the next cut. */
 static saltus_status match(walk *w, int cut, saltus_message *message) {
     saltus_shooting *p = w->p;
-    int n = p->n, m = p->equations.unknowns, next = (cut + 1) % p->sequence.cuts;
-    const double *scale = p->scale;
-    saltus_flow_state(w->flow, 0, p->end);
+    const int n = p->n, m = p->equations.unknowns, next = (cut + 1) % p->sequence.cuts;
+    double end[SALTUS_STATE_MAX];
+    saltus_flow_state(w->flow, 0, end);
     for (int i = 0; i < n; i++)
-        p->equations.residual[cut * n + i] = (p->end[i] - w->u[next * n + i]) / scale[i];
+        p->equations.residual[cut * n + i] = (end[i] - w->u[next * n + i]) / p->scale[i];
     if (!w->whole)
         return SALTUS_OK;
-    end_piece(p);
+    saltus_response_end_piece(&p->response, w->flow);
     for (int i = 0; i < n; i++) {
         double *row = p->equations.jacobian + (size_t)(cut * n + i) * (size_t)m;
         for (int j = 0; j < m; j++)
-            row[j] = p->answer[i * m + j] / scale[i];
-        row[next * n + i] -= 1 / scale[i];
+            row[j] = p->response.answer[i * m + j] / p->scale[i];
+        row[next * n + i] -= 1 / p->scale[i];
     }
     return w->collects ? collect_segment(w, message) : SALTUS_OK;
 }
 
-/* How far from where it should be the base of an orbit of unknown period is. */
+/* How far from where it should be the base of an orbit of unknown period is; that is its last equation. */
 static void find_aside(saltus_shooting *p) {
     const saltus_sequence *s = &p->sequence;
-    double *aside = &p->equations.residual[p->plain_count];
+    double *aside = &p->equations.residual[p->count - 1];
     *aside = 0;
     for (int i = 0; i < p->n; i++)
         *aside += s->across[i] / p->scale[i] * (p->plain[i] - s->anchor[i]);
@@ -295,27 +235,29 @@ static void find_aside(saltus_shooting *p) {
 /* The row of that equation. */
 static void anchor_row(saltus_shooting *p) {
     const saltus_sequence *s = &p->sequence;
-    double *row = p->equations.jacobian + (size_t)p->plain_count * (size_t)p->equations.unknowns;
+    double *row = p->equations.jacobian + (size_t)(p->count - 1) * (size_t)p->equations.unknowns;
+    double field[SALTUS_STATE_MAX];
     memset(row, 0, (size_t)p->equations.unknowns * sizeof *row);
     p->onward = p->flow_speed = 0;
-    saltus_flow_field(p->full.flow, 0, p->shift);
+    saltus_flow_field(p->full.flow, 0, field);
     for (int i = 0; i < p->n; i++) {
         row[i] = s->across[i] / p->scale[i];
-        p->onward += row[i] * p->shift[i] / s->speed;
-        p->flow_speed = hypot(p->flow_speed, p->shift[i] / p->scale[i] / s->speed);
+        p->onward += row[i] * field[i] / s->speed;
+        p->flow_speed = hypot(p->flow_speed, field[i] / p->scale[i] / s->speed);
     }
 }
 
 /* The unknowns of the states and times are scaled, omega falls with the period's logarithm, the parameters go
  * by the family's units. */
-static void scale_columns(saltus_shooting *p, double omega) {
-    int m = p->equations.unknowns;
-    for (int i = 0; i < p->count; i++)
-        for (int j = 0; j < m; j++)
-            p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= j < p->plain_count ? p->scale[j]
-                                                                        : j < p->count
-                                                                            ? -omega
-                                                                            : p->family.unit[j - p->count];
+static void scale_columns(saltus_shooting *p) {
+    const int m = p->equations.unknowns;
+    for (int j = 0; j < m; j++) {
+        const double factor = j < p->response.plain ? p->scale[j]
+                              : j < p->count        ? -p->full.omega
+                                                    : p->family.unit[j - p->count];
+        for (int i = 0; i < p->count; i++)
+            p->equations.jacobian[(size_t)i * (size_t)m + (size_t)j] *= factor;
+    }
 }
 
 saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters, double omega) {
@@ -390,7 +332,7 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
     walk w = {.p = p,
               .flow = by->flow,
               .whole = by == &p->full,
-              .collects = by == &p->full && p->collection.into && p->count == p->plain_count,
+              .collects = by == &p->full && p->collection.into && !(s->omega > 0),
               .u = p->plain,
               .driven = s->driven};
     unsigned contacts = s->contacts;
@@ -398,7 +340,7 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
     int k = 0;
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         w.held_since[f] = s->base;
-    p->breach_count = 0;
+    p->breaches.count = 0;
     if (!lies_within(p, p->plain + s->cuts * p->n))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
     saltus_status status = tune(&p->family, by, u + p->count, saltus_shooting_omega(p, u), message);
@@ -435,18 +377,18 @@ saltus_status saltus_shooting_around(void *self, const double *u, saltus_message
     saltus_status status = saltus_shooting_along(p, &p->full, p->sequence.cuts, u, message);
     if (status != SALTUS_OK)
         return status;
-    if (p->count > p->plain_count) {
+    if (p->sequence.omega > 0) {
         find_aside(p);
         anchor_row(p);
     }
-    scale_columns(p, p->full.omega);
+    scale_columns(p);
     return status;
 }
 
 saltus_status saltus_shooting_residual(void *self, const double *u, saltus_message *message) {
     saltus_shooting *p = self;
     saltus_status status = saltus_shooting_along(p, &p->bare, p->sequence.cuts, u, message);
-    if (status == SALTUS_OK && p->count > p->plain_count)
+    if (status == SALTUS_OK && p->sequence.omega > 0)
         find_aside(p);
     return status;
 }

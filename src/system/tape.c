@@ -1,595 +1,633 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A tape's steps arranged in rows. Steps of one kind that come at the same depth and take their operands from
+ * the same rows become one step on neighbouring elements: a family of equations then costs as many steps as
+ * one equation, and a trajectory alone has its elements side by side in packs.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/tape.h"
 
 #include "base/memory.h"
 #include "system/compile.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A tape being made. What a node has become stands in `place`: a register, or -1 where it has none yet. */
-typedef struct maker {
-    saltus_graph *graph;
+enum { total_max = 64 }; /* elements that are added up side by side */
+enum { pack_max = 8 };   /* elements of the widest pack: rows of one trajectory are filled up to these */
+
+/* Where a register stands. */
+typedef struct home {
+    int row, element; /* -1: none yet */
+    int level;
+    int newness; /* the higher, the later at each order it is known; 0 as displacements: an order before */
+    unsigned long long kind; /* of the step that makes it: steps of equal kinds share a row */
+} home;
+
+typedef struct arranger {
+    const saltus_tape_steps *steps;
     saltus_tape *tape;
-    int *place, *slot_of, *uses;
-    int dof;
-    int placed; /* nodes that `place`, `slot_of` and `uses` have room for */
-    saltus_list steps, terms, slots, depends, linear;
-    saltus_list sums, parts; /* that have been factored out (shared_sum, part) */
+    home *homes;                /* of each register */
+    int *first;                 /* place of each row, of both widths: [row][2] */
+    int *members, member_count; /* steps of the row being made */
+    int rows;
+    bool *delicate; /* registers that need not be finite: they share no row */
+    bool *accelerates;
+    bool choices;
+    bool *used;                          /* registers that a step takes */
+    int *stamps, stamp;                  /* of columns and diagonals that have been met */
+    int reach;                           /* more than any row has elements */
+    saltus_list made, terms, weights[2]; /* rows; their terms and slots */
     bool failed;
-} maker;
+} arranger;
 
-/* A number times a node, and sums of such: nodes of factors depend on parameters alone. Node -1: the number.
- */
-typedef struct summand {
-    int factor, node;
-} summand;
-
-static void add_summand(maker *m, saltus_list *sum, summand s) {
-    summand *entry = saltus_list_grow(sum, sizeof *entry, &m->failed);
+static void add_slot(arranger *m, int width, int slot) {
+    int *entry = saltus_list_grow(&m->weights[width], sizeof *entry, &m->failed);
     if (entry)
-        *entry = s;
+        *entry = slot;
 }
 
-/* Nodes may have been added to the graph since. */
-static bool follow_graph(maker *m) {
-    int count = m->graph->count;
-    int **const arrays[] = {&m->place, &m->slot_of, &m->uses};
-    m->failed = m->failed || m->graph->full;
-    if (m->failed || count <= m->placed)
-        return !m->failed;
-    for (int k = 0; k < 3; k++) {
-        int *longer = realloc(*arrays[k], 2 * (size_t)count * sizeof *longer);
-        if (!longer) {
-            m->failed = true;
-            return false;
+static void add_term(arranger *m, saltus_tape_row_term term) {
+    saltus_tape_row_term *entry = saltus_list_grow(&m->terms, sizeof *entry, &m->failed);
+    if (entry)
+        *entry = term;
+}
+
+static int padded(int count) {
+    return (count + pack_max - 1) / pack_max * pack_max;
+}
+
+/* A new row of so many elements. */
+static int add_row(arranger *m, int count) {
+    const int row = m->rows++;
+    m->first[2 * row] = m->tape->elements[0];
+    m->first[2 * row + 1] = m->tape->elements[1];
+    m->tape->elements[0] += padded(count);
+    m->tape->elements[1] += count;
+    return row;
+}
+
+static void settle(arranger *m, int place, int row, int element, int level, int newness) {
+    m->homes[place].row = row;
+    m->homes[place].element = element;
+    m->homes[place].level = level;
+    m->homes[place].newness = newness;
+}
+
+static saltus_tape_operand operand_at(const arranger *m, int row, int element, bool spread,
+                                      unsigned depends) {
+    return (saltus_tape_operand){
+        {m->first[2 * row] + element, m->first[2 * row + 1] + element}, spread, depends};
+}
+
+static saltus_tape_operand operand_of(const arranger *m, int place, bool spread) {
+    const home *h = &m->homes[place];
+    return operand_at(m, h->row, h->element, spread, m->steps->depends[place]);
+}
+
+/* The registers that a step needs of the same order, with those of a combination. */
+static int needs(const saltus_tape_steps *steps, const saltus_tape_step *s, int k) {
+    if (s->code == SALTUS_TAPE_COMBINE)
+        return k < s->count ? steps->terms[s->first + k].from : -2;
+    bool one = s->code == SALTUS_TAPE_SQUARE || s->code == SALTUS_TAPE_FUNCTION;
+    return k == 0 ? s->a : k == 1 && !one ? s->b : k == 1 && s->a2 >= 0 ? s->a2 : -2;
+}
+
+/* A combination that is an output of the tape and no operand of another step. */
+static bool is_last(const arranger *m, const saltus_tape_step *s) {
+    return s->code == SALTUS_TAPE_COMBINE && !m->used[s->out];
+}
+
+static unsigned long long mix(unsigned long long x) {
+    x = (x ^ x >> 31) * 0x9e3779b97f4a7c15ULL;
+    return (x ^ x >> 29) * 0xbf58476d1ce4e5b9ULL + 1;
+}
+
+/* What steps of one row have in common; 0: shares none. Of a combination the set of rows it takes from, in
+ * which the order does not matter; the accelerations are one row whatever they take. Equal sums of different
+ * steps would cost time, nothing else. */
+static unsigned long long kind_of(const arranger *m, const saltus_tape_step *s) {
+    const saltus_tape_steps *steps = m->steps;
+    bool alone = s->code == SALTUS_TAPE_FUNCTION || s->code == SALTUS_TAPE_CHOOSE || m->delicate[s->out];
+    unsigned long long rows = 0;
+    for (int k = 0, place; (place = needs(steps, s, k)) != -2 && !alone; k++) {
+        bool before = is_last(m, s);
+        alone = place >= 0 && m->delicate[place];
+        for (int j = 0; j < k && !before; j++) {
+            int other = needs(steps, s, j);
+            before = place < 0 ? other < 0 : other >= 0 && m->homes[other].row == m->homes[place].row;
         }
-        for (int j = m->placed; j < 2 * count; j++)
-            longer[j] = k < 2 ? -1 : 0;
-        *arrays[k] = longer;
+        if (!before)
+            rows += mix(place < 0 ? 1 : (unsigned long long)m->homes[place].row + 2);
     }
-    m->placed = 2 * count;
-    return true;
+    return alone ? 0
+                 : mix(rows + mix((unsigned long long)s->code * 64 + s->depends * 4 + s->linear * 2u +
+                                  m->accelerates[s->out])) |
+                       1;
 }
 
-static const saltus_graph_node *node_at(const maker *m, int node) {
-    return &m->graph->nodes[node];
+static void add_made(arranger *m, saltus_tape_row row) {
+    saltus_tape_row *entry = saltus_list_grow(&m->made, sizeof *entry, &m->failed);
+    if (entry)
+        *entry = row;
 }
 
-static int apply(maker *m, saltus_operation operation, int a, int b) {
-    return saltus_graph_apply(m->graph, operation, a, b);
+static const saltus_tape_step *member(const arranger *m, int e) {
+    return &m->steps->items[m->members[e]];
 }
 
-static int constant(maker *m, double value) {
-    return saltus_graph_constant(m->graph, value);
-}
-
-static bool is_number(const maker *m, int node) {
-    return (node_at(m, node)->depends & ~(unsigned)SALTUS_OF_PARAMETERS) == 0;
-}
-
-static int slot_of(maker *m, int node) {
-    if (!follow_graph(m))
-        return 0;
-    if (m->slot_of[node] < 0) {
-        int *slot = saltus_list_grow(&m->slots, sizeof *slot, &m->failed);
-        if (!slot)
-            return 0;
-        *slot = node;
-        m->slot_of[node] = m->slots.count - 1;
+/* An operand of all members: one element, a piece of a row, or a gathering made for it. */
+static saltus_tape_operand collect_operand(arranger *m, bool second, int level) {
+    const int count = m->member_count, place = second ? member(m, 0)->b : member(m, 0)->a;
+    const home *start = &m->homes[place];
+    bool same = count > 1, piece = true;
+    unsigned depends = 0;
+    for (int e = 0; e < count; e++) {
+        const int other = second ? member(m, e)->b : member(m, e)->a;
+        same = same && other == place;
+        piece = piece && m->homes[other].row == start->row && m->homes[other].element == start->element + e;
+        depends |= m->steps->depends[other];
     }
-    return m->slot_of[node];
+    if (same || piece)
+        return operand_of(m, place, same);
+    const int row = add_row(m, count);
+    saltus_tape_row gather = {.code = SALTUS_TAPE_GATHER,
+                              .count = count,
+                              .level = level,
+                              .out = operand_at(m, row, 0, false, depends),
+                              .first = m->terms.count};
+    for (int e = 0; e < count; e++)
+        add_term(m, operand_of(m, second ? member(m, e)->b : member(m, e)->a, true));
+    add_made(m, gather);
+    return gather.out;
 }
 
-static int new_register(maker *m, unsigned depends, bool linear) {
-    unsigned *entry = saltus_list_grow(&m->depends, sizeof *entry, &m->failed);
-    bool *flag = saltus_list_grow(&m->linear, sizeof *flag, &m->failed);
-    if (!entry || !flag)
-        return 0;
-    *entry = depends;
-    *flag = linear;
-    return m->depends.count - 1;
+/* One number in the matrix of a row of combinations. */
+typedef struct incidence {
+    int element, row, from, slot; /* row -1: no series, the number alone */
+    int newness;
+    unsigned depends;
+    bool taken;
+} incidence;
+
+static int earlier(const void *a, const void *b) {
+    const incidence *x = a, *y = b;
+    int order[] = {x->newness - y->newness, x->row - y->row, x->from - y->from, x->element - y->element};
+    for (int k = 0; k < 4; k++)
+        if (order[k])
+            return order[k];
+    return 0;
 }
 
-static bool is_linear(const maker *m, int place) {
-    return ((const bool *)m->linear.items)[place];
-}
+/* How many loads of one element a processor does while it waits for a load that overlaps two recent stores.
+ */
+enum { overlap = 6 };
 
-static int add_step(maker *m, saltus_tape_step step) {
-    if (step.out < 0)
-        step.out = new_register(m, step.depends, step.code == SALTUS_TAPE_COMBINE && step.linear);
-    saltus_tape_step *entry = saltus_list_grow(&m->steps, sizeof *entry, &m->failed);
-    if (!entry)
-        return 0;
-    *entry = step;
-    return step.out;
-}
-
-/* The register of a node, made where there is none yet. With a function comes its derivative, which may be
- * made of the very node that asks for the function, as tanh(x)^2 does for tanh(x): whoever has asked for the
- * registers of operands looks whether its own node has got one meanwhile. */
-static int register_of(maker *m, int node);
-
-/* A whole number between -8 and 8, and which one; 0: none. */
-static int small_power(const maker *m, int node) {
-    double value = node_at(m, node)->value;
-    return node_at(m, node)->operation == SALTUS_OP_CONSTANT && fabs(value) <= 8 && value == floor(value)
-               ? (int)value
-               : 0;
-}
-
-/* A power by products where the exponent is a small whole number, otherwise by exp and log. */
-static int rewrite_power(maker *m, int a, int b) {
-    int power = small_power(m, b), result = a;
-    if (!power)
-        return apply(m, SALTUS_OP_EXP, apply(m, SALTUS_OP_MULTIPLY, b, apply(m, SALTUS_OP_LOG, a, -1)), -1);
-    /* Squares first: x^6 = (x x^2)^2. */
-    for (int bit = 1 << (int)log2(abs(power)) >> 1; bit > 0; bit >>= 1) {
-        result = apply(m, SALTUS_OP_MULTIPLY, result, result);
-        if (abs(power) & bit)
-            result = apply(m, SALTUS_OP_MULTIPLY, a, result);
+/* Whether the entries of a row's block of the matrix lie on so few diagonals that these cost less than
+ * columns. Where branches that are not taken may hold anything, no diagonal reaches over the ends of its row.
+ */
+static bool on_diagonals(arranger *m, const incidence *list, int count, int members) {
+    int columns = 0, diagonals = 0;
+    bool aligned = true;
+    m->stamp++;
+    for (int k = 0; k < count; k++) {
+        int *column = &m->stamps[list[k].from],
+            *diagonal = &m->stamps[2 * m->reach + list[k].from - list[k].element];
+        columns += *column != m->stamp;
+        diagonals += *diagonal != m->stamp;
+        *column = *diagonal = m->stamp;
+        aligned = aligned && list[k].from == list[k].element;
     }
-    return power > 0 ? result : apply(m, SALTUS_OP_DIVIDE, constant(m, 1), result);
+    return members > 1 && columns > 1 && (aligned || (diagonals + overlap < columns && !m->choices));
 }
 
-/* A node as a factor times a node that is no such product itself. */
-static summand split(maker *m, int node) {
-    saltus_graph *g = m->graph;
-    summand s = {constant(m, 1), node};
-    for (;;) {
-        const saltus_graph_node n = g->nodes[s.node];
-        if (n.operation == SALTUS_OP_MULTIPLY && is_number(m, n.operand[0])) {
-            s.factor = apply(m, SALTUS_OP_MULTIPLY, s.factor, n.operand[0]);
-            s.node = n.operand[1];
-        } else if (n.operation == SALTUS_OP_MULTIPLY && is_number(m, n.operand[1])) {
-            s.factor = apply(m, SALTUS_OP_MULTIPLY, s.factor, n.operand[1]);
-            s.node = n.operand[0];
-        } else if (n.operation == SALTUS_OP_DIVIDE && is_number(m, n.operand[1])) {
-            s.factor = apply(m, SALTUS_OP_DIVIDE, s.factor, n.operand[1]);
-            s.node = n.operand[0];
-        } else if (n.operation == SALTUS_OP_POWER && small_power(m, n.operand[1]) > 1) {
-            /* (c x)^2 = c^2 x^2; the product is used as often as the power. */
-            const int power = s.node;
-            s.node = rewrite_power(m, n.operand[0], n.operand[1]);
-            if (!follow_graph(m))
-                return s;
-            m->uses[s.node] = m->uses[s.node] > m->uses[power] ? m->uses[s.node] : m->uses[power];
-        } else if (n.operation == SALTUS_OP_MULTIPLY) {
-            /* (c x) (d y) = (c d) (x y) */
-            summand a = split(m, n.operand[0]), b = split(m, n.operand[1]);
-            s.factor =
-                apply(m, SALTUS_OP_MULTIPLY, s.factor, apply(m, SALTUS_OP_MULTIPLY, a.factor, b.factor));
-            s.node = apply(m, SALTUS_OP_MULTIPLY, a.node, b.node);
-            return s;
-        } else
-            return s;
+/* Terms that have the entries of one block of the matrix: its columns or its diagonals. */
+static void add_terms(arranger *m, incidence *block, int count, int members, bool diagonal, int *slots,
+                      int *terms, bool *sparse) {
+    for (int k = 0; k < count; k++) {
+        if (block[k].taken)
+            continue;
+        const int shift = block[k].from - block[k].element;
+        saltus_tape_row_term made = {.place = {-1, -1}, .spread = !diagonal};
+        if (block->row >= 0)
+            made = operand_at(m, block->row, diagonal ? shift : block[k].from, !diagonal, 0);
+        for (int e = 0; e < members; e++)
+            slots[e] = -1;
+        for (int j = k; j < count; j++)
+            if (!block[j].taken && slots[block[j].element] < 0 &&
+                (diagonal ? block[j].from - block[j].element == shift : block[j].from == block[k].from)) {
+                block[j].taken = true;
+                slots[block[j].element] = block[j].slot;
+                made.depends |= block[j].depends;
+            }
+        add_term(m, made);
+        for (int e = 0; e < members; e++)
+            *sparse = *sparse || slots[e] < 0;
+        for (int width = 0; width < 2; width++)
+            for (int e = 0; e < (width ? members : padded(members)); e++)
+                add_slot(m, width, e < members ? slots[e] : -1);
+        ++*terms;
     }
 }
 
-/* Collect a node, times a factor, into a sum. Sums that nothing else uses are taken apart. */
-static void collect(maker *m, int factor, int node, saltus_list *sum, bool outermost) {
-    saltus_graph *g = m->graph;
+/* How many elements side by side a single combination adds up; 1: it has too few terms for that. */
+static int total_elements(const arranger *m) {
+    const saltus_tape_step *s = member(m, 0);
+    int elements = 1;
+    for (int j = 0; j < s->count && m->member_count == 1 && s->count >= 4; j++) {
+        const int from = m->steps->terms[s->first + j].from;
+        if (from >= 0 && m->homes[from].element >= elements)
+            elements = m->homes[from].element + 1;
+    }
+    return m->choices || elements > total_max ? 1 : elements;
+}
+
+static void add_combinations(arranger *m, saltus_tape_row *row) {
+    const saltus_tape_steps *steps = m->steps;
+    int count = 0, k = 0;
+    for (int e = 0; e < m->member_count; e++)
+        count += member(m, e)->count;
+    incidence *list = calloc((size_t)count + 1, sizeof *list);
+    const int beside = total_elements(m);
+    if (beside > 1) {
+        row->code = SALTUS_TAPE_TOTAL;
+        row->count = beside;
+    }
+    int *slots = calloc((size_t)row->count, sizeof *slots);
+    if (!list || !slots) {
+        m->failed = true;
+        goto out;
+    }
+    for (int e = 0; e < m->member_count; e++)
+        for (int j = 0; j < member(m, e)->count; j++) {
+            const saltus_tape_term *term = &steps->terms[member(m, e)->first + j];
+            const home *h = term->from < 0 ? NULL : &m->homes[term->from];
+            list[k++] = (incidence){.element = row->code == SALTUS_TAPE_TOTAL && h ? h->element : e,
+                                    .row = h ? h->row : -1,
+                                    .from = h ? h->element : 0,
+                                    .slot = term->slot,
+                                    .depends = h ? steps->depends[term->from] : 0,
+                                    .newness = h ? h->newness : -1};
+        }
+    qsort(list, (size_t)count, sizeof *list, earlier);
+    row->first = m->terms.count;
+    row->weight[0] = m->weights[0].count;
+    row->weight[1] = m->weights[1].count;
+    for (int pass = 0; pass < 2; pass++) {
+        for (int from = 0, to; from < count && !m->failed; from = to) {
+            for (to = from; to < count && list[to].row == list[from].row; to++)
+                ;
+            const bool diagonal = list[from].row >= 0 && on_diagonals(m, list + from, to - from, row->count);
+            if (diagonal == (pass == 1))
+                add_terms(m, list + from, to - from, row->count, diagonal, slots, &row->terms, &row->sparse);
+            if (list[from].row < 0 && pass == 0)
+                row->numbers = row->terms;
+        }
+        row->spread_terms = pass == 0 ? row->terms : row->spread_terms;
+    }
+out:
+    free(list);
+    free(slots);
+}
+
+/* The row of the steps that have been collected. */
+static void add_members(arranger *m, int level) {
+    const saltus_tape_step *s = member(m, 0);
+    saltus_tape_row row = {.code = s->code,
+                           .function = s->function,
+                           .count = m->member_count,
+                           .level = level,
+                           .sign = s->sign,
+                           .linear = s->linear};
+    if (s->code == SALTUS_TAPE_COMBINE)
+        add_combinations(m, &row);
+    else if (s->code == SALTUS_TAPE_CHOOSE) {
+        for (int width = 0; width < 2; width++) {
+            row.weight[width] = m->weights[width].count;
+            for (int e = 0; e < (width ? 1 : pack_max); e++)
+                add_slot(m, width, e == 0 ? s->first : -1);
+        }
+    }
     if (m->failed)
         return;
-    if (is_number(m, node)) {
-        add_summand(m, sum, (summand){apply(m, SALTUS_OP_MULTIPLY, factor, node), -1});
-        return;
+    if (s->code != SALTUS_TAPE_COMBINE && s->code != SALTUS_TAPE_FUNCTION) {
+        row.a = collect_operand(m, false, level);
+        row.b = s->code == SALTUS_TAPE_SQUARE ? row.a : collect_operand(m, true, level);
+    } else if (s->code == SALTUS_TAPE_FUNCTION)
+        row.a = operand_of(m, s->a, true);
+    if (s->code == SALTUS_TAPE_MULTIPLY)
+        row.turned = m->homes[s->a].newness > m->homes[s->b].newness;
+    /* The spread operand of a product comes first. */
+    if (s->code == SALTUS_TAPE_MULTIPLY && row.b.spread && !row.a.spread) {
+        saltus_tape_operand other = row.a;
+        row.a = row.b;
+        row.b = other;
+        row.turned = m->homes[s->b].newness > m->homes[s->a].newness;
     }
-    summand part = split(m, node);
-    const saltus_graph_node n = g->nodes[part.node];
-    bool sums = n.operation == SALTUS_OP_ADD || n.operation == SALTUS_OP_SUBTRACT;
-    if (!follow_graph(m))
-        return;
-    factor = apply(m, SALTUS_OP_MULTIPLY, factor, part.factor);
-    if (sums && (outermost || m->uses[part.node] <= 1) && m->place[part.node] < 0) {
-        int other =
-            n.operation == SALTUS_OP_ADD ? factor : apply(m, SALTUS_OP_MULTIPLY, factor, constant(m, -1));
-        collect(m, factor, n.operand[0], sum, false);
-        collect(m, other, n.operand[1], sum, false);
-        return;
-    }
-    add_summand(m, sum, (summand){factor, part.node});
+    const bool early = !(s->depends & SALTUS_OF_STATES) || s->code == SALTUS_TAPE_INTEGRAL;
+    const int place = add_row(m, m->member_count);
+    for (int e = 0; e < m->member_count; e++)
+        settle(m, member(m, e)->out, place, e, level, early ? 0 : level + 1);
+    row.out = operand_at(m, place, 0, false, s->depends);
+    add_made(m, row);
 }
 
-/* Terms of one node together, and the numbers. */
-static void merge(maker *m, saltus_list *sum) {
-    summand *s = sum->items;
+/* Functions take derivatives that may come later: their operands when all have places. Sine and cosine of
+ * what is linear in time are made together, by recurrences of their own. */
+static void finish_functions(arranger *m) {
+    saltus_tape *tape = m->tape;
+    saltus_tape_row *rows = m->made.items;
     int kept = 0;
-    for (int k = 0; k < sum->count; k++) {
-        int j = 0;
-        while (j < kept && s[j].node != s[k].node)
-            j++;
-        if (j < kept)
-            s[j].factor = apply(m, SALTUS_OP_ADD, s[j].factor, s[k].factor);
-        else
-            s[kept++] = s[k];
-    }
-    sum->count = kept;
-}
-
-/* One term of a sum that has been factored out: a constant, a factor made of parameters, a node. */
-typedef struct part {
-    double constant;
-    int factor, node;
-} part;
-
-/* Such a sum: where its terms stand, and its node. */
-typedef struct shared_sum {
-    int first, count, node;
-} shared_sum;
-
-/* The constant in a number, and what else it is made of. */
-static double take_constant(maker *m, int node, int *rest) {
-    const saltus_graph_node n = *node_at(m, node);
-    int a, b;
-    if (n.operation == SALTUS_OP_CONSTANT) {
-        *rest = constant(m, 1);
-        return n.value;
-    }
-    *rest = node;
-    if (n.operation != SALTUS_OP_MULTIPLY && n.operation != SALTUS_OP_DIVIDE)
-        return 1;
-    double first = take_constant(m, n.operand[0], &a), second = take_constant(m, n.operand[1], &b);
-    *rest = apply(m, n.operation, a, b);
-    return n.operation == SALTUS_OP_MULTIPLY ? first * second : first / second;
-}
-
-static int by_node(const void *a, const void *b) {
-    return ((const summand *)a)->node - ((const summand *)b)->node;
-}
-
-/* A constant times a sum whose first constant is 1: equations of a family then share the sum. */
-static summand share_sum(maker *m, saltus_list *terms) {
-    summand *s = terms->items;
-    const int count = terms->count, first = m->parts.count;
-    double scale = 1;
-    int node = 0;
-    qsort(s, (size_t)count, sizeof *s, by_node);
-    for (int k = 0; k < count; k++) {
-        part *own = saltus_list_grow(&m->parts, sizeof *own, &m->failed);
-        if (!own)
-            return (summand){0, 0};
-        own->node = s[k].node;
-        own->constant = take_constant(m, s[k].factor, &own->factor);
-        if (k == 0 && own->constant != 0)
-            scale = own->constant;
-        own->constant /= scale;
-    }
-    const part *parts = m->parts.items;
-    for (int k = 0; k < m->sums.count; k++) {
-        const shared_sum *other = (shared_sum *)m->sums.items + k;
-        bool same = other->count == count; /* but for the rounding of constants */
-        for (int j = 0; j < count && same; j++) {
-            const part *a = &parts[first + j], *b = &parts[other->first + j];
-            same = a->node == b->node && a->factor == b->factor &&
-                   fabs(a->constant - b->constant) <= 1e-15 * fabs(a->constant);
+    for (int k = 0; k < m->made.count; k++) {
+        saltus_tape_row row = rows[k];
+        if (row.code == SALTUS_TAPE_FUNCTION) {
+            const saltus_tape_step *s = m->steps->items;
+            while (s->code != SALTUS_TAPE_FUNCTION ||
+                   operand_of(m, s->out, false).place[1] != row.out.place[1])
+                s++;
+            row.b = operand_of(m, s->b, true);
+            row.paired = s->a2 >= 0;
+            if (row.paired) {
+                row.a2 = operand_of(m, s->a2, true);
+                row.b2 = operand_of(m, s->b2, true);
+            }
+            if (row.linear && row.function == SALTUS_OP_COS)
+                continue;
+            if (row.linear && row.function == SALTUS_OP_SIN)
+                row.code = SALTUS_TAPE_SINE;
+            else if (!(row.out.depends & SALTUS_OF_STATES))
+                tape->steady_by_order = true;
         }
-        if (same) {
-            m->parts.count = first;
-            return (summand){constant(m, scale), other->node};
+        rows[kept++] = row;
+    }
+    m->made.count = kept;
+}
+
+static void mark_used(arranger *m) {
+    const saltus_tape_steps *steps = m->steps;
+    for (int k = 0; k < steps->count; k++) {
+        const saltus_tape_step *s = &steps->items[k];
+        for (int j = 0, place; (place = needs(steps, s, j)) != -2; j++)
+            if (place >= 0)
+                m->used[place] = true;
+        if (s->code == SALTUS_TAPE_FUNCTION)
+            m->used[s->b] = true;
+        if (s->code == SALTUS_TAPE_FUNCTION && s->a2 >= 0)
+            m->used[s->b2] = true;
+    }
+}
+
+/* What depends on no state first, then by depth. */
+static int row_order(const void *a, const void *b) {
+    const saltus_tape_row *x = a, *y = b;
+    int moves_x = (x->out.depends & SALTUS_OF_STATES) != 0,
+        moves_y = (y->out.depends & SALTUS_OF_STATES) != 0;
+    if (moves_x != moves_y)
+        return moves_x - moves_y;
+    if (x->level != y->level)
+        return x->level - y->level;
+    /* Gatherings were placed before what takes them. */
+    int late_x = x->code != SALTUS_TAPE_GATHER, late_y = y->code != SALTUS_TAPE_GATHER;
+    return late_x != late_y ? late_x - late_y : x->out.place[1] - y->out.place[1];
+}
+
+/* Registers that hold what need not be finite: in a branch that is not taken. Without choices nothing of the
+ * kind goes on unseen. */
+static void mark_delicate(arranger *m) {
+    const saltus_tape_steps *steps = m->steps;
+    for (int k = 0; k < steps->count; k++)
+        m->choices = m->choices || steps->items[k].code == SALTUS_TAPE_CHOOSE;
+    /* Functions may stand before what their series are made of: as often as anything changes. */
+    for (bool changed = m->choices; changed;) {
+        changed = false;
+        for (int k = 0; k < steps->count; k++) {
+            const saltus_tape_step *s = &steps->items[k];
+            bool own = s->code == SALTUS_TAPE_DIVIDE ||
+                       (s->code == SALTUS_TAPE_FUNCTION && s->function != SALTUS_OP_SIN &&
+                        s->function != SALTUS_OP_COS);
+            for (int j = 0, place; (place = needs(steps, s, j)) != -2; j++)
+                own = own || (place >= 0 && m->delicate[place]);
+            if (s->code == SALTUS_TAPE_CHOOSE || !own || m->delicate[s->out])
+                continue;
+            m->delicate[s->out] = changed = true;
         }
     }
-    for (int k = 0; k < count; k++) {
-        int factor =
-            apply(m, SALTUS_OP_MULTIPLY, constant(m, parts[first + k].constant), parts[first + k].factor);
-        node = apply(m, SALTUS_OP_ADD, node, apply(m, SALTUS_OP_MULTIPLY, factor, s[k].node));
-    }
-    shared_sum *entry = saltus_list_grow(&m->sums, sizeof *entry, &m->failed);
-    if (entry)
-        *entry = (shared_sum){first, count, node};
-    return (summand){constant(m, scale), node};
 }
 
-/* Whether a node is the velocity of another one, a displacement. */
-static bool is_rate_of(const maker *m, int velocity, int node) {
-    const saltus_graph_node *v = node_at(m, velocity), *q = node_at(m, node);
-    return v->operation == SALTUS_OP_STATE && q->operation == SALTUS_OP_STATE && q->index < m->dof &&
-           v->index == q->index + m->dof;
+/* How deep each step lies, one deeper than what it takes; the deepest. Combinations that nothing takes wait
+ * for all others. */
+static int find_levels(arranger *m) {
+    const saltus_tape_steps *steps = m->steps;
+    int levels = 0;
+    for (int k = 0; k < steps->count; k++) {
+        const saltus_tape_step *s = &steps->items[k];
+        int level =
+            s->code == SALTUS_TAPE_INTEGRAL; /* after the rate, which may stand later among the steps */
+        for (int j = 0, place; (place = needs(steps, s, j)) != -2; j++)
+            if (place >= 0 && m->homes[place].level > level)
+                level = m->homes[place].level;
+        m->homes[s->out].level = level + 1;
+        levels = level + 1 > levels ? level + 1 : levels;
+    }
+    for (int k = 0; k < steps->count; k++)
+        if (is_last(m, &steps->items[k]))
+            m->homes[steps->items[k].out].level = levels;
+    return levels;
 }
 
-/* A term's other operand where it is a product with x that nothing else uses; -1: it is none. Squares, and
- * displacements times their velocities, cost half a product and stay. */
-static int cofactor(const maker *m, int node, int x) {
-    if (node < 0 || node_at(m, node)->operation != SALTUS_OP_MULTIPLY || m->uses[node] > 1 ||
-        m->place[node] >= 0)
-        return -1;
-    const int a = node_at(m, node)->operand[0], b = node_at(m, node)->operand[1];
-    if (a == b || is_rate_of(m, a, b) || is_rate_of(m, b, a))
-        return -1;
-    return a == x ? b : b == x ? a : -1;
-}
-
-/* x y_1 + x y_2 + ... -> x (y_1 + y_2 + ...): one product in place of several. What is a number in the sum
- * stays a number times x. */
-static void factor_out(maker *m, saltus_list *sum, int x) {
-    saltus_list inner = {.items = NULL}, rest = {.items = NULL};
-    for (int k = 0; k < sum->count && !m->failed; k++) {
-        const summand s = ((summand *)sum->items)[k];
-        const int other = cofactor(m, s.node, x);
-        if (other >= 0)
-            collect(m, s.factor, other, &inner, false);
-        else
-            add_summand(m, &rest, s);
-    }
-    merge(m, &inner);
-    int kept = 0;
-    for (int k = 0; k < inner.count && !m->failed; k++) {
-        const summand s = ((summand *)inner.items)[k];
-        if (s.node >= 0)
-            ((summand *)inner.items)[kept++] = s;
-        else
-            add_summand(m, &rest, (summand){s.factor, x});
-    }
-    inner.count = kept;
-    if (!m->failed) {
-        summand shared = share_sum(m, &inner);
-        shared.node = apply(m, SALTUS_OP_MULTIPLY, x, shared.node);
-        add_summand(m, &rest, shared);
-    }
-    free(inner.items);
-    free(sum->items);
-    *sum = rest;
-    if (follow_graph(m))
-        merge(m, sum);
-}
-
-/* Sums of more terms stay as they are: every operand is looked for in all of them. */
-enum { factored_max = 256 };
-
-/* Common operands of a sum's products, those of most products first. */
-static void factor_sum(maker *m, saltus_list *sum) {
-    for (int best = 2, x = -1; best > 1 && sum->count <= factored_max && follow_graph(m); x = -1) {
-        best = 1;
-        for (int k = 0; k < sum->count; k++) {
-            const int node = ((summand *)sum->items)[k].node;
-            for (int side = 0; side < 2 && node >= 0; side++) {
-                const int own = node_at(m, node)->operand[side];
-                int count = 0;
-                if (own < 0 || cofactor(m, node, own) < 0)
-                    break;
-                for (int j = 0; j < sum->count; j++)
-                    count += cofactor(m, ((summand *)sum->items)[j].node, own) >= 0;
-                if (count > best) {
-                    best = count;
-                    x = own;
-                }
+/* All steps of a depth, kind by kind. */
+static void arrange_level(arranger *m, int level, bool *done) {
+    const saltus_tape_steps *steps = m->steps;
+    for (int k = 0; k < steps->count; k++)
+        if (!done[k] && m->homes[steps->items[k].out].level == level) {
+            saltus_tape_step *s = &steps->items[k];
+            const home *a = &m->homes[s->a], *b = &m->homes[s->b];
+            /* In a product the operand of the earlier row comes first: q * u and u * q are of one kind. */
+            if (s->code == SALTUS_TAPE_MULTIPLY &&
+                (b->row < a->row || (b->row == a->row && b->element < a->element))) {
+                const int other = s->a;
+                s->a = s->b;
+                s->b = other;
+            }
+            m->homes[s->out].kind = kind_of(m, s);
+        }
+    for (int k = 0; k < steps->count && !m->failed; k++) {
+        if (done[k] || m->homes[steps->items[k].out].level != level)
+            continue;
+        const unsigned long long kind = m->homes[steps->items[k].out].kind;
+        m->member_count = 0;
+        for (int j = k; j < steps->count; j++) {
+            const home *h = &m->homes[steps->items[j].out];
+            if (j == k || (kind && !done[j] && h->level == level && h->kind == kind)) {
+                m->members[m->member_count++] = j;
+                done[j] = true;
             }
         }
-        if (x >= 0)
-            factor_out(m, sum, x);
+        add_members(m, level);
     }
 }
 
-/* A sum as a step of its own. */
-static int combine(maker *m, int node) {
-    saltus_list sum = {.items = NULL};
-    collect(m, constant(m, 1), node, &sum, true);
-    merge(m, &sum);
-    factor_sum(m, &sum);
-    /* The registers first: their steps come before this one. */
-    for (int k = 0; k < sum.count && !m->failed; k++)
-        if (((summand *)sum.items)[k].node >= 0)
-            register_of(m, ((summand *)sum.items)[k].node);
-    if (m->failed || m->place[node] >= 0) {
-        free(sum.items);
-        return m->failed ? 0 : m->place[node];
+/* Rows of the states, of time and of the phase. */
+static void place_leaves(arranger *m, int dof) {
+    const saltus_tape_steps *steps = m->steps;
+    saltus_tape *tape = m->tape;
+    const int counts[] = {dof, dof, steps->states - 2 * dof};
+    for (int part = 0, state = 0; part < 3; part++) {
+        const int row = add_row(m, counts[part]);
+        tape->state[part] = operand_at(m, row, 0, false, SALTUS_OF_STATES);
+        for (int i = 0; i < counts[part]; i++, state++)
+            if (steps->state_register[state] >= 0)
+                settle(m, steps->state_register[state], row, i, 0, part > 0);
     }
-    saltus_tape_step step = {.code = SALTUS_TAPE_COMBINE,
-                             .first = m->terms.count,
-                             .count = sum.count,
-                             .out = -1,
-                             .depends = node_at(m, node)->depends,
-                             .linear = true};
-    for (int k = 0; k < sum.count && !m->failed; k++) {
-        summand s = ((summand *)sum.items)[k];
-        saltus_tape_term *term = saltus_list_grow(&m->terms, sizeof *term, &m->failed);
-        if (term)
-            *term = (saltus_tape_term){slot_of(m, s.factor), s.node < 0 ? -1 : register_of(m, s.node)};
-        step.linear = step.linear && (s.node < 0 || (!m->failed && is_linear(m, m->place[s.node])));
+    for (int k = 0; k < 2; k++) {
+        const int place = k ? steps->phase : steps->time;
+        saltus_tape_operand *at = k ? &tape->phase : &tape->time;
+        *at = (saltus_tape_operand){.place = {-1, -1}};
+        if (place >= 0) {
+            settle(m, place, add_row(m, 1), 0, 0, 0);
+            *at = operand_of(m, place, true);
+        }
     }
-    free(sum.items);
-    return m->failed ? 0 : add_step(m, step);
 }
 
-/* The step of a function comes before those of its derivative, which may be made of the function: so it has
- * its register first. */
-static int add_function(maker *m, int node) {
-    saltus_graph *g = m->graph;
-    const saltus_graph_node n = *node_at(m, node);
-    bool two = n.operation == SALTUS_OP_ATAN2;
-    saltus_tape_step step = {.code = SALTUS_TAPE_FUNCTION,
-                             .function = n.operation,
-                             .depends = n.depends,
-                             .sign = 1,
-                             .a = register_of(m, n.operand[0]),
-                             .a2 = two ? register_of(m, n.operand[1]) : -1,
-                             .b2 = -1};
-    if (m->failed || !follow_graph(m))
-        return 0;
-    step.out = m->place[node] = new_register(m, n.depends, false);
-    step.linear = is_linear(m, step.a) && !two;
-    int index = m->steps.count;
-    add_step(m, step);
-    if (two) {
-        /* d atan2(y, x) = (x dy - y dx) / (x^2 + y^2) */
-        int y = n.operand[0], x = n.operand[1];
-        int size =
-            apply(m, SALTUS_OP_ADD, apply(m, SALTUS_OP_MULTIPLY, x, x), apply(m, SALTUS_OP_MULTIPLY, y, y));
-        step.b = register_of(m, apply(m, SALTUS_OP_DIVIDE, x, size));
-        step.b2 = register_of(m, apply(m, SALTUS_OP_DIVIDE, apply(m, SALTUS_OP_SUBTRACT, 0, y), size));
-    } else {
-        summand derivative = split(m, saltus_graph_outer_derivative(g, node));
-        step.sign = node_at(m, derivative.factor)->value;
-        step.b = register_of(m, derivative.node);
+static void find_outputs(arranger *m, int dof) {
+    const saltus_tape_steps *steps = m->steps;
+    saltus_tape *tape = m->tape;
+    tape->output_row = true;
+    for (int i = 0; i < steps->output_count; i++)
+        tape->outputs[i] = operand_of(m, steps->outputs[i], false);
+    for (int i = 0; i < dof; i++) {
+        const home *h = &m->homes[steps->outputs[i]];
+        tape->output_row = tape->output_row && h->element == i && h->row == m->homes[steps->outputs[0]].row;
     }
-    if (!m->failed)
-        ((saltus_tape_step *)m->steps.items)[index] = step;
-    return step.out;
+    for (int k = 0; k < steps->registers && dof; k++)
+        if (m->homes[k].row == m->homes[steps->outputs[0]].row && m->homes[k].element >= dof)
+            tape->output_row = false;
 }
 
-static int add_node(maker *m, int node) {
-    const saltus_graph_node n = *node_at(m, node);
-    const bool moves = n.operation == SALTUS_OP_STATE;
-    saltus_tape_step step = {.out = -1, .depends = n.depends, .a2 = -1, .b2 = -1};
-    if (moves || n.operation == SALTUS_OP_TIME || n.operation == SALTUS_OP_PHASE) {
-        int place = new_register(m, n.depends, !moves);
-        *(moves                           ? &m->tape->state_register[n.index]
-          : n.operation == SALTUS_OP_TIME ? &m->tape->time
-                                          : &m->tape->phase) = place;
-        return place;
+/* Fill a tape with the rows of steps. False: no memory. */
+static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) {
+    const size_t registers = (size_t)steps->registers + 1, count = (size_t)steps->count + 1;
+    const int reach = steps->registers + steps->states + 1;
+    arranger m = {.steps = steps,
+                  .tape = tape,
+                  .reach = reach,
+                  .homes = calloc(registers, sizeof *m.homes),
+                  /* leaves, a row and two gatherings for every step */
+                  .first = calloc(2 * (3 * count + 8), sizeof *m.first),
+                  .members = calloc(count, sizeof *m.members),
+                  .delicate = calloc(registers, sizeof *m.delicate),
+                  .accelerates = calloc(registers, sizeof *m.accelerates),
+                  .used = calloc(registers, sizeof *m.used),
+                  .stamps = calloc(3 * (size_t)reach, sizeof *m.stamps)};
+    bool *done = calloc(count, sizeof *done);
+    int levels = 0;
+    tape->output_count = steps->output_count;
+    tape->outputs = calloc((size_t)tape->output_count + 1, sizeof *tape->outputs);
+    m.failed = !m.homes || !m.first || !m.members || !m.delicate || !m.accelerates || !m.used || !m.stamps ||
+               !done || !tape->outputs;
+    if (!m.failed) {
+        /* Terms on a diagonal reach over the ends of their rows, with weight zero. */
+        tape->elements[0] = padded(reach) + pack_max;
+        for (int i = 0; i < dof; i++)
+            m.accelerates[steps->outputs[i]] = true;
+        for (int k = 0; k < steps->registers; k++)
+            m.homes[k].row = -1;
+        place_leaves(&m, dof);
+        mark_delicate(&m);
+        mark_used(&m);
+        levels = find_levels(&m);
     }
-    /* Powers, and tan a = sin a / cos a, by functions that have a rule of their own. */
-    if (n.operation == SALTUS_OP_POWER)
-        return register_of(m, rewrite_power(m, n.operand[0], n.operand[1]));
-    if (n.operation == SALTUS_OP_TAN) {
-        int cosine = apply(m, SALTUS_OP_COS, n.operand[0], -1);
-        int sine = apply(m, SALTUS_OP_SIN, n.operand[0], -1);
-        return register_of(m, apply(m, SALTUS_OP_DIVIDE, sine, cosine));
+    for (int level = 1; level <= levels && !m.failed; level++)
+        arrange_level(&m, level, done);
+    if (!m.failed) {
+        finish_functions(&m);
+        if (m.made.count)
+            qsort(m.made.items, (size_t)m.made.count, sizeof(saltus_tape_row), row_order);
+        find_outputs(&m, dof);
+        tape->elements[0] += padded(reach) + pack_max;
     }
-    summand part = split(m, node);
-    if (is_number(m, node) || part.node != node || n.operation == SALTUS_OP_ADD ||
-        n.operation == SALTUS_OP_SUBTRACT)
-        return combine(m, node);
-    if (n.operation == SALTUS_OP_ATAN2 || (n.operation >= SALTUS_OP_SQRT && n.operation <= SALTUS_OP_TANH))
-        return add_function(m, node);
-    if (n.operation >= SALTUS_OP_CHOOSE_LESS) {
-        /* One of two series; which one is decided by parameters alone. */
-        int chosen =
-            saltus_graph_choose(m->graph, n.operation, n.operand[0], n.operand[1], constant(m, 1), 0);
-        step.code = SALTUS_TAPE_CHOOSE;
-        step.a = register_of(m, n.operand[2]);
-        step.b = register_of(m, n.operand[3]);
-        step.first = slot_of(m, chosen);
-        return m->failed ? 0 : add_step(m, step);
+    tape->rows = m.made.items;
+    tape->row_count = m.made.count;
+    while (tape->steady_rows < tape->row_count &&
+           !(tape->rows[tape->steady_rows].out.depends & SALTUS_OF_STATES))
+        tape->steady_rows++;
+    tape->row_terms = m.terms.items;
+    tape->row_term_count = m.terms.count;
+    for (int width = 0; width < 2; width++) {
+        tape->weight_slot[width] = m.weights[width].items;
+        tape->weights[width] = m.weights[width].count;
     }
-    step.a = register_of(m, n.operand[0]);
-    step.b = register_of(m, n.operand[1]);
-    if (m->failed || m->place[node] >= 0)
-        return m->failed ? 0 : m->place[node];
-    const bool first = is_rate_of(m, n.operand[0], n.operand[1]);
-    if (n.operation == SALTUS_OP_MULTIPLY && first) {
-        step.b = step.a;
-        step.a = register_of(m, n.operand[1]);
-    }
-    step.code = n.operation == SALTUS_OP_DIVIDE                      ? SALTUS_TAPE_DIVIDE
-                : step.a == step.b                                   ? SALTUS_TAPE_SQUARE
-                : first || is_rate_of(m, n.operand[1], n.operand[0]) ? SALTUS_TAPE_RATE
-                                                                     : SALTUS_TAPE_MULTIPLY;
-    return m->failed ? 0 : add_step(m, step);
-}
-
-static int register_of(maker *m, int node) {
-    if (!follow_graph(m))
-        return 0;
-    if (m->place[node] < 0) {
-        int place = add_node(m, node);
-        if (follow_graph(m))
-            m->place[node] = place;
-    }
-    return m->failed ? 0 : m->place[node];
-}
-
-static void count_uses(maker *m, const int *roots, int root_count) {
-    bool *needed = calloc((size_t)m->graph->count, sizeof *needed);
-    if (!needed || !follow_graph(m)) {
-        m->failed = true;
-        free(needed);
-        return;
-    }
-    saltus_graph_mark(m->graph, roots, root_count, NULL, needed);
-    for (int k = 0; k < m->graph->count; k++)
-        for (int j = 0; needed[k] && j < saltus_operation_operands(m->graph->nodes[k].operation); j++)
-            m->uses[m->graph->nodes[k].operand[j]]++;
-    for (int k = 0; k < root_count; k++)
-        m->uses[roots[k]]++;
-    free(needed);
+    free(m.homes);
+    free(m.first);
+    free(m.members);
+    free(m.delicate);
+    free(m.accelerates);
+    free(m.used);
+    free(m.stamps);
+    free(done);
+    return !m.failed;
 }
 
 saltus_tape *saltus_tape_new(saltus_graph *graph, const int *roots, int root_count, int dof, int dimension) {
-    maker m = {.graph = graph, .tape = calloc(1, sizeof *m.tape), .dof = dof};
-    if (!m.tape)
+    saltus_tape_steps steps;
+    saltus_tape *tape = calloc(1, sizeof *tape);
+    if (!tape || !saltus_tape_steps_make(&steps, graph, roots, root_count, dof, dimension)) {
+        free(tape);
         return NULL;
-    saltus_tape *tape = m.tape;
-    tape->time = tape->phase = -1;
-    tape->output_count = root_count;
-    tape->state_count = dimension;
-    tape->state_register = malloc((size_t)(dimension + 1) * sizeof *tape->state_register);
-    tape->outputs = malloc((size_t)(root_count + 1) * sizeof *tape->outputs);
-    m.failed = !tape->state_register || !tape->outputs;
-    for (int i = 0; i < dimension && !m.failed; i++)
-        tape->state_register[i] = -1;
-    if (!m.failed)
-        count_uses(&m, roots, root_count);
-    for (int k = 0; k < root_count && !m.failed; k++)
-        tape->outputs[k] = register_of(&m, roots[k]);
-    tape->steps = m.steps.items;
-    tape->terms = m.terms.items;
-    tape->depends = m.depends.items;
-    tape->step_count = m.steps.count;
-    tape->term_count = m.terms.count;
-    tape->register_count = m.depends.count;
-    tape->slot_node = m.slots.items;
-    tape->slot_count = m.slots.count;
-    free(m.linear.items);
-    free(m.sums.items);
-    free(m.parts.items);
-    free(m.place);
-    free(m.slot_of);
-    free(m.uses);
-    /* The square of a displacement comes with its product with the velocity, where both are there. */
-    for (int i = 0; i < tape->step_count && !m.failed; i++) {
-        saltus_tape_step *s = &tape->steps[i];
-        for (int j = 0; j < tape->step_count && s->code == SALTUS_TAPE_SQUARE; j++)
-            if (tape->steps[j].code == SALTUS_TAPE_RATE && tape->steps[j].a == s->a) {
-                s->code = SALTUS_TAPE_INTEGRAL;
-                s->b = tape->steps[j].out;
-            }
     }
-    m.failed = m.failed || !saltus_tape_arrange(tape, dof);
-    if (!m.failed) {
-        tape->compiled = saltus_compiled_list_new();
-        return tape;
+    const bool arranged = arrange(tape, &steps, dof);
+    tape->slot_node = steps.slot_node;
+    tape->slot_count = steps.slot_count;
+    steps.slot_node = NULL;
+    saltus_tape_steps_close(&steps);
+    if (!arranged) {
+        saltus_tape_free(tape);
+        return NULL;
     }
-    saltus_tape_free(tape);
-    return NULL;
+    tape->compiled = saltus_compiled_list_new();
+    return tape;
 }
 
 void saltus_tape_free(saltus_tape *tape) {
     if (!tape)
         return;
-    free(tape->steps);
-    free(tape->terms);
-    free(tape->state_register);
-    free(tape->outputs);
-    free(tape->slot_node);
-    free(tape->depends);
     free(tape->rows);
     free(tape->row_terms);
     free(tape->weight_slot[0]);
     free(tape->weight_slot[1]);
-    free(tape->output_at);
+    free(tape->outputs);
+    free(tape->slot_node);
     saltus_compiled_list_free(tape->compiled);
     free(tape);
 }
 
+static bool same_operands(const saltus_tape_operand *a, const saltus_tape_operand *b, int count) {
+    bool same = true;
+    for (int k = 0; same && k < count; k++)
+        same = a[k].place[0] == b[k].place[0] && a[k].place[1] == b[k].place[1] &&
+               a[k].spread == b[k].spread && a[k].depends == b[k].depends;
+    return same;
+}
+
+static bool same_rows(const saltus_tape_row *a, const saltus_tape_row *b) {
+    const saltus_tape_operand of_a[] = {a->out, a->a, a->b, a->a2, a->b2},
+                              of_b[] = {b->out, b->a, b->b, b->a2, b->b2};
+    return a->code == b->code && a->function == b->function && a->count == b->count && a->sign == b->sign &&
+           a->linear == b->linear && a->paired == b->paired && a->turned == b->turned &&
+           a->sparse == b->sparse && a->first == b->first && a->terms == b->terms &&
+           a->numbers == b->numbers && a->spread_terms == b->spread_terms && a->weight[0] == b->weight[0] &&
+           a->weight[1] == b->weight[1] && same_operands(of_a, of_b, 5);
+}
+
+/* What is left out follows from the rows. */
 bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
-    bool same = a->step_count == b->step_count && a->term_count == b->term_count &&
-                a->register_count == b->register_count && a->state_count == b->state_count &&
-                a->slot_count == b->slot_count && a->output_count == b->output_count && a->time == b->time &&
-                a->phase == b->phase;
-    for (int i = 0; same && i < a->state_count; i++)
-        same = a->state_register[i] == b->state_register[i];
-    for (int i = 0; same && i < a->output_count; i++)
-        same = a->outputs[i] == b->outputs[i];
-    for (int k = 0; same && k < a->step_count; k++) {
-        const saltus_tape_step *x = &a->steps[k], *y = &b->steps[k];
-        same = x->code == y->code && x->function == y->function && x->out == y->out && x->a == y->a &&
-               x->b == y->b && x->sign == y->sign && x->a2 == y->a2 && x->b2 == y->b2 &&
-               x->first == y->first && x->count == y->count && x->depends == y->depends &&
-               x->linear == y->linear;
-    }
-    for (int k = 0; same && k < a->term_count; k++)
-        same = a->terms[k].slot == b->terms[k].slot && a->terms[k].from == b->terms[k].from;
+    bool same = a->row_count == b->row_count && a->row_term_count == b->row_term_count &&
+                a->slot_count == b->slot_count && a->output_count == b->output_count &&
+                a->weights[1] == b->weights[1] && same_operands(&a->time, &b->time, 1) &&
+                same_operands(&a->phase, &b->phase, 1) && same_operands(a->state, b->state, 3) &&
+                same_operands(a->outputs, b->outputs, a->output_count) &&
+                same_operands(a->row_terms, b->row_terms, a->row_term_count);
+    for (int k = 0; same && k < a->row_count; k++)
+        same = same_rows(&a->rows[k], &b->rows[k]);
+    for (int k = 0; same && k < a->weights[1]; k++)
+        same = a->weight_slot[1][k] == b->weight_slot[1][k];
     return same;
 }

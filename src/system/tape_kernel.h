@@ -783,10 +783,10 @@ KERNEL_INLINE void model_start(frame f, int c) {
         start = rate * (*f.elapsed - time) / omega;
         turned = rate * *f.elapsed / full;
     }
-    if (m.tape->time >= 0)
-        set_linear(&m, &m.tape->time_at, c, start, lane_constant(c == 0));
-    if (m.tape->phase >= 0)
-        set_linear(&m, &m.tape->phase_at, c, turned, rate / full);
+    if (m.tape->time.place[0] >= 0)
+        set_linear(&m, &m.tape->time, c, start, lane_constant(c == 0));
+    if (m.tape->phase.place[0] >= 0)
+        set_linear(&m, &m.tape->phase, c, turned, rate / full);
     if (c == 0)
         play_steady(&m, (int)f.orders - 2);
 }
@@ -814,12 +814,12 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
     }
     for (int p = 0; p < f.packs; p++)
         next[p] = (saltus_pack){0};
-    if (tape->output_row && (c == 0 || (tape->output_at[0].depends & changes)))
+    if (tape->output_row && (c == 0 || (tape->outputs[0].depends & changes)))
         for (int p = 0; p < f.packs; p++)
             next[p] =
-                load_pack(series_of(&m, &tape->output_at[0], c, k), SPREAD(tape->output_at[0]), p) * inverse;
+                load_pack(series_of(&m, &tape->outputs[0], c, k), SPREAD(tape->outputs[0]), p) * inverse;
     for (int i = tape->output_row ? f.dof : 0; i < f.dof + f.extra; i++) {
-        const saltus_tape_operand *out = &tape->output_at[i];
+        const saltus_tape_operand *out = &tape->outputs[i];
         lane_t value = lane_constant(0);
         if (c == 0 || (out->depends & changes))
             value = *series_of(&m, out, c, k) * inverse;
