@@ -122,7 +122,7 @@ static void search_forces(const saltus_flow *flow, int lane, double step, saltus
  * . a), do not move it. */
 static bool observer_held(const saltus_lane *self) {
     const saltus_contact_map *hold = &self->hold;
-    const double *observer = self->system->observer;
+    const double *observer = self->system->observer.row;
     const int n = self->system->dof;
     double left = 0, size = 0;
     if (hold->count == 0)
@@ -144,7 +144,7 @@ static void search_turning(const saltus_flow *flow, int lane, double step, saltu
     double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
     if (observer_held(self))
         return;
-    scaled_series(flow, lane, flow->work.gap, self->system->observed_row, 1, 1, degree, step, c);
+    scaled_series(flow, lane, flow->work.gap, self->system->observer.first, 1, 1, degree, step, c);
     for (int k = 0; k <= degree; k++) {
         c[k] *= k + 1;
         size += fabs(c[k]);

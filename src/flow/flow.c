@@ -125,7 +125,7 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
     bool apart = false;
     for (int l = 0; l < flow->lanes; l++)
         apart |= flow->lane[l].target.aimed && flow->lane[l].target.watch & SALTUS_WATCH_TURNING &&
-                 flow->lane[l].system->observed_row == flow->lane[l].system->spec.stop_count;
+                 flow->lane[l].system->observer.first == flow->lane[l].system->spec.stop_count;
     flow->work.stops = self->system->spec.stop_count + apart;
 }
 
@@ -213,7 +213,7 @@ static void observe(saltus_flow *flow, void (*ask)(saltus_work *work, int row),
         bool asked = false;
         for (int l = 0; l < flow->lanes; l++) {
             saltus_lane *self = &flow->lane[l];
-            if (!watches_turning(self) || self->system->observed_row != row)
+            if (!watches_turning(self) || self->system->observer.first != row)
                 continue;
             if (!asked)
                 ask(&flow->work, row);
@@ -327,12 +327,12 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
 static void apply_turning(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     saltus_event *event = &self->pending;
-    const double *observer = self->system->observer, *field = flow->before + flow->dof;
+    const double *observer = self->system->observer.row, *field = flow->before + flow->dof;
     for (int i = 0; i < flow->dof; i++)
         event->displacement = fma(observer[i], flow->state[i], event->displacement);
     if (flow->options.columns == 0) {
         event->velocity_before =
-            saltus_events_acceleration(flow, lane, self->system->observed_row, observer, self->step.length);
+            saltus_events_acceleration(flow, lane, self->system->observer.first, observer, self->step.length);
         return;
     }
     /* Delays are as accurate as the state: the field there, not the polynomial's second derivative. */

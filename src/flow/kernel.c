@@ -132,7 +132,7 @@ static void load_weights(const saltus_work *w, double *weights, int lane, const 
     }
 }
 
-static void load(saltus_work *w, int lane, const saltus_system *system, int degree) {
+static void load(saltus_work *w, int lane, const saltus_system *system, int degree, double limit) {
     const saltus_coefficients *c = &system->coefficients;
     saltus_loaded *to = &w->loaded;
     to->tape = system->tape;
@@ -157,7 +157,7 @@ static void load(saltus_work *w, int lane, const saltus_system *system, int degr
     }
     w->lane->degree[lane] = degree;
     saltus_work_settle_degrees(w);
-    w->lane->limit[lane] = saltus_system_step_limit(system, degree);
+    w->lane->limit[lane] = limit;
     w->lane->period[lane] = system->period;
     w->lane->omega_unit[lane] = system->scale[n] / system->scale[0];
     to->lane_orders[lane] = count_orders(w, lane, system);

@@ -135,7 +135,7 @@ struct saltus_kernel {
     /* Reserve all arrays in the work's arena; sizes are already set. */
     void (*reserve)(saltus_work *work);
     /* Put the coefficients of a system into a lane whose series shall have a degree. */
-    void (*load)(saltus_work *work, int lane, const saltus_system *system, int degree);
+    void (*load)(saltus_work *work, int lane, const saltus_system *system, int degree, double limit);
     /* Put the derivative of a lane's coefficients along a direction into place. */
     void (*vary)(saltus_work *work, int lane, int direction, const saltus_variation *variation);
     /* States -> jets up to order `to`, gap and force series. Where the orders up to `from`, which is even,

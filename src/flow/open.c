@@ -41,13 +41,13 @@ static int order_by_tolerance(double digits) {
 /* Where stability bounds the steps, a lower order that reaches as far within the tolerance is faster. How far
  * it does is judged by the fastest modes that ring; what impacts excite beyond these wants four orders for
  * five digits (measured on pipes of 8, 10 and 12 modes). */
-static int degree_for(const saltus_system *system, double rtol) {
+static int degree_for(const saltus_system *system, const saltus_eigenvalues *eigenvalues, double rtol) {
     const double digits = -log10(rtol);
     const int most = order_by_tolerance(digits);
     int order = 2 * (int)lround(0.4 * digits + 1);
     order = order < SALTUS_ORDER_MIN ? SALTUS_ORDER_MIN : order;
-    while (order < most &&
-           !saltus_system_outruns(system, order, exp((lgamma(order + 1) - digits * M_LN10) / order)))
+    while (order < most && !saltus_system_outruns(system, eigenvalues, order,
+                                                  exp((lgamma(order + 1) - digits * M_LN10) / order)))
         order += 2;
     return order < most ? order : most;
 }
@@ -132,14 +132,14 @@ static void reserve(saltus_flow *flow) {
 /* Behind the stops' rows of the gap series there is one of the observed displacement, for what is no stop's
  * coordinate. */
 static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane, const saltus_system *system,
-                        int degree) {
+                        int degree, double limit) {
     const int rows = work->stops;
     work->stops = system->spec.stop_count;
-    kernel->load(work, lane, system, degree);
+    kernel->load(work, lane, system, degree, limit);
     work->stops = rows;
     double *row = work->loaded.normal + system->spec.stop_count * work->row;
     for (int i = 0; i < system->dof; i++)
-        row[i * work->lanes + lane] = system->observer[i];
+        row[i * work->lanes + lane] = system->observer.row[i];
 }
 
 /* The order of series for accuracy alone. */
@@ -149,30 +149,33 @@ static int usual_order(const saltus_flow_options *o) {
 
 /* Load a lane's system into the stepping work and into the lane's work for single points. */
 static void load_lane(saltus_flow *flow, int lane) {
-    saltus_eigenvalues room;
+    saltus_eigenvalues eigenvalues = {.count = 0};
     const saltus_flow_options *o = &flow->options;
     /* A step of collocation costs as much as so many of the series' (measured on pipes of 10 to 64 modes: it
      * may be half of that or twice). */
     static const double collocation_cost = 12;
     const bool collocated = o->integrator == SALTUS_RADAU;
-    const saltus_system *system = flow->lane[lane].system,
-                        known = collocated ? *system : saltus_spectrum_of(system, &room);
     saltus_lane *self = &flow->lane[lane];
+    const saltus_system *system = self->system;
+    if (!collocated)
+        saltus_system_eigenvalues(system, &eigenvalues);
     const int steady = collocated ? SALTUS_RADAU_DEGREE
                        : o->order ? o->order
-                                  : degree_for(&known, o->rtol),
+                                  : degree_for(system, &eigenvalues, o->rtol),
               degree = flow->transients && !collocated ? usual_order(o) : steady;
-    if (flow->radau && !collocated)
-        flow->mixture.worth = collocation_cost * saltus_system_step_limit(&known, degree);
     self->degree = degree;
     /* An order that is asked for is that of every step. */
     self->brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
-    load_system(&flow->work, flow->kernel, lane, &known, degree);
-    self->first = (saltus_pace){degree, flow->work.lane->limit[lane]};
-    self->later =
-        steady == degree ? self->first : (saltus_pace){steady, saltus_system_step_limit(&known, steady)};
+    self->first = (saltus_pace){degree, saltus_system_step_limit(system, &eigenvalues, degree)};
+    if (flow->radau && !collocated)
+        flow->mixture.worth = collocation_cost * self->first.limit;
+    load_system(&flow->work, flow->kernel, lane, system, degree, self->first.limit);
+    self->later = steady == degree
+                      ? self->first
+                      : (saltus_pace){steady, saltus_system_step_limit(system, &eigenvalues, steady)};
     self->settled = false;
-    load_system(&flow->probe[lane], flow->narrow, 0, &known, SALTUS_ORDER_MIN);
+    load_system(&flow->probe[lane], flow->narrow, 0, system, SALTUS_ORDER_MIN,
+                saltus_system_step_limit(system, &eigenvalues, SALTUS_ORDER_MIN));
 }
 
 static saltus_status open_works(saltus_flow *flow, bool stiff) {

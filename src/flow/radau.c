@@ -156,8 +156,9 @@ void saltus_radau_retune(saltus_radau *radau, const saltus_system *system) {
     for (int k = 0; k < radau->stages.chunks; k++) {
         saltus_work *w = &radau->work[k];
         saltus_work_forget(w);
+        const double limit = saltus_system_step_limit(system, NULL, w->order);
         for (int l = 0; l < w->lanes; l++)
-            radau->field->load(w, l, system, w->order);
+            radau->field->load(w, l, system, w->order, limit);
         w->stops = 0;
     }
     find_linear_part(radau);

@@ -182,8 +182,8 @@ void saltus_variation_fill(saltus_variation *variation, const saltus_system *sys
             variation->normal[s][i] *= direction->xi[s];
     }
     spec->model->vary(system, direction, variation);
-    if (system->observed_stop >= 0)
-        memcpy(variation->observer, variation->normal[system->observed_stop], row);
+    if (system->observer.stop >= 0)
+        memcpy(variation->observer, variation->normal[system->observer.stop], row);
     variation->omega =
         spec->model->forcing < 0 ? direction->clock : direction->parameter[spec->model->forcing];
     variation->tilts = false;

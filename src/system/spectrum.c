@@ -23,40 +23,35 @@ void saltus_spectrum_reserve(saltus_system *system) {
 }
 
 /* Of the modes by themselves: the roots of s^2 + damping s + stiffness. */
-static void find_of_modes(saltus_system *system) {
+static void find_of_modes(const saltus_system *system, saltus_eigenvalues *e) {
     double largest = 0;
     for (int i = 0; i < system->dof; i++) {
         const double half = 0.5 * system->damping[i], inside = half * half - system->stiffness[i];
         const double root = sqrt(fabs(inside));
         for (int k = 0; k < 2; k++) {
-            system->eigen_real[2 * i + k] = (inside > 0 ? (k ? root : -root) : 0) - half;
-            system->eigen_imaginary[2 * i + k] = inside > 0 ? 0 : k ? root : -root;
-            largest = fmax(largest, hypot(system->eigen_real[2 * i + k], system->eigen_imaginary[2 * i + k]));
+            e->real[2 * i + k] = (inside > 0 ? (k ? root : -root) : 0) - half;
+            e->imaginary[2 * i + k] = inside > 0 ? 0 : k ? root : -root;
+            largest = fmax(largest, hypot(e->real[2 * i + k], e->imaginary[2 * i + k]));
         }
     }
     const double scale = largest > 0 ? fmax(1, system->rate / largest) : 0;
-    for (int i = 0; i < 2 * system->dof; i++) {
-        system->eigen_real[i] *= scale;
-        system->eigen_imaginary[i] *= scale;
+    e->count = 2 * system->dof;
+    for (int i = 0; i < e->count; i++) {
+        e->real[i] *= scale;
+        e->imaginary[i] *= scale;
     }
-    system->eigenvalues = 2 * system->dof;
 }
 
-saltus_system saltus_spectrum_of(const saltus_system *system, saltus_eigenvalues *room) {
+void saltus_system_eigenvalues(const saltus_system *system, saltus_eigenvalues *e) {
     const int n = system->dof, dimension = system->dimension;
     double matrix[SALTUS_SPECTRUM_MAX * SALTUS_SPECTRUM_MAX];
-    saltus_system known = *system;
-    known.eigen_real = room->real;
-    known.eigen_imaginary = room->imaginary;
     /* The transposed matrix has the same eigenvalues. */
     for (int i = 0; i < dimension && system->linear; i++)
         for (int j = 0; j < dimension; j++)
             matrix[i * dimension + j] = i < n ? j == n + i : system->linear[(i - n) * dimension + j];
-    if (system->linear && saltus_dense_eigenvalues(matrix, dimension, room->real, room->imaginary))
-        known.eigenvalues = dimension;
-    else
-        find_of_modes(&known);
-    return known;
+    e->count = dimension;
+    if (!system->linear || !saltus_dense_eigenvalues(matrix, dimension, e->real, e->imaginary))
+        find_of_modes(system, e);
 }
 
 /* Places on a ray that are looked at together: each by itself is a chain of operations that wait for each
@@ -109,30 +104,31 @@ static double reach(int order, double real, double imaginary, double limit) {
 }
 
 /* The same for all eigenvalues. */
-static double reach_of_all(const saltus_system *system, int order, double limit) {
-    for (int i = 0; i < system->eigenvalues; i++)
-        if (system->eigen_imaginary[i] >= 0)
-            limit = reach(order, system->eigen_real[i], system->eigen_imaginary[i], limit);
+static double reach_of_all(const saltus_eigenvalues *e, int order, double limit) {
+    for (int i = 0; e && i < e->count; i++)
+        if (e->imaginary[i] >= 0)
+            limit = reach(order, e->real[i], e->imaginary[i], limit);
     return limit;
 }
 
-double saltus_system_step_limit(const saltus_system *system, int order) {
+double saltus_system_step_limit(const saltus_system *system, const saltus_eigenvalues *e, int order) {
     /* Series of more than 14 orders are for tolerances near rounding, which longer steps would lift: their
      * terms are as large as exp(step * rate), and cancel. */
     const double turns = 6;
     double limit = (order > 14 ? turns : order) / system->rate;
     if (system->spec.model->forcing >= 0)
         limit = fmin(limit, turns / system->omega);
-    return reach_of_all(system, order, limit);
+    return reach_of_all(e, order, limit);
 }
 
-bool saltus_system_outruns(const saltus_system *system, int order, double angle) {
+bool saltus_system_outruns(const saltus_system *system, const saltus_eigenvalues *e, int order,
+                           double angle) {
     /* The angular frequency of the fastest motion that lasts: of the modes, each counted the less the more it
      * is damped, and of the forcing's second harmonic. */
     double ringing = system->forced ? 2 * system->omega : 0;
-    for (int i = 0; i < system->eigenvalues; i++) {
-        const double modulus = hypot(system->eigen_real[i], system->eigen_imaginary[i]);
-        ringing = fmax(ringing, modulus + fmin(system->eigen_real[i], 0));
+    for (int i = 0; i < e->count; i++) {
+        const double modulus = hypot(e->real[i], e->imaginary[i]);
+        ringing = fmax(ringing, modulus + fmin(e->real[i], 0));
     }
-    return ringing > 0 && ringing * reach_of_all(system, order, 2 * angle / ringing) <= angle;
+    return ringing > 0 && ringing * reach_of_all(e, order, 2 * angle / ringing) <= angle;
 }

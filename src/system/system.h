@@ -42,6 +42,17 @@ enum saltus_term {
     SALTUS_TERM_EXTRA = 8
 };
 
+/* The observed displacement. */
+typedef struct saltus_observer {
+    double *row;             /* of the displacements */
+    int stop;                /* whose coordinate it is; -1: none's */
+    int first;               /* the first stop whose coordinate it is; the number of stops: none's */
+    int quantity;            /* of those that the model's text observes; -1: none */
+    double place;            /* on a line; NAN: it is not the displacement at a place */
+    const char *name;        /* NULL: what the model's notation says. The model's, the spec's or ... */
+    saltus_state_name entry; /* ... that of a displacement */
+} saltus_observer;
+
 struct saltus_system {
     saltus_arena arena;
     saltus_spec spec;
@@ -63,19 +74,10 @@ struct saltus_system {
         offset[SALTUS_STOPS_MAX]; /* the constant part of a coordinate n.q + offset: it is in the faces' d */
     double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
     double *inverse_mass;                   /* dof x dof */
-    double *observer;                       /* the row of the observed displacement, which is ... */
-    int observed_stop;                      /* ... a stop's coordinate; -1: none's */
-    int observable;                         /* ... a quantity that the model's text observes; -1: none */
-    const char
-        *observed; /* what it is called; NULL: what the model's notation says. The model's or the spec's */
-    saltus_state_name observed_entry; /* the name, where it is that of a displacement */
-    int observed_row;                 /* the first stop whose coordinate it is; the number of stops: none's */
-    double observed_place;            /* on a line; NAN: it is not the displacement at a place */
+    saltus_observer observer;
     double *scale;
     double *linear; /* rates of velocities and extra states by the state, near rest: [dof + extra][dimension];
                        NULL where that is much (spectrum.h) */
-    int eigenvalues;
-    double *eigen_real, *eigen_imaginary; /* of the linear part (spectrum.h) */
     double *damping, *stiffness; /* q'' + damping q' + stiffness q: the part exact in the stiff integrator */
     saltus_coefficients coefficients;
     const saltus_tape *tape; /* of a system from text, otherwise NULL; the model's */
@@ -130,6 +132,10 @@ saltus_status saltus_system_clocked(const saltus_system *system, double omega, s
 /* One more owner of a model, and one less. Built-in models are not counted; NULL is accepted. */
 void saltus_model_retain(const saltus_model *model);
 void saltus_model_release(const saltus_model *model);
+
+/* Choose what a system observes, as its specification says, into its observer. Errors: SALTUS_BAD_INPUT, with
+ * all that could be observed. */
+saltus_status saltus_observer_choose(saltus_system *system, saltus_message *message);
 
 /* Whether the derivative along a direction is defined. Errors: SALTUS_BAD_INPUT, with the parameter. */
 saltus_status saltus_spec_differentiable(const saltus_spec *spec, const saltus_direction *direction,

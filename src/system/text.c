@@ -301,8 +301,9 @@ static void vary(const saltus_system *system, const saltus_direction *direction,
         for (int i = 0; i < n; i++)
             variation->normal[s][i] += varied(system, g, direction, stop->normal[i], 0);
     }
-    for (int i = 0; i < n && system->observable >= 0; i++)
-        variation->observer[i] = varied(system, g, direction, g->observed[system->observable].row[i], 0);
+    for (int i = 0; i < n && system->observer.quantity >= 0; i++)
+        variation->observer[i] =
+            varied(system, g, direction, g->observed[system->observer.quantity].row[i], 0);
 }
 
 static bool by_speed(const saltus_spec *spec, int stop) {
