@@ -12,6 +12,7 @@
  * has a boundary layer of its own length; the first step follows from the rates and sizes of these layers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/radau.h"
+#include "system/spectrum.h"
 
 #include <float.h>
 #include <math.h>
