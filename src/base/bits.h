@@ -10,15 +10,15 @@ static inline int saltus_count_bits(unsigned bits) {
     return count;
 }
 
-/* The next subset of a set in the order of size, of one size by value: from the empty one to the set itself,
- * which none follows. */
+/* The subset of `set` that follows `subset`. The order is by size, then by value, from the empty subset to
+ * the whole set; nothing follows the whole set. */
 static inline unsigned saltus_next_subset(unsigned set, unsigned subset) {
     unsigned packed = 0, next = 0;
     int members = 0, size = saltus_count_bits(subset);
     for (unsigned rest = set; rest; rest &= rest - 1, members++)
         if (subset & rest & -rest)
             packed |= 1u << members;
-    if (packed) { /* Gosper: the next number with as many bits */
+    if (packed) { /* Gosper's hack: the next number with as many bits */
         const unsigned low = packed & -packed, up = packed + low;
         next = up | ((packed ^ up) >> 2) / low;
     }

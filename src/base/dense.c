@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A row-major matrix handed to LAPACK is its transpose; the inverse of the transpose, read back row-major, is
- * the inverse itself. Column-major calls of LAPACKE do not allocate. */
+/* LAPACK reads a row-major matrix as its transpose; the inverse of that, read back row-major, is the inverse
+ * itself. LAPACKE's column-major calls do not allocate. */
 bool saltus_dense_inverse(const double *a, int n, double *inverse) {
     double factors[SALTUS_DENSE_INVERSE_MAX * SALTUS_DENSE_INVERSE_MAX];
     lapack_int pivots[SALTUS_DENSE_INVERSE_MAX];
@@ -32,7 +32,7 @@ bool saltus_dense_inverse(const double *a, int n, double *inverse) {
 }
 
 bool saltus_dense_solve(double *a, int n, double *b, int *pivots) {
-    /* Row-major a is the transpose in LAPACK's eyes: factor that and solve with its transpose. */
+    /* LAPACK reads the row-major a as its transpose: factor that and solve with its transpose. */
     return LAPACKE_dgetrf(LAPACK_COL_MAJOR, n, n, a, n, pivots) == 0 &&
            LAPACKE_dgetrs(LAPACK_COL_MAJOR, 'T', n, 1, a, n, pivots, b, n) == 0;
 }
@@ -83,7 +83,7 @@ bool saltus_dense_factor(saltus_dense_lu *lu, const double *a) {
     if (!saltus_dense_finite(a, (size_t)(n * n)))
         return false;
     memcpy(lu->factors, a, (size_t)(n * n) * sizeof *a);
-    /* Rows and columns, here those of the transpose, are scaled by powers of two; none may be zero. */
+    /* Scale rows and columns (of the transpose) by powers of two; this fails if one of them is zero. */
     double rows, columns, largest;
     if (LAPACKE_dgeequb_work(LAPACK_COL_MAJOR, n, n, lu->factors, n, lu->row_scale, lu->column_scale, &rows,
                              &columns, &largest) != 0)
@@ -118,14 +118,14 @@ void saltus_dense_resolve(saltus_dense_lu *lu, bool transposed, int count, doubl
             b[k * n + i] *= after[i];
 }
 
-/* Right singular vectors of a are the left ones of its transpose, which is what LAPACK sees. */
+/* LAPACK sees the transpose of a, whose left singular vectors are the right ones of a. */
 saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *vectors, double *values) {
     size_t size = (size_t)n;
     double *left = calloc(size * size + 2 * size, sizeof *left), unused = 0;
     if (!left)
         return SALTUS_NO_MEMORY;
     double *singular = left + size * size, *rest = singular + size;
-    /* It allocates what LAPACK works in. */
+    /* LAPACKE allocates LAPACK's work space here. */
     const lapack_int info =
         LAPACKE_dgesvd(LAPACK_COL_MAJOR, 'A', 'N', n, m, a, n, singular, left, n, &unused, 1, rest);
     for (int i = 0; i < k && info == 0; i++) {
@@ -137,7 +137,8 @@ saltus_status saltus_dense_null_vectors(double *a, int m, int n, int k, double *
     return info == 0 ? SALTUS_OK : memory ? SALTUS_NO_MEMORY : SALTUS_NO_CONVERGENCE;
 }
 
-/* Rows [from, n) of a, from column `from` on, times I - tau v v^T; v = (1, ...) stands in `column` of v. */
+/* Apply I - tau w w^T to the rows of a from `column` on, in the columns from `from` on. w = (1, ...); its
+ * other entries stand in `column` of v. */
 static void reflect(double *a, int n, int from, const double *v, int column, double tau, double *sums) {
     for (int j = from; j < n; j++)
         sums[j] = a[column * n + j];
@@ -153,8 +154,8 @@ static void reflect(double *a, int n, int from, const double *v, int column, dou
             a[i * n + j] -= v[i * n + column] * sums[j];
 }
 
-/* Householder's vector for a column of a, in place below the diagonal, so that the diagonal entry becomes its
- * length (the formula without cancellation). */
+/* Householder vector of a column of a, stored below the diagonal; the diagonal entry becomes the column's
+ * length. */
 static double householder(double *a, int n, int column) {
     double first = a[column * n + column], rest = 0;
     for (int i = column + 1; i < n; i++)

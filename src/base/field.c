@@ -1,4 +1,4 @@
-/* Reading and writing members of structs by their fields.
+/* Reading and writing struct members described by fields.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/field.h"
 
@@ -64,7 +64,7 @@ size_t saltus_field_shape(const saltus_field *field, const int *counts, int leng
     return (size_t)(entries ? length[0] : 1) * (size_t)(length[1] ? length[1] : 1);
 }
 
-/* Where the first entry is. */
+/* Address of the field's first entry. */
 static unsigned char *place_of(const saltus_field *field, const void *record) {
     unsigned char *place = (unsigned char *)record + field->offset, *entries;
     if (!field->indirect)
@@ -73,7 +73,7 @@ static unsigned char *place_of(const saltus_field *field, const void *record) {
     return entries + field->inner;
 }
 
-/* Copy row by row where they do not follow each other in the struct. */
+/* Copy row by row if the struct has gaps between the rows (stride). */
 static void copy(const saltus_field *field, const int *counts, const void *record, unsigned char *entries,
                  bool out) {
     int length[2];
@@ -87,7 +87,7 @@ static void copy(const saltus_field *field, const int *counts, const void *recor
         unsigned char *there = place + k * field->stride, *here = entries + k * row;
         memcpy(out ? here : there, out ? there : here, row);
     }
-    /* What lies behind the end of a text is no part of it: equal records give equal entries. */
+    /* Zero the bytes after a text's NUL, so that equal records give equal entries. */
     size_t used = field->type == SALTUS_TEXT && out ? strnlen((const char *)entries, row - 1) : row;
     memset(entries + used, 0, row - used);
 }
@@ -242,7 +242,7 @@ const char *saltus_field_text(const saltus_field *field, const void *record,
     }
 }
 
-/* A number that is all of the text. */
+/* Read a number that must take up the whole text. */
 static bool read_number(const saltus_field *field, const char *text, void *record) {
     char *end;
     if (!*text || strspn(text, " \t\n\v\f\r"))

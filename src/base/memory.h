@@ -1,5 +1,5 @@
-/* Arenas, one aligned block per object carved into arrays: an object is allocated once, checked once and
- * freed once. And lists that grow.
+/* Arenas: one aligned block per object, carved into arrays, so that an object is allocated, checked and freed
+ * once. And growing lists.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BASE_MEMORY_H
 #define SALTUS_BASE_MEMORY_H
@@ -7,8 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* An arena is used in two passes over the same code: measuring (base == NULL: only `used` grows) and handing
- * out, with saltus_arena_open in between; or in a loop, do { ... } while (saltus_arena_again(&arena)). */
+/* The same code runs twice over an arena: first it measures (base == NULL: only `used` grows), then it hands
+ * out memory, with saltus_arena_open in between. As a loop: do { ... } while (saltus_arena_again(&arena)). */
 typedef struct saltus_arena {
     unsigned char *base;
     size_t used;
@@ -19,22 +19,22 @@ double *saltus_arena_doubles(saltus_arena *arena, size_t count);
 
 /* Allocate the measured number of bytes, zeroed and aligned to 64; false if there is no memory. */
 bool saltus_arena_open(saltus_arena *arena);
-/* Asked after each pass, whether one is left: after the first one it allocates. Without memory there is no
- * second one, and `base` stays NULL. */
+/* Loop condition after each pass: allocates after the first pass and returns true if that succeeded, false
+ * after the second pass. Without memory there is no second pass and `base` stays NULL. */
 bool saltus_arena_again(saltus_arena *arena);
 
 /* Free what the arena holds. A zeroed arena is accepted. */
 void saltus_arena_close(saltus_arena *arena);
 
-/* Entries of one size one after the other; a zeroed one is empty. `items` is to be freed. */
+/* Contiguous entries of one size. A zeroed list is empty. The caller frees `items`. */
 typedef struct saltus_list {
     void *items;
     int count, room;
 } saltus_list;
 
-/* Room for one entry more of `size` bytes, at the end; NULL when there is no memory. */
+/* Append an uninitialised entry of `size` bytes and return it; NULL if there is no memory. */
 void *saltus_list_add(saltus_list *list, size_t size);
-/* The same; then `failed` is raised. */
+/* The same, and sets *failed if there is no memory. */
 void *saltus_list_grow(saltus_list *list, size_t size, bool *failed);
 
 #endif

@@ -1,8 +1,8 @@
-/* The periodic QR iteration with two implicit shifts (Bojanczyk, Golub & Van Dooren, SPIE 1770 (1992) 31-42;
+/* Periodic QR iteration with two implicit shifts (Bojanczyk, Golub & Van Dooren, SPIE 1770 (1992) 31-42;
  * Kressner, BIT 41 (2001) 467-495). It is the QR iteration on the product, but every reflection passes
- * through the factors one by one: h stays of Hessenberg form and the others triangles, and rounding counts
- * beside each factor, not beside the product. So eigenvalues far below the largest one keep their digits as
- * long as no single factor loses them. Only the shifts are taken from the product itself.
+ * through the factors one by one: h stays upper Hessenberg, the others stay triangular, and rounding errors
+ * are relative to each factor, not to the product. Eigenvalues far below the largest therefore keep their
+ * digits as long as no single factor loses them. Only the shifts are taken from the product.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/periodic.h"
 
@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* I - beta v v^T on the entries from `at` on. */
+/* The reflection I - beta v v^T on `size` entries from `at` on. */
 typedef struct reflector {
     int at, size;
     double v[3], beta;
@@ -25,7 +25,7 @@ typedef struct periodic {
     int n, count, low, high;
 } periodic;
 
-/* The reflector that takes all of x's entries, `stride` apart, into the first. */
+/* The reflector that maps x, with entries `stride` apart, onto its first entry. */
 static reflector reflector_of(const double *x, int stride, int at, int size) {
     reflector reflection = {.at = at, .size = size, .v = {1, 0, 0}, .beta = 0};
     double first = x[0], rest = 0, sum = 0;
@@ -43,8 +43,8 @@ static reflector reflector_of(const double *x, int stride, int at, int size) {
     return reflection;
 }
 
-/* Reflect the vectors from .. to - 1, `across` apart; the entries that the reflector changes are `step`
- * apart, the first one at x. */
+/* Reflect the vectors number `from` to `to` - 1, which are `across` apart. Their entries are `step` apart;
+ * the first entry that changes in vector 0 is at x. */
 static inline void reflect(const reflector *reflection, double *x, int step, int across, int from, int to) {
     for (int k = from; k < to; k++) {
         double *vector = x + k * across, sum = 0;
@@ -55,9 +55,9 @@ static inline void reflect(const reflector *reflection, double *x, int step, int
     }
 }
 
-/* A similarity of the product: the reflector acts on h's rows, from `column` on, and on the columns at the
- * other end of the product. There every triangle takes it from the right and is made triangular again by
- * others from the left, which go on to the next factor and at last to h's columns. */
+/* Similarity transformation of the product h r_count ... r_1. The reflector acts on h's rows, from `column`
+ * on, and on the columns of r_1. New reflectors from the left make r_1 triangular again; they in turn act on
+ * the columns of the next factor, and so on up to the columns of h. */
 static void turn_product(const periodic *p, const reflector *reflection, int column) {
     reflector through[2] = {*reflection};
     int n = p->n, count = 1, begin = reflection->at, end = begin + reflection->size;
@@ -107,7 +107,7 @@ static void multiply_out(const periodic *p) {
     }
 }
 
-/* Entry of h times the triangles' product. */
+/* Entry (i, j) of h times the triangles' product. */
 static double entry(const periodic *p, int i, int j) {
     double sum = 0;
     for (int k = i > p->low ? i - 1 : p->low; k <= j; k++)
@@ -115,14 +115,14 @@ static double entry(const periodic *p, int i, int j) {
     return sum;
 }
 
-/* Where h times the product, within the active rows, ends: its last 2 x 2 entries, row by row. */
+/* The last 2 x 2 block of h times the triangles' product within the active rows, row by row. */
 static void last_pair(const periodic *p, double *m) {
     for (int i = 0; i < 4; i++)
         m[i] = entry(p, p->high - 2 + i / 2, p->high - 2 + i % 2);
 }
 
-/* First column of (M - a)(M - b), up to a factor, for the product M and the eigenvalues a and b of its last
- * pair; other shifts when the iteration has gone on for long. */
+/* First column of (M - a)(M - b), up to a factor, where M is the product and a, b are the eigenvalues of its
+ * last 2 x 2 block. Every tenth iteration uses exceptional shifts instead. */
 static void shifted_column(const periodic *p, int iteration, double *x) {
     enum { stubborn = 10 };
     int first = p->low;
@@ -158,7 +158,7 @@ static void sweep(const periodic *p, int iteration) {
     }
 }
 
-/* Eigenvalues of a single entry of the product or of its last pair. */
+/* Eigenvalues of the last 1 x 1 or 2 x 2 block of the product. */
 static void read_off(const periodic *p, int size, double *real, double *imaginary) {
     int n = p->n, last = p->high - 1;
     double diagonal[2] = {1, 1}, m[4];
@@ -187,8 +187,8 @@ static void read_off(const periodic *p, int size, double *real, double *imaginar
     imaginary[last] = -imaginary[last - 1];
 }
 
-/* The first row of the block that is not yet split at the end [.., high). Multiple eigenvalues split only to
- * the accuracy of the product that the shifts come from: the longer it takes, the less is asked for. */
+/* First row of the trailing block [.., high) that has not split off yet. Multiple eigenvalues split only to
+ * the accuracy of the product that the shifts come from, so the tolerance grows with the iterations. */
 static int first_row(const periodic *p, double size, double iteration) {
     int first = p->high - 1;
     double small = DBL_EPSILON * (1 + iteration * iteration * iteration / 8) * size;

@@ -1,4 +1,4 @@
-/* Private: what a long call asks its caller and tells it on the way.
+/* Private: stop requests and progress reports of long calls.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BASE_PROGRESS_H
 #define SALTUS_BASE_PROGRESS_H
@@ -9,12 +9,12 @@
 #include <stdbool.h>
 #include <time.h>
 
-/* Whether the flag of saltus_flow_options.stop is raised; NULL is accepted. */
+/* Whether the flag saltus_flow_options.stop is raised; NULL is accepted. */
 static inline bool saltus_stop_asked(const volatile sig_atomic_t *stop) {
     return stop && *stop;
 }
 
-/* A clock that is not set, in seconds. */
+/* Seconds of a monotonic clock. */
 static inline double saltus_seconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);

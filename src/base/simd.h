@@ -1,5 +1,5 @@
 /* Packs: short vectors of doubles, one definition per instruction set. A pack holds either consecutive modes
- * of one trajectory or one mode of several trajectories; the arithmetic is the same, so the bits are too.
+ * of one trajectory or one mode of several trajectories, with the same arithmetic and hence the same bits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BASE_SIMD_H
 #define SALTUS_BASE_SIMD_H
@@ -32,7 +32,7 @@ enum { SALTUS_PACK_MAX = 8, SALTUS_PACK_MIN = 2 };
 typedef double saltus_pack __attribute__((vector_size(8 * SALTUS_PACK), may_alias));
 typedef unsigned long long saltus_pack_word __attribute__((vector_size(8 * SALTUS_PACK), may_alias));
 
-/* a * b + c: one rounding where the instruction set has it. */
+/* a * b + c, with one rounding if the instruction set has it. */
 static inline saltus_pack saltus_pack_fma(saltus_pack a, saltus_pack b, saltus_pack c) {
 #if defined(__AVX512F__)
     return (saltus_pack)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
@@ -45,12 +45,12 @@ static inline saltus_pack saltus_pack_fma(saltus_pack a, saltus_pack b, saltus_p
 #endif
 }
 
-/* c - a * b, rounded as saltus_pack_fma. */
+/* c - a * b, rounded like saltus_pack_fma. */
 static inline saltus_pack saltus_pack_fnma(saltus_pack a, saltus_pack b, saltus_pack c) {
     return saltus_pack_fma(-a, b, c);
 }
 
-/* The scalar twin: the same rounding as one element of saltus_pack_fma. */
+/* Scalar version, rounded like one element of saltus_pack_fma. */
 static inline double saltus_scalar_fma(double a, double b, double c) {
 #if defined(__FMA__) || defined(__aarch64__)
     return __builtin_fma(a, b, c);
@@ -84,7 +84,7 @@ static inline saltus_pack saltus_pack_swapped_pair(saltus_pack a, int pair) {
 #endif
 }
 
-/* The sum of the elements, in every element: those half a pack apart first, neighbours last. */
+/* The sum of the elements, in every element. Elements half a pack apart are added first, neighbours last. */
 static inline saltus_pack saltus_pack_sum(saltus_pack a) {
 #if defined(__AVX512F__)
     a += (saltus_pack)_mm512_shuffle_f64x2((__m512d)a, (__m512d)a, 0x4e);

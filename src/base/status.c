@@ -24,13 +24,13 @@ const char *saltus_status_name(saltus_status status) {
     return known ? names[-status] : "unknown status";
 }
 
-/* Whether a byte of UTF-8 goes on with the character before it. */
+/* Whether a byte continues a UTF-8 character. */
 static bool goes_on(char byte) {
     return ((unsigned char)byte & 0xc0) == 0x80;
 }
 
-/* A sentence that is too long, because of a file's name mostly, loses its middle: it begins with what it is
- * about and ends with what is wrong. */
+/* Cut the middle out of a message that is too long (usually because of a file name): the beginning names the
+ * subject, the end says what is wrong. */
 static void shorten(saltus_message *message, const char *whole, size_t length) {
     size_t begin = 200, end = length - (sizeof message->text - 1 - begin - strlen("..."));
     while (begin > 0 && goes_on(whole[begin]))

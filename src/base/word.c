@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How many letters must be changed, added or dropped to get from one word to the other; large for long words.
- */
+/* Levenshtein distance of two words; a large number if one of them is long. */
 static int distance_between(const char *a, const char *b) {
     enum { longest = 32, far = 1000 };
     int row[longest + 1] = {0};
