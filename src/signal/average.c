@@ -7,10 +7,10 @@
 
 enum { least_values = 16, most_order = 40, enough_to_weight = 128 };
 
-/* A weighted mean's error is never stated below this part of the plain mean's: agreement can be luck. */
+/* Least error of the weighted mean over that of the plain mean: parts of a run can agree by chance. */
 static const double least_gain = 0.05;
-/* In one of many thousand runs of random values half the excursion is this small beside the standard error,
- * and the weighted means of the parts agree this well. */
+/* Random values pass both limits only once in many thousand runs: half the excursion over the standard error,
+ * and the disagreement of the parts' weighted means over the error. */
 static const double too_calm = 0.2, too_good = 0.1;
 
 void saltus_average_add(saltus_average *a, double value) {
@@ -41,7 +41,7 @@ static double plain_mean(const double *sum, int batches) {
     return mean / batches;
 }
 
-/* Mean product of deviations of batches t apart. */
+/* Autocovariance of the batches at lag t. */
 static double covariance(const double *sum, int batches, double mean, int t) {
     double product = 0;
     for (int k = 0; k + t < batches; k++)
@@ -49,8 +49,8 @@ static double covariance(const double *sum, int batches, double mean, int t) {
     return product / batches;
 }
 
-/* One order more in Levinson's recursion for the coefficients a[1..order - 1] of an autoregression; the
- * variance of what it leaves is updated. */
+/* Raise the order in Levinson's recursion, which has coefficients a[1..order - 1] of an autoregression.
+ * `left`, the variance of the residual, is updated. */
 static void raise_order(const double *covariances, int order, double *a, double *left) {
     double before[most_order + 1], reflection = covariances[order];
     for (int j = 1; j < order; j++)
@@ -63,7 +63,7 @@ static void raise_order(const double *covariances, int order, double *a, double 
     *left *= 1 - reflection * reflection;
 }
 
-/* Variance of the mean of the batches: the spectrum at frequency zero of an autoregression fitted to them. */
+/* Variance of the batches' mean: the spectrum at frequency zero of an autoregression fitted to them. */
 static double variance_of_mean(const double *sum, int batches, double mean) {
     double covariances[most_order + 1], a[most_order + 1] = {0}, variance, best;
     int orders = (int)(10 * log10(batches));
@@ -90,8 +90,8 @@ static double variance_of_mean(const double *sum, int batches, double mean) {
     return variance;
 }
 
-/* Half the largest excursion of the partial sums, per batch: where values oscillate the error of the mean is
- * no smaller. Of random values it is 0.43 +- 0.13 of their standard error. */
+/* Half the largest excursion of the partial sums, per batch: for oscillating values the error of the mean is
+ * at least this large. For random values it is 0.43 +- 0.13 of the standard error. */
 static double excursion(const double *sum, int batches, double mean) {
     double partial = 0, largest = 0;
     for (int k = 0; k < batches; k++) {
@@ -101,8 +101,8 @@ static double excursion(const double *sum, int batches, double mean) {
     return 0.5 * largest / batches;
 }
 
-/* Mean with a smooth weight that vanishes at both ends with all its derivatives: for values that repeat, or
- * that run around a torus, its error falls faster than any power of their number. */
+/* Mean with a smooth weight that vanishes at both ends with all its derivatives. For periodic and
+ * quasi-periodic values its error falls faster than any power of their number. */
 static double weighted_mean(const double *sum, int batches) {
     double total = 0, weights = 0;
     for (int k = 0; k < batches; k++) {
@@ -113,7 +113,7 @@ static double weighted_mean(const double *sum, int batches) {
     return total / weights;
 }
 
-/* Largest distance between the weighted mean of all batches and those of parts of the run. */
+/* Largest difference between the weighted mean of all batches and those of parts of the run. */
 static double disagreement(const double *sum, int batches, double all) {
     static const double parts[][2] = {{0, 0.5},    {0.5, 1},       {0.25, 0.75}, {0, 0.67},
                                       {0.33, 1.0}, {0.125, 0.875}, {0, 0.8},     {0.2, 1}};
@@ -125,7 +125,7 @@ static double disagreement(const double *sum, int batches, double all) {
     return largest;
 }
 
-/* Which mean: the weighted one where it is better. */
+/* Which mean to use; BETTER: the weighted one where it is more accurate. */
 typedef enum choice { PLAIN, WEIGHTED, BETTER } choice;
 
 static saltus_estimate estimate(const double *sum, int batches, long long size, choice which) {

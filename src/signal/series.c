@@ -1,4 +1,4 @@
-/* Points made ready for the tests on stroboscopic series: checked, weighted, centred and scaled.
+/* Preparation of points for the tests on stroboscopic series: checks, weights, centring, scaling.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/series.h"
 
@@ -63,8 +63,8 @@ void saltus_series_centre(const saltus_series_points *points, double largest, do
     }
 }
 
-/* The unit becomes twice the largest distance from the mean; returns the root mean square distance of two
- * points in it. */
+/* Scale the cloud so that twice the largest distance from the mean is 1. Returns the root mean square
+ * distance of two points in this unit; 0 if all points coincide. */
 static double scale_to_unit(double largest, double resolution, saltus_series_cloud *cloud) {
     double farthest = 0, squares = 0;
     for (long long i = 0; i < cloud->count; i++) {

@@ -1,4 +1,4 @@
-/* Private: points made ready for comparison, shared by the tests on stroboscopic series.
+/* Private: points prepared for comparison, shared by the tests on stroboscopic series.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SIGNAL_SERIES_H
 #define SALTUS_SIGNAL_SERIES_H
@@ -6,17 +6,17 @@
 #include "saltus/series.h"
 #include "signal/random.h"
 
-/* Weighted and centred points, in units in which none is farther from the mean than 1/2. */
+/* Weighted and centred points, scaled so that none is farther than 1/2 from the mean. */
 typedef struct saltus_series_cloud {
     double *x; /* count x dimension */
     long long count;
     int dimension;
-    double unit;       /* weighted length of 1; 0: all points coincide */
-    double resolution; /* distances up to this are none */
+    double unit;       /* weighted distance that is 1 here; 0: all points coincide */
+    double resolution; /* distances up to this count as zero */
     long long window;
 } saltus_series_cloud;
 
-/* Errors: those of the calls on points. On success `x` is to be freed. */
+/* Errors: those of the calls on points. On success the caller frees `x`. */
 saltus_status saltus_series_cloud_open(const saltus_series_points *points,
                                        const saltus_series_options *options, saltus_series_cloud *cloud,
                                        saltus_message *message);
@@ -27,7 +27,7 @@ saltus_status saltus_series_check(long long count, const saltus_series_options *
 
 /* The largest weighted modulus; NAN where a value is not finite, or a weight not finite or negative. */
 double saltus_series_largest(const saltus_series_points *points);
-/* Weighted points relative to the largest modulus, so that nothing overflows, and about their mean. */
+/* Weighted points about their mean, divided by `largest`, so that nothing overflows. */
 void saltus_series_centre(const saltus_series_points *points, double largest, double *centred);
 
 static inline const double *saltus_series_cloud_point(const saltus_series_cloud *cloud, long long i) {

@@ -9,22 +9,22 @@
 
 enum { most_steps = 1000 };
 
-/* A series and its walk in the plane. */
+/* A series and the walk in the plane that it drives. */
 typedef struct walk {
     saltus_arena arena;
-    long long count;     /* of the series */
-    long long longest;   /* displacement in steps */
-    long long stride;    /* between displacements that are used */
+    long long count;     /* length of the series */
+    long long longest;   /* longest displacement, in steps */
+    long long stride;    /* steps between successive displacements used */
     double *value;       /* the series without its mean */
-    double *p, *q;       /* the walk: count */
-    double *steps, *msd; /* displacements used, and mean squares */
+    double *p, *q;       /* the walk: [count] */
+    double *steps, *msd; /* displacements used, and their mean squares: [used] */
     double *rate;        /* one per frequency */
     size_t used;
     gsl_rng rng;
 } walk;
 
-/* Mean square displacement over n steps, from the same starting points for all n. Sums run side by side, so
- * that the compiler can use vector instructions. */
+/* Mean square displacement over n steps, from the same starting points for all n. Eight sums run side by
+ * side, so that the compiler can vectorise. */
 static double displacement(const walk *w, long long n) {
     enum { side = 8 };
     long long starts = w->count - w->longest, k = 0;

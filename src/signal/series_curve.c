@@ -1,4 +1,4 @@
-/* Whether points fill closed curves that are mapped one to one onto themselves.
+/* Test whether points fill closed curves that the map takes one to one onto themselves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/series.h"
 
@@ -11,28 +11,28 @@
 #include <string.h>
 
 enum {
-    few = 8, /* neighbours of a small neighbourhood, ... */
+    few = 8, /* neighbours in a small neighbourhood, ... */
     many = 16,
-    places_max = 1000, /* points whose neighbourhoods are looked at */
-    still_near = 16,   /* rank up to which a neighbour has stayed one */
+    places_max = 1000, /* points whose neighbourhoods are examined */
+    still_near = 16,   /* rank up to which a point still counts as a neighbour */
     curves_max = 64
 };
 
-/* What has been found, and work space. */
+/* Results and work space. */
 typedef struct survey {
     saltus_arena arena;
     const saltus_series_cloud *cloud;
     int places;
     long long *neighbour; /* [places][many], nearest first */
-    double *square;       /* [many]: of their distances */
+    double *square;       /* [many]: squared distances of the neighbours */
     double *thin, *thick; /* [places]: ratios of width to length with few and with many neighbours */
-    double *offset;       /* [many + 1][dimension]: neighbourhood about its mean */
+    double *offset;       /* [many + 1][dimension]: neighbourhood relative to its mean */
     double *direction, *image;
     double balance;       /* mean over the places */
-    long long coincident; /* points at the places, in all */
+    long long coincident; /* points within the resolution of a place, summed over places */
 } survey;
 
-/* Places spread over the series by the golden section, so that they have no period of their own. */
+/* The k-th place. The golden section spreads places over the series without a period of their own. */
 static long long place_at(const survey *s, int k) {
     const double golden = 0.6180339887498949;
     if (s->places == s->cloud->count)
@@ -40,7 +40,7 @@ static long long place_at(const survey *s, int k) {
     return (long long)(fmod(golden * (k + 1), 1) * (double)s->cloud->count);
 }
 
-/* The neighbours of point i that are not close to it in time, by insertion. */
+/* The nearest neighbours of point i that are not close to it in time, by insertion. */
 static void find_neighbours(survey *s, long long i, long long *neighbour) {
     const saltus_series_cloud *cloud = s->cloud;
     const double *point = saltus_series_cloud_point(cloud, i);
@@ -70,8 +70,7 @@ static void normalise(double *a, int n) {
         a[d] = square > 0 ? a[d] / sqrt(square) : d == 0;
 }
 
-/* The dominant direction, by power iteration. Where that converges slowly no direction dominates, and any
- * will do. */
+/* The dominant direction, by power iteration. If that converges slowly none dominates, and any will do. */
 static void find_direction(survey *s, int count) {
     enum { iterations = 20 };
     int n = s->cloud->dimension;
@@ -89,8 +88,8 @@ static void find_direction(survey *s, int count) {
     }
 }
 
-/* Width over length of the neighbourhood of point i: 0 for points on a line, up to 1 on a surface, more
- * beyond. Leaves its offsets from the mean, the point's last, and their direction. */
+/* Width over length of the neighbourhood of point i: 0 for points on a line, up to 1 on a surface, more in
+ * higher dimensions. Leaves the offsets from the mean (the point's own last) and their direction in `s`. */
 static double width_over_length(survey *s, long long i, const long long *neighbour, int count) {
     int n = s->cloud->dimension;
     double length = 0, width = 0;
@@ -116,8 +115,8 @@ static double width_over_length(survey *s, long long i, const long long *neighbo
     return length > 0 ? sqrt(width / length) : 1;
 }
 
-/* How evenly the neighbours of the point that was looked at last lie on its two sides along that direction: 1
- * evenly, 0 on one side. */
+/* How evenly the neighbours of the last point examined lie on its two sides along s->direction: 0 (on one
+ * side) to 1. */
 static double balance_of(const survey *s) {
     int n = s->cloud->dimension, before = 0;
     double own = saltus_dot(s->offset + many * n, s->direction, n);
@@ -138,7 +137,7 @@ static void look_around(survey *s) {
     gsl_sort(s->thick, 1, (size_t)s->places);
 }
 
-/* How many points are nearer to i than j is, up to `most`; those close in time to i are left out. */
+/* Number of points closer to i than j is, at most `most`, without those close in time to i. */
 static int rank_of(const saltus_series_cloud *cloud, long long i, long long j, int most) {
     const double *point = saltus_series_cloud_point(cloud, i);
     double limit = saltus_distance_square(point, saltus_series_cloud_point(cloud, j), cloud->dimension);
@@ -150,7 +149,7 @@ static int rank_of(const saltus_series_cloud *cloud, long long i, long long j, i
     return rank;
 }
 
-/* Share of nearest neighbours that have a low rank still some time later; pairs near the end of the series
+/* Share of nearest neighbours that still have a low rank some time later. Pairs near the end of the series
  * are left out. */
 static double share_kept(const survey *s) {
     const double silver = 0.4142135623730951;
@@ -167,7 +166,7 @@ static double share_kept(const survey *s) {
     return pairs > 0 ? (double)kept / pairs : 0;
 }
 
-/* Balance at the first and the last points of the series, which are the ends of an arc that is not closed. */
+/* Balance at the first and the last points of the series. If the curve is an arc, these are its ends. */
 static double balance_at_ends(survey *s) {
     enum { ends = 4 };
     double sum = 0;
@@ -180,8 +179,8 @@ static double balance_at_ends(survey *s) {
     return sum;
 }
 
-/* Number of curves visited in turn: points on one curve are whole rounds apart in time. A few neighbours may
- * come from another curve that passes near. */
+/* Number of curves visited in turn: the times of points on the same curve differ by multiples of it. A few
+ * neighbours may come from another curve that passes nearby. */
 static int count_curves(const survey *s) {
     for (int curves = curves_max; curves > 1; curves--) {
         long long same = 0;

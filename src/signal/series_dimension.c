@@ -1,8 +1,8 @@
 /* The correlation dimension of a set of points.
  *
- * Distances are tallied between radii whose squares are powers of two, or one and a half times these, so that
- * a distance finds its place from the leading bits of its square. There is a tally for each pair of 16 blocks
- * in time; without those of one block, what is left is a replicate of the jackknife.
+ * Distances are counted in bins of the radius whose squared edges are powers of two, or one and a half times
+ * these, so that the leading bits of a squared distance give its bin. There is a tally for each pair of 16
+ * blocks in time; leaving out all tallies of one block gives a replicate of the jackknife.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/series.h"
 
@@ -14,39 +14,39 @@
 
 enum {
     blocks = 16,
-    octave = 4,              /* edges in one */
-    octaves = 40,            /* of radii, below the largest */
-    bins = octave * octaves, /* of distances */
-    edges = bins + 1,        /* radii between and around them */
+    octave = 4,              /* edges per octave of radius */
+    octaves = 40,            /* of radius, below the largest one */
+    bins = octave * octaves, /* of distance */
+    edges = bins + 1,        /* radii that bound the bins */
     replicates = blocks + 1,
-    least_pairs = 32, /* nearer than the smallest radius of a range ... */
-    least_left = 16,  /* ... and of these without the pairs of any one block */
+    least_pairs = 32, /* pairs needed below the smallest radius of a range, ... */
+    least_left = 16,  /* ... and without the pairs of any one block */
     few_neighbours = 10
 };
 static const double decade = 10;
-static const double other_slope = 0.25; /* a difference that slopes of one fractal do not have */
-/* Where points have few neighbours the nearest ones are near recurrences, and then none come for a while: a
- * smaller slope there is no dimension. */
+static const double other_slope = 0.25; /* slopes of one fractal do not differ by this much */
+/* If points have few neighbours, the nearest ones are near-recurrences, with a gap to all other distances. A
+ * slope below this value is then not a dimension. */
 static const double least_slope = 0.75;
 
-/* Numbers of pairs by distance, and what they are counted with. */
+/* Numbers of pairs by distance, and work space. */
 typedef struct tally {
     saltus_arena arena;
-    long long *pairs; /* [block][block][bin], the first block not after the second */
-    double *radius;   /* logarithms: [edge] */
-    double *count;    /* of pairs nearer than the radius: [replicate][edge], first of all; later logarithms */
-    double neighbours; /* of a point on average, for each pair that is counted */
+    long long *pairs; /* [block][block][bin], first block <= second */
+    double *radius;   /* [edge]: logarithm of the radius */
+    double *count;    /* [replicate][edge]: pairs below the radius, first with all blocks; later logarithms */
+    double neighbours; /* neighbours of a point, on average, per counted pair */
     long long compared, coincident;
     gsl_rng rng;
 } tally;
 
-/* A range of radii, and the slope over it. */
+/* A range of radii and the slope over it. */
 typedef struct range {
     int first, last; /* edges */
     double slope;
     double sampling;             /* standard error */
-    double deviation, variation; /* of local slopes: standard and largest */
-    double weight;               /* error by which ranges are compared */
+    double deviation, variation; /* of local slopes from the slope: standard and largest */
+    double weight;               /* error by which ranges are compared; INFINITY: rejected */
 } range;
 
 static long long *tally_of(const tally *t, int a, int b) {
@@ -96,7 +96,7 @@ static void compare_all(const saltus_series_cloud *cloud, tally *t) {
         }
 }
 
-/* So many pairs, drawn at random; those that are close in time are left out. */
+/* Compare `pairs` random pairs, except those that are close in time. */
 static void compare_some(const saltus_series_cloud *cloud, long long pairs, tally *t) {
     enum { batch = 1024 };
     long long chosen[2 * batch];
@@ -114,7 +114,7 @@ static void compare_some(const saltus_series_cloud *cloud, long long pairs, tall
     }
 }
 
-/* How many pairs are nearer than each radius: all, and without each block. */
+/* Count the pairs below each radius: with all blocks, and without each block in turn. */
 static void accumulate(const saltus_series_cloud *cloud, tally *t) {
     for (int a = 0; a < blocks; a++)
         for (int b = a; b < blocks; b++)
@@ -130,7 +130,7 @@ static void accumulate(const saltus_series_cloud *cloud, tally *t) {
     t->neighbours = (double)cloud->count / (double)t->compared;
 }
 
-/* Least-squares slope of log count over log radius. */
+/* Least-squares slope of log(count) over log(radius). */
 static double slope_of(const tally *t, int replicate, int first, int last) {
     const double *count = t->count + replicate * edges;
     double n = last - first + 1, x = 0, y = 0, xx = 0, xy = 0;
@@ -145,14 +145,14 @@ static double slope_of(const tally *t, int replicate, int first, int last) {
     return xy / xx;
 }
 
-/* The slope over a range and its errors, if it is known better than with an error of `least`; otherwise the
- * weight is INFINITY. Local slopes that go up and down, as those of a fractal do, average out over a long
- * range: so ranges are chosen. The error in the result does not count on it. */
+/* The slope over a range and its errors. The weight is INFINITY unless it is less than `least`. Local slopes
+ * of a fractal oscillate and average out over a long range, so the weight divides their deviation by the
+ * square root of the range in octaves; the error in the result does not. */
 static range fit(const tally *t, int first, int last, double least) {
     range r = {.first = first, .last = last, .slope = slope_of(t, 0, first, last), .weight = INFINITY};
     double length = sqrt((t->radius[last] - t->radius[first]) / M_LN2);
     double slope[blocks], mean = 0, squares = 0;
-    /* The octaves of the range, whichever edge they begin at. */
+    /* Local slopes over all octaves in the range, beginning at each edge. */
     int count = last - first - octave + 1;
     for (int k = 0; k < count; k++) {
         double local = slope_of(t, 0, first + k, first + k + octave);
@@ -177,7 +177,7 @@ static range fit(const tally *t, int first, int last, double least) {
     return r;
 }
 
-/* The range between two edges, at least `factor` long, whose slope is best known; false if there is none. */
+/* The range between two edges, at least `factor` long, with the best known slope; false if there is none. */
 static bool best_range(const tally *t, int low, int high, double factor, range *best) {
     best->weight = INFINITY;
     for (int first = low; first <= high; first++)
@@ -201,8 +201,8 @@ static bool is_known(const range *r) {
     return hypot(r->sampling, r->deviation) < fmax(0.1, 0.1 * r->slope);
 }
 
-/* Edges between which there are pairs enough, and not too many: near the size of the whole set counts follow
- * no power law. */
+/* Edges between which there are enough pairs, but not too many: near the size of the whole set counts do not
+ * follow a power law. */
 static void limit_edges(const saltus_series_cloud *cloud, const tally *t, int *low, int *high) {
     static const double largest_share = 0.05;
     *low = edges;
@@ -219,8 +219,8 @@ static void limit_edges(const saltus_series_cloud *cloud, const tally *t, int *l
     }
 }
 
-/* The range that counts; false if there is none. A decade or more where the slope is known there; else a
- * shorter one; and a decade of smaller radii where that has another slope. From here on t->count holds
+/* Choose the range; false if there is none. A decade or more if the slope is known there, otherwise a shorter
+ * range. A decade at smaller radii takes precedence if its slope is different. Turns t->count into
  * logarithms. */
 static bool choose_range(const saltus_series_cloud *cloud, tally *t, range *best) {
     int low, high;
@@ -241,7 +241,7 @@ static bool choose_range(const saltus_series_cloud *cloud, tally *t, range *best
     return found;
 }
 
-/* Count the pairs, and take the slope. */
+/* Count the pairs, then fit the slope. */
 static saltus_status judge(const saltus_series_cloud *cloud, const saltus_series_options *options, tally *t,
                            saltus_series_dimension *dimension, saltus_message *message) {
     range r;
@@ -264,8 +264,8 @@ static saltus_status judge(const saltus_series_cloud *cloud, const saltus_series
             message, SALTUS_NO_CONVERGENCE,
             "no range of radii for the dimension: too few of %lld pairs are at small distances", t->compared);
     dimension->dimension = r.slope;
-    /* Where C(r) goes as r^D log(size / r), as that of a singular density does, its slope is less than D by
-     * 1 / log(size / r), and half of that with a constant beside the logarithm. No few decades exclude it. */
+    /* If C(r) ~ r^D log(size / r), as for a singular density, the slope is less than D by 1 / log(size / r),
+     * or by half of that with a constant added to the logarithm. A few decades cannot exclude this. */
     int widest = edges - 1;
     while (t->count[widest - 1] >= t->count[edges - 1])
         widest--;

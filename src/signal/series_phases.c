@@ -15,7 +15,7 @@ static double distance(const saltus_series_points *points, long long i, long lon
 static saltus_series_phases phases_of(const saltus_series_points *points, int period, double near) {
     const int least = 20, least_cycles = 5;
     saltus_series_phases phases = {.period = period};
-    long long run = 0, laminar = 0, counted = 0; /* `counted`: points until the end of the last phase */
+    long long run = 0, laminar = 0, counted = 0; /* `counted`: points up to the end of the last phase */
     for (long long k = period; k <= points->count; k++) {
         if (k < points->count && distance(points, k, k - period) <= near) {
             run++;

@@ -9,8 +9,8 @@
 
 enum { welch_lines_max = 4096 };
 
-static const double tolerance = 0.01; /* difference of two spectra that are trusted */
-static const double rounding = 1e-11; /* of the highest line: below it two spectra differ by rounding alone */
+static const double tolerance = 0.01; /* relative difference up to which two spectra agree */
+static const double rounding = 1e-11; /* of the highest line: smaller differences are rounding */
 
 void saltus_spectrum_clear(saltus_spectrum *spectrum) {
     free(spectrum->density);
@@ -18,7 +18,7 @@ void saltus_spectrum_clear(saltus_spectrum *spectrum) {
     *spectrum = (saltus_spectrum){0};
 }
 
-/* Mean and variance; a variance of 0 says that the signal does not move. */
+/* Set mean and variance; the variance is 0 if the signal is constant. */
 static void measure(const saltus_signal *signal, saltus_spectrum *s) {
     *s = (saltus_spectrum){.per_period = signal->per_period,
                            .count = signal->count,
@@ -33,7 +33,7 @@ static void measure(const saltus_signal *signal, saltus_spectrum *s) {
 
 /* Whole orbits */
 
-/* Powers of what is transformed: in time, and in the bins of the transform. */
+/* Power of the transformed samples: in time, and in the bins of the transform. */
 typedef struct parseval_sums {
     saltus_sum in_time, in_bins;
 } parseval_sums;
@@ -54,9 +54,9 @@ static void transform_and_compare(saltus_transform *t, parseval_sums *sums) {
     }
 }
 
-/* A corner of a function of period `length` is that of -slope length / 2 B2(x) - bend length^2 / 6 B3(x),
- * with Bernoulli's polynomials of x = (t - time) / length in [0, 1). Without its corners a function has lines
- * that fall with the fourth power of their number. */
+/* Subtract -slope length / 2 B2(x) - bend length^2 / 6 B3(x), a function of period `length` with the same
+ * corner; B2 and B3 are Bernoulli polynomials of x = (t - time) / length in [0, 1). A function without
+ * corners has lines that fall with the fourth power of their number. */
 static void take_corner(const saltus_corner *corner, double length, long long count, double *samples) {
     for (long long j = 0; j < count; j++) {
         double x = (double)j / (double)count - corner->time / length;
@@ -66,9 +66,9 @@ static void take_corner(const saltus_corner *corner, double length, long long co
     }
 }
 
-/* The lines of the same, (slope s^-2 + bend s^-3) / length at s = 2 pi i k / length, turned to its time. */
+/* Add its lines, (slope s^-2 + bend s^-3) / length at s = 2 pi i k / length, turned to the corner's time. */
 static void return_corner(const saltus_corner *corner, double length, long long bins, double complex *lines) {
-    enum { stretch = 64 }; /* bins from one angle, so that rounding does not add up */
+    enum { stretch = 64 }; /* bins computed from one angle, so that rounding errors do not accumulate */
     double turn = fmod(corner->time, length) / length;
     double complex factor = cexp(-2 * M_PI * I * turn), at = 1;
     for (long long k = 1; k < bins; k++) {
@@ -78,8 +78,9 @@ static void return_corner(const saltus_corner *corner, double length, long long 
     }
 }
 
-/* Lines of a signal without its mean: its transform over the number of samples, that of its primitive
- * differentiated, the corners taken out before and put back after. */
+/* Lines of a signal without its mean, in t->output: the transform divided by the number of samples. Corners
+ * are removed before and their lines added after; the transform of a primitive is differentiated. Returns the
+ * error in Parseval's identity. */
 static double transform_whole(saltus_transform *t, const saltus_signal *signal, double mean) {
     double length = (double)signal->count / signal->per_period;
     parseval_sums sums = {0};
@@ -96,7 +97,7 @@ static double transform_whole(saltus_transform *t, const saltus_signal *signal, 
     return parseval_error(&sums);
 }
 
-/* Density, lines and what lies between them. */
+/* Density, lines and the power between the lines. */
 static void read_orbits(const saltus_transform *t, saltus_spectrum *s) {
     saltus_sum off = {0, 0};
     double highest = 0, between = 0;
@@ -122,10 +123,10 @@ static void read_orbits(const saltus_transform *t, saltus_spectrum *s) {
     saltus_lines_rank(s->lines, s->line_count);
 }
 
-/* Up to which line the spectrum can be trusted: what aliases doubles when every second sample is left out, so
- * where both spectra agree there is little of it. A line may be weak by chance or symmetry, and at low
- * frequencies a velocity has little power: what aliases is held against the largest line at the same or a
- * higher frequency. */
+/* Find the line up to which the spectrum can be trusted. Leaving out every second sample doubles the
+ * aliasing, so there is little of it where both spectra agree. A line may be weak by chance or symmetry, and
+ * a velocity has little power at low frequencies: differences are relative to the largest line at or
+ * above. */
 static saltus_status trust_orbits(const saltus_signal *signal, const saltus_transform *all,
                                   saltus_spectrum *s, saltus_message *message) {
     saltus_transform half = {0};
@@ -140,8 +141,7 @@ static saltus_status trust_orbits(const saltus_signal *signal, const saltus_tran
         double highest = 0, reference = 0;
         for (long long n = 1; n <= lines; n++)
             highest = fmax(highest, cabs(all->output[n * s->orbits]));
-        /* From above, as the reference grows on the way down: the lowest line that disagrees ends the trust.
-         */
+        /* Downwards, as the reference is a running maximum; the lowest line that disagrees is the limit. */
         for (long long n = lines; n >= 1; n--) {
             double complex line = all->output[n * s->orbits];
             double difference = cabs(line - half.output[n * s->orbits]);
@@ -170,7 +170,7 @@ saltus_status saltus_signal_orbits(const saltus_signal *signal, int periods, sal
     measure(signal, s);
     if (s->variance == 0)
         return SALTUS_OK;
-    if (signal->primitive) { /* it returns with the orbit */
+    if (signal->primitive) { /* the primitive is periodic: the mean is zero */
         s->mean = 0;
         s->variance = saltus_signal_variance(signal, 0);
     }
@@ -187,7 +187,7 @@ saltus_status saltus_signal_orbits(const saltus_signal *signal, int periods, sal
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum of %lld bins", t.bins);
     if (status == SALTUS_OK) {
         s->parseval = transform_whole(&t, signal, s->mean);
-        s->mean += creal(t.output[0]); /* corners have no mean, but their samples do */
+        s->mean += creal(t.output[0]); /* the corner functions have zero mean, but not their samples */
         t.output[0] = 0;
         read_orbits(&t, s);
     }
@@ -207,8 +207,8 @@ static double hann(long long j, long long length) {
     return sine * sine;
 }
 
-/* One windowed segment's transform in `segment`; of a primitive q, as the window w vanishes at both ends,
- * that of w q' = (w q)' - w' q. */
+/* Transform of one windowed segment, in `segment`. For a primitive q it is that of w q' = (w q)' - w' q,
+ * because the window w vanishes at both ends. */
 static void transform_segment(saltus_transform *t, const double *window, const saltus_signal *signal,
                               double *steady, double complex *segment, parseval_sums *sums) {
     double periods = (double)t->count / signal->per_period;
@@ -225,7 +225,7 @@ static void transform_segment(saltus_transform *t, const double *window, const s
         segment[k] = 2 * M_PI * I * (double)k / periods * segment[k] - t->output[k];
 }
 
-/* Averaged density of a signal with a given mean; `parseval` may be NULL. */
+/* Averaged density of a signal with the given mean; `parseval` may be NULL. */
 static saltus_status average_segments(const saltus_signal *signal, double mean, long long length,
                                       double *density, double *parseval, saltus_message *message) {
     saltus_transform t = {0};
@@ -259,8 +259,8 @@ static saltus_status average_segments(const saltus_signal *signal, double mean, 
     return status;
 }
 
-/* Degrees of freedom of the mean of `segments` periodograms that overlap by half: the squared correlation of
- * two windows half a length apart is all there is, because those a length apart have nothing in common. */
+/* Degrees of freedom of the mean of `segments` periodograms that overlap by half. Only windows half a length
+ * apart are correlated; windows a whole length apart do not overlap. */
 static double degrees_of_freedom(long long length, long long segments) {
     double square = 0, product = 0;
     for (long long j = 0; j < length; j++) {
@@ -273,14 +273,14 @@ static double degrees_of_freedom(long long length, long long segments) {
     return 2 * (double)segments / (1 + 2 * correlation * (1 - 1 / (double)segments));
 }
 
-/* The band of bin k, from 1 on. */
+/* The band of bin k >= 1. */
 static int band_of(long long k) {
     enum { bands_per_octave = 8, bands_max = 26 * bands_per_octave };
     int band = (int)floor(bands_per_octave * log2((double)k) + 1e-9);
     return band < bands_max ? band : bands_max - 1;
 }
 
-/* The same as for lines (trust_orbits), band by band. */
+/* Like trust_orbits, but band by band. */
 static saltus_status trust_welch(const saltus_signal *signal, long long length, saltus_spectrum *s,
                                  saltus_message *message) {
     double *samples = malloc((size_t)(signal->count + 2) * sizeof *samples),

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "saltus/signal.h"
 
-/* complex.h first: FFTW then takes its numbers for C's. */
+/* With complex.h included first, FFTW uses C's complex type. */
 #include <complex.h>
 #include <fftw3.h>
 #include <math.h>
@@ -22,38 +22,38 @@ typedef struct saltus_transform {
     fftw_plan plan;
 } saltus_transform;
 
-/* Errors: SALTUS_NO_MEMORY. Close in any case. */
+/* Errors: SALTUS_NO_MEMORY; the transform must be closed even then. */
 saltus_status saltus_transform_open(saltus_transform *transform, long long count, saltus_message *message);
-/* A zeroed transform is accepted. */
+/* Accepts a zeroed transform. */
 void saltus_transform_close(saltus_transform *transform);
 
-/* 2 where bin k of a one-sided spectrum of `count` samples stands for its negative frequency too, or 1. */
+/* 2 if bin k of a one-sided spectrum of `count` samples also stands for its negative frequency, else 1. */
 double saltus_bin_weight(long long k, long long count);
 
-/* Whether a signal can be analysed. */
+/* SALTUS_BAD_INPUT if a signal cannot be analysed. */
 saltus_status saltus_signal_check(const saltus_signal *signal, saltus_message *message);
-/* By its primitive where that is known: its rise over the time between the first sample and the last. */
+/* Mean, if possible from the primitive: its rise over the time between the first and the last sample. */
 double saltus_signal_mean(const saltus_signal *signal);
 bool saltus_signal_moves(const saltus_signal *signal, double mean);
-/* Mean square of the distance from the mean: the signal's own where that is known. */
+/* Mean squared deviation from the mean, or signal->variance if that is known. */
 double saltus_signal_variance(const saltus_signal *signal, double mean);
-/* Every `thinning`-th sample of a signal: a signal of its own, held by `samples` (count / thinning, twice as
- * much with a primitive). */
+/* A signal of every `thinning`-th sample, stored in `samples` (count / thinning, twice as many with a
+ * primitive). */
 saltus_signal saltus_signal_thinned(const saltus_signal *signal, int thinning, double *samples);
 
-/* What is transformed for a signal without its mean: the samples less that, or the primitive less a straight
- * line, from sample `first` on. */
+/* The values to transform for a signal without its mean, from sample `first` on: the samples minus the mean,
+ * or the primitive minus a straight line. */
 void saltus_signal_steady(const saltus_signal *signal, double mean, long long first, long long count,
                           double *steady);
 
-/* Decibels of lines whose amplitudes are known. */
+/* Set the decibels of lines whose amplitudes are known. */
 void saltus_lines_rank(saltus_spectral_line *lines, long long count);
 
 /* Welch's density without lines. */
 saltus_status saltus_signal_density(const saltus_signal *signal, long long segment_periods, double confidence,
                                     saltus_spectrum *spectrum, saltus_message *message);
 
-/* A sum that does not lose what is small beside it (Neumaier). */
+/* Compensated sum (Neumaier). */
 typedef struct saltus_sum {
     double value, rest;
 } saltus_sum;

@@ -1,9 +1,8 @@
-/* Sharp lines of a signal: found in one windowed transform, fitted there by the window's own transform, and
- * taken away.
+/* Sharp lines of a signal: found in one windowed transform, fitted by the window's own transform, subtracted.
  *
- * A line c exp(2 pi i f j / n) of a signal of n samples, and its mirror image, put c W(k - f) + conj(c) W(k +
- * f) into bin k, where W is the window's transform. W vanishes almost (-92 dB) beyond four bins, so a line is
- * a matter of a few bins, and what is left of the signal without its lines is known bin by bin.
+ * A line c exp(2 pi i f j / n) of a signal of n samples, together with its mirror image, adds c W(k - f) +
+ * conj(c) W(k + f) to bin k, where W is the window's transform. W almost vanishes (-92 dB) beyond four bins,
+ * so a line affects only a few bins and the remainder without lines is known bin by bin.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/spectrum.h"
 
@@ -12,11 +11,11 @@
 #include <string.h>
 
 enum {
-    terms = 4,       /* of the window */
-    core = 3,        /* bins on each side that a line is fitted to */
-    lobe = 16,       /* bins on each side that a line is taken away from */
-    apart = 4,       /* two lines are at least so many bins apart */
-    block = 128,     /* bins; the level of the continuum is that of a block and both its neighbours */
+    terms = 4,   /* of the window */
+    core = 3,    /* bins on each side that a line is fitted to */
+    lobe = 16,   /* bins on each side that a line is subtracted from */
+    apart = 4,   /* least distance of two lines in bins */
+    block = 128, /* bins per block; the level of the continuum is taken from a block and its two neighbours */
     rounds_max = 40, /* searches for further lines */
     series_lines_max = 512,
     samples_min = 64
@@ -25,14 +24,14 @@ enum {
 /* Blackman-Harris: Harris, Proc. IEEE 66 (1978) 51-83. */
 static const double window[terms] = {0.35875, 0.48829, 0.14128, 0.01168};
 
-/* The lowest tenth of the bins around gives the continuum's level, however many lines stand there. */
+/* This quantile of the surrounding bins gives the continuum's level, whatever lines stand there. */
 static const double quantile = 0.1;
-/* Probability that noise shows a peak anywhere, were its level known exactly; the quantile of some 200
- * independent bins is only known to a fifth, which makes it 1e-3. */
+/* Probability that noise shows a peak anywhere if its level is known exactly. The quantile of some 200
+ * independent bins is known only to a fifth, which makes it 1e-3. */
 static const double false_alarm = 1e-6;
-static const double round_depth = 1e-3; /* power below the round's strongest at which the next round begins */
-static const double negligible = 1e-9;  /* power of a peak over all power: worth no line */
-static const double misfit_max = 0.1;   /* power left in the core of a line, over the line's own */
+static const double round_depth = 1e-3; /* of a round's strongest peak: weaker ones wait for the next round */
+static const double negligible = 1e-9;  /* power of a peak over the total power that is not worth a line */
+static const double misfit_max = 0.1;   /* power left in the core of a line over the line's own power */
 
 typedef struct peak {
     double place; /* frequency in bins */
@@ -41,13 +40,13 @@ typedef struct peak {
 
 typedef struct finder {
     saltus_transform transform;
-    double complex *left;        /* the transform without the lines found, by bins */
-    long long count, bins, last; /* last: bin up to which lines are sought */
+    double complex *left;        /* [bin]: the transform without the lines found */
+    long long count, bins, last; /* last: last bin where lines are sought */
     peak *peaks;
     int peak_count, most;
-    unsigned char *tried;    /* bins near a line found, even if it was put back */
-    double *level;           /* of the continuum, per block */
-    double threshold, total; /* least power of a peak over the level; all power */
+    unsigned char *tried;    /* bins near a line found, even one put back later */
+    double *level;           /* level of the continuum, per block */
+    double threshold, total; /* least power of a peak over the level; total power */
 } finder;
 
 /* Weight of exp(2 pi i m j / n) in the window. */
@@ -56,8 +55,8 @@ static double window_share(int m) {
     return size >= terms ? 0 : (size % 2 ? -1 : 1) * (size ? 0.5 : 1) * window[size];
 }
 
-/* W(x) / n: a sum of kernels sin(pi y) / (n sin(pi y / n)) exp(-i pi y (n - 1) / n) around x, which share all
- * but a cotangent. Zero beyond twice the bins that a line is taken away from. */
+/* W(x) / n: a sum of kernels sin(pi y) / (n sin(pi y / n)) exp(-i pi y (n - 1) / n) around x, which differ
+ * only by a cotangent. Zero beyond twice the bins that a line is subtracted from. */
 static double complex window_transform(double x, double n) {
     double y = x - n * round(x / n), whole = round(y), real = 0, imaginary = 0;
     if (fabs(y) > 2 * lobe)
@@ -76,7 +75,7 @@ static double complex window_slope(double x, double n) {
     return (window_transform(x + step, n) - window_transform(x - step, n)) / (2 * step);
 }
 
-/* What a line puts into bin k. */
+/* A line's contribution to bin k. */
 static double complex line_in_bin(const peak *p, long long k, double n) {
     return p->half_amplitude * window_transform((double)k - p->place, n) +
            conj(p->half_amplitude) * window_transform((double)k + p->place, n);
@@ -88,7 +87,7 @@ static void bins_around(const finder *self, double place, int reach, long long *
     *to = nearest + reach < self->bins ? nearest + reach : self->bins - 1;
 }
 
-/* Take a line out of what is left, or put it back (sign -1). */
+/* Subtract a line from what is left, or add it back (sign -1). */
 static void take_away(finder *self, const peak *p, double sign) {
     long long from, to;
     bins_around(self, p->place, lobe, &from, &to);
@@ -96,8 +95,8 @@ static void take_away(finder *self, const peak *p, double sign) {
         self->left[k] -= sign * line_in_bin(p, k, (double)self->count);
 }
 
-/* Solve the 3 x 3 normal equations. Where a column is zero (the sine at half the samples' frequency, the
- * frequency of a line without amplitude) so is its unknown. */
+/* Solve the 3 x 3 normal equations. Where a column is zero (the sine at half the sampling frequency, the
+ * frequency of a line without amplitude), so is its unknown. */
 static void solve(double a[3][3], double b[3], double x[3]) {
     bool used[3] = {false};
     double scale = fmax(a[0][0], fmax(a[1][1], a[2][2]));
@@ -119,8 +118,8 @@ static void solve(double a[3][3], double b[3], double x[3]) {
     }
 }
 
-/* One Gauss-Newton step of one line, the others standing: in the real and imaginary part of the half
- * amplitude, and in the place times the modulus. */
+/* One Gauss-Newton step for one line, the others fixed. Unknowns: real and imaginary part of the half
+ * amplitude, and the place times the modulus. */
 static void refit(finder *self, peak *p) {
     double a[3][3] = {{0}}, b[3] = {0}, x[3], n = (double)self->count, modulus = cabs(p->half_amplitude);
     long long from, to;
@@ -176,8 +175,8 @@ static void mark_tried(finder *self, long long place) {
     memset(self->tried + from, 1, (size_t)(to - from + 1));
 }
 
-/* Make lines of the peaks of what is left; returns their number. Of two that are too near to each other the
- * stronger one stays. */
+/* Add the peaks of what is left as lines and return their number. Of two close peaks the stronger one is
+ * kept. */
 static int admit(finder *self) {
     const int before = self->peak_count;
     double strongest = 0;
@@ -210,8 +209,8 @@ static void relax(finder *self, int sweeps) {
             refit(self, &self->peaks[c]);
 }
 
-/* Put back the peaks that do not have a line's shape; whether there were any. The first one, what the window
- * leaves of the mean, stays. */
+/* Put back the peaks that do not have the shape of a line and return whether there were any. The first peak,
+ * the remainder of the mean, always stays. */
 static bool prune(finder *self) {
     int kept = 1;
     for (int c = 1; c < self->peak_count; c++) {
@@ -245,7 +244,7 @@ static void find_lines(finder *self) {
         relax(self, fresh);
 }
 
-/* What is transformed, times the window or its derivative by the time in forcing periods, in t->output. */
+/* Transform the mean-free signal times the window or times the window's derivative, into t->output. */
 static void transform_windowed(saltus_transform *t, const saltus_signal *signal, double mean,
                                bool derivative) {
     double rate = 2 * M_PI * signal->per_period / (double)t->count;
@@ -260,9 +259,9 @@ static void transform_windowed(saltus_transform *t, const saltus_signal *signal,
     fftw_execute(t->plan);
 }
 
-/* Transform the signal, windowed and without its mean; of a primitive q, as the window w vanishes almost at
- * both ends, w q' = (w q)' - w' q. What the window leaves of the mean is taken away as a line that cannot
- * move. */
+/* Transform the signal, windowed and without its mean. For a primitive q it uses w q' = (w q)' - w' q,
+ * because the window w almost vanishes at both ends. What the window leaves of the mean is subtracted as a
+ * line of fixed frequency 0. */
 static void transform_signal(finder *self, const saltus_signal *signal, double mean) {
     saltus_transform *t = &self->transform;
     transform_windowed(t, signal, mean, false);
@@ -319,7 +318,7 @@ static int by_place(const void *a, const void *b) {
     return (p->place > q->place) - (p->place < q->place);
 }
 
-/* The peaks, but for the mean, in the units of the signal. */
+/* The peaks without the mean, in the units of the signal. */
 static int report(finder *self, const saltus_signal *signal, double variance, saltus_spectral_line *lines) {
     int count = self->peak_count - 1;
     qsort(self->peaks + 1, (size_t)count, sizeof *self->peaks, by_place);

@@ -1,4 +1,4 @@
-/* What all analyses of signals need: checks, mean and variance, transforms, the ranking of lines.
+/* Shared by all analyses of signals: checks, mean and variance, transforms, decibels of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "signal/spectrum.h"
 
@@ -61,7 +61,7 @@ bool saltus_signal_moves(const saltus_signal *signal, double mean) {
         largest = fmax(largest, fabs(signal->samples[j]));
         away = fmax(away, fabs(signal->samples[j] - mean));
     }
-    /* Where the square of 1e-140 underflows there is no power either. */
+    /* Deviations below 1e-140 have squares that underflow: no power either. */
     return away > fmax(signal->rounding > 0 ? signal->rounding : 1e-14 * largest, 1e-140);
 }
 
