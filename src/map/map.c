@@ -1,8 +1,8 @@
 /* Poincare maps on the flow.
  *
- * With Phi the tangent vectors carried to the section and f+ the field there, a section whose time answers to
- * perturbations by dt = (delay . delta) maps tangent vectors by Phi + f+ delay^T. A shift of the start time
- * by dt0 acts like the start perturbation -f0 dt0.
+ * Phi carries tangent vectors to the section, f+ is the field there, and a start perturbation delta shifts
+ * the time at the section by dt = delay . delta. The map's derivative is then Phi + f+ delay^T. A shift of
+ * the start time by dt0 acts like the start perturbation -f0 dt0.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/map.h"
 
@@ -17,8 +17,8 @@ struct saltus_map {
     saltus_section section;
     saltus_flow *flow;
     bool derivative;
-    int n;            /* of the state */
-    int dimension;    /* with the time where the section has one */
+    int n;            /* length of the state */
+    int dimension;    /* including the time, if the section has that coordinate */
     double period;    /* of the forcing */
     double *start;    /* field at the step's start */
     double *finish;   /* field at the section */
@@ -101,7 +101,7 @@ saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_mess
     return saltus_flow_start(map->flow, 0, (saltus_time){0, phase}, point, message);
 }
 
-/* To the next section point. */
+/* Advance to the next section point. */
 static saltus_status pass(saltus_map *map, saltus_event *event, saltus_message *message) {
     const saltus_section *section = &map->section;
     const bool timed = section->kind == SALTUS_SECTION_STROBOSCOPIC;
