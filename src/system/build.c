@@ -1,4 +1,4 @@
-/* Checking specifications and building systems of them: what all models have in common.
+/* Checks of specifications and the construction of systems: the parts common to all models.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/spectrum.h"
 #include "system/system.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* `fault`: of which stop the value is; `owner` begins the sentence. */
+/* `fault` says which stop the value belongs to; `owner` is the beginning of the message. */
 static saltus_status check_range(const saltus_parameter *p, saltus_fault fault, const char *owner,
                                  double value, saltus_message *message) {
     bool low = p->open_min ? !(value > p->min) : !(value >= p->min);
@@ -99,7 +99,7 @@ static void reserve(saltus_system *system) {
         model->reserve(system);
 }
 
-/* Each stop's b = M^-1 n / (n M^-1 n), the direction of a unit normal impulse, and its faces. */
+/* Build the faces and each stop's b = M^-1 n / (n M^-1 n), the direction of a unit normal impulse. */
 static void build_contacts(saltus_system *system) {
     int n = system->dof;
     for (int s = 0; s < system->spec.stop_count; s++) {
@@ -135,7 +135,7 @@ static double parallel(const double *a, const double *b, int n) {
     return ab * ab > (1 - 1e-12) * aa * bb ? ab / bb : 0;
 }
 
-/* Faces on the same coordinate must leave room between them, and none may repeat another. */
+/* Faces on the same coordinate must leave room between them, and no two may be equal. */
 static saltus_status check_faces(const saltus_system *system, saltus_message *message) {
     const saltus_fault fault = {.key = "stops"};
     for (int f = 0; f < system->face_count; f++)

@@ -21,21 +21,21 @@
 #include <unistd.h>
 
 enum {
-    seconds_max = 60,       /* of the compiler's CPU time */
-    bytes_max = 1 << 30,    /* of its memory */
-    niceness = 10,          /* of it: the run goes first */
-    descriptors_max = 4096, /* that a process is expected to have open */
-    words_max = 24,         /* of the compiler's command line */
+    seconds_max = 60,       /* CPU time of the compiler */
+    bytes_max = 1 << 30,    /* memory of the compiler */
+    niceness = 10,          /* of the compiler, which must not slow down the run */
+    descriptors_max = 4096, /* most file descriptors that a process is expected to have open */
+    words_max = 24,         /* words of the compiler's command line */
     path_max = 1024,
     name_max = 64
 };
 
 typedef enum progress {
-    progress_none,  /* not looked for yet */
-    progress_wait,  /* not kept: waits until the run has turned out long */
+    progress_none,  /* the cache has not been searched yet */
+    progress_wait,  /* not in the cache: waits until the run proves to be long */
     progress_runs,  /* the compiler is at work */
-    progress_ready, /* there is a function */
-    progress_over   /* there will be none */
+    progress_ready, /* the function can be called */
+    progress_over   /* there will be no function */
 } progress;
 
 struct saltus_compiled {
@@ -43,9 +43,9 @@ struct saltus_compiled {
     atomic_int owners;
     _Atomic(saltus_compiled_function *) function;
     atomic_int progress;
-    pthread_mutex_t lock; /* of what follows */
+    pthread_mutex_t lock; /* protects the members below */
     struct timespec since;
-    int outcome; /* where the compiler's end is told */
+    int outcome; /* pipe end that tells the compiler's outcome; -1: none */
     void *library;
     char path[path_max];
 };
@@ -55,13 +55,13 @@ struct saltus_compiled_list {
     saltus_list items; /* saltus_compiled * */
 };
 
-/* A compiler and where its work is kept. */
+/* A compiler and the folder where its output is kept. */
 typedef struct toolchain {
     char compiler[path_max], folder[path_max];
     struct stat identity; /* of the compiler */
 } toolchain;
 
-/* The compiler that is named, or on the path. False: there is none. */
+/* Find the compiler by its path, or by its name in PATH. False: there is none. */
 static bool find_compiler(const char *name, toolchain *w) {
     const char *path = strchr(name, '/') ? "" : getenv("PATH");
     if (strchr(name, '/'))
@@ -78,12 +78,12 @@ static bool find_compiler(const char *name, toolchain *w) {
            S_ISREG(w->identity.st_mode);
 }
 
-/* Whether what a path leads to is the user's own and closed to others. */
+/* Whether a file belongs to the user and is not writable by others. */
 static bool is_private(const struct stat *s) {
     return s->st_uid == geteuid() && (s->st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-/* The folder, made where there is none yet. False: there is none that is private. */
+/* Find or create the cache folder. False: there is none, or it is not private. */
 static bool find_folder(toolchain *w) {
     const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     struct stat s;
@@ -100,7 +100,7 @@ static bool find_folder(toolchain *w) {
            access(w->folder, W_OK | X_OK) == 0;
 }
 
-/* What stands in the way of compiling; NULL: nothing. */
+/* Find compiler and folder. Returns the obstacle, or NULL if there is none. */
 static const char *open_toolchain(toolchain *w) {
     const char *name = getenv("SALTUS_COMPILE");
     *w = (toolchain){.compiler = ""};
@@ -115,7 +115,7 @@ static const char *open_toolchain(toolchain *w) {
     return NULL;
 }
 
-/* Options for every text: the arithmetic is that of the library's own build. */
+/* Options for all sources. The arithmetic is that of the library's own build. */
 static const char *const options[] = {"-O3", "-std=c11", "-fPIC", "-shared", "-ffp-contract=off",
                                       "-w",  "-pipe"};
 enum { option_count = sizeof options / sizeof options[0] };
@@ -127,8 +127,8 @@ static unsigned long long hash(unsigned long long h, const void *bytes, size_t s
     return h;
 }
 
-/* What all functions of one system are kept under: a key from the text without a shape, the compiler, its
- * options. False: no memory, or the text is none to compile. */
+/* Beginning of the paths of one system's functions: a key from the source without a shape, the compiler and
+ * its options. False: no memory, or the source cannot be compiled. */
 static bool find_place(const toolchain *w, const char *flags, saltus_compile_source *make, const void *from,
                        char path[path_max]) {
     const long long identity[] = {(long long)w->identity.st_size, (long long)w->identity.st_mtim.tv_sec,
@@ -151,7 +151,7 @@ static bool find_place(const toolchain *w, const char *flags, saltus_compile_sou
     return source != NULL;
 }
 
-/* Take the function from its file, where there is one of the user's own. */
+/* Load the function from its file if that exists and is private. */
 static bool load(saltus_compiled *c) {
     struct stat s;
     if (lstat(c->path, &s) != 0 || !S_ISREG(s.st_mode) || !is_private(&s))
@@ -159,7 +159,7 @@ static bool load(saltus_compiled *c) {
     c->library = dlopen(c->path, RTLD_NOW | RTLD_LOCAL);
     void *symbol = c->library ? dlsym(c->library, SALTUS_COMPILED_NAME) : NULL;
     saltus_compiled_function *function = NULL;
-    /* POSIX has functions and data pointers of one kind, ISO C does not. */
+    /* POSIX allows this conversion from a data to a function pointer, ISO C does not. */
     memcpy(&function, &symbol, sizeof function);
     if (!function && c->library) {
         dlclose(c->library);
@@ -171,7 +171,7 @@ static bool load(saltus_compiled *c) {
     return function != NULL;
 }
 
-/* An open file without a name that holds a text, at its beginning; -1: there is none. */
+/* An open, unnamed file that holds the source, positioned at its beginning; -1: there is none. */
 static int keep_source(const toolchain *w, const char *source) {
     char name[path_max + name_max];
     snprintf(name, sizeof name, "%s/source.XXXXXX", w->folder);
@@ -194,12 +194,12 @@ static int keep_source(const toolchain *w, const char *source) {
     return file;
 }
 
-/* A process of its own that runs the compiler and puts the file into its place. It shares nothing with the
- * run but the end of a pipe: other open files would stay open, and locked, as long as it lives. Only what is
- * safe between fork and exec. */
+/* Runs in a process of its own: call the compiler and move its output into place. It shares only the end of a
+ * pipe with the run: other open files would stay open, and locked, as long as it lives. Between fork and exec
+ * only async-signal-safe functions may be called. */
 static void run_compiler(char *const *words, int source, const char *made, const char *path, int outcome) {
     sigset_t none;
-    /* Out of the way of the numbers that they shall have. */
+    /* Move both away from the descriptors 0 and 3, which they get below. */
     source = fcntl(source, F_DUPFD, 4);
     outcome = fcntl(outcome, F_DUPFD, 4);
     setsid();
@@ -232,7 +232,7 @@ static void run_compiler(char *const *words, int source, const char *made, const
     _exit(told == 1 ? 0 : 1);
 }
 
-/* The compiler's command line; `flags` is taken apart, `words` points into all that is given. */
+/* Build the compiler's command line. `flags` is split in place; `words` points into all arguments. */
 static void make_words(char *words[words_max], char *compiler, char *flags, char *made) {
     static const char *const rest[] = {"-x", "c", "-", "-o"};
     int count = 0;
@@ -247,8 +247,8 @@ static void make_words(char *words[words_max], char *compiler, char *flags, char
     words[count] = NULL;
 }
 
-/* Start the compiler; where its end will be told, or -1. The process that runs it is nobody's child:
- * whoever waits for children in this program does not meet it. Signals wait until it is on its own. */
+/* Start the compiler; returns the pipe end that will tell its outcome, or -1. A double fork hides its process
+ * from whoever waits for children of this program. Signals wait until it has a session of its own. */
 static int start(toolchain *w, const char *flags, const char *source, const char *path) {
     char made[path_max + name_max], own[256], *words[words_max];
     int told[2], file = keep_source(w, source);
@@ -287,13 +287,13 @@ static int start(toolchain *w, const char *flags, const char *source, const char
     return -1;
 }
 
-/* The next state of a function that is not there yet. */
+/* The next state of a function that is not ready yet. */
 static progress advance(saltus_compiled *c, progress now, saltus_compile_source *make, const void *from) {
     struct timespec time;
     toolchain w;
     clock_gettime(CLOCK_MONOTONIC, &time);
     if (now == progress_runs) {
-        char said = '-'; /* '+' or '-'; the end of the pipe without a word is no good sign either */
+        char said = '-'; /* stays '-' if the pipe closes without a word */
         if (read(c->outcome, &said, 1) < 0 && (errno == EAGAIN || errno == EINTR))
             return now;
         close(c->outcome);
@@ -313,7 +313,7 @@ static progress advance(saltus_compiled *c, progress now, saltus_compile_source 
     if (1e3 * (double)(time.tv_sec - c->since.tv_sec) + 1e-6 * (double)(time.tv_nsec - c->since.tv_nsec) <
         c->shape.delay)
         return now;
-    /* Another process may have made it meanwhile. */
+    /* Another process may have compiled it meanwhile. */
     if (load(c))
         return progress_ready;
     char *source = open_toolchain(&w) ? NULL : make(from, &c->shape);

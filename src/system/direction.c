@@ -1,4 +1,4 @@
-/* Directions in parameter space, and how a system changes along one.
+/* Directions in parameter space, and the derivative of a system along a direction.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/system.h"
 
@@ -22,7 +22,7 @@ saltus_status saltus_spec_differentiable(const saltus_spec *spec, const saltus_d
     return SALTUS_OK;
 }
 
-/* `stop` counts the stops from 1; 0: all of them. */
+/* `stop` counts from 1; 0 means all stops. */
 static saltus_status stop_direction(const saltus_spec *spec, const char *key, int number, int stop,
                                     saltus_direction *direction, double *value, saltus_message *message) {
     double *const rates[] = {

@@ -19,7 +19,7 @@ static const struct {
 #undef ENTRY
 };
 
-/* Operators between two operands. The right operand takes what binds at least as strongly as `right`. */
+/* Binary operators. The right operand extends over operators that bind at least as strongly as `right`. */
 static const struct {
     char symbol[3];
     saltus_syntax kind;
@@ -33,7 +33,7 @@ static const struct {
     {"^", SALTUS_SYNTAX_POWER, 9, 7},
 };
 
-/* Signs bind less than powers, more than products: -x^2 is -(x^2), x^-2 and 2*-x are possible. */
+/* Signs bind weaker than powers and stronger than products: -x^2 is -(x^2); x^-2 and 2*-x are possible. */
 enum { sign_binds = 7 };
 
 /* A text being parsed. */
@@ -44,7 +44,7 @@ typedef struct parser {
     saltus_message *message;
 } parser;
 
-/* All errors of parsing pass here; they return no term. */
+/* Report a parse error. Returns -1, which stands for no term. */
 static int refuse(parser *self, int place, const char *complaint) {
     self->status = saltus_fail(self->message, SALTUS_BAD_INPUT, "column %d: %s", place + 1, complaint);
     return -1;
@@ -87,7 +87,7 @@ static bool is_comparison(const parser *self, int term) {
 
 static int parse_operand(parser *self, int binds);
 
-/* An expression that is a number, not a comparison. */
+/* Parse an expression that is a number, not a comparison. */
 static int parse_number_valued(parser *self, int binds) {
     int begin = (int)(rest_of(self) - self->made->text), term = parse_operand(self, binds);
     if (term >= 0 && is_comparison(self, term))
@@ -95,7 +95,7 @@ static int parse_number_valued(parser *self, int binds) {
     return term;
 }
 
-/* Decimal numbers, with a point whatever the locale says. */
+/* Parse a decimal number, with a point in any locale. */
 static int parse_number(parser *self) {
     const char *text = self->made->text + self->place, *c = text;
     char digits[64], *end;
@@ -129,7 +129,7 @@ static int parse_number(parser *self) {
             .kind = SALTUS_SYNTAX_NUMBER, .number = value, .begin = begin, .length = length, .first = -1});
 }
 
-/* Arguments up to a closing bracket, chained behind the term; how many they are, 0 after a complaint. */
+/* Parse arguments up to the closing bracket, chained to the term. Returns their number, 0 after an error. */
 static int parse_arguments(parser *self, int term, char closing) {
     int count = 0, last = -1, opened = self->place - 1;
     const bool chooses = self->made->terms[term].kind == SALTUS_SYNTAX_CALL &&
@@ -162,7 +162,7 @@ static int parse_arguments(parser *self, int term, char closing) {
     }
 }
 
-/* A name before a parenthesis that no function has. */
+/* Report a name before a parenthesis that is not a function. */
 static int refuse_function(parser *self, int begin, int length) {
     const char *names[SALTUS_FUNCTION_COUNT];
     char name[32], complaint[160];
@@ -200,7 +200,7 @@ static int parse_call(parser *self, int begin, int length) {
     return refuse(self, begin, complaint);
 }
 
-/* A name, x, x[i], x', x[i]' or, for shells, x_dot; or the call of a function. */
+/* Parse a name (x, x[i], x', x[i]' or, for use in shells, x_dot) or a function call. */
 static int parse_name(parser *self) {
     const char *text = self->made->text;
     int begin = self->place, end = begin;
@@ -258,7 +258,7 @@ static int parse_first(parser *self) {
                   *c ? "a number, a name or a parenthesis is expected" : "the expression ends too early");
 }
 
-/* Everything from here that binds at least so strongly. */
+/* Parse operands joined by operators that bind at least as strongly as `binds`. */
 static int parse_operand(parser *self, int binds) {
     enum { count = sizeof operators / sizeof operators[0] };
     if (++self->depth > SALTUS_EXPRESSION_DEPTH_MAX)

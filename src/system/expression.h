@@ -1,5 +1,5 @@
-/* Private: expressions as text, parsed into trees by operator precedence (V. R. Pratt, Top down operator
- * precedence, POPL 1973). What the names in them mean is not decided here.
+/* Private: parses expressions into trees by operator precedence (V. R. Pratt, Top down operator precedence,
+ * POPL 1973). The meaning of names is not decided here.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_EXPRESSION_H
 #define SALTUS_SYSTEM_EXPRESSION_H
@@ -8,9 +8,8 @@
 
 #include <stdbool.h>
 
-/* Functions, each with its operation and its least and largest number of arguments. `sum` takes a name, the
- * first and the last value of that index, and what is added; the first argument of `if` is a comparison:
- * these two are no operations. */
+/* Functions with their operations and least and largest numbers of arguments. Not operations are `if`, whose
+ * first argument is a comparison, and `sum` with an index's name, first and last value, and a summand. */
 #define SALTUS_FUNCTIONS(X)                                                                                  \
     X(sqrt, SQRT, 1, 1)                                                                                      \
     X(exp, EXP, 1, 1)                                                                                        \
@@ -41,7 +40,7 @@ typedef enum saltus_function {
 
 typedef enum saltus_syntax {
     SALTUS_SYNTAX_NUMBER,
-    SALTUS_SYNTAX_NAME, /* with its indices, x[i], as arguments */
+    SALTUS_SYNTAX_NAME, /* with the indices of x[i] as arguments */
     SALTUS_SYNTAX_CALL,
     SALTUS_SYNTAX_NEGATE,
     SALTUS_SYNTAX_ADD,
@@ -49,7 +48,7 @@ typedef enum saltus_syntax {
     SALTUS_SYNTAX_MULTIPLY,
     SALTUS_SYNTAX_DIVIDE,
     SALTUS_SYNTAX_POWER,
-    SALTUS_SYNTAX_LESS, /* comparisons, this and the following: in the first argument of `if` only */
+    SALTUS_SYNTAX_LESS, /* from here on: comparisons, allowed only as the first argument of `if` */
     SALTUS_SYNTAX_LESS_EQUAL,
     SALTUS_SYNTAX_GREATER,
     SALTUS_SYNTAX_GREATER_EQUAL,
@@ -57,26 +56,26 @@ typedef enum saltus_syntax {
     SALTUS_SYNTAX_UNEQUAL
 } saltus_syntax;
 
-/* A node of the tree. Arguments are nodes chained by `next`; -1 ends a chain. */
+/* A node of the tree. Arguments are nodes chained by `next`, from `first` on; -1 ends a chain. */
 typedef struct saltus_expression_term {
     saltus_syntax kind;
     saltus_function function; /* of a call */
-    bool rate;                /* of a name: a prime follows, x' */
+    bool rate;                /* of a name: with a prime, x' */
     double number;
-    int begin, length; /* of the name, the number or the operator in the text */
+    int begin, length; /* position in the text of the name, number or operator */
     int first, next;
 } saltus_expression_term;
 
 enum { SALTUS_EXPRESSION_BYTES_MAX = 20000, SALTUS_EXPRESSION_DEPTH_MAX = 100 };
 
 typedef struct saltus_expression {
-    const char *text; /* the caller's */
+    const char *text; /* owned by the caller */
     saltus_expression_term *terms;
     int count, root;
 } saltus_expression;
 
-/* Parse a text, which must outlive the expression. On success the expression is to be cleared. Errors, with a
- * sentence that tells the column, counted in bytes from 1: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+/* Parse a text, which must outlive the expression. Clear the expression after success. Errors:
+ * SALTUS_BAD_INPUT (the message gives the column in bytes, from 1), SALTUS_NO_MEMORY. */
 saltus_status saltus_expression_parse(const char *text, saltus_expression *expression,
                                       saltus_message *message);
 void saltus_expression_clear(saltus_expression *expression);

@@ -70,7 +70,7 @@ double saltus_operation_value(saltus_operation operation, const double x[4]) {
     }
 }
 
-/* A hash of all that makes a node (FNV-1a over its words, mixed at the end). */
+/* Hash of a node's contents (FNV-1a over its words, mixed at the end). */
 static unsigned long long hash_of(const saltus_graph_node *node) {
     unsigned long long bits, hash = 14695981039346656037ULL;
     memcpy(&bits, &node->value, sizeof bits);
@@ -83,14 +83,14 @@ static unsigned long long hash_of(const saltus_graph_node *node) {
     return hash ^ hash >> 29;
 }
 
-/* Zeros of both signs are different constants here. */
+/* Compares bits, so that zeros of different sign are different constants. */
 static bool equal(const saltus_graph_node *a, const saltus_graph_node *b) {
     return a->operation == b->operation && a->index == b->index &&
            memcmp(&a->value, &b->value, sizeof a->value) == 0 &&
            memcmp(a->operand, b->operand, sizeof a->operand) == 0;
 }
 
-/* Where a node stands in the table, or the empty place where it would. */
+/* The bucket that holds an equal node, or the empty one where the node belongs. */
 static int *bucket_of(const saltus_graph *graph, const saltus_graph_node *node) {
     unsigned long long mask = (unsigned long long)graph->bucket_count - 1, at = hash_of(node) & mask;
     while (graph->buckets[at] >= 0 && !equal(&graph->nodes[graph->buckets[at]], node))
@@ -98,7 +98,7 @@ static int *bucket_of(const saltus_graph *graph, const saltus_graph_node *node) 
     return &graph->buckets[at];
 }
 
-/* Room for one more node, the table at most half full. */
+/* Make room for one more node and keep the hash table at most half full. */
 static bool reserve(saltus_graph *graph) {
     if (graph->count < graph->room)
         return true;
@@ -159,7 +159,7 @@ static bool is_constant(const saltus_graph *graph, int node, double value) {
     return graph->nodes[node].operation == SALTUS_OP_CONSTANT && graph->nodes[node].value == value;
 }
 
-/* The node that an operation is equal to without being made, as x in x + 0; -1: there is none. */
+/* An existing node that equals an operation, such as x for x + 0; -1: there is none. */
 static int simpler(saltus_graph *graph, saltus_operation operation, int a, int b) {
     switch (operation) {
     case SALTUS_OP_ADD:
@@ -183,7 +183,7 @@ static int simpler(saltus_graph *graph, saltus_operation operation, int a, int b
     }
 }
 
-/* The node of an operation whose operands stand in order; folded where all of them are constants. */
+/* The node of an operation whose operands are in canonical order; folded if all are constants. */
 static int add_operation(saltus_graph *graph, saltus_operation operation, const int operand[4]) {
     saltus_graph_node node = none;
     double value[4] = {0};
@@ -213,7 +213,7 @@ int saltus_graph_choose(saltus_graph *graph, saltus_operation comparison, int a,
     return yes == no ? yes : add_operation(graph, comparison, (const int[4]){a, b, yes, no});
 }
 
-/* Short names for building derivatives. */
+/* Short names for the derivatives below. */
 static int add(saltus_graph *g, int a, int b) {
     return saltus_graph_apply(g, SALTUS_OP_ADD, a, b);
 }
@@ -264,7 +264,7 @@ int saltus_graph_outer_derivative(saltus_graph *g, int node) {
         return subtract(g, one, multiply(g, node, node));
     case SALTUS_OP_ABS:
         return function(g, SALTUS_OP_SIGN, a);
-    default: /* sign and step are constant but for their jumps */
+    default: /* sign and step are piecewise constant */
         return 0;
     }
 }
@@ -290,7 +290,7 @@ static int differentiate(saltus_graph *g, int node, const int *d) {
     case SALTUS_OP_ATAN2:
         return divide(g, subtract(g, multiply(g, b, da), multiply(g, a, db)),
                       add(g, multiply(g, a, a), multiply(g, b, b)));
-    case SALTUS_OP_MOD: /* floor((a) / b) = (a - mod) / b */
+    case SALTUS_OP_MOD: /* floor(a / b) = (a - mod) / b */
         return subtract(g, da, multiply(g, divide(g, subtract(g, a, node), b), db));
     case SALTUS_OP_MIN:
         return saltus_graph_choose(g, SALTUS_OP_CHOOSE_LESS, b, a, db, da);
@@ -319,7 +319,7 @@ void saltus_graph_differentiate(saltus_graph *graph, int leaf, int count, unsign
     }
 }
 
-/* The value of a node whose operands have theirs. */
+/* The value of a node from the values of its operands. */
 static double value_of(const saltus_graph_node *node, const double *parameters, const double *state,
                        double time, double phase, const double *values) {
     double operand[4] = {0};
@@ -369,7 +369,7 @@ double saltus_graph_ways(const saltus_graph *graph, int node) {
     return all;
 }
 
-/* Which of its operands an operation does not take, with these values; -1: it takes all. */
+/* The operand (2 or 3) that a choice does not take with these values; -1: the operation is not a choice. */
 static int not_chosen(const saltus_graph_node *n, const double *values) {
     if (n->operation < SALTUS_OP_CHOOSE_LESS)
         return -1;

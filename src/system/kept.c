@@ -16,7 +16,7 @@ enum { key_length = 32, name_max = 96, day = 24 * 3600 };
 
 typedef struct entry {
     char name[name_max];
-    time_t used; /* the file's time: made, or used last, to a day */
+    time_t used; /* modification time: when made or last used, to a day */
 } entry;
 
 static bool is_key(const char *name) {
@@ -28,7 +28,7 @@ static bool is_function(const char *name) {
     return is_key(name) && length > 3 && strcmp(name + length - 3, ".so") == 0;
 }
 
-/* What a compiler writes to before it is a function, and the text that it reads. */
+/* Temporary files: a compiler's unfinished output, and its source. */
 static bool is_passing(const char *name) {
     return (is_key(name) && strstr(name, ".so.")) || strncmp(name, "source.", 7) == 0;
 }

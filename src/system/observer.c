@@ -1,4 +1,4 @@
-/* What is observed of a system: a displacement, a stop's coordinate, a place on a line, a quantity of a text.
+/* The observed displacement: a displacement, a stop's coordinate, a place on a line, or a quantity of a text.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/state.h"
 #include "system/system.h"
@@ -66,7 +66,7 @@ static void observe_place(saltus_system *system, double xi) {
     system->observer.place = xi;
 }
 
-/* Entry i of the state. Of separate bodies in a built-in model the row itself tells how it is called. */
+/* Observe entry i of the state. In a built-in model of separate bodies the row itself implies the name. */
 static void observe_entry(saltus_system *system, int i) {
     const saltus_model *model = system->spec.model;
     memset(system->observer.row, 0, (size_t)system->dof * sizeof *system->observer.row);
@@ -76,7 +76,7 @@ static void observe_entry(saltus_system *system, int i) {
         system->observer.name = system->observer.entry.text;
 }
 
-/* What is observed where the scene does not say it. */
+/* What is observed if the scene does not say. */
 static void observe_default(saltus_system *system) {
     const saltus_model *model = system->spec.model;
     if (saltus_system_observable_count(system) > 0 &&
@@ -91,7 +91,7 @@ static void observe_default(saltus_system *system) {
         observe_entry(system, 0);
 }
 
-/* What could be observed, by name. */
+/* Refuse a name and list what could be observed. */
 static saltus_status refuse_observer(const saltus_system *system, saltus_fault fault,
                                      saltus_message *message) {
     const int stops = system->spec.stop_count, quantities = saltus_system_observable_count(system);
@@ -111,7 +111,7 @@ static saltus_status refuse_observer(const saltus_system *system, saltus_fault f
                                                                         : "");
 }
 
-/* By name: an observed quantity of a text, stop2, a displacement, or a place on a line. */
+/* Choose by name: an observed quantity of a text, stop2, a displacement, or a place on a line. */
 static saltus_status observe_named(saltus_system *system, const char *name, saltus_message *message) {
     const saltus_model *model = system->spec.model;
     const saltus_fault fault = {.key = "observe"};

@@ -52,8 +52,8 @@ static void normal(const saltus_spec *spec, int dof, const saltus_stop *stop, do
         n[i] = stop->weight[i];
 }
 
-/* The rows of K, C, F and F0, times a number for each mass. They are linear in the parameters: the same lines
- * give their derivative along a direction. */
+/* The rows of K, C, F and F0, scaled by a number for each mass. They are linear in the parameters, so with
+ * rates of parameters the same lines give the derivative along a direction. */
 static void fill_rows(const double *p, int dof, double scale[2], double *const *row) {
     bool two = dof == 2;
     double k[2][2] = {{p[p_k] + (two ? p[p_k2] : 0), -p[p_k2]}, {-p[p_k2], p[p_k2]}};
@@ -69,8 +69,7 @@ static void fill_rows(const double *p, int dof, double scale[2], double *const *
     }
 }
 
-/* The larger eigenvalue of M^-1 C and the Maxwell element's rate: energy is lost no faster than at twice the
- * larger of these. */
+/* The larger of M^-1 C's largest eigenvalue and the Maxwell rate; energy decays at most twice as fast. */
 static double decay_bound(const saltus_system *system) {
     double *const *row = system->coefficients.row;
     double decay = row[oscillator_c1][0];
@@ -81,8 +80,8 @@ static double decay_bound(const saltus_system *system) {
     return system->extra ? fmax(decay, system->coefficients.scalar[oscillator_rate_z]) : decay;
 }
 
-/* A length that the motion is likely to have: the smallest clearance, else the forced response. Between two
- * sides a clearance is one however small it is. */
+/* A typical length of the motion: the smallest clearance, else the forced response. A clearance that is tiny
+ * beside the response counts only between two sides. */
 static double typical_length(const saltus_system *system) {
     const double *p = system->spec.parameters;
     double length = 0;
@@ -154,7 +153,7 @@ static void build(saltus_system *system) {
     system->mirror_shift = system->forced;
 }
 
-/* M^-1 K changes by M^-1 dK - M^-1 dM M^-1 K, and so on. */
+/* M^-1 K changes by M^-1 dK - M^-1 dM M^-1 K, and the other rows likewise. */
 static void vary(const saltus_system *system, const saltus_direction *direction,
                  saltus_variation *variation) {
     const double *p = system->spec.parameters, *rate = direction->parameter;

@@ -5,7 +5,7 @@
 
 enum { oscillator_kz, oscillator_rate_z, oscillator_omega };
 enum {
-    oscillator_k1, /* first column of M^-1 K, and so on */
+    oscillator_k1, /* columns of M^-1 K, then of M^-1 C */
     oscillator_k2,
     oscillator_c1,
     oscillator_c2,

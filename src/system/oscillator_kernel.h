@@ -7,7 +7,7 @@
 
 #define MODEL_NAME "oscillator"
 
-/* Its few operations leave nothing to gain from loops for certain terms. */
+/* The model has so few operations that loops specialised for certain terms gain nothing. */
 enum { model_rows_common = 0, model_rows_plain = SALTUS_WIDE ? 2 : 1 };
 KERNEL_INLINE unsigned model_common_terms(int rows) {
     (void)rows;
@@ -17,7 +17,7 @@ KERNEL_INLINE unsigned model_common_terms(int rows) {
 enum { drive_force, model_drives };
 enum { table_force, model_tables };
 enum { model_series_count, model_rows_ahead = 0, model_columns_apart = true };
-enum { vary_cosine, model_vary_drives }; /* of cos(omega t + phase) */
+enum { vary_cosine, model_vary_drives }; /* derivative of cos(omega t + phase) */
 
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     double coefficient = 1;
@@ -39,7 +39,7 @@ KERNEL_INLINE void model_start(frame f, int c) {
     (void)c;
 }
 
-/* d cos(theta + omega t) / d omega = -(elapsed + t) sin(theta + omega t), `elapsed` being the time since
+/* d cos(theta + omega t) / d omega = -(elapsed + t) sin(theta + omega t), where `elapsed` is the time since
  * theta was fixed. */
 KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, lane_t cosine) {
     const lane_t elapsed = *f.elapsed, omega = *SCALAR(oscillator_omega),
@@ -54,7 +54,7 @@ KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, la
     }
 }
 
-/* The derivative of the field itself along a direction, at order k of the trajectory. */
+/* Add the derivative of the field along a parameter direction, at order k of the trajectory. */
 KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, saltus_pack *next) {
     const saltus_pack *q = JET(f.q, k, 0), *v = JET(f.v, k, 0);
     const saltus_pack *column[] = {VARY_ROW(d, oscillator_k1), VARY_ROW(d, oscillator_c1),
@@ -103,7 +103,7 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
                                               -*SCALAR(oscillator_rate_z) * *EXTRA(k, c));
 }
 
-/* Nothing is kept elsewhere. */
+/* This model keeps no second copy of the state's series. */
 KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocity,
                                const saltus_pack *displacement) {
     (void)f;

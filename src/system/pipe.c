@@ -27,7 +27,7 @@ static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus
     return SALTUS_OK;
 }
 
-/* sin(i pi xi), exact zeros where i xi is whole; near these zeros as exact as xi itself. */
+/* sin(i pi xi): exactly zero where i xi is whole, and near these zeros as accurate as xi itself. */
 static double mode_shape(int i, double xi) {
     double turns = i * xi, whole = round(turns), part = (turns - whole) + fma(i, xi, -turns);
     double sine = turns == whole ? 0.0 : sin(M_PI * part);
@@ -59,7 +59,7 @@ static void build_couplings(saltus_system *system) {
         }
 }
 
-/* At the fastest flow: q'' = - (damping + 2 sqrt(beta) u G) q' - (stiffness - lambda^2 u^2) q. */
+/* With the fastest flow u: q'' = - (damping + 2 sqrt(beta) u G) q' - (stiffness - lambda^2 u^2) q. */
 static void fill_linear(saltus_system *system, double velocity) {
     const saltus_coefficients *c = &system->coefficients;
     const int n = system->dof;
@@ -73,11 +73,10 @@ static void fill_linear(saltus_system *system, double velocity) {
     }
 }
 
-/* Series take steps as long as stability lets them, 5 / drag at rtol 1e-10. Those of collocation follow what
- * lasts: the forcing, and motions about twice as fast as the first mode; it takes 0.4 of them per radian, and
- * after every impact as many of the series' as one of its own costs. That is 12 to 25 of the series'. Where
- * there is a stop, several impacts a period are counted on; motions without any would gain from fewer modes
- * on (`saltus_bench --cost-only` measures both). */
+/* Stability limits Taylor steps to 5 / drag at rtol 1e-10. Collocation resolves only motion that lasts (the
+ * forcing, and motions about twice as fast as the first mode), with 0.4 steps per radian. One of its steps
+ * costs 12 to 25 Taylor steps, and as many follow each impact. With stops several impacts per period are
+ * assumed; motions without any would gain from fewer modes on (`saltus_bench --cost-only` measures both). */
 static double ratio_of(double drag, double omega, bool struck) {
     const double lasting = fmax(omega, 2 * M_PI * M_PI);
     return drag / ((struck ? 150 : 80) * lasting);
@@ -139,7 +138,7 @@ static const char *obstacle(const saltus_spec *spec, int parameter) {
                : NULL;
 }
 
-/* Along the orbit the cubic damping term depends on the displacements: -alpha kappa sum lambda^4 q^2. */
+/* The cubic damping term contributes -alpha kappa sum lambda^4 q^2, which depends on the displacements. */
 static double trace(const saltus_system *system, const double *state, double phase) {
     (void)phase;
     const saltus_coefficients *c = &system->coefficients;

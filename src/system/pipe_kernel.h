@@ -1,13 +1,12 @@
 /* The pipe's vector field, order by order (model.md, section 1).
  *
- * With P = S + alpha S' (S' = 2 S1) all terms that multiply q_i itself share one scalar series,
+ * With P = S + alpha S' (S' = 2 S1) all terms proportional to q_i share one scalar series,
  *   W = kappa P - u^2 - sqrt(beta) u' / 2,
  * and the field is
  *   q_i'' = - alpha lambda_i^4 v_i - lambda_i^4 q_i - lambda_i^2 W q_i
  *           - (G 2 sqrt(beta) u v)_i - (B sqrt(beta) u' q)_i
- * with B's diagonal gone into W. The three products of a scalar series and a row are formed side by side,
- * before G, B and lambda^2 act on them; the cubic term then costs one product per order, and half a one for
- * S.
+ * where W contains B's diagonal. The three products of a scalar series and a row are formed side by side,
+ * before G, B and lambda^2 act on them; the cubic term then costs one product per order, S half of one.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_PIPE_KERNEL_H
 #define SALTUS_SYSTEM_PIPE_KERNEL_H
@@ -16,8 +15,7 @@
 
 #define MODEL_NAME "pipe"
 
-/* Systems of up to so many rows have loops of their own: with the terms that such systems mostly have, or
- * with any. */
+/* Systems of up to this many rows have loops of their own: with the terms that most have, or with any. */
 enum {
     model_rows_common = SALTUS_WIDE        ? 16
                         : SALTUS_PACK == 4 ? 2
@@ -35,7 +33,7 @@ enum { series_square, series_tension, model_series_count };
 enum { model_columns_apart = true };
 enum { vary_velocity, vary_gradient, vary_tension, vary_all_tension, model_vary_drives };
 enum {
-    ahead_resting, /* begun for the next order */
+    ahead_resting, /* sums begun for the next order */
     ahead_moving,
     ahead_square,
     ahead_start,  /* lambda^2 q_0 */
@@ -44,8 +42,8 @@ enum {
     model_rows_ahead
 };
 
-/* Orders of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn; the signs go
- * into the tables. Beyond the orders that matter all is zero. */
+/* Coefficients of sin(omega t + phase) are omega^k / k! times sine, cosine, -sine, -cosine in turn; the
+ * tables contain the signs. They are zero beyond the orders that matter. */
 static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     const saltus_coefficients *c = &system->coefficients;
     double root_beta = c->scalar[pipe_root_beta], u0 = c->scalar[pipe_u0], sigma = c->scalar[pipe_sigma];
@@ -64,7 +62,7 @@ static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     }
 }
 
-/* Orders k, k + 1, ... of the drives, as many as a pack holds; k is even or the sines have changed places. */
+/* Orders k, k + 1, ... of the drives, as many as a pack holds; for odd k sine and cosine are exchanged. */
 KERNEL_INLINE void model_forcing_orders(frame f, int k, saltus_pack s, saltus_pack c, saltus_pack twice) {
     const saltus_pack gradient = *TABLE(table_gradient, k) * c;
     saltus_pack tension = saltus_pack_fma(*TABLE(table_tension, k), s, *TABLE(table_tension2, k) * twice);
@@ -85,8 +83,7 @@ KERNEL_INLINE void model_forcing(frame f, int order, lane_t sine, lane_t cosine)
     *DRIVE(drive_tension, 0) -= *u0 * *u0 * (1.0 + 0.5 * *sigma * *sigma);
 }
 
-/* Before the first order: lambda^2 q_0, and coefficient 0 of S or of its derivative along a tangent vector.
- */
+/* Before the first order: lambda^2 q_0, and coefficient 0 of S or of its derivative in a tangent vector. */
 KERNEL_INLINE void model_start(frame f, int c) {
     saltus_pack product[ROW_PACKS_MAX];
     for (int p = 0; p < f.packs; p++)
@@ -97,15 +94,14 @@ KERNEL_INLINE void model_start(frame f, int c) {
     *SERIES(series_square, 0, c) = lane_of(sum);
 }
 
-/* Rows that belong to an even order k and to the next one. Sums for both are formed side by side, because one
- * pass over the older coefficients serves both; and for as many rows as the registers hold. The newest
- * coefficients come last in every sum. */
+/* Sums for an even order k and the next one, formed side by side because one pass over the older coefficients
+ * serves both, and for as many rows as the registers hold. Every sum adds the newest coefficients last. */
 typedef struct model_pair {
     saltus_pack now[ROW_PACKS_MAX], next[ROW_PACKS_MAX];
 } model_pair;
 
-/* Series times jet: the series' coefficients top .. 1 times the jet's `oldest` and newer ones at order k, and
- * one coefficient later at order k + 1. */
+/* Product of a scalar series and a jet. The series' coefficients top .. bottom times the jet's coefficients
+ * from `oldest` on contribute to order k; those one index higher contribute to order k + 1. */
 KERNEL_INLINE const saltus_pack *model_convolve(frame f, const lane_t *series, int top, int bottom,
                                                 const saltus_pack *oldest, const int count, saltus_pack *now,
                                                 saltus_pack *next) {
@@ -122,8 +118,8 @@ KERNEL_INLINE const saltus_pack *model_convolve(frame f, const lane_t *series, i
     return oldest;
 }
 
-/* What S and S' take from the inner coefficients at order k + 1: the trajectory's half sum over m = 1 .. k of
- * q_m q_{k+1-m}, in which products come in equal pairs. */
+/* Contribution of the inner coefficients to S and S' at order k + 1. For the trajectory it is half the sum
+ * over m = 1 .. k of q_m q_{k+1-m}, whose products come in equal pairs. */
 KERNEL_INLINE void model_square(frame f, int k, int first, const int count, model_pair *inner) {
     const int half = k / 2;
     const saltus_pack *low = &JET(f.q, half, 0)[first], *high = &JET(f.q, half + 1, 0)[first];
@@ -171,7 +167,7 @@ KERNEL_INLINE void model_mixed(frame f, int k, int c, int first, const int count
     }
 }
 
-/* 2 sqrt(beta) u times v, but for what order k's own newest velocities give. */
+/* 2 sqrt(beta) u times v, without the contribution of order k's newest velocities. */
 KERNEL_INLINE void model_moving(frame f, int k, int c, int first, const int count, model_pair *out) {
     const lane_t *series = DRIVE(drive_velocity, 0);
     const int top = k < f.forcing ? k : f.forcing;
@@ -186,8 +182,7 @@ KERNEL_INLINE void model_moving(frame f, int k, int c, int first, const int coun
     }
 }
 
-/* W and sqrt(beta) u' times q, the stiffness counted with W_0. Of W the last two coefficients wait for the
- * end of model_order. */
+/* W and sqrt(beta) u' times q, the stiffness added to W_0. model_order adds W's last two coefficients. */
 KERNEL_INLINE void model_resting(frame f, int k, int c, int first, const int count, model_pair *pull,
                                  model_pair *slope) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC;
@@ -233,7 +228,7 @@ KERNEL_INLINE void model_resting(frame f, int k, int c, int first, const int cou
     }
 }
 
-/* What only a tangent vector has: its own W times the trajectory, but for the last two coefficients of W. */
+/* Extra term of a tangent vector: its own W times the trajectory, without the last two coefficients of W. */
 KERNEL_INLINE void model_tangent(frame f, int k, int c, int first, const int count, model_pair *pull) {
     const lane_t *own = SERIES(series_tension, 0, c);
     saltus_pack now[ROW_BLOCK_MAX], next[ROW_BLOCK_MAX];
@@ -248,7 +243,7 @@ KERNEL_INLINE void model_tangent(frame f, int k, int c, int first, const int cou
     }
 }
 
-/* All of that at an even order; what belongs to the next one is laid aside. */
+/* All these sums at an even order; those of the next order are stored in AHEAD. */
 KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_pair *moving,
                              model_pair *inner) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC, coupled = f.terms & SALTUS_TERM_COUPLED;
@@ -280,7 +275,7 @@ KERNEL_INLINE void model_two(frame f, int k, int c, model_pair *resting, model_p
     }
 }
 
-/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), divided by k + 1 and spread. */
+/* W_k = (u part) + kappa (S_k + alpha (k + 1) S_{k+1}), divided by k + 1 and spread over a pack. */
 KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, double inverse, saltus_pack *inner) {
     const saltus_pack *newest = JET(f.q, k + 1, c);
     const saltus_pack kappa = lane_spread(*SCALAR(pipe_kappa)),
@@ -300,8 +295,7 @@ KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, double inverse, s
     return saltus_pack_fma(damping, next, known * inverse);
 }
 
-/* The last two coefficients of W and, for a tangent vector, of the trajectory's W times its own first ones.
- */
+/* Subtract the terms with W's last two coefficients, in a tangent vector also those of the trajectory's W. */
 KERNEL_INLINE void model_pull(frame f, int k, int c, double inverse, saltus_pack last, saltus_pack *next) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC;
     const lane_t *tension = cubic ? SERIES(series_tension, 0, 0) : DRIVE(drive_tension, 0);
@@ -361,8 +355,8 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
     }
 }
 
-/* Derivatives of the drives. The angle theta + omega t changes by (elapsed + t) d omega, `elapsed` being the
- * time since theta was fixed; order k of t times a series is the series' order k - 1. */
+/* Derivatives of the drives. The angle theta + omega t changes by (elapsed + t) d omega, where `elapsed` is
+ * the time since theta was fixed; order k of t times a series is the series' order k - 1. */
 KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, lane_t cosine) {
     const lane_t root_beta = *SCALAR(pipe_root_beta), u0 = *SCALAR(pipe_u0), sigma = *SCALAR(pipe_sigma);
     const lane_t omega = *SCALAR(pipe_omega), rate_omega = *VARY_SCALAR(d, pipe_omega), elapsed = *f.elapsed;
@@ -398,7 +392,7 @@ KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, la
     }
 }
 
-/* The derivative of W along a direction, at the order k that the trajectory has just passed. */
+/* The derivative of W along a direction, at the order k that the trajectory has just completed. */
 KERNEL_INLINE void model_vary_tension(frame f, int k, int d) {
     const lane_t rate = *VARY_SCALAR(d, pipe_kappa);
     const lane_t damping = rate * *SCALAR(pipe_alpha) + *SCALAR(pipe_kappa) * *VARY_SCALAR(d, pipe_alpha);
@@ -409,8 +403,8 @@ KERNEL_INLINE void model_vary_tension(frame f, int k, int d) {
     *VARY_DRIVE(d, vary_all_tension, k) = tension;
 }
 
-/* The derivative of the field itself along a direction, at order k of the trajectory: the same three products
- * with the derivatives of the scalar series. */
+/* Subtract the derivative of the field along a direction, at order k of the trajectory: the same three
+ * products with the derivatives of the scalar series. */
 KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, saltus_pack *next) {
     const int forced = k < f.vary.orders ? k : f.vary.orders, last = f.terms & SALTUS_TERM_CUBIC ? k : forced;
     saltus_pack source[ROW_PACKS_MAX], resting[ROW_PACKS_MAX], moving[ROW_PACKS_MAX];
@@ -437,7 +431,7 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
         next[p] -= source[p] * inverse;
 }
 
-/* Nothing is kept elsewhere. */
+/* This model keeps no second copy of the state's series. */
 KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocity,
                                const saltus_pack *displacement) {
     (void)f;

@@ -1,13 +1,12 @@
-/* How long a step the linear part allows.
+/* The longest step that the linear part allows.
  *
- * On q' = lambda q a step h of a Taylor integrator multiplies by T(h lambda), T being the exponential's
- * Taylor polynomial. Fast modes whose motion has died away are held down only while |T| <= 1: beyond that
- * they grow out of rounding until the error estimate sees them and makes the steps shorter, at random. On
- * rays from the origin the bound grows nearly linearly with the order, between 0.37 and 0.5 an order, but it
- * depends on the ray (order 12: 4.4 along the imaginary axis, 5.2 along the real one, 7.2 between): so it is
- * looked for along the rays of the system's own eigenvalues. An undamped mode is neither held down nor wanted
- * to be; near the imaginary axis a growth by a hundredth of a percent a step, which the estimate deals with,
- * is let pass.
+ * For q' = lambda q a Taylor step h multiplies by T(h lambda), where T is the exponential's Taylor
+ * polynomial. Fast modes that have decayed stay small only while |T| <= 1. With longer steps they grow out of
+ * rounding until the error estimate notices them and shortens the steps, at random. Along rays from the
+ * origin this bound grows nearly linearly with the order, by 0.37 to 0.5 per order, but it depends on the ray
+ * (order 12: 4.4 along the imaginary axis, 5.2 along the real axis, 7.2 in between). So it is determined
+ * along the rays of the system's own eigenvalues. Undamped modes need not be held down: near the imaginary
+ * axis a growth of a hundredth of a percent per step is tolerated, which the error estimate handles.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/spectrum.h"
 
@@ -22,7 +21,8 @@ void saltus_spectrum_reserve(saltus_system *system) {
                          : NULL;
 }
 
-/* Of the modes by themselves: the roots of s^2 + damping s + stiffness. */
+/* Eigenvalues of the uncoupled modes, the roots of s^2 + damping s + stiffness, scaled up to the bound
+ * `rate`. */
 static void find_of_modes(const saltus_system *system, saltus_eigenvalues *e) {
     double largest = 0;
     for (int i = 0; i < system->dof; i++) {
@@ -54,8 +54,7 @@ void saltus_system_eigenvalues(const saltus_system *system, saltus_eigenvalues *
         find_of_modes(system, e);
 }
 
-/* Places on a ray that are looked at together: each by itself is a chain of operations that wait for each
- * other. */
+/* Points on a ray that are evaluated together: a single one is a chain of dependent operations. */
 enum { beside = 8 };
 
 /* |T(z)|^2 for the Taylor polynomial T of the exponential. */
@@ -78,11 +77,10 @@ static void squares_of_polynomial(int order, const double real[beside], const do
         square[i] = a[i] * a[i] + b[i] * b[i];
 }
 
-/* How far along the ray of an eigenvalue, and no further than `limit`, the polynomial stays within 1. What
- * grows by itself at rest is damped elsewhere, or it would grow for ever: it counts as if it were damped; and
- * within a step it may lift rounding no more than exp(6) times. */
+/* How far along the ray of an eigenvalue, up to `limit`, the polynomial stays within 1. A mode that grows at
+ * rest is limited elsewhere and counts as damped, but one step may amplify rounding at most exp(6) times. */
 static double reach(int order, double real, double imaginary, double limit) {
-    /* Closer to the origin no polynomial of an order allowed lets anything grow. */
+    /* Closer to the origin no admissible order lets anything grow. */
     static const double quiet = 2.5, stride = 1.02, tolerated = 1.0002, lift = 6;
     const double modulus = hypot(real, imaginary);
     limit = real * limit > lift ? lift / real : limit;
@@ -103,7 +101,7 @@ static double reach(int order, double real, double imaginary, double limit) {
     return limit;
 }
 
-/* The same for all eigenvalues. */
+/* The least reach of all eigenvalues. */
 static double reach_of_all(const saltus_eigenvalues *e, int order, double limit) {
     for (int i = 0; e && i < e->count; i++)
         if (e->imaginary[i] >= 0)
@@ -112,8 +110,8 @@ static double reach_of_all(const saltus_eigenvalues *e, int order, double limit)
 }
 
 double saltus_system_step_limit(const saltus_system *system, const saltus_eigenvalues *e, int order) {
-    /* Series of more than 14 orders are for tolerances near rounding, which longer steps would lift: their
-     * terms are as large as exp(step * rate), and cancel. */
+    /* Orders above 14 serve tolerances near rounding, which longer steps would amplify: terms of the series
+     * are as large as exp(step * rate) and cancel. */
     const double turns = 6;
     double limit = (order > 14 ? turns : order) / system->rate;
     if (system->spec.model->forcing >= 0)
@@ -123,8 +121,7 @@ double saltus_system_step_limit(const saltus_system *system, const saltus_eigenv
 
 bool saltus_system_outruns(const saltus_system *system, const saltus_eigenvalues *e, int order,
                            double angle) {
-    /* The angular frequency of the fastest motion that lasts: of the modes, each counted the less the more it
-     * is damped, and of the forcing's second harmonic. */
+    /* Angular frequency of the fastest lasting motion: modes, less their damping, and twice the forcing's. */
     double ringing = system->forced ? 2 * system->omega : 0;
     for (int i = 0; i < e->count; i++) {
         const double modulus = hypot(e->real[i], e->imaginary[i]);

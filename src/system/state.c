@@ -1,4 +1,4 @@
-/* States of a system: drawn at random, disturbed, brought back onto stops, watched for growing without bound.
+/* States of a system: random ones, disturbances, moves back onto stops, checks for unbounded growth.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/state.h"
 
@@ -18,7 +18,7 @@ saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, dou
         if (saltus_system_check_state(system, state, NULL) == SALTUS_OK)
             return SALTUS_OK;
     }
-    /* Clearances far below the scales: start from the admissible default, disturbed. */
+    /* Clearances are far below the scales: take the default state with random velocities. */
     saltus_status status = saltus_system_default_state(system, state, message);
     for (int i = saltus_system_dof(system); i < 2 * saltus_system_dof(system) && status == SALTUS_OK; i++)
         state[i] = gsl_ran_gaussian(rng, scale[i]);
@@ -38,7 +38,7 @@ void saltus_state_admit(const saltus_system *system, double *state) {
         }
 }
 
-/* Take from a displacement or a velocity what it has along a normal. */
+/* Remove the component of a displacement or velocity along a normal. */
 static void project(const double *normal, int dof, double *vector) {
     double along = 0, square = saltus_dot(normal, normal, dof);
     for (int i = 0; i < dof; i++)
@@ -70,8 +70,8 @@ void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size
     memcpy(state, moved, (size_t)n * sizeof *state);
 }
 
-/* A pre-load that holds the system far beyond the scale of its motion excites modes so fast that their
- * rounding hides how it settles, after very many steps. */
+/* If a pre-load holds the system far beyond the scale of its motion, it excites such fast modes that their
+ * rounding hides whether the motion settles, at the cost of very many steps. */
 saltus_status saltus_state_load(const saltus_system *system, const double *state, unsigned contacts,
                                 saltus_message *message) {
     static const double far_beyond = 100;
@@ -88,7 +88,7 @@ saltus_status saltus_state_load(const saltus_system *system, const double *state
 
 saltus_status saltus_state_bounded(const saltus_system *system, const double *state, unsigned contacts,
                                    long long periods, saltus_message *message) {
-    enum { at_once = 8 }; /* periods after which what holds the system is looked at */
+    enum { at_once = 8 }; /* the load is checked once, after this many periods */
     const double *scale = saltus_system_scale(system);
     if (periods == at_once && saltus_state_load(system, state, contacts, message) != SALTUS_OK)
         return SALTUS_STALLED;

@@ -1,5 +1,4 @@
-/* Private: states of a system, drawn at random, disturbed, brought back onto stops, watched for growing
- * without bound.
+/* Private: states of a system: random ones, disturbances, moves back onto stops, checks for unbounded growth.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_STATE_H
 #define SALTUS_SYSTEM_STATE_H
@@ -8,24 +7,24 @@
 
 #include <gsl/gsl_rng.h>
 
-/* saltus_system_distance, or INFINITY where it is more than a limit. */
+/* saltus_system_distance, or INFINITY if it exceeds `limit`. */
 double saltus_system_distance_within(const saltus_system *system, const double *a, const double *b,
                                      double limit);
-/* A state drawn from the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT where there is none. */
+/* A random state with the system's scales, beyond no stop. Errors: SALTUS_BAD_INPUT if there is none. */
 saltus_status saltus_state_random(const saltus_system *system, gsl_rng *rng, double *state,
                                   saltus_message *message);
-/* Bring a state that lies beyond stops back onto them, each time along the stop's normal. */
+/* Move a state that lies beyond stops back onto them, along each stop's normal. */
 void saltus_state_admit(const saltus_system *system, double *state);
-/* Move a state by a random vector, `size` of the system's scales, along the faces with bits in `contacts`:
- * one way, or the other way where only that leads beyond no stop. Where both do it is brought back. */
+/* Move a state by a random vector of `size` times the scales, tangentially to the faces with bits in
+ * `contacts`: one way, or the other if the first leads beyond a stop. If both do, move it back onto stops. */
 void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size, unsigned contacts,
                           double *state);
-/* Whether no pre-load holds a state, in contact with faces of bits in `contacts`, at more than 100 of the
+/* Fails if a pre-load holds a state, in contact with the faces with bits in `contacts`, beyond 100 times the
  * scales. Errors: SALTUS_STALLED, with the entry. */
 saltus_status saltus_state_load(const saltus_system *system, const double *state, unsigned contacts,
                                 saltus_message *message);
-/* Whether a state after so many periods is within 1e8 of the scales; the load is looked at once. Errors:
- * SALTUS_STALLED, with the entry and the period. */
+/* Fails if a state exceeds 1e8 times the scales after the given number of periods; also checks the load,
+ * once. Errors: SALTUS_STALLED, with the entry and the period. */
 saltus_status saltus_state_bounded(const saltus_system *system, const double *state, unsigned contacts,
                                    long long periods, saltus_message *message);
 

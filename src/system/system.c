@@ -1,4 +1,4 @@
-/* Specifications, and what a built system answers: what all models have in common.
+/* Specifications and queries of a built system: the parts common to all models.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/system.h"
 
@@ -135,7 +135,7 @@ double saltus_system_distance_within(const saltus_system *system, const double *
     double largest = 0;
     for (int i = 0; i < system->dimension; i++) {
         double difference = fabs(a[i] - b[i]) / system->scale[i];
-        if (!(difference <= limit)) /* what is no number is not near anything */
+        if (!(difference <= limit)) /* NaN is not near anything */
             return INFINITY;
         largest = fmax(largest, difference);
     }
@@ -181,7 +181,7 @@ double saltus_system_trace(const saltus_system *system, const double *state, dou
 }
 
 bool saltus_system_keeps_volume(const saltus_system *system) {
-    enum { places = 3 }; /* that no rule picks out */
+    enum { places = 3 }; /* generic states */
     const double rounding = 1e-13;
     double state[SALTUS_STATE_MAX];
     bool kept = true;
@@ -203,7 +203,7 @@ double saltus_system_fastest_decay(const saltus_system *system) {
     return system->decay;
 }
 
-/* Names of all models: by what an entry is, and which of its kind. */
+/* Entry names in built-in models: kind (displacement, velocity, extra state) and number. */
 static const char kinds[] = "qvz";
 
 static saltus_state_name state_name(const saltus_spec *spec, int dof, int entry) {
@@ -301,7 +301,7 @@ bool saltus_system_fault(const saltus_system *system, const double *state, doubl
     return system->spec.model->fault && system->spec.model->fault(system, state, phase, what);
 }
 
-/* Of separate bodies: side by side, joined by straight lines. */
+/* Separate bodies stand side by side, joined by straight lines. */
 double saltus_system_shape(const saltus_system *system, const double *state, double xi) {
     if (system->spec.model->deflection)
         return system->spec.model->deflection(system, state, xi);
@@ -311,7 +311,7 @@ double saltus_system_shape(const saltus_system *system, const double *state, dou
     return a + (b - a) * (place - left);
 }
 
-/* How far a face's coordinate moves beside the modes, for margins: a stop near a support sees little. */
+/* How far a face's coordinate moves with the modes, for margins: a stop near a support moves little. */
 static double face_reach(const saltus_system *system, int face) {
     const double *normal = system->stop_normal[system->faces[face].stop];
     double reach = 0;
@@ -320,8 +320,8 @@ static double face_reach(const saltus_system *system, int face) {
     return fmin(reach, 1);
 }
 
-/* A small displacement, moved along the impulse of the face it violates most until it keeps a margin from all
- * of them. The margin shrinks, for stops that leave little room. */
+/* Find a small displacement: move it along the impulse of the most violated face until it keeps a margin from
+ * all faces. The margin shrinks, for stops that leave little room. */
 static saltus_status find_state(const saltus_system *system, double *state, saltus_message *message) {
     enum { corrections = 2000 };
     memset(state, 0, (size_t)system->dimension * sizeof *state);

@@ -1,6 +1,6 @@
-/* A tape's steps arranged in rows. Steps of one kind that come at the same depth and take their operands from
- * the same rows become one step on neighbouring elements: a family of equations then costs as many steps as
- * one equation, and a trajectory alone has its elements side by side in packs.
+/* Arranges a tape's steps in rows. Steps of one kind and depth whose operands are in the same rows become one
+ * step on adjacent elements. A family of equations then costs as many steps as one equation, and a single
+ * trajectory has its elements side by side in packs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/tape.h"
 
@@ -10,31 +10,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { total_max = 64 }; /* elements that are added up side by side */
-enum { pack_max = 8 };   /* elements of the widest pack: rows of one trajectory are filled up to these */
+enum { total_max = 64 }; /* most elements that are summed side by side */
+enum { pack_max = 8 };   /* elements of the widest pack, to which rows of a single trajectory are padded */
 
-/* Where a register stands. */
+/* Position of a register. */
 typedef struct home {
-    int row, element; /* -1: none yet */
+    int row, element; /* row -1: none yet */
     int level;
-    int newness; /* the higher, the later at each order it is known; 0 as displacements: an order before */
-    unsigned long long kind; /* of the step that makes it: steps of equal kinds share a row */
+    int newness;             /* the higher, the later coefficient k becomes known; 0: an order before, as for
+                                displacements */
+    unsigned long long kind; /* kind of the step that computes it; steps of equal kinds share a row */
 } home;
 
 typedef struct arranger {
     const saltus_tape_steps *steps;
     saltus_tape *tape;
-    home *homes;                /* of each register */
-    int *first;                 /* place of each row, of both widths: [row][2] */
-    int *members, member_count; /* steps of the row being made */
+    home *homes;                /* [register] */
+    int *first;                 /* [row][2]: position of each row for both widths */
+    int *members, member_count; /* steps of the row that is being made */
     int rows;
-    bool *delicate; /* registers that need not be finite: they share no row */
+    bool *delicate; /* [register]: may be infinite or NaN; shares no row */
     bool *accelerates;
     bool choices;
-    bool *used;                          /* registers that a step takes */
-    int *stamps, stamp;                  /* of columns and diagonals that have been met */
-    int reach;                           /* more than any row has elements */
-    saltus_list made, terms, weights[2]; /* rows; their terms and slots */
+    bool *used;                          /* [register]: an operand of some step */
+    int *stamps, stamp;                  /* marks of columns and diagonals visited */
+    int reach;                           /* above the number of elements of any row */
+    saltus_list made, terms, weights[2]; /* rows, their terms, slots of their weights */
     bool failed;
 } arranger;
 
@@ -54,7 +55,7 @@ static int padded(int count) {
     return (count + pack_max - 1) / pack_max * pack_max;
 }
 
-/* A new row of so many elements. */
+/* Add a row of `count` elements. */
 static int add_row(arranger *m, int count) {
     const int row = m->rows++;
     m->first[2 * row] = m->tape->elements[0];
@@ -82,7 +83,7 @@ static saltus_tape_operand operand_of(const arranger *m, int place, bool spread)
     return operand_at(m, h->row, h->element, spread, m->steps->depends[place]);
 }
 
-/* The registers that a step needs of the same order, with those of a combination. */
+/* The k-th register that a step needs at its own order; -1: a combination's number, -2: beyond the last. */
 static int needs(const saltus_tape_steps *steps, const saltus_tape_step *s, int k) {
     if (s->code == SALTUS_TAPE_COMBINE)
         return k < s->count ? steps->terms[s->first + k].from : -2;
@@ -90,7 +91,7 @@ static int needs(const saltus_tape_steps *steps, const saltus_tape_step *s, int 
     return k == 0 ? s->a : k == 1 && !one ? s->b : k == 1 && s->a2 >= 0 ? s->a2 : -2;
 }
 
-/* A combination that is an output of the tape and no operand of another step. */
+/* Whether a step is a combination that only the tape's outputs use. */
 static bool is_last(const arranger *m, const saltus_tape_step *s) {
     return s->code == SALTUS_TAPE_COMBINE && !m->used[s->out];
 }
@@ -100,9 +101,9 @@ static unsigned long long mix(unsigned long long x) {
     return (x ^ x >> 29) * 0xbf58476d1ce4e5b9ULL + 1;
 }
 
-/* What steps of one row have in common; 0: shares none. Of a combination the set of rows it takes from, in
- * which the order does not matter; the accelerations are one row whatever they take. Equal sums of different
- * steps would cost time, nothing else. */
+/* A hash of what the steps of one row have in common; 0: the step has a row of its own. A combination is
+ * hashed by the set of rows that it uses, in any order; accelerations form one row whatever they use. A
+ * collision would cost time, nothing else. */
 static unsigned long long kind_of(const arranger *m, const saltus_tape_step *s) {
     const saltus_tape_steps *steps = m->steps;
     bool alone = s->code == SALTUS_TAPE_FUNCTION || s->code == SALTUS_TAPE_CHOOSE || m->delicate[s->out];
@@ -133,7 +134,7 @@ static const saltus_tape_step *member(const arranger *m, int e) {
     return &m->steps->items[m->members[e]];
 }
 
-/* An operand of all members: one element, a piece of a row, or a gathering made for it. */
+/* The operand of all members: one element, a part of a row, or a gathering made for it. */
 static saltus_tape_operand collect_operand(arranger *m, bool second, int level) {
     const int count = m->member_count, place = second ? member(m, 0)->b : member(m, 0)->a;
     const home *start = &m->homes[place];
@@ -159,9 +160,9 @@ static saltus_tape_operand collect_operand(arranger *m, bool second, int level) 
     return gather.out;
 }
 
-/* One number in the matrix of a row of combinations. */
+/* An entry of the matrix of a row of combinations: the weight of a source element in a result's `element`. */
 typedef struct incidence {
-    int element, row, from, slot; /* row -1: no series, the number alone */
+    int element, row, from, slot; /* source; row -1: none, the weight counts alone */
     int newness;
     unsigned depends;
     bool taken;
@@ -176,13 +177,11 @@ static int earlier(const void *a, const void *b) {
     return 0;
 }
 
-/* How many loads of one element a processor does while it waits for a load that overlaps two recent stores.
- */
+/* Cost of a load that overlaps two recent stores, in loads of one element. */
 enum { overlap = 6 };
 
-/* Whether the entries of a row's block of the matrix lie on so few diagonals that these cost less than
- * columns. Where branches that are not taken may hold anything, no diagonal reaches over the ends of its row.
- */
+/* Whether a block's entries lie on so few diagonals that diagonals cost less than columns. With choices,
+ * branches that are not taken may hold anything, so diagonals must not reach over the ends of their row. */
 static bool on_diagonals(arranger *m, const incidence *list, int count, int members) {
     int columns = 0, diagonals = 0;
     bool aligned = true;
@@ -198,7 +197,7 @@ static bool on_diagonals(arranger *m, const incidence *list, int count, int memb
     return members > 1 && columns > 1 && (aligned || (diagonals + overlap < columns && !m->choices));
 }
 
-/* Terms that have the entries of one block of the matrix: its columns or its diagonals. */
+/* Add terms for the entries of one block of the matrix: its columns, or its diagonals. */
 static void add_terms(arranger *m, incidence *block, int count, int members, bool diagonal, int *slots,
                       int *terms, bool *sparse) {
     for (int k = 0; k < count; k++) {
@@ -227,7 +226,7 @@ static void add_terms(arranger *m, incidence *block, int count, int members, boo
     }
 }
 
-/* How many elements side by side a single combination adds up; 1: it has too few terms for that. */
+/* Number of elements that a single combination sums side by side; 1: too few terms for that. */
 static int total_elements(const arranger *m) {
     const saltus_tape_step *s = member(m, 0);
     int elements = 1;
@@ -287,7 +286,7 @@ out:
     free(slots);
 }
 
-/* The row of the steps that have been collected. */
+/* Make a row of the collected steps. */
 static void add_members(arranger *m, int level) {
     const saltus_tape_step *s = member(m, 0);
     saltus_tape_row row = {.code = s->code,
@@ -314,7 +313,7 @@ static void add_members(arranger *m, int level) {
         row.a = operand_of(m, s->a, true);
     if (s->code == SALTUS_TAPE_MULTIPLY)
         row.turned = m->homes[s->a].newness > m->homes[s->b].newness;
-    /* The spread operand of a product comes first. */
+    /* In a product the spread operand comes first. */
     if (s->code == SALTUS_TAPE_MULTIPLY && row.b.spread && !row.a.spread) {
         saltus_tape_operand other = row.a;
         row.a = row.b;
@@ -329,8 +328,8 @@ static void add_members(arranger *m, int level) {
     add_made(m, row);
 }
 
-/* Functions take derivatives that may come later: their operands when all have places. Sine and cosine of
- * what is linear in time are made together, by recurrences of their own. */
+/* Set the operands of functions once all registers have places, since their derivatives may come later. Sine
+ * and cosine of an argument that is linear in time share a row with a recurrence of its own. */
 static void finish_functions(arranger *m) {
     saltus_tape *tape = m->tape;
     saltus_tape_row *rows = m->made.items;
@@ -374,7 +373,7 @@ static void mark_used(arranger *m) {
     }
 }
 
-/* What depends on no state first, then by depth. */
+/* Rows that depend on no state come first, then the order is by level. */
 static int row_order(const void *a, const void *b) {
     const saltus_tape_row *x = a, *y = b;
     int moves_x = (x->out.depends & SALTUS_OF_STATES) != 0,
@@ -383,18 +382,18 @@ static int row_order(const void *a, const void *b) {
         return moves_x - moves_y;
     if (x->level != y->level)
         return x->level - y->level;
-    /* Gatherings were placed before what takes them. */
+    /* Gatherings precede the rows that use them. */
     int late_x = x->code != SALTUS_TAPE_GATHER, late_y = y->code != SALTUS_TAPE_GATHER;
     return late_x != late_y ? late_x - late_y : x->out.place[1] - y->out.place[1];
 }
 
-/* Registers that hold what need not be finite: in a branch that is not taken. Without choices nothing of the
- * kind goes on unseen. */
+/* Mark registers that may be infinite or NaN in branches that are not taken. Without choices they would
+ * show. */
 static void mark_delicate(arranger *m) {
     const saltus_tape_steps *steps = m->steps;
     for (int k = 0; k < steps->count; k++)
         m->choices = m->choices || steps->items[k].code == SALTUS_TAPE_CHOOSE;
-    /* Functions may stand before what their series are made of: as often as anything changes. */
+    /* Functions may precede the steps of their series: repeat until nothing changes. */
     for (bool changed = m->choices; changed;) {
         changed = false;
         for (int k = 0; k < steps->count; k++) {
@@ -411,15 +410,14 @@ static void mark_delicate(arranger *m) {
     }
 }
 
-/* How deep each step lies, one deeper than what it takes; the deepest. Combinations that nothing takes wait
- * for all others. */
+/* Set the levels: steps lie one above their operands, unused combinations at the top. Returns the highest. */
 static int find_levels(arranger *m) {
     const saltus_tape_steps *steps = m->steps;
     int levels = 0;
     for (int k = 0; k < steps->count; k++) {
         const saltus_tape_step *s = &steps->items[k];
         int level =
-            s->code == SALTUS_TAPE_INTEGRAL; /* after the rate, which may stand later among the steps */
+            s->code == SALTUS_TAPE_INTEGRAL; /* an integral lies above its rate, whose step may come later */
         for (int j = 0, place; (place = needs(steps, s, j)) != -2; j++)
             if (place >= 0 && m->homes[place].level > level)
                 level = m->homes[place].level;
@@ -432,14 +430,14 @@ static int find_levels(arranger *m) {
     return levels;
 }
 
-/* All steps of a depth, kind by kind. */
+/* Arrange all steps of a level in rows, kind by kind. */
 static void arrange_level(arranger *m, int level, bool *done) {
     const saltus_tape_steps *steps = m->steps;
     for (int k = 0; k < steps->count; k++)
         if (!done[k] && m->homes[steps->items[k].out].level == level) {
             saltus_tape_step *s = &steps->items[k];
             const home *a = &m->homes[s->a], *b = &m->homes[s->b];
-            /* In a product the operand of the earlier row comes first: q * u and u * q are of one kind. */
+            /* The operand of the earlier row comes first, so that q * u and u * q are of one kind. */
             if (s->code == SALTUS_TAPE_MULTIPLY &&
                 (b->row < a->row || (b->row == a->row && b->element < a->element))) {
                 const int other = s->a;
@@ -464,7 +462,7 @@ static void arrange_level(arranger *m, int level, bool *done) {
     }
 }
 
-/* Rows of the states, of time and of the phase. */
+/* Add the rows of the states, of time and of the phase. */
 static void place_leaves(arranger *m, int dof) {
     const saltus_tape_steps *steps = m->steps;
     saltus_tape *tape = m->tape;
@@ -502,7 +500,7 @@ static void find_outputs(arranger *m, int dof) {
             tape->output_row = false;
 }
 
-/* Fill a tape with the rows of steps. False: no memory. */
+/* Fill a tape with rows made of steps. False: no memory. */
 static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) {
     const size_t registers = (size_t)steps->registers + 1, count = (size_t)steps->count + 1;
     const int reach = steps->registers + steps->states + 1;
@@ -510,7 +508,7 @@ static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) 
                   .tape = tape,
                   .reach = reach,
                   .homes = calloc(registers, sizeof *m.homes),
-                  /* leaves, a row and two gatherings for every step */
+                  /* leaves; a row and two gatherings per step */
                   .first = calloc(2 * (3 * count + 8), sizeof *m.first),
                   .members = calloc(count, sizeof *m.members),
                   .delicate = calloc(registers, sizeof *m.delicate),
@@ -524,7 +522,7 @@ static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) 
     m.failed = !m.homes || !m.first || !m.members || !m.delicate || !m.accelerates || !m.used || !m.stamps ||
                !done || !tape->outputs;
     if (!m.failed) {
-        /* Terms on a diagonal reach over the ends of their rows, with weight zero. */
+        /* Terms on diagonals reach over the ends of their rows, with zero weights. */
         tape->elements[0] = padded(reach) + pack_max;
         for (int i = 0; i < dof; i++)
             m.accelerates[steps->outputs[i]] = true;
@@ -617,7 +615,7 @@ static bool same_rows(const saltus_tape_row *a, const saltus_tape_row *b) {
            a->weight[1] == b->weight[1] && same_operands(of_a, of_b, 5);
 }
 
-/* What is left out follows from the rows. */
+/* The members not compared follow from the rows. */
 bool saltus_tape_equal(const saltus_tape *a, const saltus_tape *b) {
     bool same = a->row_count == b->row_count && a->row_term_count == b->row_term_count &&
                 a->slot_count == b->slot_count && a->output_count == b->output_count &&

@@ -1,4 +1,4 @@
-/* The vector field of a system from text: its tape, order by order.
+/* The vector field of a system from text: interprets its tape, order by order.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SYSTEM_TAPE_KERNEL_H
 #define SALTUS_SYSTEM_TAPE_KERNEL_H
@@ -7,15 +7,15 @@
 
 #define MODEL_NAME "tape"
 
-/* Compiled for one tape (flow/fixed.h), its numbers are constants of the program. */
+/* When compiled for one tape (flow/fixed.h), the tape's numbers are constants of the program. */
 #ifdef SALTUS_FIXED_TAPE
 SALTUS_FIXED_TAPE
 #define TAPE_OF(loaded) (&fixed_tape)
-/* Rows of one element are read and written as such: all their operands are spread (flow/fixed.c). */
+/* Rows of one element are accessed as scalars: all their operands are spread (flow/fixed.c). */
 #define SPREAD(operand) ((operand).spread)
 /* Weights that are always zero. */
 #define ABSENT(weight) (SALTUS_WIDE && fixed_absent[weight])
-/* Elements that serve their own order alone: all orders have one place. */
+/* Elements that are needed only at their own order: all orders share one place. */
 #define PASSING(operand) (fixed_passing[(operand)->place[1]])
 #else
 #define TAPE_OF(loaded) ((loaded)->tape)
@@ -57,22 +57,22 @@ KERNEL_INLINE void model_vary_forcing(frame f, int d, int order, lane_t sine, la
     model_forcing(f, order, sine, cosine);
 }
 
-/* The direction of a column; negative: an ordinary tangent vector, or the trajectory. */
+/* The parameter direction of a column; negative for the trajectory and ordinary tangent vectors. */
 KERNEL_INLINE int direction_of(frame f, int c) {
     return f.directions - 1 - (f.columns - c);
 }
 
-/* Elements that a pack of a row holds. */
+/* Row elements per pack. */
 enum { ELEMENTS = SALTUS_WIDE ? 1 : SALTUS_PACK, SHARES_MAX = SALTUS_PACK_REGISTERS >= 32 ? 5 : 2 };
 typedef double loose_pack __attribute__((vector_size(8 * SALTUS_PACK), may_alias, aligned(8)));
 
-/* What runs a tape: the coefficients of all elements, [order][column][element], and the weights. */
+/* The interpreter of a tape: coefficients of all elements, [order][column][element], and the weights. */
 typedef struct player {
     const saltus_tape *tape;
     saltus_operation_function *value;
     lane_t *base, *passing;
-    const lane_t *weights, *rates; /* the latter for parameter columns */
-    long column, order;            /* from one to the next */
+    const lane_t *weights, *rates; /* `rates`: the weights' derivatives, for parameter columns */
+    long column, order;            /* strides */
     int columns, directions;
 } player;
 
@@ -91,14 +91,14 @@ KERNEL_INLINE player make_player(frame f) {
                     .directions = f.directions};
 }
 
-/* An operand's coefficient k in a column. The order is added first: where the places are constants, the
- * compiler then sees that what a row has just written is what the next one reads. */
+/* An operand's coefficient k in a column. The order is added first: if the places are constants, the compiler
+ * then sees that one row reads what the previous one has just written. */
 KERNEL_INLINE lane_t *series_of(const player *m, const saltus_tape_operand *x, int c, int k) {
     lane_t *start = PASSING(x) ? m->passing : m->base + k * m->order;
     return start + (x->place[SALTUS_WIDE] + c * m->column);
 }
 
-/* What a column changes: states, and along a direction in parameter space all. */
+/* What varies in a column, as bits: the state, or everything along a parameter direction. */
 KERNEL_INLINE unsigned changes_of(const player *m, int c) {
     return c > m->columns - m->directions ? ~0u : (unsigned)SALTUS_OF_STATES;
 }
@@ -109,7 +109,7 @@ KERNEL_INLINE saltus_pack load_pack(const lane_t *x, bool spread, int p) {
     return (saltus_pack) * (const loose_pack *)(const void *)(x + p * ELEMENTS);
 }
 
-/* Beyond the last element of a row all stays zero. */
+/* Zeroes the padding beyond a row's last element. */
 KERNEL_INLINE void store_pack(lane_t *x, bool spread, int p, int count, saltus_pack value) {
     if (spread) {
         *x = lane_of(value);
@@ -132,8 +132,8 @@ KERNEL_INLINE void store_pack(lane_t *x, bool spread, int p, int count, saltus_p
     *(loose_pack *)(void *)(x + p * ELEMENTS) = (loose_pack)value;
 }
 
-/* Add sums of a_i b_{k-i} over i = first .. last for some packs, in two chains. Where both ends belong to it,
- * they come last: they are the newest. */
+/* Add sums of a_i b_{k-i} over i = first .. last for some packs, in two chains. If the sum includes both
+ * ends, it adds them last: they are the newest. */
 KERNEL_INLINE void convolve(const lane_t *a, bool spread_a, const lane_t *b, bool spread_b, long order, int k,
                             int first, int last, int p, const int count, saltus_pack *sum) {
     a += spread_a ? 0 : p * ELEMENTS;
@@ -163,10 +163,9 @@ KERNEL_INLINE void convolve(const lane_t *a, bool spread_a, const lane_t *b, boo
     }
 }
 
-/* The inner terms a_i b_{k-i}, 0 < i < k, of a product's coefficient k and of the next one, whose inner terms
- * are known by then: one pass over the older coefficients serves both. Here and below conditions stand
- * outside loops over packs: a loop that either may end is unrolled too late, and its arrays stay in memory.
- */
+/* The inner terms a_i b_{k-i}, 0 < i < k, of a product's coefficient k and of coefficient k + 1, whose inner
+ * terms are already known: one pass over the older coefficients serves both. Here and below conditions stand
+ * outside loops over packs: a loop with two possible ends is unrolled too late, its arrays stay in memory. */
 KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, bool spread_b, long order,
                                 int k, const int count, saltus_pack *now, saltus_pack *next) {
     const lane_t *x = a + order, *y = b + k * order;
@@ -187,7 +186,7 @@ KERNEL_INLINE void convolve_two(const lane_t *a, bool spread, const lane_t *b, b
             next[j] = saltus_pack_fma(load_pack(x, spread, j), later[j], next[j]);
 }
 
-/* The same for half of a square: a_i a_{n-i}, 0 < i < n / 2, and half of the middle one. */
+/* The same for half of a square: a_i a_{n-i}, 0 < i < n / 2, plus half of the middle term. */
 KERNEL_INLINE void square_two(const lane_t *a, bool spread, long order, int n, const int count,
                               saltus_pack *now, saltus_pack *next) {
     const lane_t *x = a + order, *y = a + n * order;
@@ -214,7 +213,7 @@ KERNEL_INLINE void square_two(const lane_t *a, bool spread, long order, int n, c
         }
 }
 
-/* A series that a product is made of: a column of an operand. */
+/* A factor of a product: a column of an operand. */
 typedef struct factor {
     const saltus_tape_operand *of;
     int column;
@@ -225,7 +224,7 @@ KERNEL_INLINE const lane_t *factor_at(const player *m, factor a, int k, int p) {
     return series_of(m, a.of, a.column, k) + (a.spread ? 0 : p * ELEMENTS);
 }
 
-/* What a product's coefficient k has of the two newest terms, those of the later factor last. */
+/* Add the two newest terms of a product's coefficient k, last the one with `late`'s newest, and store it. */
 KERNEL_INLINE void finish_product(const player *m, const saltus_tape_row *s, int c, factor early, factor late,
                                   int k, int p, const int count, saltus_pack *now) {
     lane_t *out = series_of(m, &s->out, c, k);
@@ -241,8 +240,8 @@ KERNEL_INLINE void finish_product(const player *m, const saltus_tape_row *s, int
     }
 }
 
-/* Coefficient k of a product, into a column of a row. At an even order the inner terms of the next one are
- * laid aside where that coefficient will stand. */
+/* Coefficient k of a product, into a column of a row. An even order also stores the inner terms of the next
+ * order in the place of that coefficient. */
 KERNEL_INLINE void product_packs(const player *m, const saltus_tape_row *s, int c, factor a, factor b, int k,
                                  int p, const int count) {
     saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
@@ -261,7 +260,7 @@ KERNEL_INLINE void product_packs(const player *m, const saltus_tape_row *s, int 
         finish_product(m, s, c, a, b, k, p, count, now);
 }
 
-/* A statement for all packs of a row, some of them at a time. */
+/* Run a statement for all packs of a row, `share` of them at a time. */
 #define FOR_SHARES(row, statement)                                                                           \
     do {                                                                                                     \
         const int packs = (int)((unsigned)((row)->count + ELEMENTS - 1) / ELEMENTS);                         \
@@ -309,12 +308,12 @@ KERNEL_INLINE void square_packs(const player *m, const saltus_tape_row *s, bool 
     }
 }
 
-/* Weights of a term, from one term to the next. */
+/* Number of weights per term. */
 KERNEL_INLINE int weight_span(const saltus_tape_row *s) {
     return SALTUS_WIDE ? s->count : (s->count + SALTUS_PACK_MAX - 1) & -SALTUS_PACK_MAX;
 }
 
-/* Weights times elements, added to `onto`. */
+/* sum = onto + weights * elements. */
 KERNEL_INLINE void add_term(const lane_t *weights, int place, const lane_t *x, bool spread, const int count,
                             const saltus_pack *onto, saltus_pack *sum) {
     for (int j = 0; j < count; j++) {
@@ -324,9 +323,10 @@ KERNEL_INLINE void add_term(const lane_t *weights, int place, const lane_t *x, b
     }
 }
 
-/* Add sums of weights times elements, a column's or the trajectory's, in two chains that meet before the last
- * term. Terms stand in order, in each group the newest last: the number alone, spread elements, pieces of
- * rows; those on which nothing depends that changes have no series. `begun`: the sums hold something. */
+/* Add sums of weights times elements, of a column or the trajectory, in two chains that meet before the last
+ * term. The terms are in groups (weights alone, spread elements, pieces of rows), in each the newest last.
+ * Terms that depend on nothing in `changes` have no series and are skipped. `begun`: the sums hold
+ * something. */
 KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, const lane_t *weights, int c,
                                  int k, bool constant, unsigned changes, int p, const int count, bool begun,
                                  saltus_pack *sum) {
@@ -359,7 +359,7 @@ KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, cons
     if (chains > 1)
         for (int j = 0; j < count; j++)
             sum[j] += other[j];
-    /* Where weights that are always zero are left out, no zero must have kept its sign. */
+    /* If terms with zero weights are left out, no zero may have kept its sign. */
     if (s->sparse)
         for (int j = 0; j < count; j++)
             sum[j] += (saltus_pack){0};
@@ -372,7 +372,7 @@ KERNEL_INLINE void combine_packs(const player *m, const saltus_tape_row *s, cons
         add_term(weights, weight, x + p * ELEMENTS, SPREAD(s->out), count, sum, sum);
 }
 
-/* The sum over all elements of what would be a row of combinations, in a fixed tree. */
+/* A combination whose elements are summed up, in a fixed tree. */
 KERNEL_INLINE lane_t total_packs(const player *m, const saltus_tape_row *s, const lane_t *weights, int c,
                                  int k, bool constant, unsigned changes) {
     saltus_pack all[ROW_PACKS_MAX];
@@ -477,7 +477,7 @@ KERNEL_INLINE void play_gathering(const player *m, const saltus_tape_row *s, int
         series_of(m, &s->out, 0, k)[e] = *series_of(m, &m->tape->row_terms[s->first + e], 0, k);
 }
 
-/* Coefficients first .. last - 1 of a row, for the trajectory: a function for every kind of row. */
+/* Coefficients first .. last - 1 of a row, for the trajectory: one function per kind of row. */
 #define PLAY_KIND(kind, statement)                                                                           \
     KERNEL_INLINE void play_##kind(const player *m, const saltus_tape_row *s, int first, int last) {         \
         for (int k = first; k < last; k++)                                                                   \
@@ -552,7 +552,7 @@ KERNEL_INLINE void vary_product(const player *m, const saltus_tape_row *s, bool 
     }
 }
 
-/* a da, twice or with `rate` k + 1 times, as square_packs. */
+/* a da times 2, or with `rate` times k + 1, as in square_packs. */
 KERNEL_INLINE void vary_square(const player *m, const saltus_tape_row *s, bool rate, int k, int c, int p,
                                const int share) {
     saltus_pack now[SHARES_MAX] = {{0}}, next[SHARES_MAX] = {{0}};
@@ -647,8 +647,8 @@ KERNEL_INLINE void vary_gathering(const player *m, const saltus_tape_row *s, int
     }
 }
 
-/* Coefficient k of a row along tangent vectors, from column `first` on. Rows that do not depend on what a
- * column changes have no series there. */
+/* Coefficient k of a row in the tangent columns from `first` on. Operands that do not depend on what varies
+ * in a column have no series there. */
 #define VARY_KIND(kind, statement)                                                                           \
     KERNEL_INLINE void vary_##kind(const player *m, const saltus_tape_row *s, int k, int first) {            \
         for (int c = first; c <= m->columns; c++)                                                            \
@@ -695,8 +695,8 @@ KERNEL_INLINE void play_state_rows(const player *m, int from, int to){
     case SALTUS_TAPE_##kind:                                                                                 \
         ONE_KIND(kind);                                                                                      \
         break;
-/* Rows first .. last - 1, order by order from `from` on, or each of them for all orders at once. The player
- * is taken by value: a store through a pack may alias what is behind a pointer. */
+/* Rows row .. last - 1, each for the orders from `from` to `to` - 1. The player is passed by value: a store
+ * through a pack might alias what a pointer points to. */
 static __attribute__((noinline)) void play_rows(const player by_value, int row, int last, int from, int to) {
     const player m = by_value;
     for (const saltus_tape_row *s = m.tape->rows + row; s < m.tape->rows + last; s++)
@@ -713,7 +713,7 @@ KERNEL_INLINE void play_state_rows(const player *m, int from, int to) {
     play_rows(*m, m->tape->steady_rows, m->tape->row_count, from, to);
 }
 
-/* Rows that depend on no state change along directions in parameter space only. */
+/* Rows that depend on no state vary only along parameter directions. */
 static __attribute__((noinline)) void vary_all_rows(const player by_value, int k) {
     const player m = by_value;
     const saltus_tape_row *steady = m.tape->rows + m.tape->steady_rows;
@@ -731,7 +731,7 @@ KERNEL_INLINE void vary_rows(const player *m, int k) {
 }
 #endif
 
-/* What depends on time alone, for all orders. */
+/* Rows that depend on time alone, for all orders. */
 static void play_steady(const player *m, int order) {
     if (!m->tape->steady_by_order)
         play_steady_rows(m, 0, order);
@@ -739,7 +739,7 @@ static void play_steady(const player *m, int order) {
         play_steady_rows(m, k, k + 1);
 }
 
-/* Beyond order 1 nothing is ever written. */
+/* Set a series that is linear in time: coefficients beyond order 1 are never written. */
 KERNEL_INLINE void set_linear(const player *m, const saltus_tape_operand *x, int c, lane_t first,
                               lane_t second) {
     *series_of(m, x, c, 0) = first;
@@ -751,7 +751,7 @@ KERNEL_INLINE void place_row(lane_t *to, const saltus_pack *row, int packs) {
         *(loose_pack *)(void *)(to + p * ELEMENTS) = (loose_pack)row[p];
 }
 
-/* Coefficient k of the velocities and k + 1 of the displacements, as soon as they are known. */
+/* Store coefficient k of the velocities and k + 1 of the displacements as soon as they are known. */
 KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocity,
                                const saltus_pack *displacement) {
     const player m = make_player(f);
@@ -759,13 +759,13 @@ KERNEL_INLINE void model_place(frame f, int k, int c, const saltus_pack *velocit
     place_row(series_of(&m, &m.tape->state[0], c, k + 1), displacement, f.packs);
 }
 
-/* Coefficient k of an extra state. */
+/* Store coefficient k of an extra state. */
 KERNEL_INLINE void place_extra(frame f, const player *m, int k, int c, int i, lane_t value) {
     EXTRA(k, c)[i] = series_of(m, &m->tape->state[2], c, k)[i] = value;
 }
 
-/* Time and phase, which are linear; along omega at fixed phase of the step's begin, `elapsed` before this:
- * the phase moves by elapsed / (2 pi), and time is the phase times T = 2 pi / omega. */
+/* Set the states, and time and phase, which are linear. Along omega, with the phase fixed `elapsed` before
+ * this step, the phase moves by elapsed / (2 pi), and time is the phase times T = 2 pi / omega. */
 KERNEL_INLINE void model_start(frame f, int c) {
     const player m = make_player(f);
     const int direction = direction_of(f, c);
@@ -791,7 +791,7 @@ KERNEL_INLINE void model_start(frame f, int c) {
         play_steady(&m, (int)f.orders - 2);
 }
 
-/* Parameter columns are tangent vectors that change the weights, too. */
+/* Nothing to do: parameter columns are tangent vectors for which the weights vary, too. */
 KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, saltus_pack *next) {
     (void)f;
     (void)k;
@@ -802,7 +802,7 @@ KERNEL_INLINE void model_source(frame f, int k, int c, int d, double inverse, sa
 }
 
 /* Coefficient k + 1 of q' and of the extra states, for the trajectory (c = 0) or a tangent vector. The states
- * of all columns are known up to order k when the trajectory's turn comes: their rows are played with it. */
+ * of all columns are known up to order k by the trajectory's turn, which computes all columns' rows. */
 KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pack *next) {
     const player m = make_player(f);
     const saltus_tape *tape = m.tape;

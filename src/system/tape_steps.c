@@ -1,4 +1,4 @@
-/* Steps on registers from the nodes of a graph.
+/* Makes steps on registers from the nodes of a graph.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/tape_steps.h"
 
@@ -8,20 +8,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps being made. What a node has become stands in `place`: a register, or -1 where it has none yet. */
+/* Steps being made. place[node] is a node's register, -1 if it has none yet. */
 typedef struct maker {
     saltus_graph *graph;
     saltus_tape_steps *made;
     int *place, *slot_of, *uses;
     int dof;
-    int placed; /* nodes that `place`, `slot_of` and `uses` have room for */
+    int placed; /* capacity of `place`, `slot_of` and `uses` in nodes */
     saltus_list steps, terms, slots, depends, linear;
-    saltus_list sums, parts; /* that have been factored out (shared_sum, part) */
+    saltus_list sums, parts; /* sums that have been factored out (shared_sum, part) */
     bool failed;
 } maker;
 
-/* A number times a node, and sums of such: nodes of factors depend on parameters alone. Node -1: the number.
- */
+/* A term of a sum: factor times node. Factors depend on parameters alone; node -1: the factor alone. */
 typedef struct summand {
     int factor, node;
 } summand;
@@ -32,7 +31,7 @@ static void add_summand(maker *m, saltus_list *sum, summand s) {
         *entry = s;
 }
 
-/* Nodes may have been added to the graph since. */
+/* Enlarge the arrays after nodes were added to the graph. False after a failure. */
 static bool follow_graph(maker *m) {
     int count = m->graph->count;
     int **const arrays[] = {&m->place, &m->slot_of, &m->uses};
@@ -106,12 +105,12 @@ static int add_step(maker *m, saltus_tape_step step) {
     return step.out;
 }
 
-/* The register of a node, made where there is none yet. With a function comes its derivative, which may be
- * made of the very node that asks for the function, as tanh(x)^2 does for tanh(x): whoever has asked for the
- * registers of operands looks whether its own node has got one meanwhile. */
+/* The register of a node, made if it has none yet. A function brings its derivative along, which may contain
+ * the very node that asked for the function, as tanh(x)^2 does for tanh(x): callers that requested registers
+ * of operands must check whether their own node has got one meanwhile. */
 static int register_of(maker *m, int node);
 
-/* A whole number between -8 and 8, and which one; 0: none. */
+/* The value of a constant whole number between -8 and 8; else 0. */
 static int small_power(const maker *m, int node) {
     double value = node_at(m, node)->value;
     return node_at(m, node)->operation == SALTUS_OP_CONSTANT && fabs(value) <= 8 && value == floor(value)
@@ -119,12 +118,12 @@ static int small_power(const maker *m, int node) {
                : 0;
 }
 
-/* A power by products where the exponent is a small whole number, otherwise by exp and log. */
+/* A power: by products for a small whole exponent, else by exp and log. */
 static int rewrite_power(maker *m, int a, int b) {
     int power = small_power(m, b), result = a;
     if (!power)
         return apply(m, SALTUS_OP_EXP, apply(m, SALTUS_OP_MULTIPLY, b, apply(m, SALTUS_OP_LOG, a, -1)), -1);
-    /* Squares first: x^6 = (x x^2)^2. */
+    /* Repeated squaring: x^6 = (x x^2)^2. */
     for (int bit = 1 << (int)log2(abs(power)) >> 1; bit > 0; bit >>= 1) {
         result = apply(m, SALTUS_OP_MULTIPLY, result, result);
         if (abs(power) & bit)
@@ -133,7 +132,7 @@ static int rewrite_power(maker *m, int a, int b) {
     return power > 0 ? result : apply(m, SALTUS_OP_DIVIDE, constant(m, 1), result);
 }
 
-/* A node as a factor times a node that is no such product itself. */
+/* Split a node into a factor of parameters and a node without such a factor. */
 static summand split(maker *m, int node) {
     saltus_graph *g = m->graph;
     summand s = {constant(m, 1), node};
@@ -149,7 +148,7 @@ static summand split(maker *m, int node) {
             s.factor = apply(m, SALTUS_OP_DIVIDE, s.factor, n.operand[1]);
             s.node = n.operand[0];
         } else if (n.operation == SALTUS_OP_POWER && small_power(m, n.operand[1]) > 1) {
-            /* (c x)^2 = c^2 x^2; the product is used as often as the power. */
+            /* (c x)^2 = c^2 x^2; the product takes over the power's use count. */
             const int power = s.node;
             s.node = rewrite_power(m, n.operand[0], n.operand[1]);
             if (!follow_graph(m))
@@ -167,7 +166,7 @@ static summand split(maker *m, int node) {
     }
 }
 
-/* Collect a node, times a factor, into a sum. Sums that nothing else uses are taken apart. */
+/* Add factor * node to a sum. Nested sums that nothing else uses are expanded. */
 static void collect(maker *m, int factor, int node, saltus_list *sum, bool outermost) {
     saltus_graph *g = m->graph;
     if (m->failed)
@@ -192,7 +191,7 @@ static void collect(maker *m, int factor, int node, saltus_list *sum, bool outer
     add_summand(m, sum, (summand){factor, part.node});
 }
 
-/* Terms of one node together, and the numbers. */
+/* Merge terms with the same node, and the numbers. */
 static void merge(maker *m, saltus_list *sum) {
     summand *s = sum->items;
     int kept = 0;
@@ -208,18 +207,18 @@ static void merge(maker *m, saltus_list *sum) {
     sum->count = kept;
 }
 
-/* One term of a sum that has been factored out: a constant, a factor made of parameters, a node. */
+/* A term of a factored-out sum: a constant, a factor of parameters, and a node. */
 typedef struct part {
     double constant;
     int factor, node;
 } part;
 
-/* Such a sum: where its terms stand, and its node. */
+/* A factored-out sum: its range of parts, and its node. */
 typedef struct shared_sum {
     int first, count, node;
 } shared_sum;
 
-/* The constant in a number, and what else it is made of. */
+/* Split a number into a constant and the rest. */
 static double take_constant(maker *m, int node, int *rest) {
     const saltus_graph_node n = *node_at(m, node);
     int a, b;
@@ -239,7 +238,7 @@ static int by_node(const void *a, const void *b) {
     return ((const summand *)a)->node - ((const summand *)b)->node;
 }
 
-/* A constant times a sum whose first constant is 1: equations of a family then share the sum. */
+/* Write a sum as a constant times a sum whose first constant is 1, which equations of a family then share. */
 static summand share_sum(maker *m, saltus_list *terms) {
     summand *s = terms->items;
     const int count = terms->count, first = m->parts.count;
@@ -259,7 +258,7 @@ static summand share_sum(maker *m, saltus_list *terms) {
     const part *parts = m->parts.items;
     for (int k = 0; k < m->sums.count; k++) {
         const shared_sum *other = (shared_sum *)m->sums.items + k;
-        bool same = other->count == count; /* but for the rounding of constants */
+        bool same = other->count == count; /* up to rounding of constants */
         for (int j = 0; j < count && same; j++) {
             const part *a = &parts[first + j], *b = &parts[other->first + j];
             same = a->node == b->node && a->factor == b->factor &&
@@ -281,15 +280,15 @@ static summand share_sum(maker *m, saltus_list *terms) {
     return (summand){constant(m, scale), node};
 }
 
-/* Whether a node is the velocity of another one, a displacement. */
+/* Whether `velocity` is the velocity of the displacement `node`. */
 static bool is_rate_of(const maker *m, int velocity, int node) {
     const saltus_graph_node *v = node_at(m, velocity), *q = node_at(m, node);
     return v->operation == SALTUS_OP_STATE && q->operation == SALTUS_OP_STATE && q->index < m->dof &&
            v->index == q->index + m->dof;
 }
 
-/* A term's other operand where it is a product with x that nothing else uses; -1: it is none. Squares, and
- * displacements times their velocities, cost half a product and stay. */
+/* If a node is a product with x that nothing else uses, its other operand; else -1. Squares, and products of
+ * a displacement with its velocity, cost half a product and are left alone. */
 static int cofactor(const maker *m, int node, int x) {
     if (node < 0 || node_at(m, node)->operation != SALTUS_OP_MULTIPLY || m->uses[node] > 1 ||
         m->place[node] >= 0)
@@ -300,8 +299,7 @@ static int cofactor(const maker *m, int node, int x) {
     return a == x ? b : b == x ? a : -1;
 }
 
-/* x y_1 + x y_2 + ... -> x (y_1 + y_2 + ...): one product in place of several. What is a number in the sum
- * stays a number times x. */
+/* x y_1 + x y_2 + ... -> x (y_1 + y_2 + ...): one product in place of several. Numbers y_i stay outside. */
 static void factor_out(maker *m, saltus_list *sum, int x) {
     saltus_list inner = {.items = NULL}, rest = {.items = NULL};
     for (int k = 0; k < sum->count && !m->failed; k++) {
@@ -334,10 +332,10 @@ static void factor_out(maker *m, saltus_list *sum, int x) {
         merge(m, sum);
 }
 
-/* Sums of more terms stay as they are: every operand is looked for in all of them. */
+/* Longer sums are not factored: the search compares every operand with all terms. */
 enum { factored_max = 256 };
 
-/* Common operands of a sum's products, those of most products first. */
+/* Factor out common operands of a sum's products, the most frequent first. */
 static void factor_sum(maker *m, saltus_list *sum) {
     for (int best = 2, x = -1; best > 1 && sum->count <= factored_max && follow_graph(m); x = -1) {
         best = 1;
@@ -361,13 +359,13 @@ static void factor_sum(maker *m, saltus_list *sum) {
     }
 }
 
-/* A sum as a step of its own. */
+/* Make a sum a step of its own. */
 static int combine(maker *m, int node) {
     saltus_list sum = {.items = NULL};
     collect(m, constant(m, 1), node, &sum, true);
     merge(m, &sum);
     factor_sum(m, &sum);
-    /* The registers first: their steps come before this one. */
+    /* Make the registers first, so that their steps precede this one. */
     for (int k = 0; k < sum.count && !m->failed; k++)
         if (((summand *)sum.items)[k].node >= 0)
             register_of(m, ((summand *)sum.items)[k].node);
@@ -392,8 +390,7 @@ static int combine(maker *m, int node) {
     return m->failed ? 0 : add_step(m, step);
 }
 
-/* The step of a function comes before those of its derivative, which may be made of the function: so it has
- * its register first. */
+/* A function's step and register precede those of its derivative, which may contain the function. */
 static int add_function(maker *m, int node) {
     saltus_graph *g = m->graph;
     const saltus_graph_node n = *node_at(m, node);
@@ -439,7 +436,7 @@ static int add_node(maker *m, int node) {
                                           : &m->made->phase) = place;
         return place;
     }
-    /* Powers, and tan a = sin a / cos a, by functions that have a rule of their own. */
+    /* Rewrite powers, and tan a = sin a / cos a, by operations that have a rule of their own. */
     if (n.operation == SALTUS_OP_POWER)
         return register_of(m, rewrite_power(m, n.operand[0], n.operand[1]));
     if (n.operation == SALTUS_OP_TAN) {
@@ -454,7 +451,7 @@ static int add_node(maker *m, int node) {
     if (n.operation == SALTUS_OP_ATAN2 || (n.operation >= SALTUS_OP_SQRT && n.operation <= SALTUS_OP_TANH))
         return add_function(m, node);
     if (n.operation >= SALTUS_OP_CHOOSE_LESS) {
-        /* One of two series; which one is decided by parameters alone. */
+        /* One of two series; parameters decide which. */
         int chosen =
             saltus_graph_choose(m->graph, n.operation, n.operand[0], n.operand[1], constant(m, 1), 0);
         step.code = SALTUS_TAPE_CHOOSE;
@@ -534,7 +531,7 @@ bool saltus_tape_steps_make(saltus_tape_steps *made, saltus_graph *graph, const 
     free(m.place);
     free(m.slot_of);
     free(m.uses);
-    /* The square of a displacement comes with its product with the velocity, where both are there. */
+    /* If a displacement's product with its velocity is computed too, its square is the integral of that. */
     for (int i = 0; i < made->count && !m.failed; i++) {
         saltus_tape_step *s = &made->items[i];
         for (int j = 0; j < made->count && s->code == SALTUS_TAPE_SQUARE; j++)

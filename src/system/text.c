@@ -11,13 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A model made from text. Graphs for the whole-number parameters that came up are kept in a list that only
- * grows, so that threads may build systems side by side. */
+/* A model made from text. The graphs for all whole-number parameters used so far are in a list that only
+ * grows, so that several threads may build systems. */
 typedef struct text_model {
-    saltus_model model; /* first: what the library sees */
+    saltus_model model; /* must be the first member: the library sees only this */
     atomic_int owners;
     saltus_parsed_text text;
-    saltus_list owned; /* void *: what stands here and in the text */
+    saltus_list owned; /* void *: arrays used here and in `text` */
     char *source;
     int *parameter_line;
     _Atomic(saltus_equations_graph *) graphs;
@@ -27,7 +27,7 @@ static const text_model *of_model(const saltus_model *model) {
     return (const text_model *)(const void *)model;
 }
 
-/* The graph for a specification, NULL where it has not been built. */
+/* The graph for a specification, or NULL if it has not been built. */
 static const saltus_equations_graph *graph_of(const saltus_spec *spec) {
     const text_model *m = of_model(spec->model);
     const saltus_equations_graph *g = atomic_load_explicit(&m->graphs, memory_order_acquire);
@@ -47,7 +47,7 @@ static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus
         saltus_status status = saltus_equations_graph_new(&m->text, spec->parameters, &made, message);
         if (status != SALTUS_OK)
             return status;
-        /* Another thread may have built the same one meanwhile: then there are two, which is no harm. */
+        /* Another thread may have built the same graph meanwhile; duplicates do no harm. */
         do
             made->next = first;
         while (!atomic_compare_exchange_weak(&m->graphs, &first, made));
@@ -58,7 +58,7 @@ static saltus_status shape(const saltus_spec *spec, int *dof, int *extra, saltus
     return SALTUS_OK;
 }
 
-/* All numbers of a graph for a specification, at a state (NULL: zero) and a phase. */
+/* Evaluate all nodes of a graph for a specification, at a state (NULL: zero) and a phase. */
 static void evaluate(const saltus_equations_graph *g, const saltus_spec *spec, const double *state,
                      double phase, double *values) {
     static const double zero[SALTUS_STATE_MAX];
@@ -72,7 +72,7 @@ static double *values_of(const saltus_equations_graph *g) {
     return malloc((size_t)g->graph.count * sizeof(double));
 }
 
-/* Clearances and restitutions that are expressions take their values here. */
+/* Set clearances and restitutions that are expressions. */
 static void complete(saltus_spec *spec) {
     const saltus_equations_graph *g = graph_of(spec);
     double *values = g ? values_of(g) : NULL;
@@ -107,7 +107,7 @@ static void reserve(saltus_system *system) {
     system->numbers = saltus_arena_doubles(&system->arena, (size_t)g->graph.count);
 }
 
-/* A length that displacements are likely to have: the smallest clearance, else the largest initial one,
+/* A typical length of displacements: the smallest clearance, else the first nonzero initial displacement,
  * else 1. */
 static double typical_length(const saltus_system *system, const saltus_equations_graph *g) {
     double length = 0;
@@ -118,7 +118,7 @@ static double typical_length(const saltus_system *system, const saltus_equations
         if (d > 0 && (length == 0 || d < length))
             length = d;
     }
-    /* A clearance that the motion begins far away from is none of its lengths. */
+    /* A clearance that is tiny beside the initial displacement is not typical. */
     double begin = 0;
     for (int i = 0; i < system->dof && begin == 0; i++)
         if (g->state[i].initial >= 0)
@@ -128,7 +128,7 @@ static double typical_length(const saltus_system *system, const saltus_equations
     return length > 0 && isfinite(length) ? length : 1;
 }
 
-/* The field at a state: accelerations and rates, as the tape's outputs are in the graph. */
+/* The field at a state: accelerations, then rates, in the order of the tape's outputs. */
 static void field_at(const saltus_system *system, const saltus_equations_graph *g, const double *state,
                      double phase, double *values, double *field) {
     evaluate(g, &system->spec, state, phase, values);
@@ -136,8 +136,8 @@ static void field_at(const saltus_system *system, const saltus_equations_graph *
         field[i] = values[g->field[i]];
 }
 
-/* The linear part at the reference state by differences: its diagonal for the stiff integrator, a bound on
- * its eigenvalues (rows of the first-order form) and on its decay rates, scales of velocities. */
+/* Measure the linear part at the reference state by differences: its diagonal for the stiff integrator,
+ * bounds on its eigenvalues (rows of the first-order form) and decay rates, scales of velocities. */
 static void measure_rates(saltus_system *system, const saltus_equations_graph *g, const double *reference,
                           double *values) {
     const int n = system->dof, all = n + system->extra, dimension = system->dimension;
@@ -173,8 +173,8 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
         stiffness = fmax(stiffness, i < n ? pull[i] : 0);
         damping = fmax(damping, drag[i]);
     }
-    /* Without forcing all that pulls at a displacement tells how fast it is: its own stiffness may be lost in
-     * what feeds the motion. */
+    /* Without forcing, all forces on a displacement show how fast it is: feedback may hide its own
+     * stiffness. */
     for (int i = 0; i < n; i++)
         if (g->state[n + i].scale < 0)
             system->scale[n + i] =
@@ -186,8 +186,7 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
     system->stiffness_ratio = damping / (200 * fmax(g->forced ? system->omega : 0, sqrt(stiffness)));
 }
 
-/* Whether f(-x, t + T/2) = -f(x, t), or with `shift` false f(-x, t) = -f(x, t): at points that no rule picks
- * out. */
+/* Whether f(-x, t + T/2) = -f(x, t) or, if not `shift`, f(-x, t) = -f(x, t), tested at generic points. */
 static bool is_odd(const saltus_system *system, const saltus_equations_graph *g, bool shift, double *values) {
     enum { points = 4 };
     double state[SALTUS_STATE_MAX], here[SALTUS_STATE_MAX], there[SALTUS_STATE_MAX];
@@ -210,15 +209,14 @@ static bool is_odd(const saltus_system *system, const saltus_equations_graph *g,
     return true;
 }
 
-/* What the text says of a stop: 0 where it acts, 1 its clearance, 2 its restitution. */
+/* The text of a stop's coordinate (0), clearance (1) or restitution (2). */
 static const char *coordinate(const saltus_model *model, int stop, int which) {
     const saltus_parsed_text *t = &of_model(model)->text;
     const saltus_parsed_list *const lists[] = {&t->coordinates, &t->clearances, &t->restitutions};
     return stop < lists[which]->count ? lists[which]->items[stop].text : NULL;
 }
 
-/* The row of a quantity that is observed, where a state that no rule picks out confirms that it is a sum of
- * displacements. */
+/* The row of an observed quantity. A test at a generic state confirms that it is a sum of displacements. */
 static bool observable_row(const saltus_system *system, int k, double *row) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     const saltus_observed_nodes *observed = &g->observed[k];
@@ -271,7 +269,7 @@ static void build(saltus_system *system) {
         system->coefficients.slot[s] = values[tape->slot_node[s]];
 }
 
-/* The derivative of a number along a direction, at a closing speed; -1: of none. */
+/* The derivative of a node of parameters (and speed) along a direction, at a closing speed; 0 for node -1. */
 static double varied(const saltus_system *system, const saltus_equations_graph *g,
                      const saltus_direction *direction, int node, double speed) {
     double sum = 0;
@@ -324,10 +322,11 @@ static double rebound_change(const saltus_system *system, int stop, double speed
     return varied(system, g, direction, g->stops[stop].restitution, speed);
 }
 
-/* Nodes of equations of a common size: what is asked many times takes no memory for these. */
+/* Graphs of up to this many nodes are evaluated without allocating memory. */
 enum { common = 400 };
 
-/* Values of a part's nodes in `room` for so many or, to be freed, elsewhere; NULL without memory. */
+/* Evaluate a part's nodes, in `room` if it suffices, else in memory that the caller frees; NULL: no
+ * memory. */
 static double *evaluate_part(const saltus_system *system, const saltus_graph_part *part, const double *state,
                              double phase, double room[common]) {
     const saltus_equations_graph *g = graph_of(&system->spec);
@@ -338,7 +337,7 @@ static double *evaluate_part(const saltus_system *system, const saltus_graph_par
     return values;
 }
 
-/* The value of a part's only root; NAN without memory. */
+/* The value of a part with one root; NAN if there is no memory. */
 static double value_of_part(const saltus_system *system, const saltus_graph_part *part, const double *state,
                             double phase) {
     double room[common], *values = evaluate_part(system, part, state, phase, room),
@@ -348,7 +347,7 @@ static double value_of_part(const saltus_system *system, const saltus_graph_part
     return value;
 }
 
-/* A trace that depends on parameters alone was evaluated when the system was built. */
+/* If the trace depends on parameters alone, it was evaluated when the system was built. */
 static double trace(const saltus_system *system, const double *state, double phase) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     const int node = g->trace.roots[0];
@@ -377,7 +376,7 @@ static saltus_state_name state_name(const saltus_spec *spec, int dof, int entry)
     return name;
 }
 
-/* A node in the names of the text; NULL without memory. */
+/* A node as text, in the names of the scene; NULL if there is no memory. */
 static char *node_text(const saltus_system *system, int node) {
     const saltus_equations_graph *g = graph_of(&system->spec);
     saltus_state_name *names = malloc((size_t)system->dimension * sizeof *names + 1);
@@ -413,7 +412,7 @@ static bool defined(const saltus_system *system, const double *state, double pha
     bool good = values != NULL;
     for (int k = 0; k < g->partial.root_count && good; k++)
         good = isfinite(values[g->partial.roots[k]]);
-    /* One without a value may stand where parameters choose another. */
+    /* The term without a value may belong to a branch that is not taken. */
     if (values && !good) {
         evaluate(g, &system->spec, state, phase, values);
         good = true;
@@ -446,7 +445,8 @@ static bool fault(const saltus_system *system, const double *state, double phase
     return found;
 }
 
-/* A copy of so many bytes that lives as long as the model; NULL, with *whole false, without memory. */
+/* Copy bytes into memory that lives as long as the model; NULL, with *whole set to false, if there is
+ * none. */
 static void *copied(text_model *m, const void *bytes, size_t size, bool *whole) {
     void *copy = saltus_text_keep(&m->owned, size, 1);
     if (copy && size)
@@ -455,7 +455,7 @@ static void *copied(text_model *m, const void *bytes, size_t size, bool *whole) 
     return copy;
 }
 
-/* The same of a text; NULL stays NULL. */
+/* The same for a string; NULL stays NULL. */
 static char *copied_text(text_model *m, const char *text, bool *whole) {
     return text ? copied(m, text, strlen(text), whole) : NULL;
 }
@@ -465,8 +465,8 @@ static saltus_status place_failure(const char *origin, const char *name, int lin
     return saltus_fail(message, SALTUS_BAD_INPUT, "%s:%d: %s: %s", origin, line, name, sentence);
 }
 
-/* "x", "x[i]" or "x[2]" of a left side, or the names of an entry of a matrix, "x1,x2", which stay whole. What
- * is wrong with it; NULL: nothing. */
+/* Parse a left side: "x", "x[i]", "x[2]", or the names of a matrix entry, "x1,x2", which stay together.
+ * Returns what is wrong with it, or NULL. */
 static const char *parse_left(const char *name, saltus_parsed *p) {
     const char *open = strchr(name, '[');
     size_t length = open ? (size_t)(open - name) : strlen(name);
@@ -514,7 +514,7 @@ static saltus_status parse_equation(text_model *m, const char *origin, const sal
                                       : SALTUS_OK;
 }
 
-/* Copies of parameters and constants. */
+/* Copy parameters and constants. */
 static saltus_status copy_numbers(text_model *m, const saltus_text *text, saltus_message *message) {
     saltus_parsed_text *to = &m->text;
     bool whole = true;
@@ -565,7 +565,7 @@ static bool is_name(const char *text) {
     return *text && !(*text >= '0' && *text <= '9') && text[strspn(text, all)] == '\0';
 }
 
-/* Names that mean something else, and those with a number behind it. */
+/* Whether a name is reserved, such as t, sin or, also with a number, d. */
 static bool is_reserved(const char *name) {
     static const char *const words[] = {"t", "phase", "pi", "speed", "observe"}, *const numbered[] = {
                                                                                      "d", "r", "xi", "sides"};
@@ -582,7 +582,7 @@ static bool is_reserved(const char *name) {
     return false;
 }
 
-/* A name that is declared, and where. */
+/* A declared name, what it is, and its line. */
 typedef struct declared {
     const char *name, *what;
     int line;
@@ -594,7 +594,7 @@ static int by_name(const void *a, const void *b) {
     return order ? order : p->line - q->line;
 }
 
-/* Every name has the form of one, is not reserved and is declared once. */
+/* Check that every name is well-formed, not reserved and declared once. */
 static saltus_status check_names(const text_model *m, saltus_message *message) {
     const saltus_parsed_text *t = &m->text;
     const struct {
@@ -614,7 +614,7 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
     for (int l = 0; l < 3; l++)
         for (int k = 0; k < lists[l].list->count; k++) {
             const saltus_parsed *e = &lists[l].list->items[k];
-            /* Equations of members of one family share its name. */
+            /* Equations of a family's members share its name. */
             bool again = false;
             for (int j = 0; j < k && (e->index[0] || e->number); j++)
                 again |= strcmp(lists[l].list->items[j].base, e->base) == 0;
@@ -641,7 +641,7 @@ static saltus_status check_names(const text_model *m, saltus_message *message) {
     return status;
 }
 
-/* Whether an expression of any list has a name. */
+/* Whether any expression contains a name. */
 static bool is_used(const saltus_parsed_text *t, const char *name) {
     const size_t length = strlen(name);
     for (size_t l = 0; l < sizeof t->lists / sizeof t->lists[0]; l++)
@@ -655,7 +655,7 @@ static bool is_used(const saltus_parsed_text *t, const char *name) {
     return t->forcing && strcmp(t->forcing, name) == 0;
 }
 
-/* A parameter that no equation contains is a mistake, mostly of spelling. */
+/* Refuse parameters that no equation contains: most of them are misspelt. */
 static saltus_status check_used(const text_model *m, saltus_message *message) {
     const saltus_parsed_text *t = &m->text;
     for (int k = 0; k < t->parameter_count; k++)
@@ -665,8 +665,8 @@ static saltus_status check_used(const text_model *m, saltus_message *message) {
     return SALTUS_OK;
 }
 
-/* The field a period later is the same: otherwise t goes on where the forcing begins anew. Looked at where no
- * rule picks out, also with parameters other than zero in the place of those that are by default. */
+/* Check that the field has the period of the forcing: otherwise it would jump, since t restarts with each
+ * period. Generic points are tested, also with parameters that are zero by default set to other values. */
 static saltus_status check_periodic(const text_model *m, const saltus_spec *spec, saltus_message *message) {
     const saltus_equations_graph *g = graph_of(spec);
     if (spec->model->forcing < 0 || !g->forced)
@@ -709,7 +709,7 @@ static saltus_status check_periodic(const text_model *m, const saltus_spec *spec
         message);
 }
 
-/* The parameter that is the angular frequency of the forcing; -1: there is none. */
+/* Find the parameter that is the angular frequency of the forcing. */
 static saltus_status find_forcing(text_model *m, const saltus_text *text, saltus_message *message) {
     for (int k = 0; k < m->text.parameter_count && m->text.forcing; k++)
         if (strcmp(m->text.parameters[k].name, m->text.forcing) == 0)
@@ -769,7 +769,7 @@ static void own(const saltus_model *model, int change) {
         free_model(m);
 }
 
-/* What all models from text have in common. */
+/* Members common to all models from text. */
 static const saltus_model common_model = {.name = "text",
                                           .kernel = "tape",
                                           .summary = "equations from the scene",
@@ -820,7 +820,7 @@ saltus_status saltus_text_model_new(const saltus_text *text, const saltus_model 
     m->model.poincare = text->poincare;
     if (m->text.zero.count)
         m->model.poincare.text = m->text.zero.items[0].text;
-    /* Every name is looked up once, with the defaults. */
+    /* Resolve every name once, with the default parameters. */
     const saltus_spec spec = saltus_spec_defaults(&m->model);
     if (status == SALTUS_OK)
         status = shape(&spec, &dof, &extra, message);

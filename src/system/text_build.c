@@ -13,10 +13,10 @@
 
 enum { locals_max = 400, depth_max = 200 };
 
-/* Displacements or first-order states under one name: `count` members of a family, or one (count 0). */
+/* Displacements or first-order states of one name: `count` members of a family, or a single one (count 0). */
 typedef struct quantity {
     const char *name;
-    int count, first; /* index of the first one */
+    int count, first; /* `first`: index of the first member */
 } quantity;
 
 typedef struct quantities {
@@ -25,7 +25,7 @@ typedef struct quantities {
 } quantities;
 
 typedef struct division {
-    int divisor, begin; /* node, and where the operator stands */
+    int divisor, begin; /* divisor's node, and the operator's position in the text */
     const saltus_parsed *equation;
 } division;
 
@@ -41,20 +41,20 @@ typedef struct builder {
         int length;
         double value;
     } local[locals_max];    /* indices of families and sums */
-    int locals, own, depth; /* those from `own` on belong to the equation being read */
+    int locals, own, depth; /* locals from `own` on belong to the equation being read */
     struct {
-        int *node, room; /* of an abbreviation's member; -1: not known yet */
+        int *node, room; /* [member] of an abbreviation; -1: not known yet */
     } * known;
-    saltus_list divisions;         /* division: by what is no number */
-    bool restituting;              /* what is read may use the closing speed */
-    bool at_rest;                  /* displacements, velocities and states are read as zero */
+    saltus_list divisions;         /* division: those by anything but numbers */
+    bool restituting;              /* the closing speed may occur in what is being read */
+    bool at_rest;                  /* read displacements, velocities and states as zero */
     const saltus_parsed *equation; /* the one being read, for messages */
-    saltus_list scratch;           /* void *: arrays that are freed soon */
+    saltus_list scratch;           /* void *: temporary arrays */
     saltus_status status;
     saltus_message *message;
 } builder;
 
-/* All complaints pass here; they return node 0. */
+/* Report an error; returns node 0. */
 static int refuse(builder *b, const saltus_expression_term *term, const char *format, ...) {
     char sentence[400];
     va_list arguments;
@@ -91,7 +91,7 @@ void saltus_text_release(saltus_list *owned) {
     *owned = (saltus_list){.items = NULL};
 }
 
-/* Memory for what is made, and for the making; NULL after a complaint. */
+/* Memory that lives as long as the graph or, for scratch, only while building. NULL after an error. */
 static void *keep(builder *b, size_t count, size_t size) {
     void *array = saltus_text_keep(&b->made->owned, count, size);
     return no_memory(b, array) ? NULL : array;
@@ -110,14 +110,14 @@ static int apply(builder *b, saltus_operation operation, int x, int y) {
     return saltus_graph_apply(b->graph, operation, x, y);
 }
 
-/* On what else than these a node depends. */
+/* What a node depends on apart from `these`. */
 static unsigned depends_beyond(const builder *b, int node, unsigned these) {
     return b->graph->nodes[node].depends & ~these;
 }
 
 static int node_of(builder *b, int term);
 
-/* The value of an index or a bound of a sum, which must be a whole number. */
+/* The value of an index or a bound of a sum, which must be a constant whole number. */
 static int whole_of(builder *b, int term, const char *what) {
     const saltus_expression_term *t = &b->equation->right.terms[term];
     int node = node_of(b, term);
@@ -130,7 +130,7 @@ static int whole_of(builder *b, int term, const char *what) {
     return (int)n->value;
 }
 
-/* The member of a quantity that a term means: its index, checked. */
+/* The index of the member of a quantity that a term refers to, checked. */
 static int member_of(builder *b, const saltus_expression_term *term, const quantity *q) {
     if (q->count == 0 && term->first < 0)
         return q->first;
@@ -145,7 +145,7 @@ static int member_of(builder *b, const saltus_expression_term *term, const quant
     return b->status == SALTUS_OK ? q->first + index - 1 : 0;
 }
 
-/* Also x3 for x[3]. */
+/* Accepts x3 for x[3], with *number = 3. */
 static const quantity *find_quantity(const quantities *list, const char *name, int length, int *number) {
     int digits = 0;
     *number = 0;
@@ -186,7 +186,7 @@ static int constant_of(builder *b, const saltus_expression_term *term, const sal
     return saltus_graph_constant(b->graph, c->values[place]);
 }
 
-/* An equation's right side, with an index bound where its left side has one. */
+/* Read an equation's right side, with the index bound if its left side has one. */
 static int right_side(builder *b, const saltus_parsed *equation, int index) {
     const saltus_parsed *outer = b->equation;
     const int locals = b->locals, own = b->own;
@@ -209,7 +209,7 @@ static int right_side(builder *b, const saltus_parsed *equation, int index) {
     return node;
 }
 
-/* The equation for a member: one of its own, else the family's. */
+/* The equation of a member: its own if there is one, else the family's. */
 static const saltus_parsed *equation_for(const saltus_parsed_list *list, const char *base, int length,
                                          int number) {
     const saltus_parsed *found = NULL;
@@ -223,7 +223,7 @@ static const saltus_parsed *equation_for(const saltus_parsed_list *list, const c
     return found;
 }
 
-/* The node of an abbreviation's member, read once; -1: there is no abbreviation of that name. */
+/* The node of an abbreviation's member, which is read once; -1: no abbreviation has that name. */
 static int let_of(builder *b, const saltus_expression_term *term, const char *name) {
     const saltus_parsed_list *let = &b->text->let;
     bool known = false;
@@ -291,7 +291,7 @@ static int state_of(builder *b, const saltus_expression_term *term, const char *
     return -1;
 }
 
-/* A name that nothing has, with the one that was meant, as far as that can be told. */
+/* Report an unknown name and suggest a similar one. */
 static int refuse_name(builder *b, const saltus_expression_term *term, const char *name) {
     const saltus_parsed_text *t = b->text;
     const int room =
@@ -340,7 +340,7 @@ static int name_of(builder *b, const saltus_expression_term *term) {
     return node < 0 ? refuse_name(b, term, name) : node;
 }
 
-/* The value of a comparison of two constants; -1 where it is none. */
+/* The value of a comparison of two constants; -1 if they are not constants. */
 static int decided(const builder *b, saltus_syntax kind, int x, int y) {
     const saltus_graph_node *p = &b->graph->nodes[x], *q = &b->graph->nodes[y];
     if (p->operation != SALTUS_OP_CONSTANT || q->operation != SALTUS_OP_CONSTANT)
@@ -369,7 +369,7 @@ static bool switches(builder *b, const saltus_expression_term *term, int node) {
     return b->status == SALTUS_OK;
 }
 
-/* if(a < b, yes, no): a branch that is not taken is not looked at where numbers decide. */
+/* if(a < b, yes, no). If constants decide, the other branch is not even read. */
 static int choice_of(builder *b, const saltus_expression_term *term) {
     const saltus_expression_term *terms = b->equation->right.terms, *test = &terms[term->first];
     int x = node_of(b, test->first), y = node_of(b, terms[test->first].next);
@@ -394,7 +394,7 @@ static int choice_of(builder *b, const saltus_expression_term *term) {
                                exchanged ? first : second);
 }
 
-/* sum(i, first, last, what): zero where last is below first. */
+/* sum(i, first, last, what): zero if last is below first. */
 static int sum_of(builder *b, const saltus_expression_term *term) {
     const saltus_expression_term *terms = b->equation->right.terms, *index = &terms[term->first];
     int from = index->next, to = terms[from].next, what = terms[to].next, sum = 0;
@@ -442,7 +442,7 @@ static int call_of(builder *b, const saltus_expression_term *term) {
     return node;
 }
 
-/* No divisor is zero wherever one looks. Parameters, too, have other values than their defaults. */
+/* Refuse divisors that are zero at all test points. Parameters are varied, too. */
 static void check_divisions(builder *b) {
     enum { points = 3 };
     double *values = scratch(b, (size_t)b->graph->count, sizeof *values), state[SALTUS_STATE_MAX];
@@ -466,8 +466,8 @@ static void check_divisions(builder *b) {
         }
 }
 
-/* The node of a term of the equation being read. After a complaint b->equation is the one complained of,
- * which may be another: an equation's terms are taken before any of them is looked at. */
+/* The node of a term of the equation being read. After an error b->equation may be a different equation, the
+ * one at fault: take an equation's terms before calling this. */
 static int node_of(builder *b, int term) {
     const saltus_expression_term *terms = b->equation->right.terms, *t = &terms[term];
     static const saltus_operation operations[] = {
@@ -504,8 +504,8 @@ static int node_of(builder *b, int term) {
     return apply(b, operations[t->kind], left, right);
 }
 
-/* The sizes of the families, and what is a displacement or a state, in the order of the text; how many
- * members these have together. */
+/* List displacements or states and their family sizes in the order of the text. Returns the number of
+ * members. */
 static int lay_out(builder *b, const saltus_parsed_list *list, quantities *made) {
     int total = 0;
     made->items = keep(b, (size_t)list->count, sizeof *made->items);
@@ -537,7 +537,7 @@ static int lay_out(builder *b, const saltus_parsed_list *list, quantities *made)
     return total;
 }
 
-/* Names and right sides of all members of all quantities, the first of which is the field's `first`. */
+/* Read names and right sides of all members of all quantities, into the field from `first` on. */
 static void read_members(builder *b, const saltus_parsed_list *equations, const quantities *list, int first) {
     for (int i = 0; i < list->count; i++) {
         const quantity *q = &list->items[i];
@@ -556,7 +556,7 @@ static void read_members(builder *b, const saltus_parsed_list *equations, const 
     }
 }
 
-/* Which displacement a name on a left side means; -1 after a complaint. */
+/* The displacement that a name on a left side refers to; -1 after an error. */
 static int displacement_named(builder *b, const char *name) {
     for (int i = 0; i < b->made->dof; i++)
         if (strcmp(b->made->names[i], name) == 0)
@@ -565,7 +565,7 @@ static int displacement_named(builder *b, const char *name) {
     return -1;
 }
 
-/* The entries of the mass matrix that an equation gives: one, those of a family, or a pair's. */
+/* Read the entries of the mass matrix that an equation sets: one, a family's, or a pair. */
 static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given) {
     const int n = b->made->dof;
     const char *comma = strchr(e->name, ',');
@@ -604,8 +604,8 @@ static void read_mass(builder *b, const saltus_parsed *e, int *mass, bool *given
         refuse(b, NULL, "%s is no displacement", e->name);
 }
 
-/* The inverse of the mass matrix, entry by entry as nodes (Gauss and Jordan without pivots: it is positive
- * definite), and what the forces become. */
+/* Invert the mass matrix, entry by entry as nodes (Gauss-Jordan without pivoting: it is positive definite),
+ * and divide the forces by it. */
 static void divide_by_mass(builder *b) {
     const int n = b->made->dof;
     int *mass = scratch(b, (size_t)n * (size_t)n, sizeof *mass), *inverse = b->made->inverse_mass;
@@ -643,7 +643,7 @@ static void divide_by_mass(builder *b) {
     memcpy(force, sum, (size_t)n * sizeof *sum);
 }
 
-/* The derivatives of an expression by the displacements. False: some depend on more than parameters. */
+/* The derivatives of a node by the displacements. False: some depend on more than parameters. */
 static bool make_row(builder *b, int node, int *row) {
     const int count = node + 1;
     bool *needed = scratch(b, (size_t)b->graph->count, sizeof *needed), constant = true;
@@ -660,7 +660,7 @@ static bool make_row(builder *b, int node, int *row) {
     return constant;
 }
 
-/* An observed quantity, and what each displacement adds to it where that is a number. */
+/* Read an observed quantity and its row, if it is a sum of displacements. */
 static void read_observed(builder *b, const saltus_parsed *e, saltus_observed_nodes *made) {
     made->row = keep(b, (size_t)b->made->dof, sizeof *made->row);
     made->node = right_side(b, e, 0);
@@ -671,7 +671,7 @@ static void read_observed(builder *b, const saltus_parsed *e, saltus_observed_no
     b->equation = NULL;
 }
 
-/* A stop's coordinate must be linear in the displacements, with factors that depend on parameters alone. */
+/* Read a stop's coordinate, which must be linear in the displacements with factors of parameters alone. */
 static void read_coordinate(builder *b, const saltus_parsed *e, saltus_stop_nodes *made) {
     const int n = b->made->dof;
     made->normal = keep(b, (size_t)n, sizeof *made->normal);
@@ -691,7 +691,7 @@ static void read_coordinate(builder *b, const saltus_parsed *e, saltus_stop_node
     made->offset = right_side(b, e, 0);
     b->at_rest = false;
     b->equation = e;
-    /* With the displacements' parts gone the constant one is left. */
+    /* Without the terms of the displacements only the constant must be left. */
     double *values = scratch(b, (size_t)b->graph->count, sizeof *values), state[SALTUS_STATE_MAX];
     if (!values)
         return;
@@ -707,8 +707,8 @@ static void read_coordinate(builder *b, const saltus_parsed *e, saltus_stop_node
                "possible yet");
 }
 
-/* A stop: where it acts, its clearance and restitution, and how fast a rebound gains speed with the closing
- * speed, where the restitution depends on it. */
+/* Read a stop: coordinate, clearance, restitution and, if that depends on the closing speed, the derivative
+ * of the rebound speed by the closing speed. */
 static void read_stop(builder *b, int s) {
     const saltus_parsed *const e[] = {&b->text->clearances.items[s], &b->text->restitutions.items[s]};
     saltus_stop_nodes *made = &b->made->stops[s];
@@ -740,7 +740,7 @@ static void read_stop(builder *b, int s) {
         refuse(b, NULL, "is too long for a restitution");
 }
 
-/* Numbers by the names of states: scale and initial. */
+/* Read numbers that are listed by the names of states: scale and initial. */
 static void read_by_state(builder *b, const saltus_parsed_list *list, bool initial) {
     const int n = b->made->dof, all = n + b->made->extra;
     b->equation = NULL;
@@ -764,7 +764,7 @@ static void read_by_state(builder *b, const saltus_parsed_list *list, bool initi
     }
 }
 
-/* All that a part's roots are made of. */
+/* Collect all nodes that a part's roots consist of. */
 static void fill_part(builder *b, saltus_graph_part *part) {
     bool *needed = scratch(b, (size_t)b->graph->count, sizeof *needed);
     part->nodes = keep(b, (size_t)b->graph->count, sizeof *part->nodes);
@@ -776,7 +776,7 @@ static void fill_part(builder *b, saltus_graph_part *part) {
             part->nodes[part->count++] = k;
 }
 
-/* A part of one root. */
+/* Make a part with one root. */
 static void make_part(builder *b, saltus_graph_part *part, int root) {
     part->roots = keep(b, 1, sizeof *part->roots);
     if (b->status != SALTUS_OK)
@@ -786,7 +786,7 @@ static void make_part(builder *b, saltus_graph_part *part, int root) {
     fill_part(b, part);
 }
 
-/* Sum of the field's derivatives by the velocities and states that they are the rates of. */
+/* The trace: the sum of the derivatives of each rate by its own velocity or state. */
 static void add_trace(builder *b) {
     const int n = b->made->dof, count = b->graph->count;
     int *derivatives = scratch(b, (size_t)count, sizeof *derivatives), trace = 0;
@@ -800,7 +800,7 @@ static void add_trace(builder *b) {
     make_part(b, &b->made->trace, trace);
 }
 
-/* Whether an operation has no value at some operands. Poles are not meant: steps shrink before them. */
+/* Whether an operation has no value for some operands. Poles do not count: steps shrink before them. */
 static bool is_partial(const saltus_graph *g, const saltus_graph_node *n) {
     const saltus_graph_node *exponent = n->operation == SALTUS_OP_POWER ? &g->nodes[n->operand[1]] : NULL;
     if (exponent)
@@ -809,7 +809,7 @@ static bool is_partial(const saltus_graph *g, const saltus_graph_node *n) {
            n->operation == SALTUS_OP_ASIN || n->operation == SALTUS_OP_ACOS;
 }
 
-/* Which parts of the field have no value at some states. */
+/* Find the terms of the field that have no value at some states. */
 static void find_partial(builder *b) {
     const saltus_graph *g = b->graph;
     saltus_graph_part *part = &b->made->partial;
@@ -824,8 +824,7 @@ static void find_partial(builder *b) {
     fill_part(b, part);
 }
 
-/* Derivatives of all numbers with respect to each parameter; what depends on states has its own on the tape.
- */
+/* Derivatives of all nodes of parameters by each parameter; the tape differentiates those of states. */
 static void add_derivatives(builder *b) {
     saltus_equations_graph *made = b->made;
     const int count = b->graph->count;
@@ -840,7 +839,7 @@ static void add_derivatives(builder *b) {
     }
 }
 
-/* The expression whose zeros are the section. */
+/* Read the expression whose zeros are the section. */
 static void read_zero(builder *b, const saltus_parsed *e) {
     const int zero = right_side(b, e, 0);
     b->equation = e;
@@ -850,7 +849,7 @@ static void read_zero(builder *b, const saltus_parsed *e) {
     make_part(b, &b->made->zero, zero);
 }
 
-/* What there is, of which sizes, and room for it. */
+/* Determine the sizes and allocate the arrays. */
 static void open_graph(builder *b) {
     const saltus_parsed_text *text = b->text;
     saltus_equations_graph *made = b->made;

@@ -1,4 +1,4 @@
-/* From a graph back to text: equations as they are understood, and what in them has no value.
+/* Writes graphs as text (equations as they are understood), and finds terms without a value.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/text_build.h"
 
@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How strongly what is printed holds together; weaker parts stand in parentheses. */
+/* Binding strength of printed terms; weaker parts are put in parentheses. */
 enum { of_sum, of_product, of_power, of_atom };
 
-/* Nodes that several others use are written out each time: an end to that. */
+/* Limits, because nodes that several others use are written out each time. */
 enum { nodes_max = 2000, parts_max = 256 };
 
 typedef struct printer {
@@ -23,7 +23,7 @@ typedef struct printer {
     int left; /* nodes that may still be written */
 } printer;
 
-/* A product or a sum taken apart: numbers together, everything else in the order of the text. */
+/* A product or a sum taken apart: numbers combined, everything else in the order of the text. */
 typedef struct parts {
     int node[parts_max], count;
     bool minus[parts_max]; /* of summands */
@@ -32,7 +32,7 @@ typedef struct parts {
 
 static void put_node(printer *p, int node, int within);
 
-/* False where there are too many. */
+/* False if there are too many factors. */
 static bool collect_factors(const saltus_graph *g, int node, parts *all) {
     const saltus_graph_node *n = &g->nodes[node];
     if (n->operation == SALTUS_OP_CONSTANT) {
@@ -65,13 +65,13 @@ static void put_number(printer *p, double value) {
     fputs(saltus_number(value, text), p->file);
 }
 
-/* Whether a summand has a minus sign of its own: -2, -k*x. */
+/* Whether a summand begins with a minus sign: -2, -k*x. */
 static bool is_negative(const saltus_graph *g, int node) {
     parts all = {.number = 1};
     return collect_factors(g, node, &all) && all.number < 0;
 }
 
-/* A product without its sign. Numbers and parameters come before what moves. */
+/* Print a product without its sign, numbers and parameters first. */
 static void put_product(printer *p, int node) {
     const saltus_graph *g = p->graph;
     parts all = {.number = 1};
@@ -129,7 +129,7 @@ static void put_choice(printer *p, const saltus_graph_node *n) {
     }
 }
 
-/* How strongly a node holds together. */
+/* The binding strength of a node. */
 static int strength(const saltus_graph *g, int node) {
     switch (g->nodes[node].operation) {
     case SALTUS_OP_ADD:
@@ -215,8 +215,8 @@ char *saltus_graph_text(const saltus_graph *graph, int node, const saltus_parame
     return text;
 }
 
-/* How near an operation is to where it has no value: 0 on it, relative to the size of what it is made of;
- * infinite where it has one everywhere. `operand` receives what decides. */
+/* Distance of an operation from where it has no value, relative to the size of its operands: 0 there,
+ * INFINITY if it always has a value. `operand` receives the operand that decides. */
 static double nearness(const saltus_graph *g, const saltus_graph_node *n, const double *values,
                        const double *sizes, int *operand) {
     const double a = n->operand[0] < 0 ? 0 : values[n->operand[0]];
@@ -254,7 +254,7 @@ int saltus_graph_fault(const saltus_graph *graph, const int *roots, int root_cou
         const saltus_graph_node *n = &graph->nodes[k];
         bool sound = true;
         int which;
-        /* How large a node would be if nothing in it cancelled. */
+        /* The size a node would have if nothing in it cancelled. */
         sizes[k] = n->operation == SALTUS_OP_STATE ? fmax(scale[n->index], fabs(values[k]))
                    : n->operation == SALTUS_OP_ADD || n->operation == SALTUS_OP_SUBTRACT
                        ? sizes[n->operand[0]] + sizes[n->operand[1]]
