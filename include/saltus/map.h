@@ -10,14 +10,14 @@ SALTUS_API_BEGIN
 typedef enum saltus_section_kind {
     SALTUS_SECTION_STROBOSCOPIC, /* tau = (phase + k) T */
     SALTUS_SECTION_IMPACT,       /* just after an impact, or where a contact begins to hold */
-    SALTUS_SECTION_TURNING /* the observed displacement's velocity reverses, by itself or by an impact */
+    SALTUS_SECTION_TURNING /* the observed displacement's velocity changes sign, smoothly or by an impact */
 } saltus_section_kind;
 
 typedef struct saltus_section {
     saltus_section_kind kind;
     double phase;    /* stroboscopic: 0 <= phase < 1 */
-    int iterate;     /* the map's power: one step passes this many section points, >= 1 */
-    double patience; /* impact, turning: give up after this many periods without a section point; 0 < ... <=
+    int iterate;     /* section points per step of the map, >= 1 */
+    double patience; /* impact, turning: give up after this many periods without a section point; > 0 and <=
                         1e15 */
 } saltus_section;
 
@@ -26,11 +26,10 @@ saltus_section saltus_section_defaults(void);
 
 typedef struct saltus_map saltus_map;
 
-/* Create a map of a system (which must outlive it). With `derivative`, steps carry a full set of tangent
- * vectors; `columns` and `directions` of the options are ignored. Coordinates: the state vector; for impact
- * and turning maps the time in [0, T) follows as last coordinate, so the dimension is that of the system,
- * plus one. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY.
- */
+/* Create a map of a system, which must outlive it. With `derivative`, steps carry a full set of tangent
+ * vectors; the options `columns` and `directions` are ignored. Coordinates: the state vector, and for impact
+ * and turning maps also the time in [0, T) as last coordinate, which adds one to the dimension. Errors:
+ * SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
 saltus_status saltus_map_new(const saltus_system *system, const saltus_section *section,
                              const saltus_flow_options *options, bool derivative, saltus_map **map,
                              saltus_message *message);
@@ -40,15 +39,14 @@ int saltus_map_dimension(const saltus_map *map);
 /* The flow behind the map, for its information and contacts. */
 const saltus_flow *saltus_map_flow(const saltus_map *map);
 
-/* Place the map at a point (coordinates as above). For a stroboscopic map the time is the section's phase.
+/* Start the map from a point (coordinates as above). A stroboscopic map starts at the section's phase.
  * Errors: SALTUS_BAD_INPUT (not finite, beyond a stop). */
 saltus_status saltus_map_reset(saltus_map *map, const double *point, saltus_message *message);
-/* One step of the map; the new point goes to `point` (may be NULL), the event that marks it to `event` (may
- * be NULL). Errors: those of the flow; SALTUS_NO_CONVERGENCE when no section point came within the patience;
- * the point stays as it was then. */
+/* One step of the map. `point` (may be NULL) receives the new point, `event` (may be NULL) the event at the
+ * section. Errors: those of the flow; SALTUS_NO_CONVERGENCE if no section point comes within the patience. On
+ * error `point` is unchanged. */
 saltus_status saltus_map_step(saltus_map *map, double *point, saltus_event *event, saltus_message *message);
-/* Derivative of the last step of a map made with `derivative`: dimension x dimension, row-major, d new_i / d
- * old_j. */
+/* Derivative of the last step, d new_i / d old_j, row-major; only for a map created with `derivative`. */
 void saltus_map_derivative(const saltus_map *map, double *derivative);
 
 SALTUS_API_END

@@ -1,9 +1,9 @@
-/* Return codes and messages shared by every room of the library.
+/* Return codes and messages used throughout the library.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_STATUS_H
 #define SALTUS_STATUS_H
 
-/* What stands between these two is the library's interface: C's names, seen outside of the shared library. */
+/* Declarations between these two have C linkage and are exported from the shared library. */
 #ifdef __GNUC__
 #define SALTUS_API_VISIBLE(action) _Pragma(action)
 #else
@@ -22,12 +22,11 @@
 SALTUS_API_BEGIN
 
 #define SALTUS_VERSION "0.1.0"
-/* The version of the library that is loaded, which may be another than that of the header. */
+/* Version of the loaded library, which may differ from the header's. */
 const char *saltus_version(void);
 
-/* What a call returns: zero, or a negative number that says why the call could not do its work. Why a
- * computation *ended* (time reached, section, impact, ...) is a different question with an answer of its own.
- */
+/* What a call returns: zero, or a negative number that says why the call failed. Why a computation *ended*
+ * (time reached, section, impact, ...) is reported separately, by its result. */
 typedef enum saltus_status {
     SALTUS_OK = 0,
     SALTUS_BAD_INPUT = -1,      /* an argument, a scene or an option is not acceptable */
@@ -39,26 +38,25 @@ typedef enum saltus_status {
     SALTUS_INTERRUPTED = -7     /* the caller asked to stop (saltus_flow_options.stop) */
 } saltus_status;
 
-/* What exactly went wrong, where callers go on differently. */
+/* More detail on a failure, where callers need it to decide what to do next. */
 typedef enum saltus_cause {
-    SALTUS_CAUSE_OTHER = 0, /* the status says all that a caller needs */
-    SALTUS_CAUSE_CUT_OFF,   /* a text ends within a value that is not closed */
-    SALTUS_CAUSE_SEVERAL    /* a text goes on behind its only value */
+    SALTUS_CAUSE_OTHER = 0, /* the status says everything */
+    SALTUS_CAUSE_CUT_OFF,   /* a text ends inside an unclosed value */
+    SALTUS_CAUSE_SEVERAL    /* a text goes on after its first complete value */
 } saltus_cause;
 
-/* One clear sentence about a failure, and what it is about, written by the call that failed. Owned by the
- * caller. */
+/* A sentence about a failure and what it refers to, written by the call that failed. Owned by the caller. */
 typedef struct saltus_message {
     char text[512];
     saltus_cause cause;
-    char key[32]; /* the key at fault; "" where the fault is not in one key's value */
+    char key[32]; /* the key at fault; "" if the fault is not in a single key's value */
     int stop;     /* the stop that the key belongs to, from 1; 0: none */
-    int line;     /* of the text that was read, from 1; 0: none */
+    int line;     /* line of the text that was read, from 1; 0: none */
 } saltus_message;
 
-/* How a long call tells how far it is, a member of its options; `show` NULL: nobody asks. It is called now
- * and then, with how much is done of all that may have to be done at most, in the unit that the options name.
- * To stop is another matter: saltus_flow_options.stop, which `show` may raise. */
+/* Progress callback of a long call, a member of its options. `show` (NULL: no reports) is called from time to
+ * time with the work done and the most that may have to be done, in the unit that the options name. It may
+ * raise saltus_flow_options.stop to end the call. */
 typedef struct saltus_progress {
     void (*show)(void *context, double done, double all);
     void *context;
@@ -67,22 +65,22 @@ typedef struct saltus_progress {
 /* The name of a status, for messages ("no convergence"). Never NULL. */
 const char *saltus_status_name(saltus_status status);
 
-/* Write a formatted sentence into `message` (which may be NULL) and return `status`. One that is too long
- * loses its middle, with "..." in its place. */
+/* Write a formatted sentence into `message` (may be NULL), shortened by "..." in its middle if it is too
+ * long. Returns `status`. */
 saltus_status saltus_fail(saltus_message *message, saltus_status status, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 3, 4)))
 #endif
     ;
 
-/* What a message is about, beside its sentence: the fields of saltus_message (`key` may be NULL). */
+/* The fields of saltus_message besides its text (`key` may be NULL). */
 typedef struct saltus_fault {
     saltus_cause cause;
     const char *key;
     int stop, line;
 } saltus_fault;
 
-/* As saltus_fail, with these fields; saltus_fail leaves them zero. */
+/* Like saltus_fail, but sets these fields, which saltus_fail leaves zero. */
 saltus_status saltus_fail_at(saltus_message *message, saltus_status status, saltus_fault fault,
                              const char *format, ...)
 #if defined(__GNUC__)
