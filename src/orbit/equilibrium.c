@@ -1,12 +1,12 @@
 /* Equilibria: Newton's method on the vector field with given contacts.
  *
- * With contacts C the unknowns are the state x and the contact forces, and the equations f(x) - push force =
- * 0, gap of C = 0: regular wherever the equilibrium is isolated, on a stop too. The Jacobian is the flow's
- * own linear part. Steps are shortened until the next one, by the old Jacobian, would be smaller (the natural
- * monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3). Which contacts
- * hold is a complementarity problem: from the faces that the guess touches, a contact whose force pulls is
- * given up, a face that is passed becomes one; where that repeats itself or Newton's method fails all other
- * sets are tried, small ones first.
+ * With contacts C the unknowns are the state x and the contact forces; the equations are f(x) - push force =
+ * 0 and zero gaps of C. They are regular if the equilibrium is isolated, also on a stop. The Jacobian is the
+ * flow's own linear part. A step is shortened until the next one, computed with the old Jacobian, would be
+ * smaller (natural monotonicity test; Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3).
+ * Which contacts hold is a complementarity problem: starting from the faces that the guess touches, a contact
+ * whose force pulls is dropped and a face that is passed is added. If that cycles or Newton's method fails,
+ * all other sets are tried, small ones first.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/equilibrium.h"
 
@@ -22,22 +22,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Beside the sums of terms that they come from, gaps and forces below this are zero. */
+/* Gaps and forces below this fraction of the terms they are sums of count as zero. */
 static const double nothing = 1e-13;
 
-/* Newton's iterate and scratch. The unknowns are n states and one force n.f for each face, zero where the
- * face does not hold. */
+/* Newton's iterate and work space. The unknowns are n states and a force per face, zero for free faces. */
 typedef struct newton {
     saltus_arena arena;
     const saltus_system *system;
     saltus_flow *flow; /* n tangent columns */
     saltus_dense_lu lu;
     int n, unknowns, iterations;
-    unsigned contacts; /* that hold */
+    unsigned contacts; /* contacts that hold */
     double *state;
-    double *step, *next; /* the last step, and what the next one would be; forces in full behind the states */
-    double size;         /* of the last step, relative to the system's scales */
-    double *trial, *field, *jacobian; /* the Jacobian by columns */
+    double *step, *next; /* the last step, and what the next would be: states, then forces (not increments) */
+    double size;         /* size of the last step, relative to the system's scales */
+    double *trial, *field, *jacobian; /* Jacobian by columns */
     double *matrix, *basis, *product;
 } newton;
 
@@ -58,7 +57,7 @@ static void reserve(newton *w) {
     w->matrix = saltus_arena_doubles(&w->arena, unknowns * unknowns);
 }
 
-/* Field at a state with given contacts, and its Jacobian. */
+/* Evaluate the field and its Jacobian at a state with given contacts. */
 static saltus_status evaluate(newton *w, const double *state, unsigned contacts, saltus_message *message) {
     saltus_status status = saltus_flow_place(w->flow, 0, (saltus_time){0, 0}, state, contacts, message);
     if (status == SALTUS_OK) {
@@ -68,8 +67,7 @@ static saltus_status evaluate(newton *w, const double *state, unsigned contacts,
     return status;
 }
 
-/* Factor the matrix of the state just evaluated, [J, -push; n, 0] with the identity for the forces of free
- * faces. */
+/* Factor the matrix [J, -push; n, 0] of the state just evaluated, with an identity row for each free face. */
 static bool factor(newton *w) {
     int n = w->n, dof = w->system->dof, all = w->unknowns;
     memset(w->matrix, 0, (size_t)(all * all) * sizeof *w->matrix);
@@ -88,8 +86,8 @@ static bool factor(newton *w) {
     return saltus_dense_factor(&w->lu, w->matrix) && w->lu.reciprocal > 10 * DBL_EPSILON;
 }
 
-/* Newton's step from the state just evaluated, with the matrix last factored; returns the largest change of a
- * state relative to the system's scales. */
+/* Newton's step from the state just evaluated, with the last factorisation. Returns the largest change of a
+ * state entry relative to the system's scales. */
 static double find_step(newton *w, const double *state, double *step) {
     const double *scale = saltus_system_scale(w->system);
     double largest = 0;
@@ -103,8 +101,8 @@ static double find_step(newton *w, const double *state, double *step) {
     return isfinite(largest) ? largest : INFINITY;
 }
 
-/* The longest part of the step after which the next would be smaller, 0 if there is none, to *part; the trial
- * state is where it leads. */
+/* Find the longest part of the step after which the next step would be smaller, and leave the state there in
+ * w->trial. *part is 0 if there is none. */
 static saltus_status shorten(newton *w, double *part, saltus_message *message) {
     enum { halvings_max = 12 };
     int dof = w->system->dof;
@@ -150,14 +148,14 @@ static saltus_status solve(newton *w, const double *guess, unsigned contacts,
                              "Newton's iteration for the equilibrium stops at a step of %.3g", w->size);
 }
 
-/* The contacts to try after those just solved with: the same if all push and no stop is passed. */
+/* The contacts to try next: the same set if all contacts push and no stop is passed. */
 static unsigned corrected_contacts(const newton *w) {
     const saltus_system *system = w->system;
     int n = w->n, dof = system->dof, pulling = -1, passed = -1;
     double strongest = INFINITY, farthest = 0;
     for (int f = 0; f < system->face_count; f++) {
         const double *normal = system->stop_normal[system->faces[f].stop];
-        double terms = 0; /* whose sum a contact force is */
+        double terms = 0; /* sum of the moduli of a contact force's terms */
         for (int i = 0; i < dof; i++)
             for (int j = 0; j < n; j++)
                 terms += fabs(normal[i] * w->jacobian[j * n + dof + i] * w->state[j]);
@@ -179,7 +177,7 @@ static unsigned corrected_contacts(const newton *w) {
                          : w->contacts;
 }
 
-/* Faces that a guess touches or passes, more or less. */
+/* Faces that a guess touches or passes, within a tolerance. */
 static unsigned touched_faces(const saltus_system *system, const double *guess) {
     unsigned touched = 0;
     for (int f = 0; f < system->face_count; f++)
@@ -188,7 +186,7 @@ static unsigned touched_faces(const saltus_system *system, const double *guess) 
     return touched;
 }
 
-/* Whether contacts may hold together: no more than there are displacements, on one side of a stop each. */
+/* Whether contacts can hold together: at most as many as displacements, and one side of each stop. */
 static bool possible(const saltus_system *system, unsigned set) {
     bool apart = saltus_count_bits(set) <= system->dof;
     for (int f = 1; f < system->face_count; f++)
@@ -203,8 +201,8 @@ static bool is_among(const unsigned *sets, int count, unsigned set) {
     return k < count;
 }
 
-/* Solve with the contacts that the guess and then each solution lead to, as long as these are new, then with
- * all others, small sets first. If none succeeds the message is that of the first attempt. */
+/* Solve with the contacts that the guess and then each solution suggest, as long as these are new, then with
+ * all other sets, small ones first. If none succeeds, the message is that of the first attempt. */
 static saltus_status search(newton *w, const double *guess, const saltus_equilibrium_options *options,
                             saltus_message *message) {
     enum { followed_most = 64 };
@@ -239,7 +237,7 @@ static saltus_status search(newton *w, const double *guess, const saltus_equilib
                : first;
 }
 
-/* Eigenvalues of the motion that keeps the contacts, from the Jacobian with them held; stability. */
+/* Set stability and eigenvalues of the motion that keeps the contacts, from the Jacobian with them held. */
 static saltus_status linearise(newton *w, saltus_equilibrium *out, saltus_message *message) {
     int rows = 0;
     saltus_status status = evaluate(w, w->state, w->contacts, message);

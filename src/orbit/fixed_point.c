@@ -1,4 +1,4 @@
-/* Plain steps of Newton's method for a fixed point.
+/* Plain Newton steps towards a fixed point.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/fixed_point.h"
 
@@ -88,7 +88,7 @@ bool saltus_fixed_point_find(saltus_fixed_point *f, const double *from, int step
 }
 
 double saltus_fixed_point_multiplier(saltus_fixed_point *f) {
-    const double discernible = 1e-4; /* beside the largest entry of the derivative */
+    const double discernible = 1e-4; /* relative to the largest entry of the derivative */
     size_t entries = (size_t)f->n * (size_t)f->n;
     double size = 0, largest = 0, *real = f->work, *imaginary = f->work + f->n;
     for (size_t k = 0; k < entries; k++)

@@ -1,5 +1,4 @@
-/* Harvest of unstable periodic orbits: a trajectory's close returns, polished by increasing period, closest
- * first.
+/* Harvest of unstable periodic orbits: close returns of a trajectory, polished by period, the closest first.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/harvest.h"
 
@@ -13,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a search works with, and on. */
+/* Inputs, tools and results of a search. */
 typedef struct search {
     const saltus_system *system;
     const saltus_harvest_options *options;
@@ -44,7 +43,7 @@ static saltus_status initial_state(const saltus_system *system, const saltus_har
     return status;
 }
 
-/* The trajectory, period by period; the first half of the work. */
+/* Run the trajectory period by period; the first half of the work. */
 static saltus_status run_trajectory(search *s, saltus_message *message) {
     enum { between_reports = 256 };
     long long transient = s->options->transient, total = transient + s->options->periods;
@@ -74,7 +73,7 @@ static void clear_orbit(saltus_harvest_orbit *found) {
     *found = (saltus_harvest_orbit){0};
 }
 
-/* The place in the list of an orbit that passes through a state at section phase 0; -1 if there is none. */
+/* Index of the known orbit that passes through a state at section phase 0; -1 if there is none. */
 static int find_known(const saltus_system *system, const saltus_harvest *harvest, int periods,
                       const double *state, double distance) {
     for (int k = 0; k < harvest->count; k++)
@@ -84,8 +83,8 @@ static int find_known(const saltus_system *system, const saltus_harvest *harvest
     return -1;
 }
 
-/* From a guess to an orbit of least period, walked; an empty one (periods 0) where Newton fails. Running out
- * of memory is the only error. */
+/* Polish a guess to an orbit, reduce it to its least period and walk around it. `found` is empty (periods 0)
+ * if Newton fails; the only error is lack of memory. */
 static saltus_status polish(const search *s, int periods, const double *guess, saltus_harvest_orbit *found,
                             saltus_message *message) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
@@ -108,7 +107,7 @@ static saltus_status polish(const search *s, int periods, const double *guess, s
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "%s", reason.text) : SALTUS_OK;
 }
 
-/* Append an orbit to the list, or drop it where there is none, the list has it already or is full. */
+/* Append an orbit to the list. Drops it if it is empty or known already, or if the list is full. */
 static saltus_status append(const search *s, saltus_harvest_orbit *found, saltus_message *message) {
     saltus_harvest *h = s->harvest;
     if (found->orbit.periods == 0 || h->count == s->options->most ||
@@ -129,7 +128,7 @@ static saltus_status append(const search *s, saltus_harvest_orbit *found, saltus
     return SALTUS_OK;
 }
 
-/* Polish a guess and append the orbit that it leads to; with symmetry that orbit's mirror image too. */
+/* Polish a guess and append the orbit; in a symmetric system also its mirror image. */
 static saltus_status try_guess(const search *s, int periods, const double *guess, saltus_message *message) {
     bool shift;
     double image[SALTUS_STATE_MAX];
@@ -152,7 +151,7 @@ static saltus_status try_guess(const search *s, int periods, const double *guess
     return status == SALTUS_OK ? append(s, &found, message) : status;
 }
 
-/* All candidates, by period and distance; the second half of the work. */
+/* Polish all candidates, by period and distance; the second half of the work. */
 static saltus_status polish_returns(search *s, saltus_message *message) {
     int longest = s->options->longest;
     saltus_status status = SALTUS_OK;
@@ -161,7 +160,7 @@ static saltus_status polish_returns(search *s, saltus_message *message) {
         while (status == SALTUS_OK && saltus_returns_next(s->returns, p, &closest)) {
             if (s->harvest->count >= s->options->most || !goes_on(s, 0.5 + 0.5 * (p - 1) / longest))
                 return SALTUS_OK;
-            /* A trajectory that is much nearer to a known orbit than it recurs only shadows that one. */
+            /* A trajectory much closer to a known orbit than to its own return only shadows that orbit. */
             if (find_known(s->system, s->harvest, p, closest.state, 0.3 * closest.distance) < 0)
                 status = try_guess(s, p, closest.state, message);
         }
@@ -195,7 +194,7 @@ static saltus_status arrange(const search *s, saltus_message *message) {
         qsort(h->orbits, (size_t)h->count, sizeof *h->orbits, by_period);
     if (!saltus_system_mirror_symmetric(s->system, &shift))
         return SALTUS_OK;
-    options.stop = NULL; /* what has been found is arranged in any case */
+    options.stop = NULL; /* arrange what was found even after a stop request */
     saltus_status status = saltus_flow_single(s->system, 0, &options, &flow, message);
     for (int k = 0; k < h->count && status == SALTUS_OK; k++) {
         const saltus_orbit *orbit = &h->orbits[k].orbit;

@@ -1,4 +1,4 @@
-/* The motion that keeps given contacts, in coordinates of its own.
+/* The motion that keeps given contacts, in reduced coordinates.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/held.h"
 

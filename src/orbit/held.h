@@ -1,4 +1,4 @@
-/* Private: the motion that keeps given contacts, in coordinates of its own.
+/* Private: the motion that keeps given contacts, in reduced coordinates.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_HELD_H
 #define SALTUS_ORBIT_HELD_H
@@ -6,21 +6,19 @@
 #include "saltus/equilibrium.h"
 
 /* An orthonormal basis of the displacements and velocities that keep the contacts, and of the extra states:
- * rows of length n, their number to *rows. `basis` and `scratch` have room for n x n numbers. False without
- * memory. */
+ * *rows rows of length n. `basis` and `scratch` have room for n x n numbers. False if there is no memory. */
 bool saltus_held_basis(const saltus_system *system, unsigned contacts, double *basis, double *scratch,
                        int *rows);
-/* The Jacobian (n columns, as saltus_flow_tangent_field has it with the contacts held) in these coordinates,
- * rows x rows; `scratch` as above. */
+/* Project the Jacobian (n columns of saltus_flow_tangent_field, contacts held) onto it: rows x rows. */
 void saltus_held_reduce(const double *basis, int rows, int n, const double *jacobian, double *scratch,
                         double *matrix);
-/* The eigenvalues of a reduced Jacobian (rows x rows, overwritten), by decreasing real part; `re` and `im`
- * have room for them. Errors: SALTUS_NO_CONVERGENCE. */
+/* Eigenvalues of a reduced Jacobian (rows x rows, overwritten), by decreasing real part; `re` and `im` are
+ * work space of `rows` entries. Errors: SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_held_eigenvalues(double *matrix, int rows, double *re, double *im,
                                       saltus_eigenvalue *eigenvalues, saltus_message *message);
 
-/* How many perturbations grow and how many decay: real parts that rounding hides beside the largest modulus,
- * in whatever unit of time, do neither. A rest is stable where all decay. */
+/* Numbers of growing and decaying perturbations. A real part that is rounding beside the largest modulus
+ * counts as neither, whatever the unit of time. A rest is stable if all decay. */
 typedef struct saltus_growing {
     int growing, decaying;
 } saltus_growing;

@@ -25,7 +25,7 @@ void saltus_lap_begin(saltus_lap *lap, const saltus_system *system, const double
                         .point_room = lap->point_room};
 }
 
-/* On the observed point's own stop the event's displacement is more accurate than a sum over the modes. */
+/* On the observed stop the event's displacement is more accurate than a sum over the modes. */
 double saltus_event_displacement(const saltus_system *system, const saltus_event *event,
                                  const double *state) {
     bool own = event->kind == SALTUS_TURNING ||
@@ -139,8 +139,8 @@ double saltus_lap_rms(const saltus_lap *lap) {
     return lap->watched > 0 ? sqrt(fmax(lap->square, 0) / lap->watched) : NAN;
 }
 
-/* A lasting contact on a face with r > 0 begins with infinitely many impacts, unless one impact too
- * slow to rebound is all there is; the impacts before it may lie at the lap's end. */
+/* A lasting contact on a face with r > 0 begins with infinitely many impacts, unless a single impact too slow
+ * to rebound starts it; the impacts before it may be at the lap's end. */
 long long saltus_lap_impacts(const saltus_lap *lap) {
     return lap->rebounding_contact && lap->contact_events > 2 ? -1 : lap->impacts;
 }
@@ -168,8 +168,7 @@ void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_
 }
 
 int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow) {
-    /* How near section points of one orbit are to each other, as Newton's method finds them with this flow.
-     */
+    /* Accuracy of section points of one orbit that Newton's method finds with this flow. */
     double accuracy = fmax(1e-8, 1e4 * flow->rtol);
     int n = saltus_system_dimension(lap->system);
     for (int p = 1; p <= lap->periods / 2; p++)

@@ -1,19 +1,19 @@
 /* Floquet multipliers, small ones included.
  *
- * The derivative over an orbit is a product of derivatives over short segments, A_m ... A_1. Formed as one
- * matrix it loses every multiplier below rounding times the largest one, and at five modes they reach 1e-40,
- * at ten 1e-1000. So the product is never formed. First, orthogonal iteration Q_k R_k = A_k Q_{k-1} around
- * the orbit turns the bases towards the invariant subspaces, which takes few cycles where moduli are far
- * apart. Then A_m ... A_1 Q_0 = Q_0 T (R_m ... R_1) with T = Q_0^T Q_m block diagonal. A block of size one
- * holds a real multiplier, the product of its factors. Larger ones, with multipliers of similar modulus, are
- * left to the periodic QR iteration (base/periodic.h), which needs no separation. (Dieci & Van Vleck, Appl.
- * Numer. Math. 17 (1995) 275-291; Lust, Int. J. Bifurcation Chaos 11 (2001) 2389-2410.)
+ * The derivative around an orbit is a product A_m ... A_1 of derivatives over short segments. Multiplied out
+ * it loses every multiplier below rounding times the largest one; they reach 1e-40 at five modes and 1e-1000
+ * at ten. So the product is never formed. First, orthogonal iteration Q_k R_k = A_k Q_{k-1} around the orbit
+ * turns the bases towards the invariant subspaces, which takes few cycles if moduli are far apart. Then A_m
+ * ... A_1 Q_0 = Q_0 T (R_m ... R_1) with T = Q_0^T Q_m block diagonal. A block of size one holds a real
+ * multiplier, the product of its factors. Larger blocks, whose multipliers have similar moduli, go to the
+ * periodic QR iteration (base/periodic.h), which needs no separation. (Dieci & Van Vleck, Appl. Numer. Math.
+ * 17 (1995) 275-291; Lust, Int. J. Bifurcation Chaos 11 (2001) 2389-2410.)
  *
- * Of an orbit without forcing one multiplier belongs to the flow's own direction f. With bases at the
- * segments' ends whose first vector is that of f, every segment is block triangular, (t *; 0 B): the product
- * of t is 1 but for the errors, and the B have the other multipliers.
+ * For an orbit without forcing one multiplier belongs to the direction f of the flow. In bases at the
+ * segments' ends whose first vector is along f, every segment is block triangular, (t *; 0 B): the product of
+ * the t is 1 up to errors, and the B contain the other multipliers.
  *
- * An orbit with lasting contacts loses two dimensions per contact; as many multipliers are exact zeros.
+ * A lasting contact takes two dimensions away, hence two multipliers are exact zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
 
@@ -28,18 +28,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Two subspaces that a cycle couples by less than this are separate. */
+/* Subspaces that a cycle couples by less than this are separate. */
 static const double separate = 1e-12;
-/* A direction that grows over a segment by less than this part of the largest growth is lost in the errors of
- * the tangent vectors, which are 1e-13 of their length. */
+/* A direction whose growth over a segment is below this fraction of the largest growth is lost in the errors
+ * of the tangent vectors, 1e-13 of their length. */
 static const double weakest_growth = 1e-10;
 
-/* Segments a period that do for the leading multipliers alone, and what segments may take of memory. */
+/* Segments per period that suffice for the leading multipliers; most memory for segments. */
 enum { coarse = 4, bytes_max = 1 << 22 };
 
-/* So many segments that no direction contracts by more than e^-18 over one: then the errors of the tangent
- * vectors cost the smallest multipliers few digits. Where that would be more than there may be, as many as
- * may if that still keeps the contraction above e^-20; otherwise only the leading multipliers can be had. */
+/* Segments per period: so many that no direction contracts by more than e^-18 over one, so that errors of the
+ * tangent vectors cost the smallest multipliers few digits. If that exceeds the limits, as many as they
+ * allow, if the contraction then stays above e^-20; else enough for the leading multipliers only. */
 static double choose_density(const saltus_system *system, int n, int periods, int most) {
     const double decay = saltus_system_fastest_decay(system) * saltus_system_period(system);
     const double room = floor(bytes_max / (8.0 * n * n)),
@@ -69,7 +69,7 @@ saltus_status saltus_cocycle_open(saltus_cocycle *cocycle, const saltus_system *
     return SALTUS_OK;
 }
 
-/* Whether the fastest modes of a system that may be stiff are under way all the time. */
+/* Whether the segments are so short that the fastest modes of a stiff system are active throughout. */
 static bool wants_taylor(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
                          const saltus_flow_options *options) {
     const int n = saltus_system_dimension(system);
@@ -104,7 +104,7 @@ void saltus_cocycle_close(saltus_cocycle *cocycle) {
     *cocycle = (saltus_cocycle){0};
 }
 
-/* The direction of the flow where a segment begins, of unit length in the system's scales. */
+/* Store the direction of the flow at the start of a segment, of unit length in the system's scales. */
 static void note_field(saltus_cocycle *cocycle, saltus_flow *flow) {
     const double *scale = cocycle->scale;
     double *field = cocycle->fields + (size_t)cocycle->count * (size_t)cocycle->n, size = 0;
@@ -117,7 +117,7 @@ static void note_field(saltus_cocycle *cocycle, saltus_flow *flow) {
         field[i] = size > 0 ? field[i] / size : i == 0;
 }
 
-/* One segment more: its derivative, its share of the sum rule, and the number of exact zeros. */
+/* Follow one segment: its derivative, its part of the sum rule, and the number of exact zeros. */
 static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, saltus_time until,
                                     saltus_lap *lap, saltus_message *message) {
     int n = cocycle->n;
@@ -146,7 +146,7 @@ static saltus_status follow_segment(saltus_cocycle *cocycle, saltus_flow *flow, 
     return SALTUS_OK;
 }
 
-/* Room for so many matrices more. */
+/* Make room for `more` further matrices. */
 static saltus_status reserve_segments(saltus_cocycle *cocycle, int more, saltus_message *message) {
     if (cocycle->count + more <= cocycle->room)
         return SALTUS_OK;
@@ -187,20 +187,20 @@ saltus_status saltus_cocycle_follow(saltus_cocycle *cocycle, saltus_flow *flow, 
     return status;
 }
 
-/* Orthogonal iteration on a cocycle. All but its own matrices are row-major. */
+/* Orthogonal iteration on a cocycle. Matrices are row-major except the segments. */
 typedef struct iteration {
     saltus_arena arena;
     int n, count;
-    const double *segments; /* by columns */
-    double *basis;          /* Q_0 ... Q_m, each in turn */
+    const double *segments; /* [count], by columns */
+    double *basis;          /* Q_0, Q_1, ..., Q_m in turn */
     double *start;          /* Q_0 */
     double *turn;           /* T = Q_0^T Q_m */
     double *triangles;      /* R_1 ... R_m */
-    double *balance;        /* powers of two that the coordinates are divided by */
-    double *coupling; /* for each k the largest entry of T that couples the first k directions to the others;
-                         0 for none and for all of them */
-    double *before;   /* the same a cycle earlier */
-    double *block;    /* a block of T, and that of each R after it */
+    double *balance;        /* powers of two that coordinates are divided by */
+    double *coupling; /* [k]: the largest entry of T that couples the first k directions to the others; 0 for
+                         k = 0 and k = n */
+    double *before;   /* coupling one cycle earlier */
+    double *block;    /* a block of T, followed by that of each R */
     double *product, *real, *imaginary, *work;
 } iteration;
 
@@ -224,8 +224,8 @@ static double *triangle_at(const iteration *it, int m) {
     return it->triangles + (size_t)m * (size_t)(it->n * it->n);
 }
 
-/* Coordinates in which the segments' rows and columns are of similar size; as first basis any that is not
- * special to the system: a pseudo-random one, the same every time. False if an entry is not finite. */
+/* Find coordinates that balance the segments' rows and columns, and a first basis that is generic:
+ * pseudo-random, the same every time. False if an entry is not finite. */
 static bool begin(iteration *it) {
     int n = it->n;
     lapack_int low, high;
@@ -245,7 +245,7 @@ static bool begin(iteration *it) {
     return true;
 }
 
-/* out = A_m q, in balanced coordinates where `balance` is given; q and out are row-major. */
+/* out = A_m q, in balanced coordinates if `balance` is given; q and out are row-major. */
 static void multiply(const double *segments, int n, int m, const double *balance, const double *q,
                      double *out) {
     const double *a = segments + (size_t)m * (size_t)(n * n);
@@ -280,7 +280,7 @@ static void cycle(iteration *it) {
     }
 }
 
-/* Whether some subspaces, at the rate of the last cycle, will be separate within so many cycles more. */
+/* Whether some subspaces will be separate within this many more cycles, at the rate of the last one. */
 static bool promising(const iteration *it, double cycles) {
     for (int k = 1; k < it->n; k++) {
         double now = it->coupling[k], rate = now / it->before[k];
@@ -290,12 +290,12 @@ static bool promising(const iteration *it, double cycles) {
     return false;
 }
 
-/* Whether the first k directions stand apart from the others. */
+/* Whether the first k directions are separate from the others. */
 static bool splits(const iteration *it, int k) {
     return it->coupling[k] <= 10 * separate;
 }
 
-/* The leading directions that all segments resolve, up to a split. */
+/* Number of leading directions that all segments resolve, reduced to a split. */
 static int count_resolved(const iteration *it, int zeros) {
     int n = it->n, resolved = n - zeros;
     for (int m = 0; m < it->count; m++) {
@@ -312,7 +312,7 @@ static int count_resolved(const iteration *it, int zeros) {
     return resolved;
 }
 
-/* Sum of the logarithms of a direction's growth over the segments. */
+/* Logarithm of a direction's growth over all segments. */
 static double log_growth(const iteration *it, int i) {
     double sum = 0;
     for (int m = 0; m < it->count; m++)
@@ -320,8 +320,8 @@ static double log_growth(const iteration *it, int i) {
     return sum;
 }
 
-/* The block [first, last) of T and of every R, R's divided by their mean growth; returns the logarithm of
- * what was divided by. */
+/* Copy the block [first, last) of T and of every R, the latter divided by its mean growth. Returns the
+ * logarithm of the product of these divisors. */
 static double fill_block(iteration *it, int first, int last) {
     int n = it->n, size = last - first;
     double scale = 0, *out = it->block;
@@ -339,7 +339,7 @@ static double fill_block(iteration *it, int first, int last) {
     return scale;
 }
 
-/* The multipliers of the block [first, last); one that stands alone is real. */
+/* The multipliers of the block [first, last); a single one is real. */
 static bool block_multipliers(iteration *it, int first, int last, saltus_multiplier *out) {
     int size = last - first;
     if (size == 1) {
@@ -367,7 +367,7 @@ static int by_modulus(const void *a, const void *b) {
     return x->im < y->im ? 1 : x->im > y->im ? -1 : 0;
 }
 
-/* All multipliers, sorted. */
+/* Find all multipliers, by decreasing modulus. */
 static bool find_multipliers(iteration *it, int zeros, saltus_multiplier *found, double *log_volume) {
     int n = it->n, first = 0, count = count_resolved(it, zeros);
     *log_volume = count < n - zeros ? NAN : 0;
@@ -395,7 +395,7 @@ saltus_status saltus_cocycle_multipliers(const double *segments, int n, int coun
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
     reserve(&it);
     bool found = begin(&it);
-    /* Until a few cycles more would separate no further subspace: the periodic QR iteration does the rest. */
+    /* Iterate until a few more cycles would not separate another subspace; periodic QR does the rest. */
     for (int k = 1; k <= cycles_max && found; k++) {
         cycle(&it);
         if (k >= cycles_min && !promising(&it, worthwhile))
@@ -407,20 +407,20 @@ saltus_status saltus_cocycle_multipliers(const double *segments, int n, int coun
                  : saltus_fail(message, SALTUS_NO_CONVERGENCE, "the multipliers' eigenvalue iteration fails");
 }
 
-/* vector = vector reflected so that e1 and the unit vector f change places, but for the sign; entries
- * `stride` apart. */
+/* Reflect a vector so that e1 and the unit vector f are exchanged up to sign; its entries are `stride`
+ * apart. */
 static void reflect(const double *f, int n, double *vector, int stride) {
     const double first = f[0] + copysign(1, f[0]);
     double along = first * vector[0];
     for (int i = 1; i < n; i++)
         along += f[i] * vector[i * stride];
-    along /= fabs(first); /* half the square of the reflecting vector's length */
+    along /= fabs(first); /* half the squared length of the reflecting vector */
     vector[0] -= along * first;
     for (int i = 1; i < n; i++)
         vector[i * stride] -= along * f[i];
 }
 
-/* Segments of one dimension less, without the flow's direction; returns the multiplier of that. */
+/* Remove the flow's direction from the segments, which lose one dimension. Returns its multiplier. */
 static double deflate(saltus_cocycle *cocycle) {
     const double *scale = cocycle->scale;
     int n = cocycle->n;
@@ -445,9 +445,9 @@ static double deflate(saltus_cocycle *cocycle) {
     return trivial;
 }
 
-/* Multipliers so small that a segment's errors hide them are not resolved. */
+/* Mark multipliers as unresolved if a segment's errors hide them. */
 static void forget_hidden(const saltus_cocycle *cocycle, saltus_multiplier *found, int count) {
-    const double hidden = -18; /* logarithm of a growth over a segment */
+    const double hidden = -18; /* logarithm of the growth over a segment */
     for (int k = 0; k < count; k++)
         if (isfinite(found[k].log_modulus) && found[k].log_modulus < hidden * cocycle->count)
             found[k] = (saltus_multiplier){0, 0, NAN};
@@ -455,7 +455,7 @@ static void forget_hidden(const saltus_cocycle *cocycle, saltus_multiplier *foun
 
 saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
                                    double *trivial, double *log_volume, saltus_message *message) {
-    const double over_segment = 10; /* a contraction that leaves the smallest multiplier its digits */
+    const double over_segment = 10; /* contraction that leaves the smallest multiplier its digits */
     const int n = cocycle->n;
     *count = n - cocycle->autonomous;
     *trivial = cocycle->autonomous ? deflate(cocycle) : 0;
@@ -465,7 +465,7 @@ saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *o
                                                       log_volume, message);
     if (status != SALTUS_OK || !cocycle->autonomous)
         return status;
-    /* Where the flow contracts most is not known before it has been followed. */
+    /* Only after one lap it is known how much the flow contracts. */
     double wanted = fmin(-cocycle->sum_rule / over_segment, bytes_max / (8.0 * n * n)) / cocycle->periods;
     if (!isnan(cocycle->sum_rule) && wanted > cocycle->density)
         cocycle->wanted = wanted;
@@ -476,8 +476,7 @@ saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *o
     return status;
 }
 
-/* Once around an orbit: its derivative and multipliers. `product` is scratch of the monodromy matrix's size.
- */
+/* Once around an orbit: its derivative and multipliers. `product` is work space of the monodromy's size. */
 static saltus_status go_around(saltus_cocycle *cocycle, const saltus_system *system, saltus_flow *flow,
                                const saltus_orbit_options *options, saltus_orbit *orbit, double *product,
                                saltus_message *message) {
@@ -527,7 +526,7 @@ saltus_status saltus_orbit_multipliers(const saltus_system *system, const saltus
 }
 
 int saltus_multipliers_unstable(const saltus_multiplier *multipliers, int count) {
-    const double accuracy = 1e-10; /* of a logarithm */
+    const double accuracy = 1e-10; /* accuracy of a logarithm */
     int unstable = 0;
     for (int i = 0; i < count; i++)
         unstable += multipliers[i].log_modulus >= -accuracy;

@@ -7,7 +7,7 @@
 
 enum { halvings_max = 8 };
 
-/* A residual far below that of any orbit. */
+/* A residual far below that of any computed orbit. */
 static const double rounding = 1e-18;
 
 void saltus_equations_reserve(saltus_equations *e, int unknowns, saltus_arena *arena) {
@@ -24,7 +24,7 @@ void saltus_equations_reserve(saltus_equations *e, int unknowns, saltus_arena *a
     e->kept = saltus_arena_doubles(arena, m);
 }
 
-/* Residuals at u, by one of the two functions, and how large they are. */
+/* Evaluate the residuals at u by one of the two functions, and their size. */
 static saltus_status find_residual(saltus_equations *e,
                                    saltus_status (*function)(void *, const double *, saltus_message *),
                                    const double *u, saltus_message *message) {
@@ -45,7 +45,7 @@ saltus_status saltus_equations_evaluate(saltus_equations *e, const double *u, sa
     return status;
 }
 
-/* The Jacobian with one row more: a normal, or the parameter held fixed. */
+/* Factor the Jacobian with one more row: a normal, or the parameter held fixed. */
 static bool factor_bordered(saltus_equations *e, const double *normal) {
     int m = e->unknowns;
     memcpy(e->matrix, e->jacobian, (size_t)(e->count * m) * sizeof(double));
@@ -60,8 +60,8 @@ static void report(const saltus_equations *e, int iteration) {
         e->history(e->context, iteration, e->size, e->kind);
 }
 
-/* Halve the step until the residual falls; undamped, the first trial stands if it can be evaluated at all.
- * Where none is taken u stays. Errors: those that no shorter step could mend. */
+/* Take a step, halved until the residual falls; undamped, a full step if it can be evaluated. If no step is
+ * taken, u is unchanged. Errors: those that a shorter step cannot avoid. */
 static saltus_status take_step(saltus_equations *e, double *u, bool damped, double before, bool *taken,
                                saltus_message *message) {
     double factor = 1;
@@ -80,7 +80,7 @@ static saltus_status take_step(saltus_equations *e, double *u, bool damped, doub
     return SALTUS_OK;
 }
 
-/* The point before the last step stands. */
+/* Return to the point before the last step. */
 static saltus_status step_back(saltus_equations *e, double *u, saltus_message *message) {
     memcpy(u, e->kept, (size_t)e->unknowns * sizeof *u);
     return saltus_equations_evaluate(e, u, message);
@@ -93,7 +93,7 @@ static saltus_status judge(const saltus_equations *e, saltus_status status, salt
     return status;
 }
 
-/* The step from the residual at u by the matrix last factored. */
+/* Newton's step from the residual at u with the last factorisation. */
 static void solve_step(saltus_equations *e, const double *u, const double *normal, const double *anchor) {
     double aside = 0;
     for (int i = 0; i < e->count; i++)
@@ -102,11 +102,11 @@ static void solve_step(saltus_equations *e, const double *u, const double *norma
         aside = fma(normal[j], u[j] - anchor[j], aside);
     e->step[e->count] = -aside;
     saltus_dense_resolve(&e->lu, false, 1, e->step);
-    if (!normal) /* solving leaves a rounding, and a parameter of 0 shows it */
+    if (!normal) /* remove rounding, which a parameter of 0 would show */
         e->step[e->count] = 0;
 }
 
-/* Newton's step from the point last evaluated. */
+/* Newton's step from the point last evaluated; false if the matrix is singular. */
 static bool find_step(saltus_equations *e, const double *u, const double *normal, const double *anchor) {
     if (!factor_bordered(e, normal))
         return false;
@@ -114,8 +114,8 @@ static bool find_step(saltus_equations *e, const double *u, const double *normal
     return true;
 }
 
-/* Whether one step more, whose end need not be evaluated, will end in rounding: the fall of the residual in
- * the last step is squared in the next. */
+/* Whether one more step will end in rounding, so that its end need not be evaluated: with quadratic
+ * convergence the ratio by which the residual falls is squared with each step. */
 static bool last_ends_in_rounding(const saltus_equations *e, double size, double fall) {
     return size <= e->tolerance && size * fall * fall < rounding;
 }
@@ -129,7 +129,7 @@ static void take(const saltus_equations *e, double *u) {
         u[j] += e->step[j];
 }
 
-/* As many steps as Newton's method takes from a residual whose fall in the first step is that. */
+/* Number of steps of Newton's method from a residual that falls by `fall` in the first step. */
 static int count_steps(const saltus_equations *e, double size, double fall) {
     int steps = 1;
     for (size *= fall; steps < e->iterations; steps++, size *= fall) {
@@ -140,15 +140,15 @@ static int count_steps(const saltus_equations *e, double size, double fall) {
     return steps;
 }
 
-/* What led well within the tolerance by residuals alone. */
+/* Result of an approach by residuals alone. */
 typedef struct approached {
     bool near;
-    int iterations; /* of Newton's method instead, by how the residual fell at first */
-    double fall;    /* of the residual in the last step, in relation to how far away the Jacobian was known */
+    int iterations; /* estimated steps of Newton's method instead */
+    double fall;    /* ratio of the last two residuals over the distance from where the Jacobian is known */
 } approached;
 
-/* From u with the Jacobian of the last point, which is not far away. Where the residuals fall too slowly for
- * that to be worth while u stays as it was. Errors: those that no other way could mend. */
+/* Iterate from u with the Jacobian of the last point, which is nearby. If residuals fall too slowly, u is
+ * unchanged. Errors: those that other ways cannot avoid either. */
 static saltus_status approach(saltus_equations *e, double *u, const double *normal, const double *anchor,
                               approached *found, saltus_message *message) {
     enum { evaluations_max = 8 };
@@ -183,8 +183,7 @@ static saltus_status approach(saltus_equations *e, double *u, const double *norm
     return SALTUS_OK;
 }
 
-/* Whether Newton's step from the point just evaluated, to which residuals alone have led, ends in rounding:
- * it is taken then. */
+/* Take Newton's step from the point just evaluated, found by residuals alone, if it ends in rounding. */
 static bool finish(saltus_equations *e, double *u, const double *normal, const double *anchor,
                    const approached *found) {
     double length = 0;
@@ -198,9 +197,9 @@ static bool finish(saltus_equations *e, double *u, const double *normal, const d
     return true;
 }
 
-/* Quadratic convergence costs one step more and gives all the digits there are: the iteration ends when the
- * residual no longer falls. On a hyperplane, where each evaluation counts, the step that can be trusted to
- * end in rounding is the last, and its end is not evaluated. */
+/* Quadratic convergence gives all available digits for one more step: the iteration ends when the residual
+ * stops falling. On a hyperplane, where each evaluation is expensive, a step that will certainly end in
+ * rounding is the last, and its end is not evaluated. */
 saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal, const double *anchor,
                             bool damped, int *iterations, saltus_message *message) {
     approached found;

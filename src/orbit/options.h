@@ -1,4 +1,4 @@
-/* Private: the options of shooting, declared once for all structs that hold them, and of a harvest of orbits.
+/* Private: option tables of shooting, declared once for all structs that contain them, and of harvests.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_OPTIONS_H
 #define SALTUS_ORBIT_OPTIONS_H
@@ -7,7 +7,7 @@
 #include "saltus/harvest.h"
 #include "saltus/orbit.h"
 
-/* The entries of a table for `struct_type`, in which the options are at `path`, like SALTUS_FLOW_CHOICES. */
+/* Table entries for `struct_type`, which contains the options at `path`, like SALTUS_FLOW_CHOICES. */
 #define SALTUS_ORBIT_CHOICES(struct_type, path)                                                              \
     SALTUS_FLOW_CHOICES(struct_type, path flow., 1e-13, 1e-16),                                              \
         {.field = SALTUS_MEMBER(struct_type, path phase, "section_phase", "T", "phase of the section",       \
@@ -29,7 +29,7 @@
         .high = 100000, .flag = "--segments", .argument = "k"                                                \
     }
 
-/* Of saltus_orbit_options itself, and of saltus_harvest_options. */
+/* Tables of saltus_orbit_options and saltus_harvest_options. */
 extern const saltus_option_table saltus_orbit_table, saltus_harvest_table;
 
 #endif

@@ -1,10 +1,10 @@
 /* Newton shooting for periodic orbits.
  *
- * First the flow finds its events itself: x(pT) - x(0) = 0 with the exact derivative through all events,
- * which lets the sequence of impacts change on the way. Where that fails, as it must near grazing, where the
- * derivative grows without bound, the events of the best iterate are prescribed and their times become
- * unknowns; the orbit found so is accepted if the flow follows it. The two take turns. Strong growth of the
- * tangent vectors cuts the orbit into segments (multiple shooting).
+ * At first the flow finds its events itself: x(pT) - x(0) = 0 with the exact derivative through all events.
+ * The sequence of impacts may then change on the way. This must fail near grazing, where the derivative grows
+ * without bound. Then the events of the best iterate are prescribed and their times become unknowns; an orbit
+ * found this way is accepted if the flow follows it. The two formulations alternate. If tangent vectors grow
+ * strongly, the orbit is cut into segments (multiple shooting).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/multipliers.h"
 #include "orbit/sequence.h"
@@ -16,9 +16,9 @@
 
 enum { turns_max = 3 };
 
-/* Growth over one segment beyond which Newton's equations lose too many digits. */
+/* Growth over one segment above which Newton's equations lose too many digits. */
 static const double growth_max = 1e5;
-/* Beyond this many scales of the system rounding alone exceeds any tolerance. */
+/* Beyond this many scales of the system rounding exceeds any tolerance. */
 static const double size_max = 1e8;
 
 typedef struct search {
@@ -26,18 +26,18 @@ typedef struct search {
     int n, periods;
     saltus_shooting *shooting;
     saltus_flow *flow;     /* event-driven, without tangent vectors */
-    saltus_system *system; /* the flow's, where the period has changed; otherwise NULL */
+    saltus_system *system; /* the flow's, once the period has changed; else NULL */
     saltus_lap lap;
     double *u; /* the shooting's unknowns */
     int unknowns_room;
-    /* The best orbit so far: its sequence, its state at the sequence's base. */
+    /* The best orbit so far: its sequence, and its state at the sequence's base. */
     saltus_sequence sequence;
     double state[SALTUS_STATE_MAX];
     double residual;
     int iterations; /* over all formulations */
 } search;
 
-/* Begin with the best state, which is at the base of a sequence. */
+/* Set up the unknowns for a sequence, from the best state, which is at the sequence's base. */
 static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_message *message) {
     saltus_status status = saltus_shooting_shape(s->shooting, sequence, message);
     if (status != SALTUS_OK)
@@ -53,7 +53,7 @@ static saltus_status adopt(search *s, const saltus_sequence *sequence, saltus_me
     return saltus_shooting_fill(s->shooting, NULL, s->state, s->u, message);
 }
 
-/* Equal segments, their number from the growth over the whole orbit. */
+/* Cut into equal segments; their number follows from the growth around the orbit. */
 static void cut_sequence(saltus_sequence *sequence, int segments, double growth) {
     int wanted = segments > 0 ? segments : (int)ceil(log(fmax(growth, 1)) / log(growth_max));
     sequence->cuts = wanted < 1 ? 1 : wanted > SALTUS_CUTS_MAX ? SALTUS_CUTS_MAX : wanted;
@@ -77,8 +77,8 @@ static saltus_status retune(search *s, saltus_message *message) {
     return status;
 }
 
-/* Newton's method from the best state, with the events of a sequence. Where there is no orbit it may run so
- * far that all the forcing does is lost in rounding: that is a failure too. */
+/* Newton's method from the best state, with the events of a sequence. If there is no orbit, it may run off so
+ * far that rounding hides the forcing: that is a failure, too. */
 static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_message *message) {
     saltus_sequence cut = *sequence;
     int iterations = 0, segments = s->options->segments;
@@ -112,20 +112,20 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_me
         size);
 }
 
-/* Bring the state from the sequence's base to a phase. */
+/* Move the state from the sequence's base to a phase. */
 static saltus_status to_section(search *s, double phase, saltus_message *message) {
     double base = s->sequence.base, whole = floor(base), ahead = phase - (base - whole);
     if (ahead == 0)
         return SALTUS_OK;
     saltus_time start = {(long long)whole, base - whole};
     saltus_time until = {start.cycle + (ahead < 0), phase};
-    /* The base lies within the orbit: to the section point that is a whole number of orbits away. */
+    /* The base lies within the orbit: go to the section point at a whole number of orbits. */
     until.cycle += (s->periods - until.cycle % s->periods) % s->periods;
     return saltus_state_carry(s->flow, start, until, s->state, message);
 }
 
-/* One sequence from the state at its base, accepted if the event-driven flow follows the orbit found. Where
- * it does not, because the orbit passes through a stop, *passing is how many events this orbit has. */
+/* Solve for a sequence from the state at its base; accept the orbit if the event-driven flow follows it. If
+ * it does not, because the orbit passes through a stop, *passing is the number of the orbit's events. */
 static saltus_status solve_sequence(search *s, const saltus_sequence *sequence, int *passing) {
     saltus_message ignored;
     saltus_status status = solve(s, sequence, &ignored);
@@ -139,8 +139,8 @@ static saltus_status solve_sequence(search *s, const saltus_sequence *sequence, 
     return SALTUS_NO_CONVERGENCE;
 }
 
-/* Whether near the guess there is an orbit with one impact less than the flow meets, which it cannot follow:
- * then that impact is to blame. Returns the events of that orbit, -1 if there is none. */
+/* Look for an orbit near the guess with one impact less than the flow meets, which the flow cannot follow:
+ * then that impact grazes. Returns the number of its events, -1 if there is none. */
 static int find_passing(search *s, const double *guess) {
     enum { tries = 8 };
     const double nearby = 0.3;
@@ -169,8 +169,8 @@ static int find_passing(search *s, const double *guess) {
     return -1;
 }
 
-/* The sequence that the flow meets from the best state, which moves to its base. Without a clock of the
- * forcing time begins there. */
+/* The sequence that the flow meets from the best state, which moves to its base, where a free period
+ * begins. */
 static saltus_status meet(search *s, saltus_sequence *met, saltus_message *message) {
     saltus_status status =
         saltus_sequence_make(s->flow, s->periods, s->options->free_period, s->state, &s->lap, met, message);
@@ -182,8 +182,8 @@ static saltus_status meet(search *s, saltus_sequence *met, saltus_message *messa
     return status;
 }
 
-/* A state just behind an impact moves on, into the flight up to the next event: once around from the impact
- * itself the flow would meet it again or not by chance. */
+/* Move a state just after an impact to the middle of the flight up to the next event: from the impact itself,
+ * rounding would decide whether the flow meets it again after one orbit. */
 static saltus_status leave_stop(search *s, saltus_message *message) {
     const double touching = 1e-9;
     const saltus_system *system = saltus_flow_system(s->flow, 0);
@@ -205,8 +205,8 @@ static saltus_status leave_stop(search *s, saltus_message *message) {
                                : status;
 }
 
-/* The two formulations in turn, each from where the other has come to. The cause that a failure names: an
- * orbit found that passes through a stop says more than a residual. */
+/* Alternate between the two formulations, each from the result of the other. If an orbit was found that
+ * passes through a stop, the message says so, as that explains more than a residual. */
 static saltus_status find(search *s, const double *guess, saltus_message *message) {
     const double phase = s->options->free_period ? 0 : s->options->phase;
     saltus_sequence driven = {.periods = s->periods, .base = phase, .driven = true};

@@ -1,9 +1,9 @@
-/* Returns of a motion without forcing to its section, and the cycles counted by them.
+/* Returns of a motion without forcing to its section, and cycles counted by them.
  *
- * Where an expression chooses the section, each step is looked at through polynomials of its values along the
- * dense output, whose rises through zero are isolated (flow/isolate.h) and then refined on the expression
- * itself. The sign is carried from step to step, so that neither a zero at a step's end nor a jump at an
- * impact is lost or met twice.
+ * If an expression defines the section, each step is examined through polynomials of the expression's values
+ * along the dense output. Their rises through zero are isolated (flow/isolate.h) and refined on the
+ * expression itself. The sign is carried from step to step, so that a zero at a step's end or a jump at an
+ * impact is neither lost nor counted twice.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/poincare.h"
 
@@ -27,14 +27,14 @@ unsigned saltus_crossings_watch(const saltus_system *system) {
     }
 }
 
-/* The observed velocity before an impact, from that after it and the impulse. */
+/* The observed velocity before an impact, from the velocity after it and the impulse. */
 static double velocity_before(const saltus_system *system, const saltus_event *event, double after) {
     int stop = saltus_system_face(system, event->face).stop;
     double share = saltus_system_observed(system, system->stop_impulse[stop]);
     return after - share * (event->velocity_after - event->velocity_before);
 }
 
-/* A smooth reversal of the observed velocity. */
+/* Process a smooth reversal of the observed velocity; true for a maximum. */
 static bool turn(saltus_crossings *r, const saltus_event *event) {
     const bool maximum = event->velocity_before < 0;
     if (maximum) {
@@ -45,11 +45,11 @@ static bool turn(saltus_crossings *r, const saltus_event *event) {
     return maximum;
 }
 
-/* Whether an impact concerns the section: it reverses the observed velocity, or is on the section's stop;
- * *is_return: to falling, or on its side. */
+/* Whether an impact matters for the section: it reverses the observed velocity, or is on the section's stop.
+ * *is_return: it reverses to falling, or is on the section's side. */
 static bool concerns(const saltus_system *system, const saltus_event *event, const double *state,
                      bool *is_return) {
-    const double rounding = 1e-12; /* of the velocity before, after an impact without rebound */
+    const double rounding = 1e-12; /* relative to the velocity before, for impacts without rebound */
     const saltus_poincare section = saltus_system_poincare(system);
     const saltus_face face = saltus_system_face(system, event->face);
     if (section.kind == SALTUS_POINCARE_IMPACT) {
@@ -62,8 +62,8 @@ static bool concerns(const saltus_system *system, const saltus_event *event, con
     return *is_return || (before < 0 && after > 0);
 }
 
-/* Whether an impact is slower than the one before by much of what that one has taken: all of it in the end
- * where chatter completes. A cycle gives it back, and so do impacts that come near to one. */
+/* Whether an impact is slower than the previous one by much of what that one took away, which is all of it in
+ * the limit of complete chatter. A cycle regains the loss, and impacts that approach a cycle nearly do. */
 static bool is_slower(const saltus_crossings *r, double speed) {
     const double share = 0.1;
     return speed < r->speed - share * (r->speed - r->rebound);
@@ -91,7 +91,7 @@ static bool strike(saltus_crossings *r, const saltus_system *system, const saltu
     return is_return;
 }
 
-/* By how much an event changes the number of returns. */
+/* The change of the number of returns by an event. */
 static int count(saltus_crossings *r, const saltus_system *system, const saltus_event *event,
                  const double *state) {
     int change = 0;
@@ -109,7 +109,7 @@ static int count(saltus_crossings *r, const saltus_system *system, const saltus_
     return change;
 }
 
-enum { pieces = 4, degree = 8 }; /* in which a step is looked at, and of their polynomials */
+enum { pieces = 4, degree = 8 }; /* pieces of a step, and degree of their polynomials */
 
 static double value_since(const saltus_flow *flow, int lane, double since) {
     double state[SALTUS_STATE_MAX];
@@ -117,7 +117,7 @@ static double value_since(const saltus_flow *flow, int lane, double since) {
     return saltus_system_poincare_value(saltus_flow_system(flow, lane), state);
 }
 
-/* Powers of s in [0, 1] from values at Lobatto's Chebyshev points: divided differences, multiplied out. */
+/* Polynomial coefficients in s in [0, 1] from values at Chebyshev-Lobatto points, by divided differences. */
 static void interpolate(const double *points, const double *values, double *powers) {
     double difference[degree + 1];
     memcpy(difference, values, sizeof difference);
@@ -132,8 +132,7 @@ static void interpolate(const double *points, const double *values, double *powe
     }
 }
 
-/* The zero of the expression itself next to that of its polynomial, by bisection between signs where there
- * are two. */
+/* Refine a polynomial's zero on the expression itself, by bisection if the signs around it differ. */
 static double refine(const saltus_flow *flow, int lane, double guess, double begin, double end) {
     const double around = 1e-3 * (end - begin);
     double low = fmax(begin, guess - around), high = fmin(end, guess + around);
@@ -149,7 +148,7 @@ static void add_zero(saltus_crossings *r, double since) {
         r->zero[r->zeros++] = since;
 }
 
-/* A piece of a step. A zero that has been met is not met again where rounding brings the sign back. */
+/* Examine a piece of a step. A zero already met is not met again if rounding restores the sign. */
 static void look(saltus_crossings *r, const saltus_flow *flow, int lane, double begin, double end) {
     double points[degree + 1], values[degree + 1], powers[degree + 1], root, rounding = 0;
     bool met = false;
@@ -165,7 +164,7 @@ static void look(saltus_crossings *r, const saltus_flow *flow, int lane, double 
     if (r->begun && (met || !r->below) && values[0] > -rounding)
         values[0] = fmax(values[0], rounding);
     interpolate(points, values, powers);
-    /* The polynomial's own rounding may hide a rise at the very end. */
+    /* The polynomial's rounding may hide a rise at the very end. */
     bool rises = saltus_isolate_rise(powers, degree, &root), ends_above = values[degree] >= 0;
     double zero = rises ? refine(flow, lane, begin + root * (end - begin), begin, end) : end;
     if (rises ? zero < end || ends_above : values[0] < 0 && ends_above) {
@@ -190,9 +189,9 @@ void saltus_crossings_take(saltus_crossings *r, const saltus_flow *flow, int lan
         look(r, flow, lane, length * k / pieces, length * (k + 1) / pieces);
 }
 
-/* The next change of the number of returns by the event taken last: 1 for a return, whose state replaces that
- * of now; negative where chatter completes, whose returns but the first impact are taken back; 0: there is
- * none any more. */
+/* The next change of the number of returns by the last event: 1 for a return, whose state replaces the
+ * present one; negative if chatter completes, which takes back its returns but the first impact; 0: no
+ * more. */
 static int next_change(saltus_crossings *r, const saltus_flow *flow, int lane, double *state,
                        saltus_time *time) {
     *time = r->time;
@@ -207,7 +206,7 @@ static int next_change(saltus_crossings *r, const saltus_flow *flow, int lane, d
     }
     int change = r->change;
     r->change = 0;
-    /* Rounding must not leave a section point beyond the stop that it lies on. */
+    /* Rounding must not put a section point beyond the stop that it lies on. */
     if (change > 0)
         saltus_state_admit(saltus_flow_system(flow, lane), state);
     return change;
@@ -222,14 +221,14 @@ bool saltus_crossings_count(saltus_crossings *r, const saltus_flow *flow, int la
     return false;
 }
 
-/* The returns of a lap: time, rank, speed of an impact, state. */
+/* The returns of a lap, with time, rank, speed of an impact, and state. */
 typedef struct section {
     saltus_crossings returns;
     int n;
     saltus_list rows;
-    double begin; /* of the walk under way */
-    double cut;   /* when a contact began last while no chatter was under way; 0: never */
-    int early;    /* so many rows are before that */
+    double begin; /* of the present walk */
+    double cut;   /* when a contact last began outside a chatter; 0: never */
+    int early;    /* number of rows before `cut` */
 } section;
 
 enum { row_time, row_rank, row_speed, row_state };
@@ -238,7 +237,7 @@ static double *row_of(const section *s, int k) {
     return (double *)s->rows.items + (size_t)k * (size_t)(s->n + row_state);
 }
 
-/* What section points are ordered by. */
+/* The quantity that section points are ordered by. */
 static double rank_of(const saltus_system *system, const saltus_event *event, const double *state) {
     switch (saltus_system_poincare(system).kind) {
     case SALTUS_POINCARE_IMPACT:
@@ -250,7 +249,7 @@ static double rank_of(const saltus_system *system, const saltus_event *event, co
     }
 }
 
-/* One more return, at a state; `time` is within the walk. */
+/* Add a return at a state; `time` is within the walk. */
 static bool add_row(section *s, double time, const saltus_system *system, const saltus_event *event,
                     const double *state) {
     double *row = saltus_list_add(&s->rows, (size_t)(s->n + row_state) * sizeof *row);
@@ -263,7 +262,7 @@ static bool add_row(section *s, double time, const saltus_system *system, const 
     return true;
 }
 
-/* Note the returns that an event tells of. */
+/* Add or take back the returns due to an event. */
 static bool note(section *s, const saltus_flow *flow, const saltus_event *event, const double *now) {
     const saltus_system *system = saltus_flow_system(flow, 0);
     double state[SALTUS_STATE_MAX];
@@ -280,8 +279,8 @@ static bool note(section *s, const saltus_flow *flow, const saltus_event *event,
     return room;
 }
 
-/* Whether a row comes before another: by rank, of impacts by speed, and where zeros of an expression all have
- * one, by the first entry of the state that tells them apart. */
+/* Whether row a comes before row b: by rank, then by impact speed. Zeros of an expression may all have the
+ * same rank: they are ordered by the first state entry in which they differ. */
 static bool is_higher(const section *s, const saltus_system *system, int a, int b) {
     const double alike = 1e-6, *p = row_of(s, a), *q = row_of(s, b);
     if (saltus_system_poincare(system).kind != SALTUS_POINCARE_ZERO)
@@ -292,7 +291,7 @@ static bool is_higher(const section *s, const saltus_system *system, int a, int 
     return false;
 }
 
-/* Times of a lap are counted from `origin` on. */
+/* Count the times of a lap from `origin`. */
 static void shift_events(saltus_lap *lap, double origin) {
     int first = 0;
     for (int k = 0; k < lap->event_count; k++) {
@@ -307,7 +306,7 @@ static void shift_events(saltus_lap *lap, double origin) {
     }
 }
 
-/* The section's rows become the lap's points, from the highest on. */
+/* Turn the section's rows into the lap's points, beginning with the highest. */
 static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *system, const double *state) {
     size_t n = (size_t)s->n;
     int highest = 0;
@@ -327,9 +326,9 @@ static bool hand_over(saltus_lap *lap, const section *s, const saltus_system *sy
     return true;
 }
 
-/* When the next event or return after an event comes, in periods; 0 where that tells of none. */
+/* Time of the event just reached, or of the first return that it implies, in periods; 0: none yet. */
 static double coming(saltus_crossings *returns, const saltus_flow *flow, const saltus_event *event) {
-    const double own = 1e-6; /* so soon it is the event that the start is at */
+    const double own = 1e-6; /* sooner it is the event at the start itself */
     double state[SALTUS_STATE_MAX], next = event->kind == SALTUS_STEP ? 0 : saltus_time_periods(event->time);
     saltus_time time;
     next = next > own ? next : 0;
@@ -361,8 +360,7 @@ saltus_status saltus_cycle_leave(saltus_flow *flow, double *state, double *later
                : status;
 }
 
-/* From a state on the orbit for a time, at most a period: its events, which go to the lap if there is one,
- * and returns. */
+/* Walk from a state on the orbit for a time, at most a period, collecting returns and, with `lap`, events. */
 static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const double *start, double length,
                           saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);
@@ -387,8 +385,8 @@ static saltus_status walk(section *s, saltus_lap *lap, saltus_flow *flow, const 
     return status;
 }
 
-/* The walk may begin amid the impacts of a chatter: it is followed on to the end of its last contact's, and
- * the returns from there on are the orbit's. */
+/* The walk may begin amid the impacts of a chatter: follow that to the end of its contact, and keep the
+ * returns after it. */
 static saltus_status close_chatter(section *s, saltus_flow *flow, const double *start,
                                    saltus_message *message) {
     if (s->cut == 0)
@@ -427,8 +425,8 @@ saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double 
     return status;
 }
 
-/* A rest closes after any time: how far the flow would go in a period at the orbit's speed at its base, in
- * the state's scales. */
+/* To tell rests, which close after any time: how far the flow would go in a period at its speed at the base,
+ * in the state's scales. */
 static saltus_status base_speed(saltus_flow *flow, const double *state, double *speed,
                                 saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);

@@ -1,66 +1,63 @@
 /* Private: returns of a motion without forcing to its section, and orbits counted by them.
  *
- * The section is chosen by the scene (saltus_poincare). By default it is a maximum of the observed
- * displacement: a reversal of its velocity from rising to falling, smooth or by an impact. A lasting contact,
- * or complete chatter with all the impacts in a row before it, is one return, of impacts on a stop too:
- * infinitely many are no places to count by. Where the impacts are minima, it is none, and neither are the
- * maxima between them. An expression may pass through zero smoothly, or by the jump of an impact.
+ * The scene chooses the section (saltus_poincare). By default it is a maximum of the observed displacement:
+ * its velocity reverses from rising to falling, smoothly or by an impact. A lasting contact, or complete
+ * chatter with all its impacts, counts as one return, also on a section of impacts: infinitely many impacts
+ * cannot be counted. If the impacts are minima it counts as none, and so do the maxima between them. An
+ * expression may pass through zero smoothly or by the jump of an impact.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_POINCARE_H
 #define SALTUS_ORBIT_POINCARE_H
 
 #include "orbit/lap.h"
 
-/* Zeros of an expression that one step can have. */
+/* Most zeros of an expression in one step. */
 enum { SALTUS_ZEROS_MAX = 16 };
 
-/* Returns along a motion; zeroed at its begin. */
+/* State of the count along a motion; zeroed at its beginning. */
 typedef struct saltus_crossings {
-    int face;                      /* of the impacts in a row ... */
-    bool struck;                   /* ... that are under way: they reverse the observed velocity, ... */
-    bool rises;                    /* ... the last of them to rising, as nothing has since */
-    double speed, rebound;         /* of that one, before and after */
-    int spare;                     /* returns among them, and between, that are none if chatter completes */
-    int lively;                    /* so many of them are no slower than the one before, but for ... */
-    unsigned chatters;             /* faces on which chatter has completed, without many such since */
-    bool waits;                    /* the last return may be one of such a chatter */
-    bool begun;                    /* of an expression: its sign is known, ... */
+    int face;                      /* face of a run of impacts ... */
+    bool struck;                   /* ... that is in progress: they reverse the observed velocity, ... */
+    bool rises;                    /* ... the last one to rising, with no reversal since */
+    double speed, rebound;         /* of the last one, before and after */
+    int spare;                     /* returns in and between them that do not count if chatter completes */
+    int lively;                    /* number of them that are not slower than the previous one (is_slower) */
+    unsigned chatters;             /* faces on which chatter has completed, with few lively impacts since */
+    bool waits;                    /* the last return may belong to such a chatter */
+    bool begun;                    /* expression: its sign is known, ... */
     bool below;                    /* ... it was negative at the end of the last step */
-    int change;                    /* of the number of returns by the last event, still to be told */
-    double zero[SALTUS_ZEROS_MAX]; /* times of the returns within the last step, since its begin, still to be
-                                      told: `zeros` of them */
+    int change;                    /* of the number of returns by the last event, not reported yet */
+    double zero[SALTUS_ZEROS_MAX]; /* the last step's returns, by the time since its beginning: `zeros` of
+                                      them, of which `told` have been reported */
     int zeros, told;
     saltus_time time;
 } saltus_crossings;
 
-/* Events to be watched for returns. */
+/* The events to be watched for returns. */
 unsigned saltus_crossings_watch(const saltus_system *system);
-/* Take an event of a lane, a target reached included, after which it is at `state`. */
+/* Process an event of a lane, also a reached target, after which the lane is at `state`. */
 void saltus_crossings_take(saltus_crossings *returns, const saltus_flow *flow, int lane,
                            const saltus_event *event, const double *state);
-/* The next return that the event taken last tells of and that is counted at once: its state replaces that of
- * now, and its time is given. None is amid the impacts in a row on a face on which chatter has completed
- * before. `state` is as above. False: there is none any more. */
+/* The next return of the event processed last, with its state (`state` is that after the event) and time.
+ * Omits returns in a run of impacts on a face on which chatter has completed before. False: no more. */
 bool saltus_crossings_count(saltus_crossings *returns, const saltus_flow *flow, int lane, double *state,
                             saltus_time *time);
 
-/* On from an orbit's state, which may be a return, to the middle between it and the next event or return,
- * where a lap meets each once; it is *later by so many periods. The flow has no columns. Errors: those of the
- * flow.
- */
+/* Move from an orbit's state, which may be a return, to the middle between it and the next event or return,
+ * so that a lap meets each once; *later: by how many periods. The flow has no columns. Errors: the flow's. */
 saltus_status saltus_cycle_leave(saltus_flow *flow, double *state, double *later, saltus_message *message);
 
-/* Once around an orbit of a scene without forcing, for the flow's one period from a state on it: lap->periods
- * is the number of returns, and the section points are the states there, from the highest on (of impacts, the
- * fastest), which the events' times are counted from. Where there is no return it is 1, and the section point
- * is the state given. The flow has no columns. Errors: those of the flow, SALTUS_NO_MEMORY. */
+/* Once around an orbit of a scene without forcing, for one period of the flow from a state on it.
+ * lap->periods is the number of returns; the section points are the states there, beginning with the highest
+ * (of impacts, the fastest), from which the events' times are counted. Without a return it is 1, and the
+ * section point is the given state. The flow has no columns. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_lap_cycle(saltus_lap *lap, saltus_flow *flow, const double *state,
                                saltus_message *message);
 
-/* The orbit of unknown period that Newton's method finds from a state that closes after about the system's
- * period, reduced to its least one; the system that counts by the orbit's period (the caller's) and the lap
- * around it. `orbit->state` is away from events. On failure all are empty. Errors: those of
- * saltus_orbit_find, SALTUS_NO_CONVERGENCE where it ends in a rest, those of the flow, SALTUS_NO_MEMORY. */
+/* Find an orbit of unknown period from a state that closes after about the system's period, and reduce it to
+ * its least period. *clocked, to be freed by the caller, is the system that counts time by the orbit's
+ * period, `lap` the lap around it; orbit->state is away from events. On failure all are empty. Errors: those
+ * of saltus_orbit_find, SALTUS_NO_CONVERGENCE if it ends in a rest, those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_polish(const saltus_system *system, const double *guess,
                                   const saltus_orbit_options *options, saltus_orbit *orbit,
                                   saltus_system **clocked, saltus_lap *lap, saltus_message *message);

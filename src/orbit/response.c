@@ -1,4 +1,4 @@
-/* How the state on the way around an orbit answers to the unknowns.
+/* Derivatives of the state along an orbit by the unknowns.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/response.h"
 
@@ -12,7 +12,7 @@ void saltus_response_reserve(saltus_response *r, saltus_arena *arena) {
     r->next = saltus_arena_doubles(arena, size);
 }
 
-/* The flow's parameter columns are those of the answer. */
+/* Copy the flow's parameter columns into the matrix. */
 static void take_parameters(const saltus_response *r, double *answer) {
     for (int d = 0; d < r->directions; d++)
         for (int i = 0; i < r->n && r->place[d] >= 0; i++)

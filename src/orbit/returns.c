@@ -1,4 +1,4 @@
-/* Close returns of a trajectory, and the orbits that they lead to.
+/* Close returns of a trajectory, and the orbits found from them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/returns.h"
 
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A return that is kept; `taken`: has been asked for. */
+/* A return that is kept; `taken`: it has been handed out. */
 typedef struct kept {
     long long place;
     double distance;
@@ -22,12 +22,12 @@ struct saltus_returns {
     const saltus_system *system;
     saltus_returns_wanted wanted;
     int n, spans, ring;
-    long long count;             /* points of this trajectory */
-    double *points, *grown;      /* the last points in a ring, and the growth until each */
-    double *now, *last, *before; /* distances from the points p earlier, at the last three points */
-    kept *kept;                  /* `most` of each number of periods, and their states */
+    long long count;             /* points of the present trajectory */
+    double *points, *grown;      /* ring buffers: last points, and growth up to each */
+    double *now, *last, *before; /* distances of the last three points from those p earlier */
+    kept *kept;                  /* `most` for each number of periods, and their states */
     double *states;
-    int *used; /* of these */
+    int *used; /* number used of these */
 };
 
 static void reserve(saltus_returns *r) {
@@ -82,8 +82,8 @@ static double *state_of(const saltus_returns *r, int slot) {
     return r->states + (size_t)slot * (size_t)r->n;
 }
 
-/* Keep a return if it is among the closest. Of two that are near to each other, and so to the same orbit, the
- * closer one stays. */
+/* Keep a return if it is among the closest. Of two close to each other, and so to the same orbit, the closer
+ * one stays. */
 static void keep(saltus_returns *r, int i, long long place, const double *state) {
     const int first = i * r->wanted.most, used = first + r->used[i];
     const double distance = r->last[i];
@@ -103,7 +103,7 @@ static void keep(saltus_returns *r, int i, long long place, const double *state)
     memcpy(state_of(r, slot), state, (size_t)r->n * sizeof *state);
 }
 
-/* Whether the return to the last point but one after p periods is a candidate. */
+/* Whether the return to the last but one point after p periods is a candidate. */
 static bool is_candidate(const saltus_returns *r, int p) {
     const int shortest = r->wanted.shortest, i = p - shortest;
     const double distance = r->last[i];

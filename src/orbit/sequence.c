@@ -1,4 +1,4 @@
-/* Sequences of events: made from what the flow does, and walked.
+/* Sequences of events: made from the flow's own events, and walked.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/sequence.h"
 
@@ -38,8 +38,8 @@ saltus_status saltus_sequence_walk(const saltus_sequence *s, saltus_flow *flow, 
     return status;
 }
 
-/* The middle of the longest free flight between events of a walk from section phase 0; the walk's own ends
- * join into one flight. In contact all the time: 0. */
+/* The middle of the longest free flight in a walk from section phase 0, whose ends join; 0: always in
+ * contact. */
 static double longest_flight(const saltus_lap *lap) {
     double best = -1, base = 0;
     int held = 0;
@@ -58,8 +58,8 @@ static double longest_flight(const saltus_lap *lap) {
     return base;
 }
 
-/* A stick that ends complete chatter belongs to the burst of impacts before it, which the flow must find
- * itself: from the first impact on from which the speeds fall. */
+/* A stick that completes chatter belongs to the preceding burst of impacts, which the flow must find itself:
+ * from the first impact from which on the speeds fall. */
 static void close_burst(saltus_sequence *s, const double *speed, const saltus_event *stick) {
     int first = s->count;
     while (first > 0 && s->mark[first - 1].kind == SALTUS_IMPACT && s->mark[first - 1].face == stick->face &&
@@ -111,7 +111,7 @@ static void make_marks(const saltus_lap *lap, saltus_sequence *s) {
     }
 }
 
-/* Where an orbit begins, turns and meets stops, and the range of each face's gap over them. */
+/* The beginning, turning points and contacts of an orbit, and the range of each face's gap over them. */
 typedef struct orbit_turns {
     int count;
     double time[128], low[SALTUS_FACES_MAX], high[SALTUS_FACES_MAX];
@@ -131,8 +131,7 @@ static void note_turn(orbit_turns *turns, const saltus_system *system, bool cont
     }
 }
 
-/* Whether an orbit cannot be cut open at a state: a little further along the branch it may touch a stop
- * there. */
+/* Whether a state is too close to a stop to cut the orbit there: further along the branch it may touch it. */
 static bool is_near_stop(const orbit_turns *turns, const saltus_system *system, const double *state) {
     const double share = 0.5;
     for (int f = 0; f < saltus_system_face_count(system); f++)
@@ -164,9 +163,9 @@ bool saltus_orbit_turning(saltus_flow *flow, int periods, double *time, double *
         turns.low[f] = INFINITY;
         turns.high[f] = -INFINITY;
     }
-    /* The begin may itself be a turning point. */
+    /* The start may itself be a turning point. */
     note_turn(&turns, system, false, begin, state);
-    /* First all of them, then the turning points again, to choose from. */
+    /* The first pass collects all, the second chooses among the turning points. */
     for (int pass = 0; pass < 2; pass++) {
         const unsigned watch = SALTUS_WATCH_TURNING | (pass ? 0 : SALTUS_WATCH_CONTACT);
         saltus_event event = {.kind = SALTUS_STEP};

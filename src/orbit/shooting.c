@@ -1,4 +1,4 @@
-/* Orbits of prescribed sequences: the workspace and the unknowns.
+/* Orbits with prescribed sequences: work space and unknowns.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/options.h"
 #include "orbit/shooting_private.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* From so many tangent vectors on they are nearly all that an orbit costs. */
+/* From this many tangent vectors on, they take nearly all the time. */
 enum { many = 8 };
 
 static void reserve(saltus_shooting *p) {
@@ -21,7 +21,7 @@ static void reserve(saltus_shooting *p) {
     p->collection.work = saltus_arena_doubles(&p->arena, square);
 }
 
-/* Flows and scales for the first system. */
+/* Create flows and scales for the first system. */
 static saltus_status open_parts(saltus_shooting *p, saltus_flow_options flow, saltus_message *message) {
     const saltus_system *system = p->full.system;
     const double *scale = saltus_system_scale(system), frequency = 2 * M_PI / saltus_system_period(system);
@@ -31,8 +31,8 @@ static saltus_status open_parts(saltus_shooting *p, saltus_flow_options flow, sa
         direction[d] = p->family.direction[d];
     if (!saltus_system_forced(system))
         direction[flow.directions++] = saltus_spec_omega_direction(&p->family.spec);
-    /* Tangent vectors that begin anew in every segment bring layers with them, behind which collocation would
-     * have little time left: where series keep up with it side by side they do here, too. */
+    /* Tangent vectors that restart in every segment bring transient layers along, after which little time is
+     * left for collocation: use Taylor series if they keep up with it side by side. */
     if (saltus_flow_width(system, flow.integrator) > 1)
         flow.integrator = SALTUS_TAYLOR;
     p->n = p->response.n = saltus_system_dimension(system);
@@ -120,7 +120,7 @@ saltus_status saltus_shooting_shape(saltus_shooting *p, const saltus_sequence *s
     p->count = saltus_sequence_unknowns(sequence, p->n);
     p->response.plain = cuts * p->n + marks;
     p->response.unknowns = p->count + (p->family.parameters > 1 ? p->family.parameters : 1);
-    /* The parameters' columns in their order, then omega's. */
+    /* The parameters' columns in their order, then that of omega. */
     for (int d = 0; d < p->response.directions; d++)
         p->response.place[d] = d < p->family.parameters ? p->count + d
                                : sequence->omega > 0    ? p->count - 1
@@ -162,7 +162,7 @@ void saltus_sequence_anchor(saltus_sequence *s, saltus_flow *flow, bool turning)
         s->across[i] /= size;
         s->speed += s->across[i] * field[i];
     }
-    /* The flow crosses it in the direction of `across`. */
+    /* Let the flow cross the hyperplane in the direction of `across`. */
     for (int i = 0; i < n && s->speed < 0; i++)
         s->across[i] = -s->across[i];
     s->speed = fabs(s->speed);
@@ -216,7 +216,7 @@ double saltus_shooting_growth(const saltus_shooting *p) {
     return largest;
 }
 
-/* The states at the cuts follow from the one at the base; times come from the sequence. */
+/* The states at the cuts follow from the state at the base; times come from the sequence. */
 saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters, const double *state,
                                    double *u, saltus_message *message) {
     const saltus_sequence *s = &p->sequence;
@@ -232,8 +232,8 @@ saltus_status saltus_shooting_fill(saltus_shooting *p, const double *parameters,
         u[p->count + d] = parameters[d];
     saltus_status status = SALTUS_OK;
     for (int cut = 1; cut < s->cuts && status == SALTUS_OK; cut++) {
-        /* The residual of the segment before this cut is the state at its end less the unknown, still zero,
-         * from where the flow could not find the events of the later segments. */
+        /* The residual of the segment before this cut is the state at its end minus the unknown, which is
+         * still zero. Starting from zero the flow could not find the events of later segments. */
         status = saltus_shooting_along(p, p->equations.measure ? &p->bare : &p->full, cut, u, message);
         for (int i = 0; i < n && status == SALTUS_OK; i++)
             u[cut * n + i] += p->equations.residual[(cut - 1) * n + i];
@@ -258,7 +258,7 @@ void saltus_shooting_extract(const saltus_shooting *p, const double *u, saltus_s
         sequence->omega = saltus_shooting_omega(p, u);
 }
 
-/* The Jacobian with the parameter fixed, and an orbit that closes on minus its begin. */
+/* The determinant for an orbit that closes with the opposite sign, the parameter fixed. */
 void saltus_shooting_flip(saltus_shooting *p, int *sign, double *log_determinant) {
     saltus_equations *e = &p->equations;
     int m = e->unknowns, row = saltus_shooting_closing_row(p);

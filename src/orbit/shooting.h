@@ -1,18 +1,17 @@
-/* Private: periodic orbits of a prescribed sequence of events, with the event times among the unknowns.
+/* Private: periodic orbits with a prescribed sequence of events, whose times are among the unknowns.
  *
  * The unknowns are the states at the cuts (one cut: single shooting), the times of the marks and the
  * parameter. The equations are continuity around the orbit and one for each mark: zero gap at impacts and
- * sticks, zero force at releases. All of them are smooth in the unknowns, also where the speed of an impact
- * passes through zero, which is why orbits near grazing are found and followed in this form (the literature's
- * "formulation with unknowns at the impacts"). Whether stops are respected between the marks is another
- * question, answered by the extremes collected on the way.
+ * sticks, zero force at releases. All are smooth in the unknowns, even where an impact speed passes through
+ * zero. Therefore orbits near grazing are found and followed in this form (in the literature, the
+ * "formulation with unknowns at the impacts"). Extremes collected on the way show whether the stops are
+ * respected between marks.
  *
- * Where the scene is not forced the period is an unknown too, by the logarithm of its ratio to the family's,
- * and one more equation says where on the orbit its base is: on the hyperplane through `anchor`
- * that `across` is normal to.
+ * Without forcing the period is an unknown, too, as the logarithm of its ratio to the family's period. One
+ * more equation puts the orbit's base on the hyperplane through `anchor` that is normal to `across`.
  *
- * A mark may be `driven`: from there to the next mark the flow finds its events itself, as it must through
- * complete chatter. A sequence without marks, driven from its base, is ordinary shooting.
+ * After a `driven` mark the flow finds its events itself up to the next mark, as it must through complete
+ * chatter. A sequence without marks, driven from its base, is ordinary shooting.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_ORBIT_SHOOTING_H
 #define SALTUS_ORBIT_SHOOTING_H
@@ -30,43 +29,42 @@ typedef struct saltus_mark {
     bool driven;
 } saltus_mark;
 
-/* Times are counted in periods from section phase 0; the orbit is cut open at its base. */
+/* Times are in periods from section phase 0; the orbit is cut open at its base. */
 typedef struct saltus_sequence {
     int periods;
     double base;       /* in [0, periods), away from events */
     unsigned contacts; /* lasting contacts at the base */
-    bool driven;       /* from the base to the first mark */
+    bool driven;       /* driven from the base to the first mark */
     int count;
     saltus_mark mark[SALTUS_MARKS_MAX];
     int cuts; /* >= 1; cut 0 is the base */
     double cut[SALTUS_CUTS_MAX];
     double
-        omega; /* with which a scene without forcing counts the orbit's times; 0: the period is no unknown */
-    /* With omega; `across` and the flow's `speed` at the anchor in scaled units. */
+        omega; /* by which a scene without forcing counts an orbit's times; 0: the period is not an unknown */
+    /* If omega > 0. `across`, and the flow's `speed` at the anchor, are in scaled units. */
     double anchor[SALTUS_STATE_MAX], across[SALTUS_STATE_MAX], speed;
 } saltus_sequence;
 
 typedef enum saltus_breach_kind {
     SALTUS_BREACH_SPEED, /* an impact's speed: value = -speed */
     SALTUS_BREACH_GAP,   /* a local maximum of a gap between events */
-    SALTUS_BREACH_FORCE, /* a local maximum of minus a holding force */
-    SALTUS_BREACH_HOLD   /* what is left of a contact interval, negative: value = begin - end */
+    SALTUS_BREACH_FORCE, /* a local maximum of the negative contact force */
+    SALTUS_BREACH_HOLD   /* minus the length of a contact interval: value = begin - end */
 } saltus_breach_kind;
 
-/* A quantity that must be negative for the orbit to be admissible, in units of the system's scale. */
+/* A quantity that is negative for an admissible orbit, in units of the system's scale. */
 typedef struct saltus_breach {
     saltus_breach_kind kind;
     double value;
-    int mark; /* SPEED, HOLD: which mark (HOLD: the release); otherwise the mark after the piece */
+    int mark; /* SPEED, HOLD: its mark (HOLD: the release); otherwise the mark after the piece */
     int face;
     double time;
 } saltus_breach;
 
 typedef struct saltus_shooting saltus_shooting;
 
-/* What the orbits are orbits of: a specification and one or two directions from it. The parameter unknowns
- * are 0 at the specification, in units of `unit`. Without a direction there is one parameter, which does
- * nothing. */
+/* A family of orbits: a specification and up to two directions from it. The parameter unknowns are 0 at the
+ * specification, in units of `unit`. Without a direction there is one parameter without effect. */
 typedef struct saltus_family {
     saltus_spec spec;
     int parameters; /* 0, 1 or 2 */
@@ -74,66 +72,64 @@ typedef struct saltus_family {
     double unit[2];
 } saltus_family;
 
-/* The specification at values of the parameter unknowns (as many as there are parameters), and with a
- * sequence's omega where that is not 0. */
+/* The specification at given parameter unknowns (family->parameters of them), with omega unless that is 0. */
 saltus_spec saltus_family_spec(const saltus_family *family, const double *parameters, double omega);
-/* A flow's system becomes that one, `*system` is freed and becomes it too, and `at` the parameters. Errors: a
- * parameter at which there is no derivative, those of saltus_system_new; all is then as it was. */
+/* Give a flow the system of these parameters and omega, which replaces (and frees) *system; `at` receives the
+ * parameters. Errors: no derivative at a parameter, those of saltus_system_new; nothing is changed then. */
 saltus_status saltus_family_tune(const saltus_family *family, const double *parameters, double omega,
                                  saltus_flow *flow, saltus_system **system, double *at,
                                  saltus_message *message);
-/* How many unknowns the orbits of a sequence in n dimensions have, but for the parameters. */
+/* Number of unknowns, without parameters, of the orbits of a sequence in n dimensions. */
 int saltus_sequence_unknowns(const saltus_sequence *sequence, int n);
-/* The period of a sequence becomes an unknown, its base lies where the flow now is: on the hyperplane on
- * which the observed velocity is zero, where `turning`, which rests lie on too; otherwise on one across the
- * flow. */
+/* Make the period of a sequence an unknown, with its base at the flow's present state: on the hyperplane of
+ * zero observed velocity if `turning`, which also contains rests, otherwise on one across the flow. */
 void saltus_sequence_anchor(saltus_sequence *sequence, saltus_flow *flow, bool turning);
 
-/* A workspace for the orbits of a family. */
+/* Work space for the orbits of a family. */
 saltus_status saltus_shooting_new(const saltus_family *family, const saltus_orbit_options *options,
                                   saltus_shooting **shooting, saltus_message *message);
 void saltus_shooting_free(saltus_shooting *shooting);
-/* Take on a sequence: afterwards the unknowns are, all in scaled units, the states at the cuts, the times of
- * the marks, the period's where it is one, the parameters. */
+/* Set the sequence. The unknowns are then, in scaled units: the states at the cuts, the times of the marks,
+ * the period if it is unknown, the parameters. */
 saltus_status saltus_shooting_shape(saltus_shooting *shooting, const saltus_sequence *sequence,
                                     saltus_message *message);
-/* The equations of the sequence: continuity and the marks. With two parameters there are two unknowns more
- * than equations, which is one too many for Newton's method. */
+/* The equations of the sequence: continuity and marks. With two parameters there are two more unknowns than
+ * equations, one too many for Newton's method. */
 saltus_equations *saltus_shooting_equations(saltus_shooting *shooting);
 const saltus_sequence *saltus_shooting_sequence(const saltus_shooting *shooting);
-/* Of the unknowns but for the parameters. */
+/* Scales of the unknowns without the parameters. */
 const double *saltus_shooting_scale(const saltus_shooting *shooting);
 /* The system at the parameters of the last evaluation. */
 const saltus_system *saltus_shooting_system(const saltus_shooting *shooting);
 
-/* Put a state at the base into unknowns, the cuts' states following from it by the flow. */
+/* Fill the unknowns from a state at the base; the flow gives the states at the cuts. */
 saltus_status saltus_shooting_fill(saltus_shooting *shooting, const double *parameters, const double *state,
                                    double *u, saltus_message *message);
 /* The sequence with the event times of `u`, and the state at the base. */
 void saltus_shooting_extract(const saltus_shooting *shooting, const double *u, saltus_sequence *sequence,
                              double *state);
-/* The states at the cuts (cuts x dimension, the shooting's own), unscaled. */
+/* The unscaled states at the cuts (cuts x dimension), owned by the shooting. */
 const double *saltus_shooting_states(saltus_shooting *shooting, const double *u);
 
-/* The largest growth of a scaled perturbation over a segment, at the last evaluation. */
+/* Largest growth of a scaled perturbation over a segment, in the last evaluation. */
 double saltus_shooting_growth(const saltus_shooting *shooting);
-/* The speed of the flow across the anchor's hyperplane where the orbit closes, in units of that at the
- * anchor, at the last evaluation, 0 without an anchor; and its *speed in all directions. */
+/* The flow's speed across the anchor's hyperplane where the orbit closes, in units of that at the anchor, in
+ * the last evaluation (0 without an anchor); *speed is the flow's total speed. */
 double saltus_shooting_onward(const saltus_shooting *shooting, double *speed);
-/* From now on each evaluation of the equations puts the derivative around the orbit into a cocycle, in short
- * segments; NULL: no longer. Not where the period is an unknown. */
+/* From now on each evaluation stores the derivative around the orbit in a cocycle, in short segments; NULL:
+ * stop. Has no effect if the period is an unknown. */
 void saltus_shooting_collect(saltus_shooting *shooting, saltus_cocycle *cocycle);
-/* Whether a cocycle has been filled so at these unknowns, or at those that Newton's last step led to them. */
+/* Whether the cocycle was filled at these unknowns, or at those from which Newton's last step led to them. */
 bool saltus_shooting_collected(const saltus_shooting *shooting, const double *u);
-/* What the last evaluation saw of the orbit between its marks; `count` entries. */
+/* The breaches found in the last evaluation; `count` entries. */
 const saltus_breach *saltus_shooting_breaches(const saltus_shooting *shooting, int *count);
-/* The scale of normal speeds, in which breaches give them. */
+/* Scale of normal speeds, which breaches are given in. */
 double saltus_shooting_speed_scale(const saltus_shooting *shooting);
-/* The first of the equations (as many as the dimension) that close the orbit: in their rows of the Jacobian,
- * -1 on the diagonal of the first columns is the state at the base, which is subtracted. */
+/* First of the equations (as many as the dimension) that close the orbit. In their rows of the Jacobian, the
+ * -1 on the diagonal of the first columns is the subtracted state at the base. */
 int saltus_shooting_closing_row(const saltus_shooting *shooting);
-/* The determinant of the equations with x(pT) + x(0) in place of x(pT) - x(0), the one parameter fixed: zero
- * where a multiplier is -1, and smooth through grazing. */
+/* Determinant of the equations with x(pT) + x(0) in place of x(pT) - x(0), with the one parameter fixed: zero
+ * if a multiplier is -1, and smooth through grazing. */
 void saltus_shooting_flip(saltus_shooting *shooting, int *sign, double *log_determinant);
 
 #endif

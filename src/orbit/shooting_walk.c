@@ -1,31 +1,31 @@
-/* Once around an orbit of a prescribed sequence: residuals, Jacobian and breaches.
+/* Once around an orbit with a prescribed sequence: residuals, Jacobian and breaches.
  *
- * The orbit is walked in pieces between cuts and marks. A mark at time t contributes the equation's gradient
- * as a row, and to its own column the shift that a delay of t causes (saltus_strike).
+ * The orbit is walked in pieces between cuts and marks. A mark at time t contributes its equation's gradient
+ * as a row, and adds to the column of t the shift caused by a delay (saltus_strike).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/shooting_private.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Where the walk is. */
+/* Present state of the walk. */
 typedef struct walk {
     saltus_shooting *p;
     saltus_flow *flow;
-    bool whole;      /* the flow has all tangent vectors; otherwise it has none */
-    bool collects;   /* the derivative in short segments */
-    double period;   /* of its system */
-    const double *u; /* unscaled */
+    bool whole;      /* the flow has all tangent vectors; otherwise none */
+    bool collects;   /* collect the derivative in short segments */
+    double period;   /* of the flow's system */
+    const double *u; /* unscaled unknowns */
     double time;     /* in periods */
     bool driven;
-    double held_since[SALTUS_FACES_MAX]; /* time at which a face began to hold */
+    double held_since[SALTUS_FACES_MAX]; /* when each face began to hold */
 } walk;
 
 double saltus_shooting_omega(const saltus_shooting *p, const double *u) {
     return p->sequence.omega > 0 ? saltus_spec_omega(&p->family.spec) * exp(-u[p->count - 1]) : 0;
 }
 
-/* The derivative over a piece, by columns, goes on that from the segment's begin. */
+/* Append the derivative over a piece, by columns, to that from the segment's beginning. */
 static void collect_piece(saltus_shooting *p, const double *piece) {
     saltus_collection *c = &p->collection;
     const int n = p->n;
@@ -44,7 +44,7 @@ static void collect_piece(saltus_shooting *p, const double *piece) {
     c->begun = true;
 }
 
-/* The same of a piece that a mark has ended, whose time answers to the state: the flow's tangent vectors have
+/* The same for a piece that ends with a mark, whose time depends on the state: the flow's tangent vectors
  * passed it at a fixed time. */
 static void collect_mark(saltus_shooting *p, const saltus_strike *strike) {
     const int n = p->n;
@@ -55,7 +55,7 @@ static void collect_mark(saltus_shooting *p, const saltus_strike *strike) {
     collect_piece(p, tangents);
 }
 
-/* A segment ends with the piece. */
+/* End a segment with the piece. */
 static saltus_status collect_segment(walk *w, saltus_message *message) {
     saltus_collection *c = &w->p->collection;
     collect_piece(w->p, w->p->response.tangents);
@@ -64,8 +64,7 @@ static saltus_status collect_segment(walk *w, saltus_message *message) {
     return saltus_cocycle_add(c->into, c->since, message);
 }
 
-/* After a step within a piece: where one more step would make the segment too long it ends, and a piece with
- * it. */
+/* After a step within a piece: end the segment, and the piece, if another step would make it too long. */
 static saltus_status after_step(void *context, saltus_message *message) {
     walk *w = context;
     const saltus_collection *c = &w->p->collection;
@@ -86,7 +85,7 @@ static void note_breach(saltus_breaches *list, saltus_breach_kind kind, double v
             (saltus_breach){.kind = kind, .value = value, .mark = mark, .face = face, .time = time};
 }
 
-/* How far a coasting flow came to breaching: gaps of free faces, forces of holding ones. */
+/* Coast, noting how close the flow came to a breach: gaps of free faces, forces of holding faces. */
 static saltus_status coast(walk *w, double until, int mark, saltus_message *message) {
     saltus_shooting *p = w->p;
     saltus_extreme extremes[SALTUS_FACES_MAX];
@@ -101,12 +100,11 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
         bool held = contacts >> f & 1;
         saltus_breach_kind kind = held ? SALTUS_BREACH_FORCE : SALTUS_BREACH_GAP;
         double scale = held ? p->force : p->length;
-        /* Just after a release or an impact without rebound the gap is zero: its maximum there is rounding.
-         */
+        /* Just after a release, or an impact without rebound, the gap is zero, its maximum rounding. */
         if (extreme->value > -INFINITY && saltus_time_periods(extreme->time) - begin > 1e-6)
             note_breach(&p->breaches, kind, extreme->value / scale, mark, f,
                         saltus_time_periods(extreme->time));
-        /* The own touch of an impact without speed must not hide another one. */
+        /* The touch of an impact without speed must not hide another one. */
         if (extreme->value > extreme->inner && extreme->inner > -INFINITY)
             note_breach(&p->breaches, kind, extreme->inner / scale, mark, f,
                         saltus_time_periods(extreme->inner_time));
@@ -114,8 +112,8 @@ static saltus_status coast(walk *w, double until, int mark, saltus_message *mess
     return status;
 }
 
-/* Flow to a time with the flow's own events; but the end of a contact is prescribed where the next mark is
- * one: once that contact holds, the flow coasts to the mark. */
+/* Flow to a time with the flow's own events. If the next mark is a release, that one is prescribed: once the
+ * contact holds, the flow coasts to the mark. */
 static saltus_status drive(walk *w, double until, int mark, saltus_message *message) {
     const saltus_sequence *s = &w->p->sequence;
     int awaited = mark < s->count && s->mark[mark].kind == SALTUS_RELEASE ? s->mark[mark].face : -1;
@@ -136,7 +134,7 @@ static saltus_status drive(walk *w, double until, int mark, saltus_message *mess
     return status;
 }
 
-/* Flow to a time, by coasting or with the flow's own events; `mark` is the one that follows. */
+/* Flow to a time, coasting or with the flow's own events; `mark` is the next mark. */
 static saltus_status run_piece(walk *w, double until, int mark, saltus_message *message) {
     if (!(until >= w->time))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "prescribed events change their order");
@@ -146,13 +144,13 @@ static saltus_status run_piece(walk *w, double until, int mark, saltus_message *
     return w->driven ? drive(w, until, mark, message) : coast(w, until, mark, message);
 }
 
-/* Start at a cut: the state there is itself unknown. */
+/* Start at a cut, where the state is an unknown. */
 static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_message *message) {
     saltus_shooting *p = w->p;
     const double *state = w->u + cut * p->n;
     w->time = p->collection.begin = p->sequence.cut[cut];
     p->collection.begun = false;
-    /* Where the flow finds its events itself, what the start touches is for it to resolve. */
+    /* If the flow finds its events itself, it must resolve what the start touches. */
     saltus_status status =
         w->driven && contacts == 0
             ? saltus_flow_start(w->flow, 0, saltus_time_of(w->time), state, message)
@@ -162,7 +160,7 @@ static saltus_status open_segment(walk *w, int cut, unsigned contacts, saltus_me
     return status;
 }
 
-/* How a contact interval and an impact stand at a mark. */
+/* Note the contact interval or the impact speed at a mark. */
 static void mark_breaches(walk *w, int k, const saltus_strike *strike) {
     saltus_shooting *p = w->p;
     const saltus_mark *mark = &p->sequence.mark[k];
@@ -203,7 +201,7 @@ static saltus_status pass_mark(walk *w, int k, saltus_message *message) {
     return status;
 }
 
-/* Continuity: the state at a segment's end is that at the next cut. */
+/* Continuity: the state at a segment's end equals that at the next cut. */
 static saltus_status match(walk *w, int cut, saltus_message *message) {
     saltus_shooting *p = w->p;
     const int n = p->n, m = p->equations.unknowns, next = (cut + 1) % p->sequence.cuts;
@@ -223,7 +221,7 @@ static saltus_status match(walk *w, int cut, saltus_message *message) {
     return w->collects ? collect_segment(w, message) : SALTUS_OK;
 }
 
-/* How far from where it should be the base of an orbit of unknown period is; that is its last equation. */
+/* The last equation for an orbit of unknown period: the distance of its base from the anchor's hyperplane. */
 static void find_aside(saltus_shooting *p) {
     const saltus_sequence *s = &p->sequence;
     double *aside = &p->equations.residual[p->count - 1];
@@ -232,7 +230,7 @@ static void find_aside(saltus_shooting *p) {
         *aside += s->across[i] / p->scale[i] * (p->plain[i] - s->anchor[i]);
 }
 
-/* The row of that equation. */
+/* The Jacobian's row of that equation. */
 static void anchor_row(saltus_shooting *p) {
     const saltus_sequence *s = &p->sequence;
     double *row = p->equations.jacobian + (size_t)(p->count - 1) * (size_t)p->equations.unknowns;
@@ -247,8 +245,7 @@ static void anchor_row(saltus_shooting *p) {
     }
 }
 
-/* The unknowns of the states and times are scaled, omega falls with the period's logarithm, the parameters go
- * by the family's units. */
+/* Scale the columns: states and times by their scales, the period's by -omega, parameters by their units. */
 static void scale_columns(saltus_shooting *p) {
     const int m = p->equations.unknowns;
     for (int j = 0; j < m; j++) {
@@ -291,7 +288,7 @@ saltus_status saltus_family_tune(const saltus_family *family, const double *para
     return SALTUS_OK;
 }
 
-/* Make a flow's system that of the parameters and of omega. */
+/* Make a flow's system that of the given parameters and omega. */
 static saltus_status tune(const saltus_family *family, saltus_tuned *t, const double *parameters,
                           double omega, saltus_message *message) {
     bool same = omega == t->omega;
@@ -304,8 +301,7 @@ static saltus_status tune(const saltus_family *family, saltus_tuned *t, const do
     return status;
 }
 
-/* No mark may come after the orbit's end, and none before its begin. Newton's method tries times of millions
- * of periods: the flow must not be led there first. */
+/* No mark may lie outside the orbit: Newton's method tries times of millions of periods. */
 static bool lies_within(const saltus_shooting *p, const double *times) {
     const saltus_sequence *s = &p->sequence;
     for (int k = 0; k < s->count; k++)
@@ -314,8 +310,8 @@ static bool lies_within(const saltus_shooting *p, const double *times) {
     return true;
 }
 
-/* Newton's method tries states so far out that a period takes a million times as long there: such a trial is
- * given up where it takes many times the steps of the orbits before. */
+/* Newton's method tries states so far out that a period takes a million times as long. Give up a trial that
+ * takes many times the steps of previous orbits. */
 static void learn_steps(saltus_shooting *p, long long steps) {
     const double many = 100, least = 2e4;
     double own = (double)steps / p->sequence.periods;
@@ -365,7 +361,7 @@ saltus_status saltus_shooting_along(saltus_shooting *p, saltus_tuned *by, int se
     if (status == SALTUS_OK && w.collects) {
         saltus_cocycle *into = p->collection.into;
         into->given = true;
-        /* At an impact that grazes there is no derivative. */
+        /* A grazing impact has no derivative. */
         p->collection.whole =
             saltus_dense_finite(into->segments, (size_t)into->count * (size_t)(p->n * p->n));
     }
