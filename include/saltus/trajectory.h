@@ -7,7 +7,7 @@
 
 SALTUS_API_BEGIN
 
-/* A sampled trajectory with its events and stroboscopic points. Arrays are owned by the record. */
+/* A sampled trajectory with its events and stroboscopic points. It owns its arrays. */
 typedef struct saltus_trajectory {
     int dimension;
     long long samples;    /* rows of `time` and `states` */
@@ -15,34 +15,34 @@ typedef struct saltus_trajectory {
     double *states;       /* samples x dimension */
     double *displacement; /* observed displacement and velocity, per sample */
     double *velocity;
-    saltus_event *events;  /* impacts, sticks and releases; times as above */
-    long long *event_rows; /* the row just before each event; after an impact or a stick the next row is just
-                              after */
+    saltus_event *events;  /* impacts, sticks and releases; times as in `time` */
+    long long *event_rows; /* the row just before each event; for an impact or a stick the next row is just
+                              after it */
     long long event_count;
-    long long strobes;     /* stroboscopic points at phase 0, one per recorded period, at its begin */
+    long long strobes;     /* stroboscopic points at phase 0, one at the beginning of each recorded period */
     double *strobe_states; /* strobes x dimension */
 } saltus_trajectory;
 
 /* Run `transient` periods from a state, then record `periods` periods with `per_period` samples each, the end
- * included, and one at each side of an impact. Errors: those of the flow, SALTUS_BAD_INPUT, SALTUS_NO_MEMORY;
- * the record is then empty. SALTUS_INTERRUPTED: it holds what there is so far. */
+ * included, and one more on each side of an impact. Errors: those of the flow, SALTUS_BAD_INPUT,
+ * SALTUS_NO_MEMORY; the record is then empty. SALTUS_INTERRUPTED: it holds the part recorded so far. */
 saltus_status saltus_trajectory_record(const saltus_system *system, const double *state,
                                        const saltus_flow_options *options, long long transient,
                                        long long periods, int per_period, saltus_trajectory *record,
                                        saltus_message *message);
 /* What is recorded, for saltus_trajectory_follow. */
 typedef struct saltus_trajectory_plan {
-    long long transient, periods; /* forcing periods before the record, and of it */
-    int per_period;               /* samples in each */
-    /* A periodic orbit's points at phase 0, `orbit` states one after the other, or 0 of them. The record is
-     * then taken up anew from its point at each period, and so stays on the orbit also where that is
-     * unstable; the state is not looked at, and there is no transient. */
+    long long transient, periods; /* forcing periods skipped, and recorded */
+    int per_period;               /* samples per period */
+    /* Points of a periodic orbit at phase 0: `orbit` states one after the other; 0: none. With them the
+     * record restarts from the orbit's point in each period, and so stays on an unstable orbit; the state
+     * passed is ignored and there is no transient. */
     const double *points;
     int orbit;
-    saltus_progress progress; /* at each new period: those done, the transient's included */
+    saltus_progress progress; /* called once a period: periods done, the transient included */
 } saltus_trajectory_plan;
 
-/* As saltus_trajectory_record. */
+/* The same with a plan. Errors: as saltus_trajectory_record. */
 saltus_status saltus_trajectory_follow(const saltus_system *system, const double *state,
                                        const saltus_flow_options *options, const saltus_trajectory_plan *plan,
                                        saltus_trajectory *record, saltus_message *message);
