@@ -185,11 +185,10 @@ saltus_status saltus_branch_output_close(saltus_branch_output *output, bool comp
                                          saltus_message *message);
 
 /* A sweep written as an HDF5 file. While the sweep runs every result is appended to a journal beside the file
- * (`path` with ".journal" added), and every few seconds a new file made from the journal replaces the old one.
- * However the run ends, there is always a complete, readable file of the results so far. The finished file
- * depends on the results alone, not on their order or on how often the run was interrupted; the journal is
- * then removed. Layout of the file, with attributes `units` and
- * `description` on every dataset:
+ * (`path` with ".journal" added), and every few seconds a new file made from the journal replaces the old
+ * one. However the run ends, there is always a complete, readable file of the results so far. The finished
+ * file depends on the results alone, not on their order or on how often the run was interrupted; the journal
+ * is then removed. Layout of the file, with attributes `units` and `description` on every dataset:
  *
  *     /               attributes kind = "sweep" or "basins", version, scene, title, model, complete (0:
  *                     interrupted); datasets command, date and scene_text (saltus_origin)
