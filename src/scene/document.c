@@ -1,4 +1,4 @@
-/* From libyaml's events to a tree.
+/* Builds a tree of values from libyaml's events.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/document.h"
 
@@ -11,7 +11,7 @@
 enum {
     deepest = 64, /* lists and mappings around a value, the outermost not counted */
     most_nodes = 1 << 22,
-    most_keys = 1024, /* of one mapping: each new one is compared with all before it */
+    most_keys = 1024, /* per mapping: each new key is compared with all earlier ones */
     chunk_size = 1 << 15
 };
 
@@ -22,7 +22,7 @@ typedef struct saltus_chunk {
     char bytes[];
 } saltus_chunk;
 
-/* A list or a mapping that is not closed yet. */
+/* A list or a mapping that is still open. */
 typedef struct container {
     saltus_node *node, *last; /* last: its last child */
     char bracket;             /* '[' or '{'; 0 in block style */
@@ -32,10 +32,10 @@ typedef struct builder {
     const saltus_source *source;
     saltus_document *document;
     yaml_parser_t parser;
-    const char *text; /* behind the byte order mark, if there is one */
+    const char *text; /* after the byte order mark, if there is one */
     size_t length;
     container open[deepest + 1];
-    int depth; /* how many are open */
+    int depth; /* number of open containers */
     const char *key;
     int key_line;
     int nodes;
@@ -47,7 +47,7 @@ fail_at(const saltus_source *source, int line, saltus_status status, const char 
     enum { origin_shown = 160 };
     saltus_message sentence;
     vsnprintf(sentence.text, sizeof sentence.text, format, arguments);
-    /* Words of the text may hold line feeds, by escapes. */
+    /* Escapes in the text may have put line feeds into the words quoted here. */
     for (char *c = sentence.text; *c; c++)
         if ((unsigned char)*c < 0x20 || *c == 0x7f)
             *c = ' ';
@@ -83,7 +83,7 @@ saltus_status saltus_node_fail(const saltus_source *source, const saltus_node *n
     return SALTUS_BAD_INPUT;
 }
 
-/* A refusal of the text as a whole, for a reason that callers ask for. */
+/* Refuse the text as a whole, with a cause that callers check. */
 static saltus_status fail_because(const builder *b, saltus_cause cause, int line, const char *sentence) {
     saltus_status status =
         saltus_source_fail(b->source, line, SALTUS_BAD_INPUT, sentence, b->source->language);
@@ -96,7 +96,7 @@ static saltus_status no_memory(const builder *b) {
     return saltus_source_fail(b->source, 0, SALTUS_NO_MEMORY, "no memory for reading it");
 }
 
-/* Bytes of the UTF-8 character at `p`, or 0 when it is none (overlong forms and surrogates included). */
+/* Length of the UTF-8 character at `p`, or 0 if it is invalid (also overlong forms and surrogates). */
 static size_t utf8_length(const unsigned char *p, size_t left) {
     size_t length = p[0] < 0x80                   ? 1
                     : p[0] >= 0xc2 && p[0] < 0xe0 ? 2
@@ -170,7 +170,7 @@ const saltus_node *saltus_node_child(const saltus_node *node, int k) {
     return child;
 }
 
-/* The byte at which a mark stands: libyaml counts characters. */
+/* Byte offset of a mark (libyaml counts characters). */
 static size_t byte_of(const builder *b, yaml_mark_t mark) {
     size_t place = 0;
     for (size_t k = 0; place < b->length; place++)
@@ -183,8 +183,8 @@ static int line_of(yaml_mark_t mark) {
     return (int)mark.line + 1;
 }
 
-/* Whether the text is one list or mapping in brackets that breaks off: nothing closes or separates values
- * from `place` to the end. */
+/* Whether the text is a single bracketed list or mapping that is cut off: from `place` to the end nothing
+ * closes it or separates values. */
 static bool breaks_off(const builder *b, size_t place) {
     size_t begin = 0;
     while (begin < b->length && strchr(" \t\r\n", b->text[begin]))
@@ -194,7 +194,7 @@ static bool breaks_off(const builder *b, size_t place) {
     return begin < b->length && strchr("[{", b->text[begin]) && place == b->length;
 }
 
-/* Whether nothing but the word of a key stands before `place` in its line. */
+/* Whether only the word of a key precedes `place` in its line. */
 static bool opens_line(const builder *b, size_t place) {
     while (place > 0 && b->text[place - 1] != '\n')
         if (strchr(":\"'[]{}", b->text[--place]))
@@ -202,8 +202,9 @@ static bool opens_line(const builder *b, size_t place) {
     return true;
 }
 
-/* What is wrong where libyaml's parser stumbled, and what would be right, from the signs that stand there.
- * Its own words are kept for what is seldom. May move *line to where the fault begins. */
+/* Explain a syntax error: what is wrong at the place where libyaml's parser failed and what would be right,
+ * judged by the characters there. Rare cases keep libyaml's own words. May move *line to where the fault
+ * begins. */
 static void explain_syntax(const builder *b, size_t place, int *line, char *what, size_t room) {
     const yaml_parser_t *p = &b->parser;
     const container *inner = b->depth ? &b->open[b->depth - 1] : NULL;
@@ -278,7 +279,7 @@ static saltus_status fail_syntax(const builder *b) {
     return status;
 }
 
-/* The text of a scalar event, kept in the document; NULL with a complaint in *status. */
+/* The text of a scalar event, stored in the document; NULL with an error in *status. */
 static const char *keep_text(const builder *b, const yaml_event_t *event, saltus_status *status) {
     size_t length = event->data.scalar.length;
     if (memchr(event->data.scalar.value, '\0', length)) {
@@ -312,7 +313,7 @@ static saltus_status add_key(builder *b, const saltus_node *mapping, const yaml_
     return status;
 }
 
-/* A new value where the text stands: the root, that of the last key, or one more of a list. */
+/* Add a value at the current position: the root, the value of the last key, or the next entry of a list. */
 static saltus_status add_value(builder *b, const yaml_event_t *event) {
     const bool scalar = event->type == YAML_SCALAR_EVENT, list = event->type == YAML_SEQUENCE_START_EVENT;
     const int line = line_of(event->start_mark);
@@ -390,7 +391,7 @@ static saltus_status take_event(builder *b, const yaml_event_t *event) {
     }
 }
 
-/* Take the parser's events up to the end of the text. */
+/* Process the parser's events up to the end of the text. */
 static saltus_status build(builder *b) {
     saltus_status status = SALTUS_OK;
     for (bool ended = false; !ended && status == SALTUS_OK;) {

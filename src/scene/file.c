@@ -1,4 +1,4 @@
-/* Files that scenes and their equations stand in.
+/* Files that contain scenes and their equations.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 
@@ -18,8 +18,8 @@ static saltus_status fail_to_open(const char *source, int error, saltus_message 
         return saltus_source_fail(&place, 0, SALTUS_IO, "cannot be opened (%s)", strerror(error));
     if (strpbrk(source, "/."))
         return saltus_source_fail(&place, 0, SALTUS_IO, "no such file");
-    /* The built-in scenes that may have been meant: those that contain the word or are contained in it, and
-     * the nearest; all of them when nothing is near. */
+    /* Suggest built-in scenes: those that contain the word or are contained in it, and the nearest one; all
+     * of them if none is near. */
     saltus_words words = {""};
     const char *names[64] = {NULL};
     int count = 0;
@@ -48,8 +48,7 @@ saltus_status saltus_read_file(const char *path, char **text, size_t *length, sa
     FILE *file = fopen(path, "rb");
     if (!file)
         return fail_to_open(path, errno, message);
-    /* One byte more than allowed tells a file that is too large, also where its size is not known beforehand.
-     */
+    /* Reading one byte more than allowed detects files that are too large, even if the size is unknown. */
     *text = malloc(largest_file + 1);
     *length = *text ? fread(*text, 1, largest_file + 1, file) : 0;
     saltus_status status = SALTUS_OK;

@@ -1,7 +1,7 @@
 /* From the tree of a scene's text to numbers, stops and an initial state, checked with a trial system.
  *
- * First all keys and the kinds of their values are checked, in the text's order, then the values are read:
- * whether a key belongs to the scene's model is known only when its model is.
+ * First all keys and the kinds of their values are checked, in the order of the text, then the values are
+ * read: which keys the scene may have depends on its model.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 #include "system/system.h"
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Whether a key is a parameter of this model (NULL: none), or of any that is built in. */
+/* Whether a key is a parameter of `model` (may be NULL) or of any built-in model. */
 static bool is_parameter(const saltus_model *model, const char *key) {
     if (model && saltus_model_parameter_index(model, key) >= 0)
         return true;
@@ -26,7 +26,7 @@ static int index_of(const char *key, const char *const *keys, int count) {
     return k;
 }
 
-/* A key that nothing has, below `top`, which is NULL at the top level. */
+/* Refuse an unknown key in the mapping `top`; NULL: at the top level. */
 static saltus_status fail_unknown(const saltus_source *source, const saltus_node *node, const char *top,
                                   const saltus_model *model) {
     const char *keys[SALTUS_TOP_KEYS_MAX];
@@ -50,7 +50,7 @@ static saltus_status fail_unknown(const saltus_source *source, const saltus_node
     return saltus_unknown_key(source, node->key_line, node->key, keys, count);
 }
 
-/* Whether a value is of this kind and its children, if it has any, of that one. */
+/* Whether a value is of the given kind and its children, if any, are of the kind `children`. */
 static bool has_kind(const saltus_node *node, saltus_node_kind kind, saltus_node_kind children) {
     bool fits = node->kind == kind;
     for (const saltus_node *child = node->first; child && fits; child = child->next)
@@ -131,7 +131,7 @@ static saltus_status check_keys(const saltus_source *source, const saltus_node *
     return status;
 }
 
-/* "key = value: complaint"; the key is the parent's for entries of a list. */
+/* Fail with "key = value: complaint"; for entries of a list the key is that of the list. */
 static saltus_status fail_value(const saltus_source *source, const saltus_node *node, const char *key,
                                 const char *complaint) {
     saltus_quoted quoted = saltus_quote(node->text);
@@ -151,7 +151,7 @@ static saltus_status read_numbers(const saltus_source *source, const saltus_node
     return status;
 }
 
-/* The model, by name or from its text; NULL where no key or an unknown name stands. To be released. */
+/* The model, by name or from its text, to be released; NULL if the key is absent or the name unknown. */
 static saltus_status find_model(const saltus_source *source, const saltus_node *root,
                                 const saltus_model **model) {
     const saltus_node *node = saltus_node_member(root, "model");
@@ -228,7 +228,7 @@ static saltus_status read_parameters(const saltus_source *source, const saltus_n
     return status;
 }
 
-/* `number` tells one of several stops, from 1; 0: the only one. */
+/* `number` is the stop's number, from 1, if there are several; 0: the only one. */
 static saltus_status read_stop(const saltus_source *source, const saltus_node *node, int number,
                                const saltus_model *model, saltus_stop *stop) {
     *stop = saltus_stop_defaults();
@@ -248,7 +248,7 @@ static saltus_status read_stop(const saltus_source *source, const saltus_node *n
                                       saltus_model_name(model), model->stop_key);
         else if (key == stop_coordinate ||
                  (model->text && key != stop_sides && saltus_read_stop(stop, key, value->text)))
-            continue; /* the model has read it */
+            continue; /* already read by the model */
         else if (key == stop_weight) {
             stop->weight[0] = stop->weight[1] = 0;
             status = read_numbers(source, value, stop->weight);
@@ -274,7 +274,7 @@ static saltus_status read_stops(const saltus_source *source, const saltus_node *
     return status;
 }
 
-/* Give the system's sentence the line of the value it is about, or of the stop that lacks it. */
+/* Add the line of the value at fault, or of the stop that lacks it, to the system's message. */
 static saltus_status fail_system(const saltus_source *source, const saltus_node *root, saltus_status status,
                                  const saltus_message *reason) {
     const saltus_node *owner = root;

@@ -12,7 +12,7 @@
 
 enum { largest_file = 1 << 20 };
 
-/* The file's name without folder and ending; a long one is cut between two characters. */
+/* The file's name without folder and ending; a long name is cut between characters, not within one. */
 static void set_name(saltus_scene *scene, const char *origin) {
     const char *slash = strrchr(origin, '/'), *base = slash ? slash + 1 : origin, *dot = strrchr(base, '.');
     size_t length = dot && dot != base ? (size_t)(dot - base) : strlen(base), room = sizeof scene->name - 1;

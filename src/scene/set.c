@@ -1,8 +1,8 @@
 /* `key=value` settings.
  *
- * What one value alone shows to be wrong is refused here, by building a system that differs from the model's
- * defaults in this value only: the sentence is then the system's own. What depends on several values is left
- * to the building of the real system, so that settings may come in any order.
+ * A value that is wrong whatever the other values are is refused here, by building a system that differs from
+ * the model's defaults in this value only, which also gives the message. Conditions on several values are
+ * checked when the real system is built, so settings may come in any order.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 
@@ -39,7 +39,7 @@ static saltus_status refuse_value(const setting *s, const char *complaint, saltu
                           quoted.text, complaint);
 }
 
-/* Whether a system can have a value at all, the others being the model's defaults. */
+/* Whether a value is possible at all, with all other values at the model's defaults. */
 static saltus_status check_alone(const saltus_spec *spec, saltus_message *message) {
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(spec, &system, message);
@@ -70,7 +70,7 @@ static saltus_status set_parameter(saltus_scene *scene, int index, const setting
     return SALTUS_OK;
 }
 
-/* Give one key of a stop its value, without any check of its range. */
+/* Set one key of a stop, without checking its range. */
 static saltus_status assign(saltus_stop *stop, int key, const setting *s, saltus_message *message) {
     const char *complaint = NULL;
     if (key == stop_weight) { /* "1" or "1,-1" */
@@ -88,7 +88,7 @@ static saltus_status assign(saltus_stop *stop, int key, const setting *s, saltus
     return complaint ? refuse_value(s, complaint, message) : SALTUS_OK;
 }
 
-/* `number`: the stop that is meant, from 1; 0 for all. */
+/* `number`: the stop, from 1; 0: all stops. */
 static saltus_status set_stop(saltus_scene *scene, int key, int number, const setting *s,
                               saltus_message *message) {
     saltus_spec *spec = &scene->spec, alone = saltus_spec_defaults(spec->model);
@@ -137,7 +137,7 @@ static saltus_status set_initial(saltus_scene *scene, int entry, const setting *
     const char *complaint = saltus_read_number(s->value, &value);
     if (complaint)
         return refuse_value(s, complaint, message);
-    /* What is not set is the system's own, which is not known before all is set. */
+    /* Entries that are not set stay NAN: the system's default state is known only after all settings. */
     if (scene->initial_count == 0)
         memset(scene->initial, 0, sizeof scene->initial);
     for (int i = 0; i < dimension && scene->initial_count == 0; i++)
@@ -147,7 +147,7 @@ static saltus_status set_initial(saltus_scene *scene, int entry, const setting *
     return SALTUS_OK;
 }
 
-/* q7 of a system that has fewer: how many there are. */
+/* Refuse an entry such as q7 that the system does not have, and say how many there are. */
 static saltus_status refuse_entry(const saltus_scene *scene, int list, const setting *s,
                                   saltus_message *message) {
     int dof = 0, dimension = saltus_spec_dimension(&scene->spec, &dof);
@@ -161,7 +161,7 @@ static saltus_status refuse_entry(const saltus_scene *scene, int list, const set
                           saltus_initial_keys[list]);
 }
 
-/* All that can be set: parameters, what stops have, and of a text the names of its state. */
+/* Refuse an unknown key and list all valid ones: parameters, keys of stops, and names of states of a text. */
 static saltus_status refuse_key(const saltus_scene *scene, const setting *s, saltus_message *message) {
     const saltus_model *model = scene->spec.model;
     const char *keys[SALTUS_PARAMETERS_MAX + stop_keys + 2 + SALTUS_STATE_MAX];
@@ -171,7 +171,7 @@ static saltus_status refuse_key(const saltus_scene *scene, const setting *s, sal
     for (int k = 0; k < count; k++)
         keys[k] = model->parameters[k].name;
     count += saltus_model_stop_keys(model, keys + count);
-    if (model->text) /* where a stop acts is not set from outside */
+    if (model->text) /* the coordinate of a stop in a text model cannot be set */
         for (int k = 0; k < count; k++)
             if (strcmp(keys[k], model->stop_key) == 0)
                 keys[k] = keys[--count];
@@ -195,7 +195,7 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
             saltus_status status = set_stop(scene, k, number, s, message);
             return status == SALTUS_OK ? saltus_spec_check_poincare(&scene->spec, message) : status;
         }
-    /* Which names there are the whole scene tells: its system is asked when it is built. */
+    /* Valid names depend on the whole scene, so they are checked when the system is built. */
     if (strcmp(s->key, "observe") == 0 && strlen(s->value) >= sizeof scene->spec.observe)
         return refuse_value(s, "too long for a name", message);
     if (strcmp(s->key, "observe") == 0) {

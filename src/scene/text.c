@@ -1,4 +1,4 @@
-/* The model of a scene whose equations stand in it.
+/* The model of a scene that contains its own equations.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/text.h"
 #include "base/field.h"
@@ -11,13 +11,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* A text while it is read. */
+/* A text being read. */
 typedef struct reading {
     const saltus_source *source;
     saltus_text text;
     saltus_text_parameter parameters[SALTUS_PARAMETERS_MAX];
     saltus_text_stop stops[SALTUS_STOPS_MAX];
-    saltus_list owned; /* void *: what the text points to besides */
+    saltus_list owned; /* void *: other memory that the text points to */
 } reading;
 
 static saltus_status no_memory(const reading *r) {
@@ -119,7 +119,7 @@ static saltus_status read_constants(reading *r, const saltus_node *node) {
     return status;
 }
 
-/* Left sides to right sides; of a matrix of masses entries are named "x1,x2". */
+/* Left sides mapped to right sides; entries of a mass matrix are named "x1,x2". */
 static saltus_status read_equations(reading *r, const saltus_node *node, saltus_equation_list *list) {
     int count = 0, at = 0;
     if (node->kind != SALTUS_NODE_MAPPING)
@@ -149,7 +149,8 @@ static saltus_status read_equations(reading *r, const saltus_node *node, saltus_
     return SALTUS_OK;
 }
 
-/* Inside { } a comma ends a value, also between parentheses: {x: min(a, b)} has a key "b)". */
+/* Inside { } a comma ends a value, even within parentheses: {x: min(a, b)} has a key "b)", which is
+ * refused. */
 static saltus_status check_commas(const saltus_source *source, const saltus_node *node) {
     saltus_status status = SALTUS_OK;
     const saltus_node *before = NULL;
@@ -180,7 +181,7 @@ static void put_child(FILE *out, const char *comma, const saltus_node *child) {
     put_json(out, child);
 }
 
-/* A value as JSON: numbers as they are, everything else in quotation marks. */
+/* Write a value as JSON: numbers as they are, everything else in quotation marks. */
 static void put_json(FILE *out, const saltus_node *node) {
     const char *ends = node->kind == SALTUS_NODE_LIST ? "[]" : "{}", *comma = "";
     double value;
@@ -200,7 +201,7 @@ static void put_json(FILE *out, const saltus_node *node) {
     fputc(ends[1], out);
 }
 
-/* The model's mapping as one JSON object, with what the scene says of stops and of the start besides. */
+/* Write the model's mapping as one JSON object, with the scene's stops and initial state in it. */
 static void put_model(FILE *out, const reading *r, const saltus_node *model, const saltus_node *initial) {
     const char *comma = "";
     fputc('{', out);
@@ -229,7 +230,7 @@ static void put_model(FILE *out, const reading *r, const saltus_node *model, con
     fputc('}', out);
 }
 
-/* Coordinate, and clearance and restitution where they are more than numbers. */
+/* Read the coordinate of a stop, and clearance and restitution if they are expressions. */
 static saltus_status read_stop(reading *r, const saltus_node *node) {
     saltus_text_stop *stop = &r->stops[r->text.stop_count++];
     const saltus_node *coordinate = saltus_node_member(node, "coordinate");
@@ -264,7 +265,7 @@ static saltus_status read_stops(reading *r, const saltus_node *root, const saltu
     return status;
 }
 
-/* One of two words, for 1 and -1. */
+/* Read one of two words as 1 or -1. */
 static saltus_status read_way(reading *r, const saltus_node *node, const char *one, const char *other,
                               int *way) {
     *way = strcmp(node->text, one) == 0 ? 1 : -1;
@@ -347,7 +348,7 @@ static saltus_status read_key(reading *r, const saltus_node *node) {
         return SALTUS_OK;
     }
     if (strcmp(node->key, "contacts") == 0 || strcmp(node->key, "start") == 0)
-        return SALTUS_OK; /* in files of results: what stops and initial are in a scene */
+        return SALTUS_OK; /* only in files of results, for the scene's stops and initial state */
     if (strcmp(node->key, "section") == 0)
         return read_section(r, node);
     for (int k = 11; k < 15; k++)
@@ -407,13 +408,13 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     return status;
 }
 
-/* Equations stand in a file of their own under `model:`, as in a scene, or alone. */
+/* The equations are under `model:`, as in a scene, or are the whole file. */
 saltus_status saltus_scene_read_model_file(const saltus_source *source, const saltus_node *root,
                                            const saltus_model **model) {
     const saltus_node *name = saltus_node_member(root, "model");
     saltus_source place = {.language = "YAML", .message = source->message};
     saltus_document document = {.root = NULL};
-    /* The path as seen from the folder of the scene. */
+    /* Prepend the folder of the scene to a relative path. */
     const char *slash = name->text[0] == '/' || !source->origin ? NULL : strrchr(source->origin, '/');
     const size_t folder = slash ? (size_t)(slash - source->origin) + 1 : 0;
     char *text = NULL, *path = malloc(folder + strlen(name->text) + 1);
@@ -423,12 +424,12 @@ saltus_status saltus_scene_read_model_file(const saltus_source *source, const sa
     sprintf(path, "%.*s%s", (int)folder, folder ? source->origin : "", name->text);
     struct stat info;
     saltus_status status = SALTUS_OK;
-    /* What waits for somebody to write is no file of equations. */
+    /* A pipe or device could block the reading. */
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode))
         status = saltus_fail(&reason, SALTUS_IO, "%s: is no regular file", path);
     else
         status = saltus_read_file(path, &text, &place.length, &reason);
-    /* It is the scene that names what cannot be read. */
+    /* Report the failure at the scene's line that names the file. */
     if (status != SALTUS_OK)
         status = saltus_source_fail(source, name->key_line, status == SALTUS_IO ? SALTUS_BAD_INPUT : status,
                                     "model: %s", reason.text);
@@ -450,7 +451,7 @@ saltus_status saltus_scene_read_model_file(const saltus_source *source, const sa
     return status;
 }
 
-/* The text of a model with another section; NULL without memory. */
+/* The text of a model with another section; NULL if out of memory. */
 static char *text_with_section(const saltus_node *model, const saltus_node *section) {
     char *text = NULL;
     size_t length;

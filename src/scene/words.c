@@ -1,4 +1,4 @@
-/* Words, numbers and near misses: what reading a scene and setting its keys share.
+/* Words, numbers and near misses, for reading scenes and for settings.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scene/scene.h"
 #include "system/system.h"
@@ -42,7 +42,7 @@ bool saltus_model_has_stop_key(const saltus_model *model, int key) {
 }
 
 const char *saltus_read_number(const char *text, double *value) {
-    /* Only decimal numbers: this keeps out nan, inf and hexadecimal, which strtod would take. */
+    /* Decimal numbers only; this excludes nan, inf and hexadecimal, which strtod accepts. */
     char *end = NULL;
     const bool plain = *text && text[strspn(text, "0123456789+-.eE")] == '\0';
     double read = plain ? strtod(text, &end) : NAN;
