@@ -1,4 +1,4 @@
-/* What is found of many motions: the attractors from many initial states, and the orbits along a trajectory.
+/* Results with many motions: attractors from many initial states, and the orbits along a trajectory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "saltus/record.h"

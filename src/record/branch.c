@@ -1,4 +1,5 @@
-/* Branches for people, as tables of their special points, and for programs, each point as a line of JSON.
+/* Branches for people, as tables of their special points, and for programs, with each point as a line of
+ * JSON.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/fields.h"
 #include "record/json.h"
@@ -18,8 +19,8 @@ static const char *stability(const saltus_branch_point *point) {
     return point->stable ? "stable" : "unstable";
 }
 
-/* The largest multiplier, and the others with a modulus above 1/2; of a complex pair only one. Of an
- * equilibrium the first eigenvalue, and the others with a real part that is not negative. */
+/* The largest multiplier and all others with a modulus above 1/2, only one of each complex pair; of an
+ * equilibrium the first eigenvalue and all others with a non-negative real part. */
 static void name_multipliers(const saltus_branch_point *point, char *text, size_t room) {
     static const char more[] = ", ...";
     const double well_inside = point->periods ? log(0.5) : -1e-12;
@@ -44,7 +45,7 @@ static void name_multipliers(const saltus_branch_point *point, char *text, size_
     }
 }
 
-/* A line of the table without blanks at its end. */
+/* One line of the table, without trailing blanks. */
 typedef struct row_text {
     char text[640];
     size_t length;
@@ -80,16 +81,16 @@ static void put_point(FILE *out, const saltus_branch_file *file, int row) {
     snprintf(text, sizeof text, "%s%s%s", point->label, changes ? " -> " : "",
              changes ? point->label_after : "");
     add(&line, motion_width, text);
-    /* The multipliers of a grazing orbit have no limit on one of its sides, so they are left out. */
+    /* On one side of grazing the multipliers have no limit, so they are omitted. */
     if (point->kind != SALTUS_POINT_GR && point->locus != SALTUS_POINT_GR)
         name_multipliers(point, multipliers, sizeof multipliers);
     add(&line, multiplier_width, multipliers);
-    /* Stability beyond a special point: that of the next point, unless it changes there again. */
+    /* Stability beyond a special point is that of the next point, unless that is special too. */
     bool known = row + 1 < file->point_count && next->branch == point->branch &&
                  (next->kind == SALTUS_POINT_REGULAR || next->kind == SALTUS_POINT_UZ);
     if (!is_locus(file))
         add(&line, beyond_width, known ? stability(next) : "");
-    /* Why, and how hard a contact that holds all the time presses where it does least, unless it lets go. */
+    /* The reason, and the smallest force of a permanent contact unless it releases. */
     size_t length = (size_t)snprintf(text, sizeof text, "%s", point->reason);
     if (!isnan(point->contact_force) && !point->label_after[0])
         snprintf(text + length, sizeof text - length, "%sleast contact force %.4g", length ? "; " : "",
@@ -130,10 +131,11 @@ void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
     put_line(out, &line);
     for (int row = 0; row < file->point_count; row++) {
         const saltus_branch_point *point = &file->points[row];
-        const bool told = point->trivial_multiplier != 0 && point->reason[0]; /* its returns change */
+        const bool told = point->trivial_multiplier != 0 && point->reason[0]; /* its returns to the section
+                                                                                 change */
         if (row == 0 || point->branch != point[-1].branch)
             put_heading(out, file, row);
-        /* All special points; on a curve of special points only those of another kind than the curve's. */
+        /* All special points; on a locus only those of another kind than the locus. */
         if (told || (point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus))
             put_point(out, file, row);
     }

@@ -1,10 +1,10 @@
 /* A branch written as an HDF5 file while it is being computed.
  *
- * All rows are kept in memory, and the whole file is made anew and put in place of the old one (written
- * beside it, then renamed) after the first point and then every few seconds. So there is never a moment at
- * which the file is incomplete: a run that is killed leaves what it had at the last exchange, a start that
- * fails leaves the file of an earlier run as it was, and other programs may read while the branch grows. The
- * pause between exchanges grows with their cost, which thus stays a small part of the time.
+ * All rows are kept in memory. After the first point and then every few seconds, a new file with all of them
+ * is written beside the old one and renamed over it, so the file is never incomplete: a killed run leaves the
+ * last exchanged file, a failed start leaves an earlier file unchanged, and other programs may read while the
+ * branch grows. The pause between exchanges is proportional to their cost, which thus remains a small part of
+ * the time.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/options.h"
 
@@ -62,7 +62,7 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
     put_head(w, o);
     hid_t group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
     saltus_h5_rows(w, group, &o->points);
-    /* The parameters' names, so that rows can be read without this program. */
+    /* The parameters' names make the rows readable for other programs. */
     const saltus_parameter *p = saltus_model_parameters(o->head.spec.model, &count);
     for (int k = 0; k < count && used < sizeof names; k++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k ? "," : "", p[k].name);
@@ -77,7 +77,7 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
     return SALTUS_OK;
 }
 
-/* Put the file with all rows so far in place of what is there. */
+/* Replace the file by one with all rows so far. */
 static saltus_status exchange(saltus_branch_output *o, bool complete, saltus_message *message) {
     double begin = saltus_seconds();
     o->head.complete = complete;
@@ -110,7 +110,7 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
                                         saltus_message *message) {
     struct stat facts;
     *output = NULL;
-    /* Whether the file can be written is found out before hours of work. */
+    /* Test that the file can be written before hours of computation. */
     if (!saltus_path_ends(path, ".h5"))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5", path);
     if (stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
@@ -151,7 +151,7 @@ saltus_status saltus_branch_output_open(const char *path, const saltus_scene *sc
     return status;
 }
 
-/* One row more, in memory, with its events. */
+/* Append one row, in memory, with its events. */
 static saltus_status append_point(saltus_branch_output *o, const saltus_branch_point *point,
                                   saltus_message *message) {
     const saltus_point_row row = {.point = *point, .event_first = o->events.count};

@@ -1,4 +1,4 @@
-/* Reading a branch file back, whoever may have written it: everything is checked before it is used.
+/* Reading a branch file of any origin: everything is checked before it is used.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/options.h"
 #include "record/fields.h"
@@ -21,7 +21,7 @@ typedef struct reader {
     saltus_system *system;
 } reader;
 
-/* Where the file is from, and the system of its start. */
+/* Read the file's head and build the system of its start. */
 static saltus_status read_head(reader *r) {
     saltus_branch_file *made = r->made;
     saltus_h5_head head;
@@ -106,7 +106,7 @@ static saltus_status read_events(reader *r, long long *count) {
     return status;
 }
 
-/* Whether a row is one of a branch; a touch is at a face there is, at a time of the orbit. */
+/* Whether a row is a valid point; grazing must be at an existing face and within the orbit's time. */
 static bool is_point(const reader *r, const saltus_point_row *row, long long events) {
     const saltus_branch_point *point = &row->point;
     const double time = point->grazing_time;

@@ -1,4 +1,4 @@
-/* Words and numbers that the writers share.
+/* Words and numbers shared by the writers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 
@@ -68,7 +68,7 @@ double saltus_impacts_per_response(const saltus_system *system, const saltus_mot
 bool saltus_parameter_shown(const saltus_spec *spec, int k) {
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    /* What a built-in model has beside the rest is left out where it is not there. */
+    /* Optional elements of built-in models (parameters with default 0) are omitted while they are 0. */
     bool absent = spec->parameters[k] == 0 && p[k].fallback == 0 && !saltus_model_text(spec->model);
     return saltus_spec_matters(spec, k) && !absent;
 }
@@ -116,7 +116,7 @@ void saltus_put_section(FILE *file, const saltus_system *system) {
         fputs("the maxima of the displacement", file);
 }
 
-/* Where a stop sits, as `key = value` with so many digits. */
+/* Where a stop acts, as `key = value` with `digits` digits. */
 static void put_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
     int count;
     char text[SALTUS_NUMBER_MAX];

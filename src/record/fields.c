@@ -1,4 +1,4 @@
-/* What is told of each kind of result: names, units, meanings, and where the values are.
+/* Names, units, meanings and locations of all values in each kind of result.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/fields.h"
 
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Lengths of rows that are known at run time only. */
+/* Lengths of rows that are known only at run time. */
 enum {
     OF_DIMENSION = -1 - SALTUS_COUNT_DIMENSION,
     OF_PARAMETERS = -1 - SALTUS_COUNT_PARAMETERS,
@@ -21,7 +21,7 @@ enum {
 #define POINT_AS(name, member, unit, meaning, ...)                                                           \
     SALTUS_MEMBER(saltus_point_row, point.member, name, unit, meaning, __VA_ARGS__)
 
-/* xi, weight[2], d and r of a stop lie side by side. */
+/* xi, weight[2], d and r of a stop are stored as five consecutive numbers. */
 _Static_assert(offsetof(saltus_stop, r) == 4 * sizeof(double), "a stop begins with five numbers");
 
 static const saltus_field point_fields[] = {
@@ -162,7 +162,7 @@ bool saltus_event_of_row(const saltus_system *system, const saltus_event_row *ro
     return true;
 }
 
-/* Each column is an array of its own, so no member is named. */
+/* Each column is an array of its own, so the field needs no offset. */
 #define COLUMN(called, measured_in, means, ...)                                                              \
     { .name = called, .unit = measured_in, .meaning = means, .type = __VA_ARGS__ }
 

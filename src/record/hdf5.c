@@ -1,4 +1,4 @@
-/* The parts of HDF5 files, and reading them back with suspicion.
+/* The building blocks of HDF5 files, and reading them back without trusting their contents.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/hdf5.h"
 
@@ -82,7 +82,7 @@ static void put_field(saltus_h5 *w, hid_t owner, const saltus_field *field, cons
         saltus_h5_integer(w, owner, field->name, saltus_field_whole(field, record));
 }
 
-/* Read an attribute of one entry; `memory` is closed by the caller. */
+/* Read an attribute with one entry; the caller closes `memory`. */
 static bool get_attribute(hid_t owner, const char *name, H5T_class_t class, hid_t memory, void *value) {
     hid_t attribute = H5Aexists(owner, name) > 0 ? H5Aopen(owner, name, H5P_DEFAULT) : -1;
     if (attribute < 0)
@@ -98,7 +98,7 @@ static bool get_attribute(hid_t owner, const char *name, H5T_class_t class, hid_
     return fits;
 }
 
-/* False when the attribute is absent, of another type, or no value of the field. */
+/* False if the attribute is absent, of another type, or not a valid value of the field. */
 static bool get_field(hid_t owner, const saltus_field *field, void *record) {
     char text[SALTUS_FIELD_TEXT_MAX];
     double real;
@@ -132,7 +132,7 @@ const char *saltus_h5_get_options(hid_t owner, const saltus_option_table *table,
     STOP(d, "d", "clearance", SALTUS_REAL), STOP(r, "r", "coefficient of restitution", SALTUS_REAL),         \
         STOP(sides, "sides", "where it is", SALTUS_CHOICE, .words = saltus_side_words)
 
-/* What is told of the stops of a model: where each acts, and what it does. */
+/* The fields of a model's stops: where each acts, and its properties. */
 static const saltus_field_table *stop_table(const saltus_model *model) {
     static const saltus_field position_fields[] = {STOP(xi, "xi", "position", SALTUS_REAL), WHAT_A_STOP_DOES},
                               weight_fields[] = {STOP(weight[0], "weight1", "of mass 1", SALTUS_REAL),
@@ -189,8 +189,8 @@ void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const
     put_parameters(w, spec);
 }
 
-/* The checksum FNV-1a. The seal stands after the end of the file that HDF5 knows: another program that
- * changes the file cuts it off. */
+/* FNV-1a checksum. It is stored behind the end of the file as HDF5 sees it, so a program that modifies the
+ * file cuts it off. */
 bool saltus_h5_seal(int descriptor, long long length, char seal[SALTUS_H5_SEAL + 1]) {
     enum { block = 1 << 16 };
     unsigned char bytes[block];
@@ -217,8 +217,8 @@ void saltus_h5_restore(const saltus_h5_silence *silence) {
     H5Eset_auto2(H5E_DEFAULT, silence->print, silence->context);
 }
 
-/* Open a file for reading; negative after a sentence in the message. HDF5 itself is not made to read damaged
- * files: those whose seal, if they have one, is not that of their bytes. */
+/* Open a file for reading; negative on failure, with a message. A file whose seal does not match its bytes is
+ * damaged and never passed to HDF5; a file without a seal is. */
 static hid_t read_file(const char *path, saltus_message *message) {
     struct stat facts = {.st_size = 0};
     char seal[SALTUS_H5_SEAL + 1], there[SALTUS_H5_SEAL];
@@ -320,7 +320,7 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
         snprintf(name, sizeof name, "parameters/stop_%d", spec->stop_count + 1);
         if (H5Lexists(r->file, name, H5P_DEFAULT) <= 0)
             break;
-        /* All of it is there, and the numbers are finite. */
+        /* All values are present and finite. */
         const saltus_field_table *table = stop_table(model);
         saltus_stop *stop = &spec->stops[spec->stop_count];
         *stop = saltus_stop_defaults();
@@ -339,7 +339,7 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
     return SALTUS_OK;
 }
 
-/* The model of a file: one of the list, or made from its equations; to be released. */
+/* The model of a file: a built-in one, or built from its equations; to be released. */
 static saltus_status get_model(const saltus_h5_reader *r, const char *name, const saltus_model **model) {
     *model = saltus_model_find(name);
     if (*model)

@@ -1,5 +1,4 @@
-/* HDF5 files made on disk, with a driver for HDF5's file layer that notes failed writes instead of reporting
- * them.
+/* HDF5 files on disk, written through a file driver that notes failed writes instead of reporting them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/hdf5.h"
 #include "record/output.h"
@@ -62,7 +61,7 @@ static haddr_t disk_end(const H5FD_t *base, H5FD_mem_t type) {
     return ((const disk_file *)(const void *)base)->end;
 }
 
-/* What lies beyond the end, or could not be written, reads as zeros. */
+/* Bytes beyond the end, or that could not be written, read as zeros. */
 static herr_t disk_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size,
                         void *data) {
     const disk_file *file = (const disk_file *)(void *)base;
@@ -117,9 +116,9 @@ static const H5FD_class_t disk_class = {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
 };
 
-/* How files are opened: with the driver above, and in the oldest format that holds them, whatever the version
- * of HDF5 may be. The driver must outlive the file: where the file was the last to hold it, HDF5 (1.10) frees
- * it before it calls its close. */
+/* Open files with the driver above, in the oldest format that can hold them, for any version of HDF5. The
+ * driver must be kept alive until the file is closed: HDF5 1.10 frees a driver that only the file holds
+ * before it calls its close function. */
 static hid_t access_list(saltus_h5 *w) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     w->driver = H5FDregister(&disk_class);

@@ -1,4 +1,4 @@
-/* What a file is, told from its first bytes, and of HDF5 from two attributes.
+/* Identifies a file by its first bytes, and an HDF5 file by two attributes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/hdf5.h"
 #include "saltus/record.h"
@@ -17,7 +17,7 @@ saltus_file_facts saltus_file_identify(const char *path) {
     saltus_file_facts facts = {.kind = "", .complete = true};
     char head[48] = "";
     struct stat there;
-    /* What a pipe gives can be read once. */
+    /* Do not consume a pipe, which can be read only once. */
     FILE *file = stat(path, &there) == 0 && S_ISREG(there.st_mode) ? fopen(path, "rb") : NULL;
     if (!file)
         return facts;
@@ -28,8 +28,8 @@ saltus_file_facts saltus_file_identify(const char *path) {
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
         if (length >= strlen(known[k].begin) && memcmp(head, known[k].begin, strlen(known[k].begin)) == 0)
             strcpy(facts.kind, known[k].kind);
-    /* A text of Saltus says what it is behind the version: "# Saltus 0.1.0 sweep" is the table of one,
-     * "# Saltus 0.1.0: a figure" gnuplot's script. */
+    /* Texts of Saltus name their kind after the version: "# Saltus 0.1.0 sweep" is a sweep's table, "# Saltus
+     * 0.1.0: a figure" a gnuplot script. */
     char version[16] = "", kind[26] = "";
     if (sscanf(head, "# Saltus %15s %25[A-Za-z ]", version, kind) == 2)
         snprintf(facts.kind, sizeof facts.kind, strchr(version, ':') ? "script" : "%s table", kind);
@@ -41,7 +41,7 @@ saltus_file_facts saltus_file_identify(const char *path) {
     if (saltus_h5_reader_open(&reader) == SALTUS_OK) {
         if (!saltus_h5_get_text(reader.file, "kind", facts.kind, sizeof facts.kind))
             facts.kind[0] = '\0';
-        /* What has no `complete` is written in one piece. */
+        /* Files without `complete` are written in one piece. */
         if (saltus_h5_get_integer(reader.file, "complete", &complete))
             facts.complete = complete != 0;
     }

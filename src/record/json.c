@@ -1,4 +1,4 @@
-/* The pieces that JSON objects are made of.
+/* Building blocks of JSON objects.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/json.h"
 
@@ -125,7 +125,7 @@ void saltus_json_contact_force(FILE *file, const saltus_system *system, const do
     fputs(force ? "]" : "", file);
 }
 
-/* The keys of a stop, first without a comma before it. */
+/* The members of a stop, without a comma before the first. */
 static void put_stop(FILE *file, const saltus_spec *spec, int s) {
     const saltus_stop *stop = &spec->stops[s];
     const char *coordinate = saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE);

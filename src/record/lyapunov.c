@@ -1,4 +1,4 @@
-/* Lyapunov exponents in numbers and words, in a few lines for people and as one JSON object.
+/* Lyapunov exponents as a few lines for people and as one JSON object.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/options.h"
 #include "record/fields.h"
@@ -23,7 +23,7 @@ saltus_uncertain saltus_uncertain_text(double value, double error) {
         snprintf(text.error, room, "%s", error == 0 ? "0" : "unknown");
         return text;
     }
-    /* The power of ten of the error's first digit once it is rounded to two digits. */
+    /* Power of ten of the first digit of the error, after rounding to two digits. */
     const double power = floor(log10(error));
     int first = (int)(error / pow(10, power) >= 9.95 ? power + 1 : power), last = first - 1;
     double size = fmax(fabs(value), error);
@@ -97,7 +97,7 @@ static void put_meaning(FILE *file, const saltus_system *system, const saltus_ly
     }
 }
 
-/* All exponents where there are several, and what they add up to. */
+/* If several exponents were computed: all of them, and their sum. */
 static void put_spectrum(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
     if (l->count < 2)
         return;
@@ -135,7 +135,7 @@ static void put_spectrum(FILE *file, const saltus_system *system, const saltus_l
         fprintf(file, "Kaplan-Yorke %.4g\n", l->kaplan_yorke);
 }
 
-/* Whether both halves of the run, and the trajectories that share the work, measure the same motion. */
+/* Whether the two halves of the run, and the trajectories that share the work, agree. */
 static void put_agreement(FILE *file, const saltus_lyapunov *l) {
     double error = hypot(l->half_errors[0], l->half_errors[1]), low = INFINITY, high = -INFINITY;
     saltus_put_word(file, "halves");
@@ -227,7 +227,7 @@ void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const sal
 
 void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                 const saltus_lyapunov_options *options, const saltus_lyapunov *l) {
-    /* null for the exponents that have no error because they are -infinity */
+    /* JSON null for exponents that are -infinity and have no error. */
     double errors[SALTUS_STATE_MAX];
     for (int k = 0; k < l->count; k++)
         errors[k] = isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN;
@@ -238,7 +238,7 @@ void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const sal
     saltus_json_list(file, "exponents", l->exponents, l->count);
     saltus_json_list(file, "standard_errors", errors, l->count);
     saltus_json_fields(file, ", ", &saltus_exponent_fields, (const int[]){l->dimension, l->members}, l);
-    /* All options but the order of the series and the number of exponents, which the result tells. */
+    /* All options except the Taylor order and the number of exponents, which the result contains. */
     saltus_json_key(file, "options");
     for (int k = 0; k < saltus_lyapunov_table.count; k++) {
         const saltus_field *field = &saltus_lyapunov_table.options[k].field;

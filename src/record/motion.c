@@ -8,7 +8,7 @@
 enum { event_lines = 12, leading = 4 };
 
 static void put_motion(FILE *file, const saltus_system *system, const saltus_motion *motion) {
-    const bool cycle = motion->trivial_multiplier != 0; /* with a period of its own */
+    const bool cycle = motion->trivial_multiplier != 0; /* it has a period of its own */
     saltus_put_word(file, "motion");
     if (!saltus_verdict_settled(motion->verdict)) {
         fprintf(file, "%s\n", motion->reason);
@@ -69,8 +69,8 @@ static void put_event(FILE *file, const saltus_system *system, const saltus_even
     fputc('\n', file);
 }
 
-/* A long run of impacts on one face (a chatter) takes three lines: two impacts and what became of the others.
- */
+/* A long run of impacts on one face (chatter) is shortened to three lines: its first two impacts and a
+ * summary of the others. */
 static void put_events(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     const saltus_event *events = motion->events;
     int lines = 0, k = 0, run;
@@ -134,7 +134,7 @@ static void put_multipliers(FILE *file, const saltus_motion *motion) {
                 motion->log_volume, motion->sum_rule, motion->log_volume - motion->sum_rule);
 }
 
-/* What else is known of a motion without a period. */
+/* The remaining evidence for a motion without a period. */
 static void put_evidence(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     const saltus_evidence *e = &motion->evidence;
     if (saltus_verdict_settled(motion->verdict) || e->periods == 0)
@@ -201,7 +201,8 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     fprintf(file, " (%s)\n", saltus_integrator_used(system, motion->integrator));
 }
 
-/* Complete chatter makes them infinite: how many are simulated one by one depends on the tolerance. */
+/* Complete chatter has infinitely many impacts; how many are simulated one by one depends on the
+ * tolerance. */
 static void put_impact_counts(FILE *file, const saltus_system *system, const saltus_motion *motion) {
     if (motion->impacts < 0) {
         fputs(", \"impacts_by_side\": null, \"impacts_by_stop\": null", file);

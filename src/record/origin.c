@@ -1,11 +1,11 @@
-/* How results came about, in HDF5 files of them.
+/* The origin of results, in HDF5 files.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/rows.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Longer texts are those of another program. */
+/* Longer texts cannot come from Saltus. */
 static const size_t most = 1 << 22;
 
 bool saltus_h5_origin_keep(saltus_origin *kept, const saltus_origin *origin) {
@@ -22,7 +22,7 @@ void saltus_h5_origin_clear(saltus_origin *kept) {
     *kept = (saltus_origin){NULL, NULL, NULL};
 }
 
-/* A text of any length has a dataset, with a checksum: attributes have at most 64 KiB. */
+/* Texts are datasets with a checksum, because attributes hold at most 64 KiB. */
 static void put_text(saltus_h5 *w, const char *name, const char *meaning, const char *text) {
     const saltus_h5_shape shape = {.rank = 1, .size = {1}, .part = {1}};
     if (!text || !w->sound)
@@ -47,7 +47,7 @@ void saltus_h5_put_origin(saltus_h5 *w, const saltus_origin *origin) {
     put_text(w, "scene_text", "the scene before the command line changed it", origin->scene);
 }
 
-/* The text of a dataset, to be freed; NULL where there is none. */
+/* The text of a dataset, to be freed; NULL if it is absent. */
 static char *get_text(hid_t file, const char *name, bool *memory) {
     hid_t set = H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
     hid_t type = set >= 0 ? H5Dget_type(set) : -1, space = set >= 0 ? H5Dget_space(set) : -1, wanted = -1;

@@ -38,7 +38,7 @@ FILE *saltus_nameless_file(void) {
     return file;
 }
 
-/* Create a file beside the target under a name that nothing else has; permissions follow the umask. */
+/* Create a file beside the target under an unused name; permissions follow the umask. */
 static int open_beside(saltus_output *output) {
     size_t room = strlen(output->path) + 32;
     output->temporary = malloc(room);
@@ -72,7 +72,7 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
     *output = (saltus_output){0};
     if (exists && S_ISDIR(facts.st_mode))
         return saltus_fail(message, SALTUS_IO, "%s is a folder, not a file that can be written", path);
-    /* Links are followed, so that the file they name is replaced and the link stays. */
+    /* Follow links, so that the file they point to is replaced and the link stays. */
     output->path = exists ? realpath(path, NULL) : strdup(path);
     if (!output->path)
         return refuse(path, exists ? errno : ENOMEM, message);

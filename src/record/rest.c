@@ -1,4 +1,4 @@
-/* An equilibrium for people and for programs; the keys that it shares with a motion are the same.
+/* An equilibrium for people and for programs, with the same keys as a motion for what they have in common.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "record/json.h"

@@ -1,4 +1,5 @@
-/* Tables of rows as groups of datasets, written in order and read back with suspicion.
+/* Tables of rows as groups of datasets: writing them in order, and reading them without trusting their
+ * contents.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/rows.h"
 
@@ -57,7 +58,7 @@ static hid_t enumeration(const saltus_word *words, hid_t base) {
     return -1;
 }
 
-/* Type of a field's entries in memory or, when `stored`, in the file; to be closed. */
+/* Type of a field's entries in memory or, if `stored`, in the file; to be closed. */
 static hid_t entry_type(const saltus_field *field, bool stored) {
     static const saltus_word flags[] = {{"FALSE", 0}, {"TRUE", 1}, {NULL, 0}};
     switch (field->type) {
@@ -78,7 +79,7 @@ static hid_t entry_type(const saltus_field *field, bool stored) {
     }
 }
 
-/* The extent of a field's dataset: that of the rows, then that of its entries. */
+/* The shape of a field's dataset: dimensions of the rows, then those of an entry. */
 static saltus_h5_shape column_shape(const saltus_field *field, const int *counts,
                                     const saltus_h5_shape *rows) {
     saltus_h5_shape shape = *rows;
@@ -106,7 +107,7 @@ hid_t saltus_h5_storage(saltus_h5 *w, const saltus_h5_shape *shape, hid_t memory
     return list;
 }
 
-/* Create the dataset of a field, to which other programs may append if it is `extensible`; negative on
+/* Create the dataset of a field; other programs may append to it if it is `extensible`. Negative on
  * failure. */
 static hid_t open_column(saltus_h5 *w, hid_t group, const saltus_field *field, const saltus_h5_shape *shape,
                          bool extensible, const void *fill) {
@@ -117,7 +118,7 @@ static hid_t open_column(saltus_h5 *w, hid_t group, const saltus_field *field, c
     if (shape->size[0] && extensible)
         most[0] = H5S_UNLIMITED;
     hid_t space = H5Screate_simple(shape->rank, shape->size, most);
-    /* Each part is written once and whole, so HDF5 need not keep any chunk in memory. */
+    /* Each chunk is written once and completely, so HDF5 need not cache any. */
     hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
     if (saltus_h5_note(w, stored >= 0 && memory >= 0 && space >= 0 && access >= 0 &&
                               H5Pset_chunk_cache(access, 1, 0, 1) >= 0))
@@ -134,7 +135,7 @@ static hid_t open_column(saltus_h5 *w, hid_t group, const saltus_field *field, c
     return set;
 }
 
-/* Write what begins at `first`, `count` entries along each dimension; NULL: all. */
+/* Write a block that begins at `first` with `count` entries along each dimension; NULL: everything. */
 static void write_column(saltus_h5 *w, hid_t set, const saltus_field *field, int rank, const hsize_t *first,
                          const hsize_t *count, const void *data) {
     hid_t memory = entry_type(field, false), place = first ? H5Dget_space(set) : H5S_ALL;
@@ -150,7 +151,7 @@ static void write_column(saltus_h5 *w, hid_t set, const saltus_field *field, int
 }
 
 void saltus_h5_rows(saltus_h5 *w, hid_t group, const saltus_rows *rows) {
-    enum { chunk_bytes = 131072 }; /* about */
+    enum { chunk_bytes = 131072 }; /* approximate */
     for (int k = 0; k < rows->kind->count && w->sound; k++) {
         const saltus_field *field = &rows->kind->fields[k];
         size_t bytes = row_bytes(field, rows->counts);
@@ -179,7 +180,7 @@ void saltus_h5_series_open(saltus_h5 *w, hid_t group, const saltus_h5_shape *sha
     saltus_rows *rows = &series->rows;
     for (int k = 0; k < rows->kind->count; k++)
         series->set[k] = -1;
-    /* The values of `fill` as the fields keep them. */
+    /* Convert the values of `fill` to the fields' storage. */
     if (!saltus_h5_note_memory(w, saltus_rows_add(rows, fill)))
         return;
     for (int k = 0; k < rows->kind->count && w->sound; k++) {
@@ -213,7 +214,7 @@ void saltus_h5_series_close(saltus_h5 *w, saltus_h5_series *series) {
     series->rows.kind = NULL;
 }
 
-/* Open the dataset of a field and its extent; negative when there is none that can be read. */
+/* Open the dataset of a field and get its extent; negative if none can be read. */
 static hid_t find_column(const saltus_h5_reader *r, const char *group, const char *name,
                          saltus_h5_shape *shape) {
     char path[96];
@@ -237,8 +238,8 @@ static bool same_extent(const saltus_h5_shape *a, const saltus_h5_shape *b) {
     return a->rank == b->rank && memcmp(a->size, b->size, (size_t)a->rank * sizeof *a->size) == 0;
 }
 
-/* Whether a dataset may be as large as it says, stored in so many bytes: deflate makes a block shorter by a
- * factor of about a thousand at most. */
+/* Whether a dataset of this size may occupy only `stored` bytes: deflate shrinks by a factor of at most about
+ * a thousand. */
 static bool is_believable(const saltus_h5_shape *shape, hsize_t stored) {
     const hsize_t most_entries = (hsize_t)1 << 40;
     hsize_t entries = 1;
@@ -270,7 +271,7 @@ saltus_status saltus_h5_find_rows(const saltus_h5_reader *r, const char *group,
     return SALTUS_OK;
 }
 
-/* Read a dataset of a field that has been found; false when its type is another. */
+/* Read the dataset of a field; false if it is of another type. */
 static bool read_column(const saltus_h5_reader *r, const char *group, const saltus_field *field,
                         const saltus_h5_shape *wanted, void *data) {
     saltus_h5_shape there;
@@ -288,7 +289,7 @@ static bool read_column(const saltus_h5_reader *r, const char *group, const salt
     return fits;
 }
 
-/* Whether `count` values are such as the field has. Flags become those of this machine. */
+/* Whether `count` values are valid for the field; flags are normalised to 0 or 1. */
 static bool is_sound(const saltus_field *field, unsigned char *data, size_t count) {
     size_t bytes = saltus_field_bytes(field);
     for (size_t k = 0; k < count; k++, data += bytes) {

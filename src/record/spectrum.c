@@ -1,4 +1,4 @@
-/* Spectra in a few lines for people, as one JSON object and as comma-separated values.
+/* Spectra as a few lines for people, as one JSON object and as CSV.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/spectrum.h"
 
@@ -10,9 +10,9 @@
 
 enum { strongest_lines = 10 };
 
-static const double faintest = -220; /* decibels: below, lines are rounding */
+static const double faintest = -220; /* decibels; weaker lines are rounding errors */
 
-/* The first spectrum that moves; NULL if none does. */
+/* The first spectrum that is not constant; NULL if there is none. */
 static const saltus_spectrum *moving(const saltus_spectra *spectra) {
     for (int k = 0; k < spectra->count; k++)
         if (spectra->spectra[k].kind != SALTUS_SPECTRUM_CONSTANT)

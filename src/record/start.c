@@ -1,7 +1,6 @@
-/* Reading an orbit to start from: JSON that this program wrote, a point of a branch file, a row of a sweep.
+/* Reading an orbit to start from: JSON written by this program, a point of a branch file, a row of a sweep.
  *
- * The parameters of a JSON object are read as a scene of their own, so their checks and their sentences are
- * those of scenes.
+ * The parameters of a JSON object are read like a scene, with the same checks and messages.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "record/hdf5.h"
@@ -18,10 +17,10 @@
 
 enum { largest_file = 1 << 28, path_size = 4096, word_size = 64 };
 
-/* A file's name and the part of it that is meant. */
+/* A file's name and the part of it that is selected. */
 typedef struct source {
     char path[path_size];
-    char part[word_size]; /* behind the last colon; "" for the whole file */
+    char part[word_size]; /* after the last colon; "" for the whole file */
 } source;
 
 static saltus_status split_source(const char *text, source *s, saltus_message *message) {
@@ -45,13 +44,13 @@ static saltus_status split_source(const char *text, source *s, saltus_message *m
     return SALTUS_OK;
 }
 
-/* A number from 1 that is all of the text; 0 otherwise. */
+/* The text as a whole number from 1 on; 0 if it is none. */
 static long part_number(const char *text) {
     size_t digits = strspn(text, "0123456789");
     return digits > 0 && digits < 10 && text[digits] == '\0' ? atol(text) : 0;
 }
 
-/* The row that "12" or "PD1" names; -1 when there is none. */
+/* The row selected by "12" or "PD1"; -1 if there is none. */
 static int find_row(const saltus_branch_file *file, const char *part) {
     long number = part_number(part), seen = 0;
     if (number)
@@ -114,7 +113,7 @@ __attribute__((format(printf, 3, 4))) static saltus_status refuse(const source *
                        what);
 }
 
-/* The whole file; *text is to be freed. */
+/* Read the whole file; *text is to be freed. */
 static saltus_status read_text(const source *s, char **text, size_t *length, saltus_message *message) {
     FILE *file = fopen(s->path, "rb");
     struct stat facts;
@@ -134,7 +133,7 @@ static saltus_status read_text(const source *s, char **text, size_t *length, sal
     return status;
 }
 
-/* The text of line `number`, counted from 1; false when there are not so many. */
+/* The text of line `number`, counted from 1; false if there are fewer lines. */
 static bool find_line(const char **text, size_t *length, long number) {
     const char *at = *text, *end = *text + *length;
     for (long k = 1; k < number && at < end; k++) {
@@ -158,7 +157,7 @@ static saltus_source json_source(const source *s, const char *text, size_t lengt
                            .message = message};
 }
 
-/* Read a text that is an object. */
+/* Read a text that must be one object. */
 static saltus_status read_document(const source *s, const saltus_source *json, saltus_document *document) {
     const char *end = json->text + json->length, *begin = json->text;
     while (begin < end && strchr(" \t\r\n", *begin) && *begin)
@@ -173,8 +172,8 @@ static saltus_status read_document(const source *s, const saltus_source *json, s
     return status;
 }
 
-/* Read the object that describes the orbit: the whole text, one of its lines, or one of a list of attractors.
- * *json says what was read. */
+/* Read the object that describes the orbit: the whole text, one of its lines, or an entry of a list of
+ * attractors. *json tells what was read. */
 static saltus_status find_object(const source *s, saltus_source *json, saltus_document *document,
                                  const saltus_node **object, saltus_message *message) {
     const char *text = json->text;
@@ -204,7 +203,7 @@ static saltus_status find_object(const source *s, saltus_source *json, saltus_do
     return status;
 }
 
-/* The word behind a key of an object; NULL when there is none. */
+/* The text of a member of an object; NULL if there is none. */
 static const char *word_of(const saltus_node *object, const char *key) {
     const saltus_node *node = saltus_node_member(object, key);
     return node && node->kind == SALTUS_NODE_SCALAR && node->quoted ? node->text : NULL;
@@ -266,7 +265,7 @@ static saltus_status read_object(const source *s, const saltus_source *json, con
     if (!word_of(object, "version"))
         return refuse(s, message,
                       "is not an orbit of classify, orbit or continue --json: it has no key version");
-    /* A point of a branch keeps its n/p under `motion`, and its own label under `label`. */
+    /* A branch point stores n/p under `motion` and its own label under `label`. */
     const char *motion = word_of(object, "motion"), *label = motion ? motion : word_of(object, "label");
     if (label)
         snprintf(start->label, sizeof start->label, "%s", label);
@@ -310,13 +309,13 @@ static saltus_status take_row(const source *s, const saltus_sweep_file *file, lo
                               saltus_start *start, saltus_message *message) {
     const saltus_sweep_row *told = &file->rows[row];
     const int attractor = told->attractor, seeds = file->options.seeds;
-    const double *state = NULL; /* that it keeps, on its motion */
+    const double *state = NULL; /* the state stored in the row, which lies on its motion */
     if (told->verdict == SALTUS_FAILED || told->verdict == SALTUS_PENDING)
         return refuse(s, message, "its trajectory has come to nothing (%s)",
                       saltus_verdict_word((saltus_verdict)told->verdict));
     if (file->dimension > SALTUS_SCENE_STATE_MAX)
         return refuse(s, message, "the state is too long");
-    /* The parameters at its point; an axis may be of the initial state. */
+    /* The parameters at the row's grid point; an axis may also be an entry of the initial state. */
     saltus_scene scene = {.spec = file->spec};
     bool moves_start = false;
     long long index = row / seeds % file->points;
@@ -337,7 +336,8 @@ static saltus_status take_row(const source *s, const saltus_sweep_file *file, lo
         state = file->attractor_states + file->attractor_first[attractor] * file->dimension;
     if (!file->basins && file->strobe_count && file->strobe_count[row] > 0)
         state = file->strobes + file->strobe_first[row] * file->dimension;
-    /* Without a state the scene's own initial state leads to the motion, if it has done so in the sweep. */
+    /* Without a stored state, the scene's own initial state leads to the motion if the row started from
+     * it. */
     bool own = file->pass_count > 0 && file->passes[row / seeds / file->points] == SALTUS_PASS_RESET &&
                row % seeds == 0 && !moves_start;
     if (!state && !own)
@@ -378,7 +378,7 @@ void saltus_start_release(saltus_start *start) {
 
 saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_message *message) {
     source s;
-    saltus_message own; /* what went wrong decides how to go on */
+    saltus_message own; /* its cause decides what to try next */
     message = message ? message : &own;
     *start = (saltus_start){0};
     saltus_status status = split_source(text, &s, message);
@@ -391,8 +391,8 @@ saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_me
                           : read_json(&s, start, message);
     if (status == SALTUS_OK)
         return status;
-    /* What JSON tells may have brought a model of its own before it went wrong; the others share their
-     * file's. */
+    /* A start read from JSON may own a model even after a failure; the other starts share the model of their
+     * file. */
     if (rows || facts.hdf5)
         *start = (saltus_start){0};
     saltus_start_release(start);
@@ -420,7 +420,7 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: its orbit has %d stop%s, the scene %d", name,
                            start->spec.stop_count, saltus_plural(start->spec.stop_count),
                            scene->spec.stop_count);
-    /* A title describes the scene as it was written. */
+    /* The title describes the scene as written, so a changed scene loses it. */
     if (!saltus_spec_equal(&scene->spec, &start->spec))
         scene->title[0] = '\0';
     const saltus_spec own = scene->spec;

@@ -1,9 +1,9 @@
-/* Sweeps as comma-separated values: from a file read back, or straight from the journal.
+/* Sweeps as CSV, from a file read back or straight from the journal.
  *
- * Lines that begin with # come first: where the table is from, and what it depends on as `name = value`. Then
- * a line with the columns' names, then one line per row or cloud point: the axes' values, the pass, the seed
- * from 0, and what the table holds. Numbers read back as the same ones; `nan` stands where nothing was
- * recorded or the quantity was not asked for.
+ * The first lines begin with #: the origin of the table, and everything it depends on as `name = value`. Then
+ * come a line with the columns' names and one line per row or cloud entry: the axes' values, the pass, the
+ * seed from 0, and the contents. Numbers read back exactly; `nan` stands for values that were not recorded or
+ * not requested.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "record/output.h"
@@ -27,7 +27,7 @@ static void put_head(const saltus_sweep_file *head, FILE *file) {
     fputs("pass,seed", file);
 }
 
-/* All values of a record, each behind a comma. */
+/* All values of a record, each preceded by a comma. */
 static void put_record(const saltus_field_table *table, int dimension, const void *record, FILE *file) {
     char text[SALTUS_FIELD_TEXT_MAX];
     for (int k = 0; k < table->count; k++) {
@@ -44,7 +44,7 @@ static void put_names(const saltus_field_table *table, FILE *file) {
         fprintf(file, ",%s", table->fields[k].name);
 }
 
-/* The axes' values, pass and seed that a row's line begins with. */
+/* The axes' values, pass and seed at the beginning of a row's line. */
 static void put_place(const saltus_sweep_file *head, long long row, FILE *file) {
     long long place = row / head->options.seeds, point = place % head->points;
     for (int k = 0; k < head->axis_count; k++) {
@@ -75,7 +75,7 @@ saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, salt
     return status;
 }
 
-/* The names of the columns of a table; a state's are those of the coordinates. */
+/* The column names of a table; those of a state are the names of its entries. */
 static saltus_status put_columns(const saltus_sweep_file *file, const saltus_cloud_kind *cloud, FILE *out,
                                  saltus_message *message) {
     saltus_system *system = NULL;
@@ -141,7 +141,7 @@ saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *
     return saltus_output_close(&output, status, message);
 }
 
-/* Collect the lines `# name = value` before the table. */
+/* Collect the lines `# name = value` at the head of a table. */
 static bool collect(FILE *file, FILE *text, bool *complete) {
     char *line = NULL;
     size_t room = 0;

@@ -1,9 +1,9 @@
 /* The HDF5 file of a sweep, made in one pass over the results in the order of the file.
  *
- * Rows are written in tiles of whole points, each of which is one chunk of every dataset and is written once;
- * clouds, one after the other, through a buffer of one chunk for each dataset. So the memory needed does not
- * depend on the number of rows, and the bytes of the file depend on its contents alone. Tiles without any
- * result are left out: HDF5 gives the fill values, those of a pending row, for them.
+ * Rows are written in tiles of whole grid points; a tile is one chunk of every dataset and is written once.
+ * Clouds are written one after the other, through a buffer of one chunk for each dataset. So the memory
+ * needed does not depend on the number of rows, and the bytes of the file depend on its contents alone. Tiles
+ * without any result are not written: HDF5 returns the fill values, a pending row, for them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/rows.h"
 #include "record/sweep_output.h"
@@ -15,7 +15,7 @@
 
 enum { tile_rows = 16384, chunk_bytes = 131072 };
 
-/* What was run: options and axes. */
+/* The options and axes of the run. */
 static void put_head(saltus_h5 *w, const saltus_sweep_stream *stream) {
     const saltus_sweep_file head = saltus_sweep_head(stream->sweep, stream->basins, stream->complete);
     char name[32], description[64];
@@ -79,7 +79,7 @@ static void put_attractors(saltus_h5 *w, const saltus_sweep_stream *stream) {
     saltus_rows_clear(&points);
 }
 
-/* A cloud being written: which entries each row has, and the entries of the next chunk. */
+/* A cloud being written: the entry range of each row, and the entries of the next chunk. */
 typedef struct cloud {
     const saltus_cloud_kind *kind;
     bool kept;
@@ -99,13 +99,13 @@ typedef struct maker {
     cloud clouds[SALTUS_CLOUDS];
 } maker;
 
-/* The length of the equal parts, none longer than `most`, into which `count` is divided. */
+/* Divide `count` into equal parts no longer than `most`; returns their length. */
 static hsize_t part_of(hsize_t count, hsize_t most) {
     hsize_t parts = most ? (count + most - 1) / most : count;
     return (count + parts - 1) / parts;
 }
 
-/* Datasets with an entry for each row or, with rank 3, for each place. */
+/* Datasets with an entry for each row or, with rank 3, for each grid point of a pass. */
 static void open_rows(maker *m, hid_t group, const saltus_field_table *kind, int rank, const void *fill,
                       saltus_h5_series *series) {
     saltus_h5_shape shape = m->grid;
@@ -132,7 +132,7 @@ static void open_cloud(maker *m, cloud *c, long long total) {
     saltus_h5_close(group);
 }
 
-/* Write what has gathered of a cloud. */
+/* Write the buffered entries of a cloud. */
 static void flush(maker *m, cloud *c) {
     const hsize_t count = (hsize_t)c->entries.rows.count;
     if (count)
@@ -140,7 +140,7 @@ static void flush(maker *m, cloud *c) {
     c->written += count;
 }
 
-/* The clouds of the place that was read. */
+/* Add the clouds of the place just read. */
 static void put_cloud(maker *m, int which, int seeds) {
     cloud *c = &m->clouds[which];
     const long long *counts;
@@ -158,7 +158,7 @@ static void put_cloud(maker *m, int which, int seeds) {
     }
 }
 
-/* The tile that begins at pass, row and column `first`: its places follow each other. */
+/* Write the tile that begins at pass, row and column `first`; its places are consecutive. */
 static saltus_status put_tile(maker *m, const hsize_t *first) {
     const hsize_t *size = m->grid.size, *tile = m->grid.part;
     const int seeds = (int)size[3];
@@ -209,7 +209,7 @@ static saltus_status put_tiles(maker *m) {
     return status;
 }
 
-/* The datasets of all rows and clouds, and the tiles in which they are written. */
+/* Create the datasets of all rows and clouds, and choose the tiles. */
 static void open_all(maker *m) {
     const saltus_sweep *sweep = m->sweep;
     saltus_sweep_line pending = {.row = saltus_sweep_row_of(SALTUS_PENDING)};

@@ -1,4 +1,4 @@
-/* What tells sweeps apart, as a text of which the first difference can be named.
+/* Identity of a sweep: a text that is equal for equal sweeps, and whose first difference can be named.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "record/sweep_output.h"
@@ -94,7 +94,7 @@ void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const 
     for (int k = 0; k < saltus_sweep_table.count; k++) {
         const saltus_option *option = &saltus_sweep_table.options[k];
         const char *value = saltus_field_text(&option->field, &head->options, text);
-        /* Where nothing is kept beside the rows. */
+        /* `keep` is 0. */
         if (!option->apart)
             put_word(&w, option->field.name, value[0] ? value : "rows");
     }
@@ -114,7 +114,7 @@ char *saltus_sweep_identity_text(const saltus_sweep_file *head) {
     return NULL;
 }
 
-/* Name and value of a line. */
+/* Name and value in a line. */
 typedef struct entry {
     int name_length, value_length;
     const char *name, *value;

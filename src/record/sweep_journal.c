@@ -4,14 +4,13 @@
  *              text of everything that the results depend on (sweep_identity.c), padded to 8 bytes
  *     records  length, checksum, a result as packed by saltus_sweep_pack, padded to 8 bytes; to the end
  *
- * A record is written in one call as soon as its result is there, so a run that is killed loses no result
- * that was computed. When a journal is taken up again, everything from the first record on that is not whole
- * is cut off: after a kill or a full disk that is at most the last one. A result that is there twice counts
- * once, the first time. Where a record begins is kept in memory, 8 bytes for each place, and nothing else;
- * results are read back through a window of the file.
+ * A record is written in one call as soon as its result is computed, so a killed run loses no result. When a
+ * journal is resumed, everything from the first incomplete record on is cut off: after a kill or a full disk
+ * at most the last record. If a result is stored twice, the first one counts. Memory holds only the offset of
+ * each place's record, 8 bytes per place; results are read back through a window of the file.
  *
- * Two runs that write to one journal would destroy it: the file is locked while it is open. Without resuming,
- * a journal that is there is replaced, as is the file that is made from it.
+ * Two runs writing to one journal would destroy it, so the file is locked while it is open. Without resuming,
+ * an existing journal is replaced, and so is the file made from it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/output.h"
 #include "record/sweep_output.h"
@@ -36,13 +35,13 @@ typedef struct prefix {
 } prefix;
 
 static const char magic[8] = "SALTUSJ\n";
-static const uint64_t mark = 0x0102030405060703u; /* the last byte is the number of the format */
+static const uint64_t mark = 0x0102030405060703u; /* the last byte is the format's number */
 
 static size_t padded(size_t length) {
     return (length + 7) / 8 * 8;
 }
 
-/* A checksum of whole words that every change of a single one changes; `length` begins it. */
+/* A checksum over 64-bit words that detects any change in a single word; it starts from `length`. */
 static uint64_t checksum(const unsigned char *bytes, size_t length) {
     uint64_t hash = 0xcbf29ce484222325u ^ length;
     for (size_t k = 0; k < padded(length); k += sizeof hash) {
@@ -70,8 +69,8 @@ static bool make_room(unsigned char **block, size_t *room, size_t needed) {
     return true;
 }
 
-/* Move the window so that it holds the bytes [begin, begin + length), which are in the file. While the
- * results come in the order in which they are asked for, more and more is read ahead. */
+/* Move the window over the bytes [begin, begin + length), which must exist in the file. While results are
+ * requested in the order of the file, the window grows. */
 static saltus_status look(saltus_journal *j, long long begin, size_t length, const unsigned char **bytes,
                           saltus_message *message) {
     enum { least = 1 << 12, most = 1 << 18 };
@@ -94,7 +93,7 @@ static saltus_status look(saltus_journal *j, long long begin, size_t length, con
     return SALTUS_OK;
 }
 
-/* Whether a whole record begins at `begin`; then *bytes is what is in it. */
+/* Whether a complete record begins at `begin`; *bytes then points to its contents. */
 static saltus_status look_at_record(saltus_journal *j, long long begin, bool *whole, size_t *length,
                                     const unsigned char **bytes, saltus_message *message) {
     prefix p;
@@ -114,7 +113,7 @@ static saltus_status look_at_record(saltus_journal *j, long long begin, bool *wh
     return status;
 }
 
-/* Note where a result is. */
+/* Register the position of a result. */
 static void enter(saltus_journal *j, const saltus_sweep_result *result, long long begin) {
     const long long *const counts[SALTUS_CLOUDS] = {result->turning_counts, result->impact_counts,
                                                     result->strobe_counts};
@@ -127,7 +126,7 @@ static void enter(saltus_journal *j, const saltus_sweep_result *result, long lon
             j->total[c] += counts[c][s];
 }
 
-/* Find the results, and cut off what is not whole. */
+/* Find the results, and cut off everything from the first incomplete record. */
 static saltus_status scan(saltus_journal *j, long long begin, saltus_message *message) {
     bool whole = true;
     while (whole) {
@@ -153,9 +152,9 @@ static saltus_status scan(saltus_journal *j, long long begin, saltus_message *me
     return SALTUS_OK;
 }
 
-/* Check that the journal is of this sweep, and find its results. *there stays false when the file is shorter
- * than the head of this sweep: then its own head was cut off, or it is another sweep's and holds no result.
- */
+/* Check that the journal belongs to this sweep, and find its results. *there stays false if the file is
+ * shorter than this sweep's head: its own head is then incomplete, or it belongs to another sweep and holds
+ * no result. */
 static saltus_status take_up(saltus_journal *j, const char *identity, bool *there, saltus_message *message) {
     const unsigned char *bytes = NULL;
     head h = {.length = 0};
@@ -190,8 +189,8 @@ static saltus_status take_up(saltus_journal *j, const char *identity, bool *ther
     return status == SALTUS_OK ? scan(j, (long long)(sizeof h + room), message) : status;
 }
 
-/* Open the file at the path and lock it. It may be removed by the run that holds the lock while this one
- * waits for its turn, so the file must be the one that the path still names. */
+/* Open and lock the file at the path. While this run waits for the lock, the run that holds it may remove the
+ * file, so check that the path still names the same file. */
 static saltus_status open_locked(saltus_journal *j, saltus_message *message) {
     struct stat facts, named;
     for (int k = 0; k < 100; k++) {
@@ -272,7 +271,7 @@ saltus_status saltus_journal_add(saltus_journal *journal, const saltus_sweep_res
         return SALTUS_OK;
     }
     int reason = errno;
-    /* Should this fail as well, what is left is written over by the next record or cut off when resuming. */
+    /* If this fails too, the next record overwrites the rest, or resuming cuts it off. */
     (void)!ftruncate(journal->file, (off_t)journal->end);
     return saltus_fail(
         message, SALTUS_IO,
@@ -317,7 +316,7 @@ void saltus_sweep_stream_close(saltus_sweep_stream *stream) {
     stream->lines = NULL;
 }
 
-/* Complete a line. Every NaN gets the same bits, so that equal results give equal files. */
+/* Complete a line. All NaNs get the same bits, so that equal results give equal files. */
 static void finish_line(saltus_sweep_line *line) {
     for (int k = 0; k < saltus_row_fields.count; k++) {
         const saltus_field *field = &saltus_row_fields.fields[k];

@@ -1,9 +1,9 @@
 /* Writing the results of a sweep while it runs.
  *
- * Every result goes to the journal at once. The file is made anew from it and put in place of the old one: at
- * the start, then every few seconds, and at the end. The pause between two exchanges grows with their cost,
- * which thus stays a small part of the time. A table of comma-separated values is made at the end only. The
- * journal is removed when the file is complete and safe on the disk.
+ * Every result goes to the journal at once. A new file made from the journal replaces the old one at the
+ * start, then every few seconds, and at the end. The pause between exchanges is proportional to their cost,
+ * which thus remains a small part of the time. A CSV table is made only at the end. The journal is removed
+ * when the file is complete and safe on the disk.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/sweep_output.h"
 
@@ -22,16 +22,16 @@ static const double pause_ratio = 20; /* the pause relative to the time an excha
 
 struct saltus_sweep_output {
     const saltus_sweep *sweep;
-    saltus_basins *basins; /* NULL: not of basins */
+    saltus_basins *basins; /* NULL: not a basins file */
     saltus_journal journal;
     char *path;
     saltus_origin origin;
-    bool table;           /* comma-separated values */
-    bool finished;        /* a complete file of this sweep was there: nothing is to be done */
+    bool table;           /* CSV */
+    bool finished;        /* a complete file of this sweep exists: nothing to do */
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 
-/* Put the file with all results so far in place of what is there. */
+/* Replace the file by one with all results so far. */
 static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message *message) {
     double begin = saltus_seconds();
     saltus_output output;
@@ -57,7 +57,7 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
     return status;
 }
 
-/* Whether the file can be what is asked for and can be written: found out before hours of work. */
+/* Test that the file can be of the requested kind and can be written, before hours of computation. */
 static saltus_status test_target(const char *path, const saltus_sweep *sweep, bool *exists,
                                  saltus_message *message) {
     static const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
@@ -75,8 +75,7 @@ static saltus_status test_target(const char *path, const saltus_sweep *sweep, bo
     return saltus_output_test(path, message);
 }
 
-/* Resuming without a journal: accept the file if it is a finished one of the same sweep; nothing is left to
- * do. */
+/* Resuming without a journal: accept a finished file of the same sweep; then nothing is left to do. */
 static saltus_status accept_finished(saltus_sweep_output *o, const char *identity, saltus_message *message) {
     char *there = NULL;
     saltus_status status = o->table ? saltus_sweep_identity_csv(o->path, &there, &o->finished, message)

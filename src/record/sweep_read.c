@@ -1,4 +1,4 @@
-/* Reading a sweep's file back, whoever may have written it: everything is checked before it is used.
+/* Reading a sweep file of any origin: everything is checked before it is used.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/rows.h"
 #include "record/sweep_output.h"
@@ -79,7 +79,7 @@ static saltus_status read_axes(reader *r) {
     double *initial = NULL;
     saltus_status status = saltus_h5_get_reals(&r->h5, "sweep", "initial", SALTUS_SCENE_STATE_MAX, false,
                                                &made->initial_count, &initial);
-    /* NaN is what the scene leaves open. */
+    /* NAN marks entries that the scene leaves open. */
     for (int i = 0; status == SALTUS_OK && i < made->initial_count; i++)
         if (isinf(initial[i]))
             status = saltus_h5_refuse_part(&r->h5, "sweep", "initial");
@@ -127,7 +127,7 @@ static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row
 static saltus_status read_rows(reader *r) {
     saltus_sweep_file *made = r->made;
     size_t rows = (size_t)made->row_count;
-    /* Of an unfinished sweep parts are missing. */
+    /* In the file of an unfinished sweep, parts are missing. */
     saltus_status status =
         saltus_h5_find_rows(&r->h5, "rows", &saltus_row_fields, NULL, most_rows, !made->complete, &r->grid);
     if (status != SALTUS_OK)
@@ -142,7 +142,7 @@ static saltus_status read_rows(reader *r) {
     return status;
 }
 
-/* Split spans into their parts. False when one has entries that are not among the `total`. */
+/* Split spans into first and count. False if one has entries outside the `total`. */
 static bool split_spans(const saltus_span *spans, size_t rows, long long total, long long *first,
                         long long *count) {
     for (size_t i = 0; i < rows; i++) {
@@ -154,7 +154,7 @@ static bool split_spans(const saltus_span *spans, size_t rows, long long total, 
     return true;
 }
 
-/* A cloud, where it was kept: its entries, and which of them each row has. */
+/* A cloud, if kept: its entries, and those of each row. */
 static saltus_status read_cloud(reader *r, int which, long long **first, long long **count, void **entries,
                                 long long *total) {
     const saltus_cloud_kind *cloud = &saltus_clouds[which];
@@ -200,7 +200,7 @@ static saltus_status read_clouds(reader *r) {
     return status;
 }
 
-/* Names, multipliers and points of the attractors; only a complete file has them. */
+/* Labels, multipliers and points of the attractors; only complete files have them. */
 static saltus_status read_attractors(reader *r) {
     saltus_sweep_file *made = r->made;
     void *rows = NULL, *states = NULL;
@@ -235,7 +235,7 @@ static saltus_status read_attractors(reader *r) {
     return status;
 }
 
-/* Open the file and read what was run. */
+/* Open the file and read the scene, options and axes. */
 static saltus_status open_file(reader *r) {
     *r->made = (saltus_sweep_file){.complete = false};
     saltus_status status = saltus_h5_reader_open(&r->h5);

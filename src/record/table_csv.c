@@ -1,5 +1,4 @@
-/* Tables of branches and trajectories as comma-separated values: a group of an HDF5 file by its table of
- * fields.
+/* Tables of branches and trajectories as CSV: a group of an HDF5 file, written by its table of fields.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/describe.h"
 #include "record/fields.h"
@@ -19,7 +18,7 @@ static const struct {
               {"trajectory", "strobe", "strobe", &saltus_strobe_fields}};
 enum { table_count = sizeof tables / sizeof tables[0] };
 
-/* Rows in memory, all members of a row one after the other. */
+/* Rows in memory, row by row. */
 typedef struct rows {
     saltus_field fields[SALTUS_FIELDS_MAX];
     saltus_field_table kind;
@@ -27,7 +26,7 @@ typedef struct rows {
     size_t stride;
     long long count;
     unsigned char *records;
-    saltus_system *system; /* whose rows they are */
+    saltus_system *system; /* the system of the rows */
 } rows;
 
 static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltus_spec *spec, rows *to) {
@@ -39,7 +38,7 @@ static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltu
     to->counts[SALTUS_COUNT_DIMENSION] = saltus_system_dimension(to->system);
     to->counts[SALTUS_COUNT_STOPS] = spec->stop_count;
     saltus_model_parameters(spec->model, &to->counts[SALTUS_COUNT_PARAMETERS]);
-    /* The same fields, but in a row of their own. */
+    /* The same fields, but located in a contiguous row. */
     for (int k = 0; k < kind->count; k++) {
         int length[2];
         saltus_field *f = &to->fields[k];
@@ -58,8 +57,8 @@ static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltu
     return status;
 }
 
-/* The name of an entry: the member's, with the numbers of the row and of the column where there are several;
- * parameters have their own, and entries of a state those of the model's text. */
+/* The column name of an entry: the member's name, with the numbers of row and column if it has several;
+ * entries of parameters and states use the model's names. */
 static void put_name(FILE *file, const saltus_field *f, const int *counts, int i,
                      const saltus_system *system) {
     const saltus_spec *spec = saltus_system_spec(system);

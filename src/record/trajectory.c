@@ -1,4 +1,4 @@
-/* Records of trajectories as files: comma-separated values, or HDF5, which is read back.
+/* Files of recorded trajectories: CSV, or HDF5, which can be read back.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/trajectory.h"
 
@@ -14,13 +14,13 @@
 
 enum { most_rows = 1000000000 };
 
-/* A record with what explains it. */
+/* A record with its scene, system, options and origin. */
 typedef struct source {
     const saltus_trajectory *record;
     const saltus_scene *scene;
     const saltus_system *system;
     const saltus_flow_options *options;
-    const saltus_origin *origin; /* NULL: not told */
+    const saltus_origin *origin; /* NULL: omitted */
 } source;
 
 static void put_header(const source *s, FILE *file) {
@@ -118,7 +118,7 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
                                 .counts = {[SALTUS_COUNT_DIMENSION] = r->dimension},
                                 .count = r->strobes,
                                 .column = {r->strobe_states}};
-    /* The integrator that was used, not the choice that was left to the program. */
+    /* Store the integrator actually used, not the automatic choice. */
     saltus_flow_options used = *s->options;
     saltus_field_read(&saltus_option_find(&saltus_flow_table, "integrator")->field,
                       saltus_integrator_used(s->system, used.integrator), &used);
@@ -154,7 +154,7 @@ saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scen
     return saltus_output_close(&output, status, message);
 }
 
-/* One column of a table of samples, each of as many numbers as a state has where it is that. */
+/* Read one column of a table of samples: one number per sample, or `dimension` numbers for a state. */
 static saltus_status read_column(const saltus_h5_reader *r, const char *group, const saltus_field *field,
                                  int dimension, double **values, long long *count) {
     const int counts[SALTUS_COUNTS_MAX] = {[SALTUS_COUNT_DIMENSION] = dimension};
@@ -184,7 +184,7 @@ static saltus_status read_samples(const saltus_h5_reader *r, saltus_trajectory *
     return status;
 }
 
-/* The events, each with two rows of the samples. */
+/* Read the events, each with the sample rows around it. */
 static saltus_status read_events(const saltus_h5_reader *r, const saltus_system *system,
                                  saltus_trajectory *made) {
     void *rows = NULL;

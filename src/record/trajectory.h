@@ -1,4 +1,4 @@
-/* Private: the file of a trajectory read back.
+/* Private: reading the file of a trajectory.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_RECORD_TRAJECTORY_H
 #define SALTUS_RECORD_TRAJECTORY_H
@@ -7,11 +7,11 @@
 
 typedef struct saltus_trajectory_file {
     saltus_h5_head head;
-    saltus_system *system; /* of its parameters */
+    saltus_system *system; /* of the file's parameters */
     saltus_trajectory record;
 } saltus_trajectory_file;
 
-/* Read a file, whoever may have written it; to be cleared, also after a failure. Errors: SALTUS_BAD_INPUT,
+/* Read a file of any origin; to be cleared, also after a failure. Errors: SALTUS_BAD_INPUT,
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_trajectory_file_read(const char *path, saltus_trajectory_file *file,
                                           saltus_message *message);
