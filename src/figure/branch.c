@@ -1,5 +1,5 @@
-/* Bifurcation diagrams: branches of orbits and curves of special points, drawn by gnuplot from a script that
- * holds its own data.
+/* Bifurcation diagrams: branches of orbits, or loci of special points, drawn by gnuplot from a script that
+ * contains the data.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether there are equilibria, or orbits. */
+/* Whether the files contain equilibria (`rests`), or orbits. */
 static bool shows(const saltus_plot_page *page, bool rests) {
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++)
@@ -20,7 +20,7 @@ static bool shows(const saltus_plot_page *page, bool rests) {
     return false;
 }
 
-/* Whether the orbits have periods of their own. */
+/* Whether the orbits have their own periods. */
 static bool shows_cycles(const saltus_plot_page *page) {
     return page->files[0].point_count > 0 &&
            (page->files[0].points[0].trivial_multiplier != 0 || shows(page, true));
@@ -57,7 +57,8 @@ static void put_axes(const saltus_plot_page *page) {
                          axis ? page->y : page->x);
 }
 
-/* What is drawn, and the parameters that all files share, and those of the first where they do not. */
+/* The heading, and the parameters common to all files; parameters that differ have the values of the first
+ * file. */
 static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
     const saltus_branch_options *o = &page->files[0].options;
     saltus_line head = {.length = 0}, parameters = {.length = 0};
@@ -100,7 +101,8 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     return sound;
 }
 
-/* Where nothing was asked for: impact speeds where there are impacts, displacements otherwise. */
+/* Automatic choice of the vertical axis: amplitudes for orbits with their own periods, impact speeds if there
+ * are impacts, otherwise displacements. */
 static saltus_show choose_measure(const saltus_plot_page *page, saltus_show wanted) {
     if (wanted != SALTUS_SHOW_AUTOMATIC)
         return wanted;
@@ -113,7 +115,7 @@ static saltus_show choose_measure(const saltus_plot_page *page, saltus_show want
     return SALTUS_SHOW_DISPLACEMENT;
 }
 
-/* Room around the values of an axis. */
+/* Add margins around the values of an axis. */
 static void pad(saltus_range *range, bool logarithmic, double part, double scale) {
     if (!logarithmic) {
         saltus_range_pad(range, part, scale);
@@ -171,7 +173,7 @@ static saltus_status choose_scales(saltus_plot_page *page, saltus_message *messa
     return SALTUS_OK;
 }
 
-/* Whether there is something to show. A logarithmic axis shows positive values only. */
+/* Whether any point lies in the ranges. A logarithmic axis needs positive values. */
 static saltus_status check_ranges(const saltus_plot_page *page, saltus_message *message) {
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_range ranges[2] = {page->x, page->y}, first = ranges[page->swap];
@@ -235,7 +237,7 @@ static bool is_axis(const saltus_branch_options *o, const char *key) {
     return strcmp(key, o->key[0]) == 0 || (o->key[1][0] && strcmp(key, o->key[1]) == 0);
 }
 
-/* Diagrams over each other need the same axes. */
+/* Files drawn over each other must have the same axes. */
 static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file *b, const char *path,
                                 saltus_message *message) {
     const saltus_branch_options *o = &a->options, *p = &b->options;
@@ -254,7 +256,7 @@ static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file 
     return SALTUS_OK;
 }
 
-/* Whether what the options say of parameters is of parameters that the figure shows. */
+/* Check that ranges and labels refer to parameters that the figure shows. */
 static saltus_status check_options(const saltus_branch_file *file, const saltus_plot_options *options,
                                    saltus_message *message) {
     const saltus_branch_options *o = &file->options;
@@ -275,7 +277,7 @@ static saltus_status check_options(const saltus_branch_file *file, const saltus_
     return SALTUS_OK;
 }
 
-/* Draw a sweep where the first file is one; *drawn tells. */
+/* If the first file is a sweep draw it, and set *drawn. */
 static saltus_status draw_sweep(const char *const *paths, int count, const saltus_plot_options *options,
                                 const char *figure, bool *drawn, saltus_message *message) {
     saltus_sweep_view view = {

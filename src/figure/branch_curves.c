@@ -1,4 +1,4 @@
-/* The parts of a bifurcation diagram that may lie over others: curves, marks and what they mean.
+/* The parts of a bifurcation diagram that can be drawn over other figures: curves, marks and their legend.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
@@ -28,7 +28,7 @@ static const struct {
     [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
 };
 
-/* What there is on a page: hues of curves, kinds of marks, and curves that bound no stable orbit. */
+/* What occurs on a page: hues of curves, kinds of marks, and loci that bound no stable orbit. */
 typedef struct content {
     bool hue[SALTUS_HUES], kind[SALTUS_PLOT_MARKS], dots;
 } content;
@@ -60,7 +60,7 @@ double saltus_plot_legend_height(const saltus_plot_page *page, double width, int
     const double letter = 9.4, sign = 5.6 * letter, beside = 148;
     const content c = find_content(page);
     int most = (int)(width / (page->locus || page->count > 1 ? 310 : 190));
-    /* gnuplot gives all entries the room of the longest, and as many columns as the panel is wide. */
+    /* gnuplot makes all entries as wide as the longest, in as many columns as fit into the panel. */
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS && width < 1000; kind++)
         if (c.kind[kind])
             most = (int)fmin(most, (width - beside) / (letter * (double)strlen(marks[kind].meaning) + sign));
@@ -83,8 +83,7 @@ double saltus_plot_legend_place(const saltus_plot_page *page) {
     return height;
 }
 
-/* Curves, those of stable motion uppermost; on a map each has a white rim. Signs along curves of special
- * points. */
+/* Curves, the stable ones on top; on a map each has a white rim. Loci also get signs. */
 static void put_curves(const saltus_plot_page *page, const content *c) {
     static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
     static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
@@ -110,7 +109,7 @@ static void put_curves(const saltus_plot_page *page, const content *c) {
         }
 }
 
-/* What the lines are: kinds of special points, or files. */
+/* Legend of the lines: kinds of special points, or files. */
 static void put_line_legend(const saltus_plot_page *page, const content *c) {
     static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
@@ -136,8 +135,8 @@ static void put_line_legend(const saltus_plot_page *page, const content *c) {
 void saltus_plot_elements(const saltus_plot_page *page) {
     const content c = find_content(page);
     put_curves(page, &c);
-    /* Marks with a white rim, which lifts them off the curves; those that often lie under others come last.
-     */
+    /* Marks have a white rim that separates them from the curves. Kinds that would often be covered by others
+     * are drawn last. */
     for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
         bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
                      kind != SALTUS_POINT_BE;

@@ -71,7 +71,7 @@ void saltus_plot_place(const saltus_plot_page *page, double x, double y, double 
     place[1] = (page->frame.top - page->frame.bottom) * saltus_range_part(page->y, page->logarithmic[1], y);
 }
 
-/* A row of a place on the page as values of the axes. */
+/* Write a place on the page as values of the axes. */
 static void put_place(const saltus_plot_page *page, const double place[2]) {
     const saltus_frame *f = &page->frame;
     fprintf(page->paper->file, "%.12g %.9g\n",
@@ -79,7 +79,7 @@ static void put_place(const saltus_plot_page *page, const double place[2]) {
             saltus_range_value(page->y, page->logarithmic[1], place[1] / (f->top - f->bottom)));
 }
 
-/* Speed of an event where it is an impact, otherwise NAN. */
+/* Speed of an impact; NAN for other events. */
 static double impact_speed(const saltus_event *event) {
     return event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK ? fabs(event->velocity_before) : NAN;
 }
@@ -96,8 +96,8 @@ saltus_point_kind saltus_plot_mark(saltus_point_kind kind) {
     return kind > SALTUS_POINT_CP ? SALTUS_POINT_CP : kind;
 }
 
-/* The speed of the impact that grazes, where it is known which one does; it may not be among the events, as
- * the orbit touches the stop without an impact. Otherwise it is the slowest. */
+/* The speed of the grazing impact if it is known which one grazes, otherwise of the slowest impact. If it is
+ * not among the events the orbit touches the stop without an impact: speed 0. */
 static double grazing_speed(const saltus_plot_page *page, const saltus_branch_point *point) {
     const double same = 1e-4;
     if (isnan(point->grazing_time))
@@ -114,7 +114,7 @@ static double grazing_speed(const saltus_plot_page *page, const saltus_branch_po
     return 0;
 }
 
-/* Where an orbit that grazes touches the stop; otherwise its largest displacement among those shown. */
+/* For a grazing orbit the displacement at the touch; otherwise the largest displacement among its visits. */
 static double turning_value(const saltus_plot_page *page, const saltus_branch_point *point) {
     double largest = NAN;
     for (int i = 0; i < page->count && page->visits; i++) {
@@ -133,7 +133,7 @@ static double turning_value(const saltus_plot_page *page, const saltus_branch_po
     return largest;
 }
 
-/* What a point shows of its orbit. */
+/* The value that the diagram shows for a point. */
 static double measure(const saltus_plot_page *page, const saltus_branch_point *point) {
     if (page->turning)
         return turning_value(page, point);
@@ -159,8 +159,9 @@ double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *po
     return page->locus ? point->value[1] : page->swap ? point->value[0] : measure(page, point);
 }
 
-/* The displacements at which an orbit turns, freely or at a stop, from once around it, and that of a rest.
- * One that cannot be followed, such as one that the equations have beyond a stop, shows none. */
+/* The displacements at the turning points of an orbit, free or at a stop, from one revolution of the flow; of
+ * an equilibrium its displacement. An orbit that cannot be followed, for instance because it passes a stop,
+ * has none. */
 static saltus_status find_turnings(const saltus_plot_page *page, const saltus_branch_point *point,
                                    saltus_plot_visits *visits, saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();
@@ -172,7 +173,7 @@ static saltus_status find_turnings(const saltus_plot_page *page, const saltus_br
     if (status == SALTUS_OK)
         status = saltus_flow_new((const saltus_system *const *)&system, 1, &options, &flow, message);
     bool sound = status == SALTUS_OK;
-    /* With a period of its own an orbit is one period of the system. */
+    /* For an orbit with its own period the system's period is that of the orbit. */
     const int periods = point->trivial_multiplier != 0 ? 1 : point->periods;
     if (sound && saltus_flow_start(flow, 0, (saltus_time){0, 0}, point->state, &unfollowed) == SALTUS_OK) {
         saltus_lap_begin(&lap, system, point->state);
@@ -181,8 +182,8 @@ static saltus_status find_turnings(const saltus_plot_page *page, const saltus_br
     visits->list = sound ? calloc((size_t)lap.event_count + 2, sizeof *visits->list) : NULL;
     if (sound && !visits->list)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the turning points of a branch");
-    /* The state of a rest, or where an orbit with a period of its own has its highest maximum: an event there
-     * would be found by chance. */
+    /* The state of an equilibrium, or of an orbit with its own period at its highest maximum. Turning events
+     * near that time are skipped: whether they are found depends on rounding. */
     const double apart = 1e-6;
     const bool own = point->trivial_multiplier != 0;
     if ((own || !point->periods) && visits->list)
@@ -200,7 +201,7 @@ static saltus_status find_turnings(const saltus_plot_page *page, const saltus_br
             visits->list[visits->count++] = (saltus_plot_visit){time, event->displacement, -1};
     }
     if (page->amplitude && point->periods && visits->count) {
-        /* The largest and the smallest, among them the one that the state may be. */
+        /* Include the state itself, which may be the largest or smallest value. */
         double own = saltus_system_observed(page->system, point->state);
         saltus_range found = {own, own};
         for (int k = 0; k < visits->count; k++)
@@ -286,14 +287,14 @@ int saltus_plot_hue(const saltus_plot_page *page, int file, int branch) {
     return depth % SALTUS_HUES;
 }
 
-/* How far a multiplier is from making a point one of that kind. */
+/* Distance of a multiplier from the critical value of this kind. */
 static double from_critical(const saltus_multiplier *m, saltus_point_kind kind) {
     if (kind == SALTUS_POINT_NS)
         return m->im != 0 ? fabs(m->log_modulus) : INFINITY;
     return hypot(m->re - (kind == SALTUS_POINT_PD ? -1 : 1), m->im);
 }
 
-/* Whether eigenvalues of an equilibrium have a positive real part other than those that make it special. */
+/* Whether an equilibrium has eigenvalues with positive real part besides the critical ones. */
 static bool others_grow(const saltus_branch_point *point, saltus_point_kind kind) {
     const double still = 1e-6;
     const int critical = kind == SALTUS_POINT_HB ? 2 : kind == SALTUS_POINT_LP ? 1 : 0;
@@ -305,7 +306,7 @@ static bool others_grow(const saltus_branch_point *point, saltus_point_kind kind
     return growing > (near < critical ? critical - near : 0);
 }
 
-/* Whether multipliers are outside the unit circle other than those that make the point special. */
+/* Whether multipliers are outside the unit circle besides the critical ones. */
 static bool others_outside(const saltus_branch_point *point, saltus_point_kind kind) {
     if (!point->periods)
         return others_grow(point, kind);
@@ -320,10 +321,9 @@ static bool others_outside(const saltus_branch_point *point, saltus_point_kind k
     return outside > 0;
 }
 
-/* Whether a point of a curve of special points bounds stable orbits; where its multipliers do not tell, what
- * those of the nearest point that do tell. A grazing point does when the orbit is stable without the impact
- * that grazes. With it the largest multiplier has no bound, and the others tell nothing of those without it.
- */
+/* Whether a point of a locus bounds stable orbits. On a grazing locus: whether the orbit is stable without
+ * the grazing impact. With that impact the largest multiplier is unbounded and the others say nothing about
+ * the orbit without it; then the nearest point with a moderate multiplier decides. */
 static bool bounds_stable(const saltus_branch_file *f, int k) {
     const double huge = 50;
     const saltus_branch_point *points = f->points;
@@ -340,7 +340,8 @@ static bool bounds_stable(const saltus_branch_file *f, int k) {
     return true;
 }
 
-/* Whether an end is worth a mark: not that of the range, nor one of a curve that bounds nothing stable. */
+/* Whether the end of a branch deserves a mark: not at the limits of the range, nor on a locus that bounds
+ * nothing stable. */
 static bool ends_early(const saltus_branch_file *f, const saltus_branch_point *point) {
     const saltus_branch_options *o = &f->options;
     int row = (int)(point - f->points);
@@ -355,19 +356,19 @@ static bool ends_early(const saltus_branch_file *f, const saltus_branch_point *p
 }
 
 bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
-    /* A curve that ends at a point of codimension two has that one's mark. */
+    /* A curve that ends at a point of codimension two has the mark of that point instead. */
     if (point->kind == SALTUS_POINT_EP)
         return ends_early(file, point) && !(point > file->points && point[-1].kind >= SALTUS_POINT_CP);
     return point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus;
 }
 
-/* Whether a point of a branch is as stable as its neighbours: not one at which that changes. */
+/* Whether the stability of this point is that of its neighbours, so not a point where it changes. */
 static bool tells(const saltus_branch_point *point) {
     return point->kind == SALTUS_POINT_REGULAR || point->kind == SALTUS_POINT_UZ ||
            point->kind == SALTUS_POINT_EP;
 }
 
-/* How the curve runs from a point to the next one: at a special point the side tells, not the point. */
+/* At a special point the stability of the neighbouring point decides. */
 saltus_stroke saltus_plot_stroke(const saltus_branch_file *f, int from, int to) {
     const saltus_branch_point *a = &f->points[from], *b = &f->points[to];
     if (f->options.locus != SALTUS_POINT_REGULAR)
@@ -379,23 +380,21 @@ saltus_stroke saltus_plot_stroke(const saltus_branch_file *f, int from, int to) 
     return stable ? SALTUS_STROKE_STABLE : SALTUS_STROKE_UNSTABLE;
 }
 
-/* Curves */
-
-/* A point of a curve: the values of the axes, its place on the page, whether the piece from there to the next
- * one has the stroke that is put, and whether there may be a corner. */
+/* A point of a curve: values of the axes, place on the page, whether the piece to the next point has the
+ * current stroke, and whether the curve may have a corner here. */
 typedef struct curve_point {
     double value[2], place[2];
     bool drawn, corner;
 } curve_point;
 
-/* Whether a branch may have a corner at a point: where an impact comes or goes, chatter or sticking. */
+/* Whether a branch may have a corner at a point: where impacts, chatter or sticking appear or vanish. */
 static bool corner(const saltus_branch_point *point) {
     return point->kind == SALTUS_POINT_GR || point->kind == SALTUS_POINT_CH ||
            point->kind == SALTUS_POINT_ST || point->kind == SALTUS_POINT_EP;
 }
 
-/* The tangent at a point of a smooth run by the parabola through it and its neighbours, over the way along
- * the chords; at the run's ends by that of the next three. */
+/* The tangent at a point of a smooth run: of the parabola through it and its two neighbours, parametrised by
+ * chord length; at the ends of the run through the nearest three points. */
 static void tangent(const curve_point *run, int count, int k, double slope[2]) {
     int middle = k == 0 ? 1 : k == count - 1 ? k - 1 : k;
     const double *a = run[middle - 1].place, *b = run[middle].place, *c = run[middle + 1].place;
@@ -410,11 +409,11 @@ static void tangent(const curve_point *run, int count, int k, double slope[2]) {
     }
 }
 
-/* The rows between points k and k + 1 of a run: a cubic where it can be told from the chord on the page, and
- * where the points stand so near to each other that they tell of its course. */
+/* Write intermediate rows between points k and k + 1 of a run: a cubic, if it visibly differs from the chord
+ * and the points are close enough to determine it. */
 static void put_arc(const saltus_plot_page *page, const curve_point *run, int count, int k) {
     enum { pieces = 8 };
-    const double seen = 0.8, far = 0.25; /* in units; of the page */
+    const double seen = 0.8, far = 0.25; /* in units; as a fraction of the panel's width */
     const double *a = run[k].place, *b = run[k + 1].place;
     double slope[2][2], way = hypot(b[0] - a[0], b[1] - a[1]);
     if (count < 3 || !(way <= far * (page->frame.right - page->frame.left)))
@@ -457,8 +456,8 @@ double saltus_plot_distance(const double at[2], const double a[2], const double 
     return hypot(at[0] - a[0] - part * dx, at[1] - a[1] - part * dy);
 }
 
-/* Whether a place of a curve lies on an earlier one of the same file that is drawn with dashes too: those of
- * both would fill each other's gaps and look solid. */
+/* Whether a place of a curve lies on an earlier dashed curve of the same file: the dashes of both would fill
+ * each other's gaps and look solid. */
 static bool covered(const saltus_plot_page *page, int file, int branch, const double at[2]) {
     const double near = 2; /* units */
     const saltus_branch_file *f = &page->files[file];
@@ -481,8 +480,8 @@ static void between(const double from[2], const double to[2], double part, doubl
         at[i] = from[i] + part * (to[i] - from[i]);
 }
 
-/* Whether a dashed piece of a branch from one point to another is drawn whole. Of one that is covered from
- * somewhere on, over a way that would be seen, a line to there is drawn in its place. */
+/* Whether a dashed piece of a branch is drawn whole. If it is covered nothing is drawn; if only one end is, a
+ * straight line over the rest replaces it. */
 static bool put_uncovered(const saltus_plot_page *page, int file, int branch, const double from[2],
                           const double to[2]) {
     const double seen = 16; /* units */
@@ -507,7 +506,7 @@ static bool put_uncovered(const saltus_plot_page *page, int file, int branch, co
     return false;
 }
 
-/* A branch of one stroke, by the value that its points show. */
+/* A branch of one stroke, with one value per point. */
 static void put_branch(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
                        curve_point *p) {
     const saltus_branch_file *f = &page->files[file];
@@ -526,8 +525,8 @@ static void put_branch(const saltus_plot_page *page, int file, int first, int la
     put_curve(page, p, count);
 }
 
-/* The visit of point b that is nearest in time to one of point a, on the same face; -1 when there is none
- * near. Where an impact is born or dies it has no partner. */
+/* The visit of point b on the same face that is nearest in time to a visit of point a; -1 if none is near, as
+ * for an impact that appears or vanishes. */
 static int nearest_visit(const saltus_plot_visit *from, const saltus_plot_visits *b, int periods) {
     const double near = 0.2; /* of a forcing period */
     double least = near;
@@ -542,7 +541,7 @@ static int nearest_visit(const saltus_plot_visit *from, const saltus_plot_visits
     return nearest;
 }
 
-/* Each must be the other's nearest. */
+/* Accept only mutually nearest visits. */
 int saltus_plot_partner(const saltus_plot_page *page, int file, int k, int v) {
     const saltus_branch_point *points = page->files[file].points;
     const saltus_plot_visits *a = &page->visits[file][k], *b = &page->visits[file][k + 1];
@@ -555,13 +554,13 @@ int saltus_plot_partner(const saltus_plot_page *page, int file, int k, int v) {
     return found >= 0 && nearest_visit(&b->list[found], a, periods) == v ? found : -1;
 }
 
-/* Each visit as a curve of its own, from where it is born to where it dies. */
+/* Each visit as a curve of its own, from where it appears to where it vanishes. */
 static void put_visits(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
                        curve_point *p) {
     const saltus_branch_file *f = &page->files[file];
     for (int k = first; k < last; k++)
         for (int v = 0; v < page->visits[file][k].count; v++) {
-            /* It begins here where no visit of the point before leads to it. */
+            /* A curve begins here if no visit of the previous point leads to it. */
             bool begins = true;
             for (int w = 0; k > first && begins && w < page->visits[file][k - 1].count; w++)
                 begins = saltus_plot_partner(page, file, k - 1, w) != v;
@@ -599,8 +598,7 @@ static bool put_curves(const saltus_plot_page *page, int hue, saltus_stroke stro
     return sound;
 }
 
-/* Signs along curves of special points, at equal distances on the page, so that kinds differ by more than
- * hue. */
+/* Signs along loci at equal distances on the page, so that kinds differ not only by hue. */
 static void put_signs(const saltus_plot_page *page, int hue) {
     const double apart = 130; /* units */
     fprintf(page->paper->file, "$signs_%d << EOD\n# parameters\nNaN NaN\n", hue);

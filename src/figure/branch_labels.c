@@ -1,5 +1,5 @@
-/* Words on a bifurcation diagram, where they do not cover each other: n/p along each stretch of a branch and
- * the names of special points.
+/* Text on a bifurcation diagram, placed without overlaps: n/p along each stretch of a branch, and names of
+ * special points.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
@@ -11,10 +11,10 @@
 
 enum { places_max = 400 };
 
-/* A word's height, in the page's units, and the width of a letter in heights. */
+/* Height of a word in page units, and width of a letter in heights. */
 static const double word_height = 20.2, letter_width = 0.62;
 
-/* Places are in heights of a word, from the panel's lower left corner. */
+/* Places are in word heights, from the panel's lower left corner. */
 typedef struct place {
     double x, y, half_width, half_height;
 } place;
@@ -22,9 +22,9 @@ typedef struct place {
 typedef struct places {
     place taken[places_max];
     int count;
-    double (*lines)[2][2]; /* the pieces of all curves, in heights of a word too */
+    double (*lines)[2][2]; /* the pieces of all curves, also in word heights */
     int line_count;
-    const saltus_branch_point *unnamed[places_max]; /* special points without a place for their names */
+    const saltus_branch_point *unnamed[places_max]; /* special points whose names found no place */
     int unnamed_count;
 } places;
 
@@ -50,7 +50,7 @@ static double apart(place a, place b) {
     return hypot(a.x - b.x, a.y - b.y);
 }
 
-/* The way on the page from row k - 1 to row k of a file. */
+/* Distance on the page from row k - 1 to row k of a file. */
 static double way_to(const saltus_plot_page *page, const saltus_branch_file *f, int k) {
     return apart(place_of(page, &f->points[k], 0), place_of(page, &f->points[k - 1], 0));
 }
@@ -71,8 +71,8 @@ static void put_label(const saltus_plot_page *page, const saltus_line *line, pla
             where.y / high(page), style);
 }
 
-/* The pieces of all curves, of what a branch shows or of each visit. Without memory for them names are placed
- * as if there were none. */
+/* The pieces of all curves, one per branch or one per visit. Without memory, names are placed as if there
+ * were no curves. */
 static void find_lines(const saltus_plot_page *page, places *all) {
     size_t most = 1;
     for (int i = 0; i < page->count; i++)
@@ -99,7 +99,7 @@ static void find_lines(const saltus_plot_page *page, places *all) {
         }
 }
 
-/* How far the curves stay away from a place, as far as it matters. */
+/* Distance from a place to the nearest curve, exact only below `enough`. */
 static double clearance(const places *all, place wanted, double enough) {
     double least = enough;
     for (int k = 0; k < all->line_count; k++)
@@ -108,7 +108,7 @@ static double clearance(const places *all, place wanted, double enough) {
     return least;
 }
 
-/* The same of the whole width of a word there. */
+/* The same for the whole width of a word. */
 static double clearance_of_word(const places *all, place wanted) {
     const double enough = 1.3, half = wanted.half_width - 0.5;
     double least = enough;
@@ -122,7 +122,7 @@ static void take_place(places *all, place taken) {
         all->taken[all->count++] = taken;
 }
 
-/* Whether an earlier point of the same kind, in the order of the files, lies under this one. */
+/* Whether an earlier point of the same kind, in the order of the files, has its mark at this place. */
 static bool named_already(const saltus_plot_page *page, const saltus_branch_point *point) {
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
@@ -135,7 +135,7 @@ static bool named_already(const saltus_plot_page *page, const saltus_branch_poin
     return false;
 }
 
-/* Whether a name there would be nearer to the mark of a point of another kind than to its own. */
+/* Whether a name at this place would be nearer to the mark of a point of another kind. */
 static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted) {
     const double same = 0.3;
     const place own = place_of(page, point, 0);
@@ -161,12 +161,13 @@ static void put_point_name(const saltus_plot_page *page, const char *word, place
     take_place(all, where);
 }
 
-/* A special point's name beside it, as near as the curves allow. */
+/* Put a special point's name beside it, at the place farthest from the curves. */
 static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, places *all) {
     static const double shift[][2] = {
         {0, 1.2}, {1.7, 0.6}, {-1.7, 0.6}, {1.8, 0},    {-1.8, 0},   {1.7, -0.6},  {-1.7, -0.6}, {0, -1.2},
         {0, 1.9}, {0, -1.9},  {1.9, 1.5},  {-1.9, 1.5}, {1.9, -1.5}, {-1.9, -1.5}, {2.7, 0.4},   {-2.7, 0.4}};
-    /* Nearer a curve strikes the name through; one that no mark tells is written all the same. */
+    /* A curve nearer than this would strike the name through; kinds without a mark of their own are named
+     * even then. */
     const double enough = 0.75, least = point->kind >= SALTUS_POINT_CP ? 0 : 0.3;
     const char *word = saltus_point_word(point->kind);
     place best = {0, 0, 0, 0};
@@ -175,7 +176,7 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
         return;
     for (size_t k = 0; k < sizeof shift / sizeof shift[0] && widest < enough; k++) {
         place wanted = place_of(page, point, strlen(word));
-        /* The shifts are those of a name of two letters. */
+        /* The shifts are for names of two letters. */
         double longer = 0.5 * letter_width * ((double)strlen(word) - 2);
         wanted.x += shift[k][0] + (shift[k][0] > 0 ? longer : shift[k][0] < 0 ? -longer : 0);
         if (shift[k][0] == 0)
@@ -194,7 +195,7 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
         all->unnamed[all->unnamed_count++] = point;
 }
 
-/* Whether a line from a point to a place crosses no name, no mark but those at the point, and no curve but
+/* Whether a line from a point to a place crosses no name, no mark except at the point, and no curve except
  * there. */
 static bool leads(const places *all, place from, place to) {
     const double step = 0.2, begin = 0.9, near = 0.12, mark = 0.42; /* in heights of a word */
@@ -205,7 +206,7 @@ static bool leads(const places *all, place from, place to) {
         if (clearance(all, at, near) < near)
             return false;
         for (int k = 0; k < all->count; k++) {
-            /* Of what is taken by a word some is the room around it. */
+            /* The space taken by a word includes a margin. */
             const place *taken = &all->taken[k];
             if (apart(*taken, from) > begin && fabs(taken->x - at.x) < fmax(mark, taken->half_width - 0.3) &&
                 fabs(taken->y - at.y) < fmax(mark, taken->half_height - 0.25))
@@ -215,8 +216,8 @@ static bool leads(const places *all, place from, place to) {
     return true;
 }
 
-/* The names for which there was no place beside their points, farther away with lines that lead to them; no
- * more of these than can be told apart. */
+/* Put names that found no place beside their points farther away, with a line to the point; only as many as
+ * remain readable. */
 static void lead_to_names(const saltus_plot_page *page, places *all) {
     enum { ways = 36, most = 40 };
     const double nearest = 2.2, farthest = 8, step = 0.6, enough = 0.6;
@@ -231,7 +232,7 @@ static void lead_to_names(const saltus_plot_page *page, places *all) {
                 place wanted = place_of(page, point, strlen(word));
                 wanted.x += away * across;
                 wanted.y += away * up;
-                /* The line ends at the border of the word. */
+                /* The line ends at the edge of the word. */
                 const double rest = fmin(fabs((wanted.half_width - 0.4) / across), fabs(0.5 / up));
                 const place end = {wanted.x - rest * across, wanted.y - rest * up, 0, 0};
                 named = is_free(page, all, wanted) && !misleads(page, point, wanted) &&
@@ -247,7 +248,7 @@ static void lead_to_names(const saltus_plot_page *page, places *all) {
     }
 }
 
-/* A stretch of one branch on which the motion has one name. */
+/* A stretch of one branch along which the label of the motion is the same. */
 typedef struct stretch {
     int first, last; /* rows of the file */
     double length;   /* on the page */
@@ -268,7 +269,7 @@ static stretch find_stretch(const saltus_plot_page *page, const saltus_branch_fi
     return s;
 }
 
-/* The row nearest to a part of a stretch's length. */
+/* The row nearest to a fraction `part` of a stretch's length. */
 static int row_at(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, double part) {
     double passed = 0;
     for (int k = s.first + 1; k <= s.last; k++) {
@@ -279,13 +280,13 @@ static int row_at(const saltus_plot_page *page, const saltus_branch_file *f, str
     return s.first;
 }
 
-/* How far a place is from the piece of a curve between row k of a file and the next. */
+/* Distance from a place to the piece of a curve between row k of a file and the next. */
 static double from_piece(const saltus_plot_page *page, const saltus_branch_file *f, int k, place at) {
     const place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
     return saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y});
 }
 
-/* Whether the row of a stretch lies on an earlier curve of the same motion, which has the name. */
+/* Whether a row lies on an earlier curve with the same label, which is named already. */
 static bool named_below(const saltus_plot_page *page, const saltus_branch_file *f, int row) {
     const double near = 0.15;
     const saltus_branch_point *own = &f->points[row];
@@ -296,7 +297,7 @@ static bool named_below(const saltus_plot_page *page, const saltus_branch_file *
     return false;
 }
 
-/* Whether a name there would be nearer to another curve than to its own stretch. */
+/* Whether a name at this place would be nearer to another curve than to its own stretch. */
 static bool strays(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, place wanted,
                    const places *all) {
     const double slack = 0.1;
@@ -306,8 +307,8 @@ static bool strays(const saltus_plot_page *page, const saltus_branch_file *f, st
     return clearance(all, wanted, own) < own - slack;
 }
 
-/* The name of a stretch on its curve where that is long enough, otherwise beside it; whether there was a
- * place. */
+/* Put the name of a stretch on its curve if that is long enough, otherwise beside it; returns whether there
+ * was a place. */
 static bool name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
     static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
     static const double shift[][2] = {{0, 0},     {0.9, 0.8},  {-0.9, 0.8}, {0.9, -0.8}, {-0.9, -0.8},
@@ -316,7 +317,7 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                                                     "#7a5c00", "#444444", "#7d004b"};
     const saltus_branch_file *f = &page->files[file];
     saltus_line name = {.length = 0};
-    /* n/p, with the kind of point and what the files differ in on curves of these */
+    /* The label; on loci also the kind of point and the parameters in which the files differ. */
     if (page->locus)
         saltus_line_add(&name, "%s ", saltus_point_word(f->options.locus));
     saltus_line_plain(&name, f->points[s.first].label);
@@ -339,7 +340,7 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
                                                              : 0) *
                                             fmax(0, 0.5 * letter_width * (letters - 3));
             wanted.y += shift[way][1];
-            /* The row's own visits may have no curve. */
+            /* A row without visits has no curve here. */
             if ((page->visits && !page->visits[file][row].count) || !is_free(page, all, wanted) ||
                 (way > 0 && (clearance_of_word(all, wanted) < 0.75 || strays(page, f, s, wanted, all))))
                 continue;
@@ -352,7 +353,7 @@ static bool name_stretch(const saltus_plot_page *page, int file, stretch s, plac
     return false;
 }
 
-/* The stretches of one stability; those at the same place of the page with one name have one label. */
+/* Name the stable or the unstable stretches; equal names at the same place of the page are written once. */
 static void name_stretches(const saltus_plot_page *page, bool stable, places *all) {
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
@@ -362,7 +363,7 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
             bool solid =
                 s.last > s.first && saltus_plot_stroke(f, s.first, s.first + 1) == SALTUS_STROKE_STABLE;
             bool begins = k == 0 || f->points[k - 1].branch != f->points[k].branch;
-            /* Of branches that set out from one orbit one has its name. */
+            /* Several branches from the same orbit are named once. */
             bool known = begins && begun && begun->branch != f->points[k].branch &&
                          strcmp(begun->label, f->points[k].label) == 0 &&
                          apart(place_of(page, begun, 0), place_of(page, &f->points[k], 0)) < 0.1;
@@ -380,7 +381,7 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
     }
 }
 
-/* The special points of all files: the places of their marks are taken, or they get their names. */
+/* Special points of all files: reserve the places of their marks, or write their names. */
 static void name_points(const saltus_plot_page *page, bool marks, places *all) {
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
@@ -396,7 +397,7 @@ static void name_points(const saltus_plot_page *page, bool marks, places *all) {
         }
 }
 
-/* The names asked for, in letters that stand out from the curves' own. */
+/* The labels requested by the caller, in larger type than the other names. */
 static void name_regions(const saltus_plot_page *page, places *all) {
     const char *first = page->files[0].options.key[0];
     for (int k = 0; k < page->options->label_count; k++) {
@@ -436,7 +437,7 @@ bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes
     return true;
 }
 
-/* The k-th value of a file; false beyond the last. *differs: the files do not share it. */
+/* The k-th value of a file; false beyond the last. *differs: not the same in all files. */
 static bool value_in(const saltus_plot_page *page, int file, int k, saltus_plot_value *v, bool *differs) {
     const saltus_branch_options *o = &page->files[0].options;
     const char *const axes[2] = {o->key[0], o->key[1]};
@@ -471,12 +472,12 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
 }
 
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context) {
-    const double h = word_height, step = 0.2, rim = 0.2; /* in heights of a word */
+    const double h = word_height, step = 0.2, rim = 0.2; /* in word heights */
     places all = {.count = 0};
     find_lines(page, &all);
     name_regions(page, &all);
     name_points(page, true, &all);
-    /* A map tells the motions by colours; on curves of special points what is on them comes first. */
+    /* On a map the colours identify the motions; on loci the names of points come first. */
     if (!page->over_map && !page->locus)
         name_stretches(page, true, &all);
     name_points(page, false, &all);

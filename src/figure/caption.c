@@ -40,7 +40,7 @@ void saltus_line_number(saltus_line *l, const char *format, double value) {
     saltus_line_add(l, "%s%s", value < 0 ? "−" : "", text);
 }
 
-/* The index behind a letter, k2, F02, kz, mu_m; NULL where it is the rest of a word, gap. */
+/* The index after a letter (k2, F02, kz, mu_m); NULL if it is the rest of a word (gap). */
 static const char *index_of(const char *rest) {
     bool index = strspn(rest, "0123456789") == strlen(rest) || (strlen(rest) == 1 && rest[0] != '_');
     return index ? rest : rest[0] == '_' && rest[1] && !strchr(rest + 1, '_') ? rest + 1 : NULL;
@@ -81,7 +81,7 @@ void saltus_line_state(saltus_line *l, const saltus_system *system, int entry) {
     saltus_line_add(l, "}%s", rate ? "′" : "");
 }
 
-/* Whether one of two keys (NULL: none) is the property `name` of stop s. */
+/* Whether one of two keys (may be NULL) is the property `name` of stop s. */
 static bool varies(const char *const varied[2], const char *name, int s) {
     return (varied[0] && saltus_key_means(varied[0], name, s)) ||
            (varied[1] && saltus_key_means(varied[1], name, s));
@@ -155,8 +155,8 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
         saltus_line_add(l, ";  no stop");
 }
 
-/* Pass a letter of a text, or what only sets it: a brace with what it asks for, an index, an escape. Whether
- * it is shown. */
+/* Skip one letter of a text, or an element that only formats it: a brace with its command, an index, an
+ * escape. Returns whether it is visible. */
 static bool pass_letter(const char **text, int *depth) {
     const char c = *(*text)++;
     if (c == '{' || c == '}')

@@ -7,7 +7,7 @@
 
 #include <stddef.h>
 
-/* Text under construction; what does not fit is cut off. */
+/* Text under construction; excess text is cut off. */
 typedef struct saltus_line {
     char text[1024];
     size_t length;
@@ -18,29 +18,28 @@ void saltus_line_add(saltus_line *l, const char *format, ...)
     __attribute__((format(printf, 2, 3)))
 #endif
     ;
-/* ";  " behind what there is already, if there is anything. */
+/* Append a separator ";  " unless the line is empty. */
 void saltus_line_next(saltus_line *l);
-/* Text from a user's file: everything that enhanced text or a quoted string would take for a command is
- * escaped. */
+/* Text from a user's file; characters with a meaning in enhanced text or quoted strings are escaped. */
 void saltus_line_plain(saltus_line *l, const char *text);
-/* A number, formatted by one conversion, with a true minus sign. */
+/* A number formatted with one conversion; a minus sign replaces the hyphen. */
 void saltus_line_number(saltus_line *l, const char *format, double value);
 /* The name of an entry of the state. */
 void saltus_line_state(saltus_line *line, const saltus_system *system, int entry);
 /* The symbol of a parameter: a Greek letter or an italic Latin one, digits as subscripts. */
 void saltus_line_symbol(saltus_line *l, const char *name);
-/* What a parameter means, followed by its symbol; the bare symbol where the meaning is a formula. */
+/* The meaning of a parameter and its symbol; only the symbol if the meaning is a formula. */
 void saltus_line_parameter(saltus_line *l, const saltus_spec *spec, const char *key);
-/* Name of an axis that shows the observed displacement, or its rate. */
+/* Axis title for the observed displacement, or its velocity. */
 void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velocity);
 /* "0.756 ± 0.008" in gnuplot's enhanced text. */
 void saltus_line_uncertain(saltus_line *line, saltus_uncertain number);
-/* Model, parameters and stops, without the keys (NULL: none) that vary in the figure. */
+/* Model, parameters and stops, except the keys (may be NULL) that vary in the figure. */
 void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]);
-/* How many bytes of enhanced text fit into a line of so many letters: up to a blank outside braces, after a
- * comma or semicolon where there is one in the second half of the line. */
+/* How many bytes of enhanced text fit into a line of `letters` letters: up to a blank outside braces,
+ * preferably after a comma or semicolon in the second half of the line. */
 size_t saltus_line_piece(const char *text, int letters);
-/* How many letters of a text are shown. */
+/* Number of visible letters of a text. */
 int saltus_line_letters(const char *text);
 
 #endif

@@ -1,4 +1,4 @@
-/* How the largest exponent's estimate converged: a panel for any figure, a figure of its own, and a table.
+/* Convergence of the largest exponent's estimate: a panel for any figure, a figure of its own, and a table.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/convergence.h"
 
@@ -20,7 +20,8 @@ void saltus_course_data(const saltus_page *page, const saltus_course *c) {
     fputs("EOD\n", page->file);
 }
 
-/* The range of all estimates, and of their error band except at the beginning, where it may be wide. */
+/* The range of all estimates and of their error bands; at the beginning, where the bands may be wide, only of
+ * the estimates. */
 static saltus_range vertical_range(const saltus_course *c, saltus_range time) {
     const double begin = 0.2;
     double from = time.low * pow(time.high / time.low, begin);
@@ -53,7 +54,7 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     if (!(time.high > 1.2 * time.low))
         time = (saltus_range){time.low / 2, time.high * 2};
     saltus_range range = vertical_range(c, time);
-    /* Values that differ so little that all tics would show the same number are drawn less the final one. */
+    /* If all tics would show the same number, draw differences from the final value instead. */
     double origin = range.high - range.low < alike * fabs(c->exponent) ? c->exponent : 0;
     range = (saltus_range){range.low - origin, range.high - origin};
     bool narrow = frame.right - frame.left < 600, tight = frame.right - frame.left < 200;
@@ -80,7 +81,7 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     saltus_page_draw(page, "convergence");
 }
 
-/* The rows of the history below a header that says what they belong to. */
+/* The rows of the history, below a header with their origin. */
 static void put_table(FILE *file, const saltus_scene *scene, const saltus_system *system,
                       const saltus_lyapunov_options *o, const saltus_lyapunov *l) {
     char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], c[SALTUS_NUMBER_MAX];
@@ -107,7 +108,7 @@ static void put_table(FILE *file, const saltus_scene *scene, const saltus_system
                 saltus_number(l->history[k].exponent, b), saltus_number(l->history[k].standard_error, c));
 }
 
-/* The result, how long and by how many trajectories it was measured, and what casts doubt on it. */
+/* The result, how long and with how many trajectories it was measured, and possible doubts. */
 static void put_caption(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
                         const saltus_lyapunov *l, double precision) {
     const bool finite = isfinite(l->exponents[0]);

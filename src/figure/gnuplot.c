@@ -1,5 +1,5 @@
-/* Running gnuplot. Script, picture and error messages pass through temporary files without a name: nothing
- * can be left behind, and no pipe can fill up and block.
+/* Running gnuplot. Script, picture and error messages pass through nameless temporary files: nothing is left
+ * behind, and no pipe can fill up and block.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/page.h"
 
@@ -16,8 +16,8 @@ extern char **environ;
 
 enum { exit_absent = 127 };
 
-/* Run gnuplot with these three as its standard streams; its wait status in *outcome. Returns 0 or an errno.
- */
+/* Run gnuplot with these files as its standard streams; *outcome is its wait status. Returns 0 or an
+ * errno. */
 static int run(FILE *script, FILE *picture, FILE *complaints, int *outcome) {
     char name[] = "gnuplot", plain[] = "--default-settings";
     char *const arguments[] = {name, plain, NULL};
@@ -37,12 +37,11 @@ static int run(FILE *script, FILE *picture, FILE *complaints, int *outcome) {
     while (waitpid(child, outcome, 0) < 0)
         if (errno != EINTR)
             return errno;
-    /* POSIX: where posix_spawnp cannot report that there is no such program, the child exits with 127. */
+    /* POSIX allows posix_spawnp to succeed if the program does not exist; the child then exits with 127. */
     return WIFEXITED(*outcome) && WEXITSTATUS(*outcome) == exit_absent ? ENOENT : 0;
 }
 
-/* The line of gnuplot's complaints that says what is wrong: "..., line 7: ..." or, failing that, the last
- * one. */
+/* The line of gnuplot's error messages that names the error ("..., line 7: ..."), otherwise the last line. */
 static void pick_complaint(FILE *complaints, char *text, size_t room) {
     char line[512];
     bool named = false;
@@ -58,7 +57,7 @@ static void pick_complaint(FILE *complaints, char *text, size_t room) {
     }
 }
 
-/* Whether the picture is complete: a full disk under $TMPDIR would cut off its last bytes. */
+/* Whether the picture is complete; a full disk at $TMPDIR cuts off its end. */
 static bool complete(FILE *picture) {
     char tail[64] = "";
     if (fseek(picture, -(long)(sizeof tail), SEEK_END) != 0 ||

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A page whose size is asked for has type of eight points, of which the usual letter has 52/3 units. */
+/* Pages of a requested size have type of eight points; a letter of the usual size is 52/3 units high. */
 static const double tallest = 235; /* of a journal's page, in millimetres */
 static const double mm_per_unit = 8 * 25.4 / 72 / (13 * 96 / 72.0), usual_width = 1600, usual_height = 1200;
 
@@ -50,7 +50,7 @@ saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus
                       : saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
 }
 
-/* The usual page is for screens; one of a size asked for is printed, with 300 dots to the inch. */
+/* Pages without a requested size are for screens; the others are for print, with 300 dots per inch. */
 static void put_terminal(const saltus_page *page) {
     const double inch = mm_per_unit / 25.4, dot = 300 * inch, points = 72 * inch;
     double w = page->width, h = page->height;
@@ -66,7 +66,7 @@ static void put_terminal(const saltus_page *page) {
         fprintf(page->file,
                 "svg size %.0f,%.0f %s enhanced font 'DejaVu Sans,17' background '#ffffff' rounded\n", w, h,
                 sized ? "fixed" : "dynamic");
-    else if (sized) /* there a font of 13 has 52/3 points */
+    else if (sized) /* in this terminal a font of 13 has 52/3 points */
         fprintf(page->file,
                 "pdfcairo size %.5gin,%.5gin enhanced font 'DejaVu Sans,13' fontscale %.5g linewidth %.5g "
                 "pointscale %.5g rounded\n",
@@ -77,7 +77,7 @@ static void put_terminal(const saltus_page *page) {
               page->file);
 }
 
-/* Copy the picture to its place. One in an SVG file is told in units; its size on paper is added. */
+/* Copy the picture to its place; in an SVG file the size in units is replaced by the size on paper. */
 static saltus_status deliver(const saltus_page *page, FILE *picture, saltus_message *message) {
     saltus_output output;
     char block[65536], units[64];
@@ -105,8 +105,8 @@ static saltus_status deliver(const saltus_page *page, FILE *picture, saltus_mess
     return saltus_output_close(&output, status, message);
 }
 
-/* The script as it is, and after its terminal, in the second line, the name of the figure, which it draws in
- * the folder where it is run. */
+/* Copy the script, and after its second line, the terminal, add the name of the figure, which will be drawn
+ * in the current folder. */
 static saltus_status keep_script(const saltus_page *page, saltus_message *message) {
     saltus_output output;
     int lines = 0;
@@ -140,8 +140,6 @@ saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_
     return status;
 }
 
-/* Words */
-
 bool saltus_page_narrow(const saltus_page *page) {
     return page->width < 1000;
 }
@@ -151,7 +149,7 @@ void saltus_page_label(const saltus_page *page, const char *text, double x, doub
             style);
 }
 
-/* Lay the caption out from the page's upper edge down, and put it where that is asked for. */
+/* Lay out the caption from the page's upper edge downwards, and write it if `put`. */
 static void lay_caption(saltus_page *page, bool put) {
     const bool narrow = saltus_page_narrow(page);
     const double margin = narrow ? 12 : 48;
@@ -240,8 +238,6 @@ void saltus_page_begin(saltus_page *page) {
     saltus_page_template(page, "style");
 }
 
-/* Panels */
-
 saltus_frame saltus_page_rest(const saltus_page *page, double below) {
     bool narrow = saltus_page_narrow(page);
     return (saltus_frame){narrow ? 124 : 144, page->width - (narrow ? 24 : 43.2), narrow ? 74 : 93.6,
@@ -271,7 +267,7 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
     return (saltus_frame){x, x + span * width + (span - 1) * beside, y, y + height};
 }
 
-/* End the script with a sentence where a frame is not so large. */
+/* Stop gnuplot with a message if a frame is smaller than this. */
 static void demand_room(const saltus_page *page, saltus_frame frame, double least) {
     if (!(frame.right - frame.left >= least && frame.top - frame.bottom >= least))
         fputs("exit error 'the page has no room for its panels: make it larger, or leave the words out'\n",
@@ -312,9 +308,8 @@ void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
             frame.top / page->height);
 }
 
-/* Tics at 1, 2 and 5 times powers of ten of a logarithmic axis of that length, as far as
- * there is room for their numbers; at powers of ten alone over many decades, equally spaced over less than
- * one. */
+/* Tics of a logarithmic axis of this length: at 1, 2 and 5 times powers of ten, as far as their numbers fit;
+ * over many decades at powers of ten only, over less than one equally spaced. */
 static void put_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range) {
     static const double parts[] = {1, 2, 5};
     const double letter = 9.5, apart = 8, beyond = 20;
@@ -324,7 +319,7 @@ static void put_log_tics(const saltus_page *page, const char *axis, double lengt
         fprintf(page->file, "set %stics auto\nset format %s '10^{%%T}'\n", axis, axis);
         return;
     }
-    if (ratio < 4) { /* a decade at 1, 2 and 5 would leave few tics, or none */
+    if (ratio < 4) { /* less than a decade: tics at 1, 2 and 5 would be too few */
         double decade = pow(10, floor(log10(width / 6)));
         double step = decade * (width / 6 < 1.5 * decade ? 1 : width / 6 < 3.5 * decade ? 2 : 5);
         for (double k = ceil(range.low / step); k * step <= range.high && count < 24; k++)
@@ -334,7 +329,7 @@ static void put_log_tics(const saltus_page *page, const char *axis, double lengt
             for (int k = 0; k < 3 && count < 24; k++)
                 values[count++] = parts[k] * decade;
     fprintf(page->file, "set %stics (", axis);
-    /* Where there is room for a number beside the one before and on the page. */
+    /* Skip numbers that would touch the one before or leave the page. */
     double taken = -INFINITY;
     for (int k = 0; k < count; k++) {
         char number[32];
@@ -351,7 +346,7 @@ static void put_log_tics(const saltus_page *page, const char *axis, double lengt
 
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
                       const char *name, saltus_range range) {
-    const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* over the axis's ends */
+    const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* overhang at the ends */
     const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
     const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
                  size = usual * (length + over) / (letter * saltus_line_letters(name));
@@ -367,7 +362,7 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
         fprintf(page->file, "set logscale %s\n", axis);
         put_log_tics(page, axis, length, range);
     } else if (narrow || length < 220) {
-        /* Long numbers need room beside each other; but a scale needs three of them, or two. */
+        /* Long numbers need room beside each other, but an axis needs at least two or three of them. */
         double tics = across ? fmin(fmax(length / 45, 2), 5) : 5, step = saltus_page_tic_step(range, tics);
         if (floor(range.high / step) - ceil(range.low / step) < (tics < 5 ? 1 : 2))
             step /= 2;

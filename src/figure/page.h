@@ -1,5 +1,5 @@
-/* Private: a page of a figure under way: gnuplot's script with its data, in one style and of the size asked
- * for.
+/* Private: a page of a figure being drawn: gnuplot's script with its data, in a common style and in the
+ * requested size.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FIGURE_PAGE_H
 #define SALTUS_FIGURE_PAGE_H
@@ -11,103 +11,104 @@
 
 enum { SALTUS_CAPTION_LINES = 8 };
 
-/* Lengths on a page are in units of which a letter of the usual size takes 17.3 in height, whatever the size
- * of the page: one of 1600 by 1200 units is the usual one, a column of a journal has 522. */
+/* Lengths on a page are in units such that a letter of the usual size is 17.3 units high on any page. The
+ * default page has 1600 by 1200 units, a column of a journal is 522 units wide. */
 typedef struct saltus_page {
     FILE *file; /* gnuplot's script */
     const char *path;
     saltus_figure_options look;
     double width, height;
-    bool free_height; /* no height was asked for: the figure chooses it before the page begins */
+    bool free_height; /* no height was requested: the figure chooses it before the page begins */
     double top;       /* lower edge of the caption */
     saltus_line caption[SALTUS_CAPTION_LINES]; /* the heading first */
     const char *colour[SALTUS_CAPTION_LINES];
     int caption_lines;
 } saltus_page;
 
-/* A rectangle of the page in its units, from the lower left corner. */
+/* A rectangle on the page, in units from the lower left corner. */
 typedef struct saltus_frame {
     double left, right, bottom, top;
 } saltus_frame;
 
-/* The numbers that an axis goes over. */
+/* The range of an axis. */
 typedef struct saltus_range {
     double low, high;
 } saltus_range;
 
-/* Widen a range to hold a value, or by a part of its width; an empty range gets a width from `scale`. */
+/* Extend a range to include a value, or by a fraction of its width on both sides; an empty range gets a width
+ * from `scale`. */
 void saltus_range_add(saltus_range *range, double value);
 void saltus_range_pad(saltus_range *range, double part, double scale);
-/* The range of a logarithmic axis of measured values ends ten decades below the largest: less is rounding. */
+/* For logarithmic axes of measured values: cut the range off ten decades below the largest value; smaller
+ * values are rounding errors. */
 void saltus_range_floor(saltus_range *range);
 
-/* Where a value lies in a range, from 0 to 1, by logarithms where it is of a logarithmic axis, and the value
- * there. */
+/* Convert between a value and its position in a range, from 0 to 1, on a linear or logarithmic axis. */
 double saltus_range_part(saltus_range range, bool logarithmic, double value);
 double saltus_range_value(saltus_range range, bool logarithmic, double part);
 
-/* A page without anything on it; `look` NULL: the usual one. Errors: those of the check, SALTUS_IO. */
+/* Open an empty page; `look` may be NULL. Errors: those of saltus_figure_check, SALTUS_IO. */
 saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus_figure_options *look,
                                saltus_message *message);
-/* The terminal and the style. A narrow page whose height is free, on which a caption has many lines, is given
- * room for it, and no page more than a journal has. What comes after is the caption, data and panels. */
+/* Write the terminal and the style. A narrow page with free height is made higher for a caption of many
+ * lines, up to the height of a journal's page. Caption, data and panels follow. */
 void saltus_page_begin(saltus_page *page);
-/* Draw the page unless `status` is an error, keep its script where that is asked for, and close it. Returns
- * `status` or SALTUS_IO with gnuplot's complaint. */
+/* Draw the page unless `status` is an error, keep its script if requested, and close it. Returns `status`, or
+ * SALTUS_IO with gnuplot's error message. */
 saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message);
 
-/* The caption, told before the page begins: the figure's heading, with the name of the program in a corner,
- * and lines below it. All of it is left out where no heading is wanted; a title that was asked for stands in
- * place of the figure's own. Colours are static. */
+/* Set the caption, before the page begins: the heading, with the program's name in a corner, and lines below
+ * it. It is omitted if no heading is wanted; a title in `look` replaces the figure's own heading. Colours
+ * must be static strings. */
 void saltus_page_heading(saltus_page *page, const saltus_line *own);
 void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour);
 /* The heading, and below it a scene's title, parameters and stops. */
 void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *title,
                        const saltus_system *system);
-/* Put it, once the page has begun. */
+/* Draw the caption, after saltus_page_begin. */
 void saltus_page_caption(saltus_page *page);
 
-/* Ask for a legend of so many rows below the caption. */
+/* Place a legend of `rows` rows below the caption. */
 void saltus_page_legend(const saltus_page *page, int rows);
 
-/* Whether a page is too narrow for panels beside each other in the usual type: a column of a journal. */
+/* Whether the page, such as a column of a journal, is too narrow for panels side by side in the usual
+ * type. */
 bool saltus_page_narrow(const saltus_page *page);
-/* The height for panels below the caption: of the page asked for, or of a journal's. */
+/* The height available for panels below the caption, on the requested page or on a journal's page. */
 double saltus_page_room(const saltus_page *page);
 
-/* What is left of the page for a panel that stays that far below the caption. */
+/* The frame of a panel that fills the page from `below` units under the caption. */
 saltus_frame saltus_page_rest(const saltus_page *page, double below);
-/* The frame of a panel in a grid of so many columns and rows, from a cell (from the upper left, row by row)
- * on over so many columns. */
+/* The frame of a panel in a grid of columns and rows that occupies `span` columns from `cell` on (counted
+ * from the upper left, row by row). */
 saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows);
-/* Place the panel, with a heading behind the letter ('a' + letter), in several lines where the page is
- * narrow.
- */
+/* Set the margins of a panel and write its heading after the letter 'a' + letter, in several lines on a
+ * narrow page. */
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading);
-/* Place the panel; where there is no room for it the script ends with a sentence that says so. */
+/* Set the margins of a panel; if the frame is too small the script stops with a message. */
 void saltus_page_frame(const saltus_page *page, saltus_frame frame);
-/* A label at a place of the page, as text and style of `set label`. */
+/* A label at a place of the page, with the style of `set label`. */
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
-/* Name and range of an axis ("x", "y" or "y2") of a panel, perhaps a logarithmic one; on a page of a size
- * asked for a long name is put in small type. */
+/* Title, range and scale of a panel's axis ("x", "y" or "y2"); on a page of a requested size long titles are
+ * set in smaller type. */
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
                       const char *name, saltus_range range);
-/* A round distance of tics of which there are so many at most. */
+/* A round step that gives at most `tics` tics. */
 double saltus_page_tic_step(saltus_range range, double tics);
-/* Variables of the script, for the templates: a number, and a text without single quotes around it. */
+/* Set variables of the script for the templates: a number, or a text that contains no single quotes. */
 void saltus_page_number(const saltus_page *page, const char *name, double value);
 void saltus_page_text(const saltus_page *page, const char *name, const char *text);
-/* The fixed part of a figure: the file of that name with the ending .gp. */
+/* Write the fixed part of a figure, the template NAME.gp. */
 void saltus_page_template(const saltus_page *page, const char *name);
-/* The same, after which nothing of the panel stays for the next one. */
+/* The same, followed by a reset of the panel's settings. */
 void saltus_page_draw(const saltus_page *page, const char *name);
 
-/* gnuplot.c: run gnuplot on a script (read from its beginning) that draws to standard output; what it draws,
- * complete, in *picture, the caller's to close. The user's own start-up files are not read. Errors: SALTUS_IO
- * with gnuplot's complaint; *picture is NULL then. */
+/* gnuplot.c: run gnuplot on a script (read from its beginning) that draws to standard output. *picture
+ * receives the complete output and is the caller's to close. The user's start-up files are not read. Errors:
+ * SALTUS_IO with gnuplot's error message; *picture is then NULL. */
 saltus_status saltus_gnuplot_run(FILE *script, FILE **picture, saltus_message *message);
 
-/* The templates, in no order; made by the build. */
+/* The templates, in no particular order; generated by the build. */
 typedef struct saltus_template {
     const char *name, *text;
 } saltus_template;

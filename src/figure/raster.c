@@ -56,7 +56,7 @@ long long saltus_raster_changes(const saltus_raster *raster) {
     return count;
 }
 
-/* Linear red, green and blue of an Oklab colour; whether a screen can show it. */
+/* Convert an Oklab colour to linear red, green and blue; returns whether a screen can show it. */
 static bool linear_of(double lightness, double chroma, double hue, double linear[3]) {
     double degree = acos(-1.0) / 180, a = chroma * cos(hue * degree), b = chroma * sin(hue * degree);
     double l = lightness + 0.3963377774 * a + 0.2158037573 * b,
@@ -95,7 +95,7 @@ uint32_t saltus_colour_mix(uint32_t a, uint32_t b, double part) {
     return mixed;
 }
 
-/* The colour at a part of a list of equally spaced ones. */
+/* Interpolate at a fraction `part` of a list of equally spaced colours. */
 static uint32_t between(const uint32_t *list, int count, double part) {
     double place = fmin(fmax(part, 0), 1) * (count - 1);
     int k = place >= count - 1 ? count - 2 : (int)place;
@@ -118,9 +118,9 @@ bool saltus_colour_light(uint32_t colour) {
     return 0.299 * part_of(colour, 0) + 0.587 * part_of(colour, 1) + 0.114 * part_of(colour, 2) > 140;
 }
 
-/* Clouds of points as densities: a histogram in two dimensions at the resolution of the page. Each trajectory
- * has the weight one, which its points share: a periodic one with few points is dark, one that never repeats
- * is a veil, and how long each was recorded does not matter. */
+/* Clouds of points as densities: a two-dimensional histogram at the resolution of the page. Every trajectory
+ * has weight 1, divided among its points: periodic ones with few points are dark, others form a veil, and the
+ * length of the recording does not matter. */
 
 bool saltus_tally_open(saltus_tally *tally, int width, int height) {
     size_t size = (size_t)width * (size_t)height;
@@ -137,7 +137,7 @@ void saltus_tally_close(saltus_tally *tally) {
     *tally = (saltus_tally){0};
 }
 
-/* The part of pixel k that lies between two places. */
+/* The fraction of pixel k between two positions. */
 static double overlap(int k, double low, double high) {
     return fmax(0, fmin(high, k + 1) - fmax(low, k));
 }
@@ -160,7 +160,7 @@ static double density_at(const saltus_tally *tally, size_t k) {
     return tally->weight[k] / fmin(tally->cover[k], 1);
 }
 
-/* Logarithms of the densities between which opacity grows. */
+/* The logarithms of density between which opacity grows. */
 static void find_tones(const saltus_tally *tally, double *low, double *high) {
     enum { sample = 20000 };
     const double least_ratio = 40, rare = 0.02, common = 0.97;

@@ -1,4 +1,4 @@
-/* The one-page diagnosis of a motion: up to six panels drawn by gnuplot from a script that holds its own
+/* The one-page diagnosis of a motion: up to six panels, drawn by gnuplot from a script that contains the
  * data.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sheet.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A panel in its frame, with the number of its letter. */
+/* Draws a panel in its frame; `letter` is the number of its letter. */
 typedef void panel(const saltus_sheet *sheet, saltus_frame frame, int letter);
 
 enum { panels_most = 6 };
@@ -25,7 +25,7 @@ static void put_axes(const saltus_sheet *sheet, saltus_frame frame, const char *
                 saltus_page_tic_step(across, (frame.right - frame.left) / 100 + 1.5));
 }
 
-/* The axes of the observed displacement and its rate. */
+/* Axes for the observed displacement and its velocity. */
 static void put_observed(const saltus_sheet *sheet, saltus_frame frame, saltus_range x, saltus_range v) {
     saltus_line displacement = {.length = 0}, velocity = {.length = 0};
     saltus_line_observed(&displacement, sheet->system, false);
@@ -33,8 +33,8 @@ static void put_observed(const saltus_sheet *sheet, saltus_frame frame, saltus_r
     put_axes(sheet, frame, displacement.text, x, velocity.text, v);
 }
 
-/* The stops of the observed coordinate that lie in its range: grey beyond the clearance, a line at it.
- * `vertical`: the displacement is drawn across the page. */
+/* Stops of the observed coordinate within its range: a line at the clearance, grey beyond it. `vertical`: the
+ * lines are vertical, as displacement is the horizontal axis. */
 static void put_stops(const saltus_sheet *sheet, bool vertical) {
     saltus_range range = sheet->displacement;
     const char *place =
@@ -52,7 +52,7 @@ static void put_stops(const saltus_sheet *sheet, bool vertical) {
     }
 }
 
-/* Numbers that the templates choose by. */
+/* Variables that control the templates. */
 static void put_facts(const saltus_sheet *sheet, long long events) {
     saltus_page_number(sheet->page, "Impacts", (double)saltus_sheet_impacts(sheet->record, events));
     saltus_page_number(sheet->page, "Contacts", (double)sheet->contacts);
@@ -87,7 +87,7 @@ void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int let
     saltus_page_draw(sheet->page, "history");
 }
 
-/* The section points of a long record, in their own range. */
+/* The section points of a long record, in axes fitted to them. */
 static void put_section(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const double *scale = saltus_system_scale(sheet->system);
     long long count = sheet->section->strobes;
@@ -107,7 +107,7 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     saltus_page_draw(sheet->page, "section");
 }
 
-/* The marks' colours; of more faces than there are colours only those that are hit are shown. */
+/* Number of colours for marks; if there are more faces, only those that are hit are shown. */
 enum { mark_colours = 8 };
 
 static bool is_shown(const saltus_sheet *sheet, int face) {
@@ -119,8 +119,8 @@ static bool is_shown(const saltus_sheet *sheet, int face) {
     return shown;
 }
 
-/* Marks of the impact map: each side of a stop has its colour and its sign; when the colours have all been
- * used they come again with open signs. */
+/* Marks of the impact map: one colour and sign for each side of a stop; once all colours are used they repeat
+ * with open signs. */
 static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
     static const char *const colours[mark_colours] = {"c44e2a", "2c5f8a", "2f8f6f", "8a5aa0",
                                                       "b08a00", "1c1c1c", "4aa3c7", "a03060"};
@@ -144,7 +144,7 @@ static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
     fputc('\n', sheet->page->file);
 }
 
-/* Chatter spans decades of speed, which a logarithmic axis shows. */
+/* The speeds of chatter span decades, so they get a logarithmic axis. */
 static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->section;
     char heading[96], phase_name[64];
@@ -161,7 +161,7 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     int faces = saltus_system_face_count(sheet->system);
     bool narrow = saltus_page_narrow(sheet->page);
     saltus_sheet_impacts_heading(sheet, heading, sizeof heading);
-    if (faces > 1 && !narrow) /* the legend stands beside the panel, or above it */
+    if (faces > 1 && !narrow) /* the legend is beside the panel; on a narrow page above it */
         frame.right -= 156;
     saltus_page_panel(sheet->page, frame, letter, heading);
     if (faces > 1 && narrow) {
@@ -202,7 +202,7 @@ static void put_multipliers(const saltus_sheet *sheet, saltus_frame frame, int l
     saltus_page_draw(sheet->page, "multipliers");
 }
 
-/* Stops are blocks with their tips at (xi, d), where they are near enough to be seen with the pipe. */
+/* Stops are blocks with their tips at (xi, d), if they are near enough to the motion. */
 static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const double across = 0.025, up = 0.09; /* a block's half width, its height over the range's */
     saltus_range range = saltus_sheet_shape_range(sheet), unit = {0, 1},
@@ -222,7 +222,7 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     snprintf(heading, sizeof heading, "shapes of the %.40s; grey: all swept", saltus_model_name(spec->model));
     snprintf(displacement, sizeof displacement, "displacement {/:Italic %s}", n->displacement);
     saltus_page_panel(sheet->page, frame, letter, heading);
-    frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of times */
+    frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of time */
     saltus_page_frame(sheet->page, frame);
     put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range);
     for (int f = 0; f < faces; f++) {
@@ -246,7 +246,8 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     saltus_page_draw(sheet->page, "shapes");
 }
 
-/* Whether a face is a line in the plane of the first two displacements. */
+/* Whether a face is a line in the plane of the first two displacements, so that no other displacement
+ * enters. */
 static bool in_plane(const saltus_sheet *sheet, int face) {
     const double *w = saltus_system_stop_normal(sheet->system, saltus_system_face(sheet->system, face).stop);
     int i = 2;
@@ -304,7 +305,7 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
     const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
     const saltus_spectrum *s = sheet->spectrum;
     saltus_line heading = {.length = 0};
-    bool forcing = false; /* multiples of its frequency are among the lines that can be seen */
+    bool forcing = false; /* whether multiples of the forcing frequency are among the visible lines */
     for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES; k++)
         forcing = forcing || (s->lines[k].harmonic % s->periods == 0 && s->lines[k].decibels > -100);
     saltus_line_observed(&heading, sheet->system, false);
@@ -320,7 +321,7 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
     saltus_spectrum_low_panel(&source, sheet->page, frame, letter, &heading);
 }
 
-/* The panel is lower, to leave room for the key below the heading, and narrower where exponents are so small
+/* The panel is lower to make room for the key below the heading, and narrower if the exponents are so small
  * that their numbers are long. */
 static void put_convergence(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     double size = 0;
@@ -332,8 +333,8 @@ static void put_convergence(const saltus_sheet *sheet, saltus_frame frame, int l
     saltus_course_panel(sheet->page, sheet->system, &sheet->course, frame);
 }
 
-/* Which panels a motion gets: a panel for everything that is known of it. The structure's shapes come only
- * where that leaves room for them, which it always does for an orbit. */
+/* Choose the panels by what is known of the motion. The structure's shapes are shown only if there is room,
+ * as there always is for an orbit. */
 static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) {
     bool line = saltus_notation_of(sheet->system)->structure == SALTUS_STRUCTURE_LINE,
          settled = saltus_verdict_settled(sheet->motion->verdict);
@@ -357,12 +358,12 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
 }
 
 static void put_script(saltus_sheet *sheet, saltus_page *page) {
-    const double low = 300; /* of a panel with heading and axis that is too low to be read */
+    const double low = 300; /* lower panels, with heading and axis, cannot be read */
     panel *chosen[panels_most];
     sheet->page = page;
     saltus_sheet_caption(sheet, page);
-    /* Columns of the grid: panels must be wide enough to be read, and on a narrow page high enough below the
-     * caption. With an odd number of panels the time history takes two columns. */
+    /* Columns of the grid: panels must be wide enough and, on a narrow page, high enough to be read. If the
+     * number of panels is odd the time history takes two columns. */
     const int count = choose_panels(sheet, chosen), wanted = count > 4 ? 3 : count > 1 ? 2 : 1;
     const bool narrow = saltus_page_narrow(page), high = saltus_page_room(page) / count >= low;
     const int most = page->width >= 1500 ? 3
@@ -379,7 +380,7 @@ static void put_script(saltus_sheet *sheet, saltus_page *page) {
     saltus_sheet_data(sheet);
     fprintf(page->file, "set multiplot\n%s", narrow && columns > 1 ? "set tics font ',11'\n" : "");
     saltus_page_caption(page);
-    if (wide && columns == 2) { /* the time history, which takes two cells, begins a row */
+    if (wide && columns == 2) { /* the time history takes two cells, so it must begin a row */
         chosen[1] = chosen[2];
         chosen[2] = saltus_sheet_history;
     }

@@ -14,37 +14,37 @@ typedef struct saltus_sheet {
     const saltus_motion *motion;
     const saltus_trajectory *record;
     const saltus_trajectory *section; /* for section points and impact map */
-    const saltus_spectrum *spectrum;  /* of the first quantity; NULL: none, or nothing moves */
-    const saltus_spectra *spectra;    /* where it comes from */
-    saltus_course course;     /* of the largest exponent, finite numbers only; count 0: not measured */
-    bool orbit;               /* one closed orbit is shown; otherwise a stretch of trajectory */
-    bool strong;              /* curves are so few that they are told apart, and drawn so */
-    bool timed;               /* time is counted in periods, at whose begins there are points */
-    long long rows;           /* rows of the record that are shown, ... */
-    long long events;         /* ... events among them, ... */
-    long long history_rows;   /* ... rows of the time history, from the first one on, ... */
-    long long history_events; /* ... and its events */
-    long long mapped;         /* events of `section` in the impact map */
+    const saltus_spectrum *spectrum;  /* source of section points and impact map */
+    const saltus_spectra *spectra;    /* of the first quantity; NULL: none, or constant */
+    saltus_course course;             /* the spectra that contain it */
+    bool orbit;               /* of the largest exponent, finite numbers only; count 0: not measured */
+    bool strong;              /* shows one closed orbit; otherwise a stretch of trajectory */
+    bool timed;               /* few, distinguishable curves, drawn with strong lines */
+    long long rows;           /* time is in forcing periods, with a point at the beginning of each */
+    long long events;         /* rows of the record that are shown */
+    long long history_rows;   /* events among the rows shown */
+    long long history_events; /* rows of the time history, from the first one on */
+    long long mapped;         /* events of the time history */
     long long contacts;       /* intervals of lasting contact in the time history */
     saltus_range displacement, velocity;
 } saltus_sheet;
 
-/* sheet.c: the first two panels, as they stand in figures of trajectories too. */
+/* sheet.c: the first two panels; figures of trajectories use them too. */
 void saltus_sheet_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter);
 void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int letter);
-/* sheet_data.c: choose what is shown: of a motion, or all of a record. */
+/* sheet_data.c: choose what is shown of a motion, or show a whole record. */
 void saltus_sheet_choose(saltus_sheet *sheet);
 void saltus_sheet_choose_all(saltus_sheet *sheet);
-/* Write it as datablocks of the script; counts the contacts. */
+/* Write the data as datablocks of the script; counts the contacts. */
 void saltus_sheet_data(saltus_sheet *sheet);
-/* That of portrait and history alone. */
+/* Only the data of portrait and history. */
 void saltus_sheet_record_data(saltus_sheet *sheet);
-/* Impacts among the first events of a record. */
+/* Number of impacts among the first `events` events of a record. */
 long long saltus_sheet_impacts(const saltus_trajectory *record, long long events);
 /* Observed displacement and velocity of stroboscopic point k of a record. */
 void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
                          double point[2]);
-/* Range of the structure's shapes over the rows shown; the periods that they are spread over. */
+/* Range of the structure's shapes over the rows shown, and the periods over which the shapes are spread. */
 saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet);
 double saltus_sheet_shape_time(const saltus_sheet *sheet);
 

@@ -1,4 +1,4 @@
-/* The words of a sheet, in gnuplot's enhanced text inside single quotes.
+/* Texts of a sheet, in gnuplot's enhanced text inside single quotes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sheet.h"
 #include "figure/spectrum.h"
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Plain text in which "+-" stands for the sign. */
+/* Append plain text with "+-" replaced by the plus-minus sign. */
 static void add_sentence(saltus_line *l, const char *text) {
     for (const char *sign; (sign = strstr(text, " +- ")); text = sign + 4) {
         saltus_line before = {.length = 0};
@@ -23,7 +23,7 @@ static void add_uncertain(saltus_line *l, double value, double error) {
     saltus_line_uncertain(l, saltus_uncertain_text(value, error));
 }
 
-/* What a motion without a period is, in words. */
+/* Description of a motion without a period. */
 static void add_irregular(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
     if (m->verdict != SALTUS_CHAOTIC && m->verdict != SALTUS_QUASIPERIODIC) {
@@ -41,7 +41,7 @@ static void add_irregular(saltus_line *l, const saltus_motion *m) {
         saltus_line_add(l, ";  section points fill %d closed curve%s", e->curves, saltus_plural(e->curves));
 }
 
-/* The numbers that the verdict rests on besides. */
+/* Further numbers behind the verdict. */
 static void add_evidence(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
     if (saltus_verdict_settled(m->verdict) || e->periods == 0)
@@ -100,7 +100,7 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
                         m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");
 }
 
-/* The leading multipliers; a complex pair is named once, with its modulus. */
+/* The leading multipliers; a complex pair is written once, with its modulus. */
 static void add_multipliers(saltus_line *l, const saltus_motion *m) {
     enum { leading = 4 };
     if (!saltus_verdict_settled(m->verdict) || m->multiplier_count == 0)
@@ -122,7 +122,7 @@ static void add_multipliers(saltus_line *l, const saltus_motion *m) {
     saltus_line_add(l, "%s", m->multiplier_count > leading ? ", …" : "");
 }
 
-/* The exponent of an orbit follows from its largest multiplier. */
+/* The exponent of an orbit, from its largest multiplier. */
 static void add_exponent(saltus_line *l, const saltus_motion *m) {
     if (m->verdict != SALTUS_PERIODIC || isnan(m->lyapunov))
         return;
@@ -138,7 +138,7 @@ static void add_exponent(saltus_line *l, const saltus_motion *m) {
     saltus_line_add(l, " per unit of time");
 }
 
-/* What is shown of a motion that is no closed orbit. */
+/* Which part of a motion without a closed orbit is shown. */
 static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     char method[256];

@@ -1,4 +1,4 @@
-/* The numbers of a sheet: which are shown, and their datablocks in gnuplot's script.
+/* The numbers of a sheet: which ones are shown, and their datablocks in gnuplot's script.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/convergence.h"
 #include "figure/sheet.h"
@@ -26,9 +26,7 @@ void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *rec
     }
 }
 
-/* What is shown */
-
-/* Ranges of the phase portrait, with the stops near the motion. */
+/* Ranges of the phase portrait, extended to stops near the motion. */
 static void find_ranges(saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     saltus_range x = {INFINITY, -INFINITY}, v = x;
@@ -51,7 +49,7 @@ static void find_ranges(saltus_sheet *sheet) {
     sheet->velocity = v;
 }
 
-/* Rows up to a time, that of the last one included. */
+/* Number of rows up to and including a time. */
 static long long rows_until(const saltus_trajectory *r, double time) {
     long long rows = 1;
     while (rows < r->samples && r->time[rows] <= time)
@@ -59,7 +57,7 @@ static long long rows_until(const saltus_trajectory *r, double time) {
     return rows;
 }
 
-/* Events that have both their rows among the first ones. */
+/* Number of events whose two rows are both among the first `rows` rows. */
 static long long events_within(const saltus_trajectory *r, long long rows) {
     long long events = 0;
     while (events < r->event_count && r->event_rows[events] + 1 < rows)
@@ -67,8 +65,8 @@ static long long events_within(const saltus_trajectory *r, long long rows) {
     return events;
 }
 
-/* One closed orbit where the motion has one and the record covers it; otherwise as many whole periods as a
- * picture can hold, the first of them as time history. */
+/* One closed orbit, if the motion is one and the record covers it; otherwise as many whole periods as the
+ * picture can hold, with the first ones as time history. */
 void saltus_sheet_choose(saltus_sheet *sheet) {
     enum { rows_most = 60000, history_periods = 20, mapped_most = 20000 };
     const saltus_trajectory *r = sheet->record;
@@ -89,7 +87,7 @@ void saltus_sheet_choose(saltus_sheet *sheet) {
     sheet->strong = sheet->orbit;
     sheet->timed = true;
     find_ranges(sheet);
-    /* The last finite stretch of the exponent's history, where the exponent is finite itself. */
+    /* If the exponent is finite, the last part of its history in which all values are finite. */
     const saltus_motion *m = sheet->motion;
     const saltus_evidence *e = &m->evidence;
     int first = e->history_count;
@@ -103,7 +101,7 @@ void saltus_sheet_choose(saltus_sheet *sheet) {
 }
 
 void saltus_sheet_choose_all(saltus_sheet *sheet) {
-    enum { few = 50 }; /* periods whose curve and points are still told apart */
+    enum { few = 50 }; /* periods whose curves and points can still be distinguished */
     const saltus_trajectory *r = sheet->record;
     sheet->rows = sheet->history_rows = r->samples;
     sheet->events = sheet->history_events = r->event_count;
@@ -111,8 +109,6 @@ void saltus_sheet_choose_all(saltus_sheet *sheet) {
     sheet->timed = saltus_system_forced(sheet->system);
     find_ranges(sheet);
 }
-
-/* Data */
 
 /* Rows of the trajectory; an empty line where the velocity jumps. */
 static void put_rows(const saltus_sheet *sheet) {
@@ -162,7 +158,7 @@ static void put_contact(saltus_sheet *sheet, double begin, double end, double di
     sheet->contacts++;
 }
 
-/* Whether a face holds throughout the time history, so that no event tells of it. */
+/* Whether a face holds throughout the time history, which therefore has no event of it. */
 static bool holds_throughout(const saltus_sheet *sheet, int f) {
     const saltus_trajectory *r = sheet->record;
     const double *last = r->states + (sheet->history_rows - 1) * r->dimension;
@@ -172,7 +168,7 @@ static bool holds_throughout(const saltus_sheet *sheet, int f) {
            fabs(r->velocity[sheet->history_rows / 2]) < scale;
 }
 
-/* Intervals of lasting contact: begin and end of each, cut off at the ends of the time history. */
+/* Intervals of lasting contact, begin and end of each, clipped to the time history. */
 static void put_contacts(saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     double end = r->time[sheet->history_rows - 1];
@@ -200,8 +196,8 @@ static void put_contacts(saltus_sheet *sheet) {
     fputs("EOD\n", sheet->page->file);
 }
 
-/* Stroboscopic points of what is shown: rows whose time is a whole number of periods. The end of a closed
- * orbit is its begin. */
+/* Stroboscopic points of the part shown: rows at whole numbers of periods. The end of a closed orbit equals
+ * its beginning and is omitted. */
 static void put_strobes(const saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     double point[2];
@@ -244,7 +240,7 @@ double saltus_sheet_shape_time(const saltus_sheet *sheet) {
     return sheet->orbit ? end : fmin(end, 2);
 }
 
-/* Shapes at equal distances of time over one orbit, or over the first two periods. */
+/* Shapes at equal time steps over one orbit, or over the first two periods. */
 static void put_shapes(const saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     saltus_range range[SALTUS_SHEET_POINTS];

@@ -1,4 +1,4 @@
-/* The figure of spectra: for each quantity its low frequencies and, on a logarithmic axis, all of them.
+/* The figure of spectra: for each quantity the low frequencies and, on a logarithmic axis, all frequencies.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/spectrum.h"
 
@@ -10,7 +10,7 @@
 
 enum { cells_per_octave = 96 };
 
-/* Decibels shown of the low frequencies, and of all of them, at most. */
+/* Lowest decibels shown: of the low frequencies, of all frequencies, and the limit of the latter. */
 static const double shallow = -100, deep = -200, least = -340;
 
 /* One quantity's spectrum on the page. */
@@ -26,13 +26,11 @@ typedef struct row {
     double begin, end; /* of the logarithmic axis */
 } row;
 
-/* Data */
-
 static double decibels(double ratio, double factor) {
     return ratio > 0 ? fmax(least, factor * log10(ratio)) : least;
 }
 
-/* Line k's place and height, and whether it is a multiple of the forcing frequency. */
+/* Frequency and height of a line, and whether it is a multiple of the forcing frequency. */
 static void put_line(const row *r, const saltus_spectral_line *line) {
     bool forced = r->s->periods > 1 && line->harmonic % r->s->periods == 0;
     fprintf(r->page->file, "%.9g %.6g %d\n", line->frequency, fmax(line->decibels, least), forced);
@@ -56,8 +54,7 @@ static void put_low_data(const row *r) {
     fputs("EOD\n", r->page->file);
 }
 
-/* Which cell of the logarithmic axis a frequency lies in; the page does not show more than one mark for each.
- */
+/* The cell of the logarithmic axis that contains a frequency; the page resolves one mark per cell. */
 static double cell_of(double frequency) {
     return floor(cells_per_octave * log2(frequency));
 }
@@ -84,8 +81,6 @@ static void put_whole_data(const row *r) {
     fputs("EOD\n", r->page->file);
 }
 
-/* Ranges */
-
 /* The low frequencies end where no line is within 60 dB of the highest, between 4 and 16 omega. */
 static double find_low_end(const saltus_spectrum *s, double peak) {
     double end = 4;
@@ -98,7 +93,7 @@ static double find_low_end(const saltus_spectrum *s, double peak) {
     return fmin(fmin(16, s->per_period / 2.0), ceil(end + 0.25));
 }
 
-/* Below the lowest of what is drawn, as far as numbers of double precision tell anything there. */
+/* A floor below the lowest value drawn, but not below the resolution of double precision. */
 static double find_floor(const row *r) {
     const saltus_spectrum *s = r->s;
     double between = s->between > 0 && isfinite(s->between) ? decibels(s->between, 20) : least;
@@ -127,8 +122,6 @@ static row make_row(const saltus_spectra_source *source, int k, int number, cons
     return r;
 }
 
-/* Panels */
-
 static void open_panel(const row *r, saltus_frame frame, int letter, const saltus_line *heading,
                        saltus_range across, bool logarithmic, double floor) {
     double step = floor < -240 ? 60 : floor < -120 ? 40 : floor < -60 ? 20 : 10;
@@ -141,8 +134,8 @@ static void open_panel(const row *r, saltus_frame frame, int letter, const saltu
     fprintf(r->page->file, "set ytics %g\n", step);
 }
 
-/* What the template draws: the block of that name, down to a floor, with stems up to a frequency and dots of
- * that size. */
+/* Draw the template: a datablock, its axis up to `end` and down to `floor`, with stems up to a frequency and
+ * dots of a given size. */
 static void plot(const row *r, const char *block, double end, double floor, double stems, double dot) {
     char name[32], edge[64];
     snprintf(name, sizeof name, "$%s%d", block, r->number);
@@ -160,7 +153,7 @@ static void plot(const row *r, const char *block, double end, double floor, doub
     for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
         saltus_page_number(r->page, numbers[k].name, numbers[k].value);
     saltus_page_text(r->page, "EdgeName", edge);
-    /* Beside the edge, on the side where there is room. */
+    /* Write it beside the edge, on the side with more room. */
     const double beside = strcmp(block, "low") == 0 ? 1 - r->s->trustworthy / end
                                                     : log(end / r->s->trustworthy) / log(end / r->begin);
     saltus_page_text(r->page, "EdgeSide", beside < 0.25 ? "right offset -0.5,0" : "left offset 0.5,0");
@@ -181,8 +174,8 @@ static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_
             width < 200        ? fmax(1, saltus_page_tic_step(across, 5))
             : r->low_end <= 10 ? 1.0
                                : 2.0);
-    /* Small marks at the upper edge where strong lines stand out of a continuum, unless a stronger line
-     * stands so near that the marks of both would touch. */
+    /* Small marks at the upper edge for strong lines above a continuum, except where they would touch the
+     * mark of a stronger line. */
     for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_WELCH; k++) {
         const saltus_spectral_line *line = &s->lines[k];
         bool marked = line->frequency < r->low_end && line->decibels > -60;
@@ -244,8 +237,6 @@ static void put_whole(const row *r, saltus_frame frame, int letter) {
     plot(r, "whole", r->end, r->floor, 24.0 / (s->periods > 0 ? s->periods : 1), 0.4);
 }
 
-/* Caption */
-
 static void put_caption(const saltus_spectra_source *source, saltus_page *page) {
     char verdict[64], method[256];
     saltus_line head = {.length = 0}, analysed = {.length = 0}, findings = {.length = 0};
@@ -293,8 +284,8 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
     }
     fputs("set multiplot\n", page->file);
     saltus_page_caption(page);
-    /* Two quantities take a row of the page each; one takes both, the low frequencies above. On a narrow page
-     * each panel has a row. */
+    /* Each of two quantities has one row of the page; a single one uses both rows, the low frequencies on
+     * top. On a narrow page each panel has a row. */
     const int columns = count > 1 && !narrow ? 2 : 1, cells = 2 * count;
     for (int cell = 0; cell < cells; cell++) {
         saltus_frame frame = saltus_page_cell(page, cell, 1, columns, (cells + columns - 1) / columns);

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether a file holds the cloud of a view. */
+/* Whether the file holds the data of a view. */
 static bool holds(const saltus_sweep_file *sweep, saltus_view view) {
     if (!saltus_view_is_cloud(view))
         return view != SALTUS_VIEW_LYAPUNOV || (sweep->options.keep & SALTUS_KEEP_LYAPUNOV);
@@ -30,7 +30,7 @@ static saltus_view choose_view(const saltus_sweep_file *sweep, saltus_view wante
                                                         : SALTUS_VIEW_LARGEST;
 }
 
-/* Whether the file holds what the view needs, and ranges are of what it shows. */
+/* Check that the file holds the view's data, and that ranges are for axes that the view shows. */
 static saltus_status check_view(const saltus_sweep_page *page, saltus_message *message) {
     const saltus_sweep_file *sweep = page->sweep;
     const char *word = saltus_view_word(page->view);
@@ -60,7 +60,7 @@ static saltus_status check_view(const saltus_sweep_page *page, saltus_message *m
     return SALTUS_OK;
 }
 
-/* Restrict an axis to what was asked for. */
+/* Restrict an axis to the requested range. */
 static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells, saltus_message *message) {
     const saltus_plot_part *part = saltus_plot_part_of(page->wish->parts, page->wish->part_count, cells->key);
     double low = cells->range.low, high = cells->range.high;
@@ -80,7 +80,7 @@ static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells
     return SALTUS_OK;
 }
 
-/* Whether the axes can be laid out as asked for. */
+/* Check that axes can be exchanged or logarithmic as requested. */
 static saltus_status check_look(const saltus_sweep_page *page, saltus_message *message) {
     const saltus_figure_options *look = &page->wish->look;
     const char *view = saltus_view_word(page->view);
@@ -131,7 +131,7 @@ static saltus_status open_axes(saltus_sweep_page *page, saltus_message *message)
     return status == SALTUS_OK ? check_look(page, message) : status;
 }
 
-/* The displacement that is observed, which depends on the place of the stop. */
+/* The rows that give the observed displacement; they vary along an axis that moves the stop. */
 static saltus_status open_observers(saltus_sweep_page *page, saltus_message *message) {
     const saltus_axis *axis = &page->sweep->axes[0];
     bool moves = strncmp(axis->key, "xi", 2) == 0;
@@ -168,7 +168,7 @@ static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message)
     return saltus_page_close(&page->paper, status, message);
 }
 
-/* Whether two systems of one structure differ in something that is on no axis: in `key`. */
+/* Whether two systems of the same structure differ in a value that no axis varies; *key names it. */
 static bool differ(const saltus_spec *a, const saltus_sweep_file *sweep, char key[SALTUS_KEY_MAX]) {
     const double rounding = 1e-9;
     const saltus_spec *b = &sweep->spec;
@@ -187,8 +187,8 @@ static bool differ(const saltus_spec *a, const saltus_sweep_file *sweep, char ke
     return false;
 }
 
-/* Whether a file is of periodic orbits over the axis, or of special points over both axes, which may come in
- * either order, of a system that differs in nothing else; its first parameter is then the one across. */
+/* Check that a branch file fits the sweep: periodic orbits over the one axis, or a locus over both axes (in
+ * either order, exchanged if needed), of a system that is otherwise equal. */
 static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_file *file, const char *path,
                                   saltus_message *message) {
     const saltus_spec *spec = &page->sweep->spec;
@@ -211,7 +211,7 @@ static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_f
     return SALTUS_OK;
 }
 
-/* Read the branches and draw them with the sweep; their curves show what fits its view. */
+/* Read the branch files and draw them with the sweep; their vertical coordinate follows the view. */
 static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message) {
     static const saltus_show shows[SALTUS_VIEW_SETTLED + 1] = {[SALTUS_VIEW_IMPACTS] = SALTUS_SHOW_IMPACTS,
                                                                [SALTUS_VIEW_SPEED] = SALTUS_SHOW_SPEED,
@@ -261,7 +261,7 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     return status;
 }
 
-/* Draw a sweep that has been read. `path` names it in messages. */
+/* Draw a sweep that has been read; `path` is its name in messages. */
 static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path,
                                 const saltus_sweep_view *view, const char *figure, saltus_message *message) {
     saltus_system *system = NULL;

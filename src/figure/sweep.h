@@ -1,4 +1,4 @@
-/* Private: a figure of a sweep while it is being drawn.
+/* Private: a figure of a sweep being drawn.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FIGURE_SWEEP_H
 #define SALTUS_FIGURE_SWEEP_H
@@ -6,30 +6,30 @@
 #include "figure/branch.h"
 #include "figure/raster.h"
 
-/* The values of an axis in ascending order, each with a cell that reaches half way to its neighbours. Places
- * are values, or their logarithms where these are equally spaced. */
+/* The values of an axis in ascending order, each with a cell that extends halfway to its neighbours. Cell
+ * edges are values, or logarithms of values on a logarithmic axis. */
 typedef struct saltus_cells {
     const char *key;
     bool logarithmic;
     int count;
     int *order;         /* the axis's index of each cell */
-    double *edge;       /* places: cell k lies between edge[k] and edge[k + 1] */
-    saltus_range range; /* of values, what is shown */
+    double *edge;       /* cell k lies between edge[k] and edge[k + 1] */
+    saltus_range range; /* the values shown */
 } saltus_cells;
 
-/* Places are logarithms where the axis is so, or where that is asked for and all values are positive. */
+/* The axis is logarithmic if it is spaced so or if requested, and all values are positive. */
 bool saltus_cells_open(saltus_cells *cells, const saltus_axis *axis, bool logarithmic);
 void saltus_cells_close(saltus_cells *cells);
-/* Where a value lies in the range shown, from 0 to 1, and the value there. */
+/* Convert between a value and its position in the range shown, from 0 to 1. */
 double saltus_cells_part(const saltus_cells *cells, double value);
 double saltus_cells_value(const saltus_cells *cells, double part);
-/* The edge k as a part of the range shown. */
+/* The position of edge k in the range shown. */
 double saltus_cells_edge(const saltus_cells *cells, int k);
-/* The cells that a pixel out of `pixels` shows: those with their middle in it, or the one that it lies in.
- * False when there is none. */
+/* The cells shown by one of `pixels` pixels: those with their middle in it, otherwise the one that contains
+ * it. False if there is none. */
 bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *first, int *last);
 
-/* Textures, as bits: what tells colours apart that look alike to those who do not see red. */
+/* Textures, as bits; they distinguish colours that look alike without red. */
 enum { SALTUS_DOTS = 1, SALTUS_BARS = 2, SALTUS_POSTS = 4 };
 
 /* How a class is painted. */
@@ -38,12 +38,12 @@ typedef struct saltus_paint {
     unsigned texture;
 } saltus_paint;
 
-/* One look for a motion in all figures, by its verdict and n/p alone (impacts -1: complete chatter): the hue
- * and the texture tell the period, the lightness the number of impacts. SALTUS_BEYOND is a verdict, too: a
- * start beyond a stop. */
+/* The paint of a motion, the same in all figures. It depends only on verdict and n/p (impacts -1: complete
+ * chatter): hue and texture show the period, lightness the number of impacts. SALTUS_BEYOND is an additional
+ * verdict: the start lies beyond a stop. */
 enum { SALTUS_BEYOND = SALTUS_VERDICTS };
 saltus_paint saltus_class_paint(int verdict, int impacts, int periods);
-/* The colour at a place of the page, in units, of what is painted so. */
+/* The colour of a paint at a place of the page, in units. */
 uint32_t saltus_paint_at(saltus_paint paint, int x, int y);
 
 /* A class of rows with the same motion: n/p, held, ... */
@@ -70,62 +70,63 @@ typedef struct saltus_sweep_page {
     const char *path, *figure;
     saltus_view view;
     const saltus_system *system;
-    saltus_cells x, y; /* of the first axis and, on maps, of the second */
-    saltus_range up;   /* of the numbers shown: up the page, or as colours */
+    saltus_cells x, y; /* the first axis and, on maps, the second */
+    saltus_range up;   /* range of the numbers shown, on the vertical axis or as colours */
     bool logarithmic;  /* `up` is a logarithmic axis */
-    bool asked;        /* `up` is the range that was asked for */
+    bool asked;        /* the caller requested the range `up` */
     bool sides;        /* impact speeds are signed */
-    double *observers; /* rows that give the observed displacement: one, or one for each value of the axis */
+    double *observers; /* rows that map displacements to the observed one: a single row, or one for each value
+                          of the axis */
     int observer_count;
     saltus_classes classes;
     saltus_frame frame;
-    const saltus_plot_page *branches; /* over a diagram, or NULL */
+    const saltus_plot_page *branches; /* branches over a diagram; NULL: none */
 } saltus_sweep_page;
 
-/* Word of a view, as of --view. */
+/* The word of a view in --view. */
 const char *saltus_view_word(saltus_view view);
-/* Whether a view shows clouds of points: over one axis only. */
+/* Whether a view shows clouds of points, which need a single axis. */
 bool saltus_view_is_cloud(saltus_view view);
-/* The number that a view tells of a row; NAN where there is none. */
+/* The number that a view shows for a row; NAN if there is none. */
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row);
-/* Whether all directions are lost anywhere: an exponent of -infinity. */
+/* Whether any row has the exponent -infinity because all directions are lost. */
 bool saltus_sweep_any_lost(const saltus_sweep_page *page);
-/* The verdict of a row; SALTUS_BEYOND where it failed because the scene's start is beyond a stop there. */
+/* The verdict of a row; SALTUS_BEYOND if it failed because the scene's start lies beyond a stop. */
 int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row);
-/* The point at a cell of each axis of a map, and how much of its cell is shown, from 0 to 1. */
+/* The grid point at a cell of each axis of a map, and the fraction of its cell that is shown, from 0 to 1. */
 long long saltus_sweep_point(const saltus_sweep_page *page, int column, int row);
 double saltus_sweep_shown(const saltus_sweep_page *page, int column, int row);
-/* The rows of a point: the k-th of passes times seeds. */
+/* The number of rows of a grid point, passes times seeds, and the k-th of them. */
 int saltus_sweep_visits(const saltus_sweep_file *sweep);
 long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k);
-/* The class that most of a point's rows have, those not computed left aside; *several: it has more than one
+/* The most frequent class among a point's rows, ignoring pending ones; *several: the point has more than one
  * attractor. */
 int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several);
 
-/* sweep_page.c: words. */
+/* sweep_page.c: texts and legend entries. */
 void saltus_sweep_caption(saltus_sweep_page *page);
 void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line);
-/* Ranges of the second axes for a raster of that size. */
+/* Ranges of the second axes for a raster of this size. */
 void saltus_sweep_put_raster_ranges(FILE *file, int width, int height);
-/* Range, scale, tics and name of an axis ("x" or "y"). */
+/* Range, scale, tics and title of an axis ("x" or "y"). */
 void saltus_sweep_put_axis(const saltus_sweep_page *page, const char *axis, const saltus_cells *cells);
-/* A square of paint with words beside it, as an entry of a legend, and figures at its right end; hatched with
- * lines where asked for. The entry's width in units goes to the figures' end. */
+/* A legend entry: a square of paint, hatched if requested, with text beside it and figures at the right
+ * end. */
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,
                             bool hatched, const char *text, const char *figures);
-/* Words for a class in a legend. */
+/* The text of a class in a legend. */
 void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]);
-/* Pixels of a raster for each unit of the page. */
+/* Pixels of a raster per page unit. */
 int saltus_sweep_fineness(const saltus_sweep_page *page);
 
 /* sweep_cloud.c, sweep_strip.c, sweep_map.c: the figures. Errors:
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message);
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message);
-/* The classes along the axis, one band for each pass, with labels; the strip's panel is drawn whole. */
+/* The classes along the axis as a strip with names, one band per pass, as a complete panel. */
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame);
-/* The classes that occur in what is shown and have too little room in the strip for their names, in a legend
- * from a height down, if it is to be drawn; the height of its rows. False when there is no memory. */
+/* A legend for the classes shown whose names did not fit into the strip, from `top` downwards; drawn only if
+ * `drawn`. *height receives the height of its rows. False if out of memory. */
 bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame strip, double top, bool drawn,
                                    double *height);
 

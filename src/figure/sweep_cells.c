@@ -1,4 +1,4 @@
-/* What a figure shows of a sweep: axes as cells, rows as classes or as numbers.
+/* The data of a sweep as a figure shows it: axes as cells, rows as classes or numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 
@@ -9,7 +9,7 @@ static double place_of(const saltus_cells *cells, double value) {
     return cells->logarithmic ? log(value) : value;
 }
 
-/* A value with its index, to be sorted. */
+/* A value with its index, for sorting. */
 typedef struct ranked {
     double value;
     int index;
@@ -34,7 +34,7 @@ bool saltus_cells_open(saltus_cells *cells, const saltus_axis *axis, bool logari
         cells->logarithmic = cells->logarithmic && axis->list[k] > 0;
     }
     if (sound) {
-        /* Edges half way between neighbours; the outer cells are as wide outwards as inwards. */
+        /* Edges are halfway between neighbours; the outer cells are symmetric. */
         qsort(values, (size_t)n, sizeof *values, by_value);
         for (int k = 0; k < n; k++) {
             cells->order[k] = values[k].index;
@@ -74,7 +74,7 @@ double saltus_cells_edge(const saltus_cells *cells, int k) {
     return saltus_cells_part(cells, cells->logarithmic ? exp(cells->edge[k]) : cells->edge[k]);
 }
 
-/* How much of cell k is in the range shown, from 0 to 1; of a sliver that no page shows, nothing. */
+/* The fraction of cell k in the range shown, from 0 to 1; 0 for slivers too thin to be visible. */
 static double part_shown(const saltus_cells *cells, int k) {
     const double sliver = 5e-4; /* of the range */
     double low = saltus_cells_edge(cells, k), high = saltus_cells_edge(cells, k + 1),
@@ -160,7 +160,7 @@ int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row) {
                : verdict;
 }
 
-/* What tells classes apart, as one number. */
+/* A number that is different for different classes. */
 static uint64_t key_of(int verdict, int impacts, int periods) {
     bool periodic = verdict == SALTUS_PERIODIC;
     return (uint64_t)(unsigned)verdict << 56 | (periodic ? (uint64_t)(unsigned)periods << 36 : 0) |
@@ -185,8 +185,8 @@ static int index_of(const uint64_t *keys, int count, uint64_t key) {
     return (int)((const uint64_t *)bsearch(&key, keys, (size_t)count, sizeof key, by_key) - keys);
 }
 
-/* The period has a hue; where hues look alike without red a texture tells them apart. Lightness counts the
- * impacts from one to six, and again with posts. */
+/* Each period has a hue, with a texture where hues look alike without red. Lightness counts impacts from one
+ * to six; larger numbers start again with posts. */
 saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
     static const uint32_t plain[SALTUS_VERDICTS] = {
         [SALTUS_PENDING] = 0xffffff,       [SALTUS_EQUILIBRIUM] = 0x5d7f8c, [SALTUS_HELD] = 0x4b5963,
@@ -194,7 +194,7 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
         [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,      [SALTUS_TRANSIENT] = 0x6b6870,
         [SALTUS_IRREGULAR] = 0xaeb0b4};
     static const struct {
-        double hue, lightness; /* of one impact */
+        double hue, lightness; /* for one impact */
         unsigned texture;
     } family[] = {{0, 0.84, SALTUS_BARS | SALTUS_POSTS}, /* chatter */
                   {255, 0.84, 0},
@@ -232,7 +232,7 @@ uint32_t saltus_paint_at(saltus_paint paint, int x, int y) {
                : paint.colour;
 }
 
-/* Fill the list of classes, the most frequent first, and note the class of each row. */
+/* Fill the list of classes, the most frequent first, and store the class of each row. */
 static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const uint64_t *keys,
                  const uint64_t *of_rows) {
     int n = classes->count, *moved = calloc((size_t)n, sizeof *moved);

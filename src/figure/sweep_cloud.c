@@ -1,5 +1,5 @@
-/* Diagrams of sweeps over one axis: clouds of points, and numbers told of each trajectory; behind exponents
- * what is above zero is filled in one colour and what is below in another, with standard errors.
+/* Diagrams of sweeps over one axis: clouds of points, or one number per trajectory. Exponents have standard
+ * errors, with one background colour above zero and another below.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 #include "record/describe.h"
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* More points than these are drawn as densities. */
+/* Larger clouds are drawn as densities. */
 static const long long drawn_singly = 12000;
 
 typedef struct pass_look {
@@ -26,7 +26,7 @@ static pass_look look_of(const saltus_sweep_page *page, int pass) {
     return look;
 }
 
-/* Passes in the order of drawing, so that up lies over down: the k-th of them. */
+/* The k-th pass in the order of drawing, with up drawn over down. */
 static int pass_drawn(const saltus_sweep_page *page, int k) {
     static const saltus_pass order[] = {SALTUS_PASS_DOWN, SALTUS_PASS_RESET, SALTUS_PASS_UP};
     for (int o = 0; o < SALTUS_PASSES; o++)
@@ -36,7 +36,7 @@ static int pass_drawn(const saltus_sweep_page *page, int k) {
     return 0;
 }
 
-/* Points of a row's cloud. */
+/* Number of points in a row's cloud. */
 static long long cloud_count(const saltus_sweep_page *page, long long row) {
     return saltus_view_is_cloud(page->view)
                ? saltus_sweep_entries_of(page->sweep, (int)(page->view - SALTUS_VIEW_TURNING)).count[row]
@@ -68,7 +68,7 @@ static double cloud_value(const saltus_sweep_page *page, long long row, long lon
     case SALTUS_VIEW_STROBOSCOPIC:
         return observed(page, row, k);
     case SALTUS_VIEW_ATTRACTORS:
-        /* Distinct attractors met at the place of a row, where that row is its first seed's. */
+        /* Number of distinct attractors met at this grid point, shown only for the first seed. */
         for (int s = 0; s < sweep->options.seeds && row % sweep->options.seeds == 0; s++)
             most = sweep->rows[row + s].attractor > most ? sweep->rows[row + s].attractor : most;
         return most < 0 ? NAN : most + 1;
@@ -88,13 +88,13 @@ static long long row_of(const saltus_sweep_page *page, int pass, int k) {
     return (pass * page->sweep->points + page->x.order[k]) * page->sweep->options.seeds;
 }
 
-/* How many rows are shown from there on: those of all seeds where the cell is in range. */
+/* Number of rows shown from there on: all seeds if the cell is in range, otherwise none. */
 static int rows_shown(const saltus_sweep_page *page, int k) {
     const double middle = saltus_cells_part(&page->x, axis_value(page, k));
     return middle >= 0 && middle <= 1 ? page->sweep->options.seeds : 0;
 }
 
-/* Whether impacts come with both signs. */
+/* Whether impact speeds of both signs occur. */
 static bool two_sided(const saltus_sweep_page *page) {
     const saltus_sweep_file *sweep = page->sweep;
     bool up = false, down = false;
@@ -107,7 +107,7 @@ static bool two_sided(const saltus_sweep_page *page) {
     return up && down;
 }
 
-/* Clearance of a face where the axis has that value, with the face's sign. */
+/* Position of a face at a value of the axis: its clearance with the face's sign. */
 static double clearance(const saltus_sweep_page *page, saltus_face face, double value) {
     return face.side * (saltus_key_means(page->x.key, "d", face.stop) ? value : face.d);
 }
@@ -117,12 +117,12 @@ static bool shows_displacement(const saltus_sweep_page *page) {
            page->view == SALTUS_VIEW_LARGEST;
 }
 
-/* Whether the figure shows displacements that a face limits. */
+/* Whether the figure shows displacements that the face limits. */
 static bool limits(const saltus_sweep_page *page, saltus_face face) {
     return shows_displacement(page) && saltus_system_stop_observed(page->system, face.stop);
 }
 
-/* Room around the points, for the faces near them, and for zero where that is near. */
+/* Extend a range by margins, to faces near the points, and to zero if that is near. */
 static void pad_range(const saltus_sweep_page *page, saltus_range *range) {
     double width = range->high - range->low;
     bool from_zero = page->view != SALTUS_VIEW_LYAPUNOV && !shows_displacement(page) && range->low >= 0;
@@ -152,7 +152,7 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
                         saltus_range_add(&found, value);
                 }
         }
-    if (page->branches) { /* room for those that are drawn over the cloud */
+    if (page->branches) { /* also include the branches drawn over the cloud */
         const saltus_range curves = saltus_plot_range(page->branches, true);
         saltus_range_add(&found, curves.low);
         saltus_range_add(&found, curves.high);
@@ -187,7 +187,7 @@ static long long points_shown(const saltus_sweep_page *page) {
     return count;
 }
 
-/* Points as numbers of the script. */
+/* The points as numbers in the script. */
 static void put_points(const saltus_sweep_page *page) {
     for (int pass = 0; pass < page->sweep->pass_count; pass++) {
         fprintf(page->paper.file, "$cloud_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
@@ -206,7 +206,7 @@ static void put_points(const saltus_sweep_page *page) {
     }
 }
 
-/* Numbers told of each trajectory, joined where neighbours are of one class. */
+/* One number per trajectory, joined to the neighbour if both are of one class. */
 static void put_links(const saltus_sweep_page *page) {
     for (int pass = 0; pass < page->sweep->pass_count; pass++) {
         int last = -1;
@@ -224,13 +224,13 @@ static void put_links(const saltus_sweep_page *page) {
     }
 }
 
-/* Whether the points are one for each value of the axis, and few enough to be joined. */
+/* Whether there is one point for each value of the axis and few enough to be joined. */
 static bool linked(const saltus_sweep_page *page, bool dense) {
     return !dense && !saltus_view_is_cloud(page->view) && page->sweep->options.seeds == 1;
 }
 
-/* The cloud of a pass as a density. Samples fill their cells; those farther apart than a few pixels are
- * dots. */
+/* The cloud of a pass as a density. Points fill the width of their cells, or are dots if cells are wider than
+ * a few pixels. */
 static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
     const double widest = 4, dot = 2.4, flat = 1.6;
     saltus_tally tally;
@@ -259,7 +259,7 @@ static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, sa
     return true;
 }
 
-/* The clouds of all passes; coarser where a fine picture would make a large file. */
+/* The clouds of all passes, at a lower resolution if the file would become too large. */
 static bool paint(const saltus_sweep_page *page, saltus_raster rasters[SALTUS_PASSES]) {
     const long long most_changes = 750000;
     for (int fineness = saltus_sweep_fineness(page); fineness > 0; fineness--) {
@@ -281,7 +281,8 @@ static bool paint(const saltus_sweep_page *page, saltus_raster rasters[SALTUS_PA
     return true;
 }
 
-/* Each face that limits what is shown: where it is along the axis, and the page beyond it. */
+/* Each face that limits the quantity shown: its position along the axis, and the edge of the page beyond
+ * it. */
 static void put_faces(const saltus_sweep_page *page) {
     enum { steps = 240 };
     for (int f = 0; f < saltus_system_face_count(page->system); f++) {
@@ -298,10 +299,10 @@ static void put_faces(const saltus_sweep_page *page) {
     }
 }
 
-/* The exponents in the order of the axis: value, its cell, exponent and standard error; or where all
- * directions are lost, which is marked near the lower edge. Columns without one are left out. */
+/* The exponents along the axis: value, cell, exponent and standard error. With `lost` instead the points
+ * where all directions are lost, marked near the lower edge. Rows without an exponent are omitted. */
 static void put_exponents(const saltus_sweep_page *page, bool lost) {
-    /* Columns overlap a little, or thin gaps would be seen between them. */
+    /* Columns overlap slightly to avoid visible thin gaps. */
     const double overlap = 0.5 / (page->frame.right - page->frame.left), raised = 0.012;
     const saltus_cells *x = &page->x;
     const saltus_range up = page->up;
@@ -323,11 +324,11 @@ static void put_exponents(const saltus_sweep_page *page, bool lost) {
         }
 }
 
-/* Beneath the points. */
+/* Drawn below the points. */
 static void put_exponent_elements(const saltus_sweep_page *page) {
     static const uint32_t positive = 0xf3cfc4, negative = 0xdfe9f3, error_colour = 0xc0392b;
     double zero = fmin(fmax(0, page->up.low), page->up.high);
-    /* Columns only where each value of the axis has one exponent. */
+    /* Columns are drawn only if each value of the axis has one exponent. */
     for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
         fprintf(page->paper.file,
                 "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc "
@@ -343,7 +344,7 @@ static void put_exponent_elements(const saltus_sweep_page *page) {
               page->paper.file);
 }
 
-/* The cloud as elements of the plot command, rasters or points, and what its colours mean. */
+/* The cloud as elements of the plot command, rasters or points, with the legend of its colours. */
 static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
     const unsigned faint = 0xa0; /* transparency out of 255 */
     for (int k = 0; k < page->sweep->pass_count; k++) {
@@ -369,7 +370,7 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
     FILE *file = page->paper.file;
     if (dense)
         saltus_sweep_put_raster_ranges(file, rasters[0].width, rasters[0].height);
-    /* The end of each face's line has a name; labels are set before the plot command. */
+    /* Name each face at the end of its line; gnuplot needs labels before the plot command. */
     for (int f = 0; f < saltus_system_face_count(page->system); f++) {
         saltus_face face = saltus_system_face(page->system, f);
         double d = clearance(page, face, page->x.range.high);
@@ -398,7 +399,7 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
         saltus_raster_bytes(file, &rasters[pass_drawn(page, k)]);
 }
 
-/* Rows of the legend that tells the passes apart: their names are long. */
+/* Rows of the legend of passes; on a narrow page each name needs its own row. */
 static int pass_rows(const saltus_sweep_page *page) {
     return saltus_page_narrow(&page->paper) ? page->sweep->pass_count : 1;
 }
@@ -409,7 +410,7 @@ static void set_sides(saltus_sweep_page *page) {
     page->frame.right = page->paper.width - (narrow ? 34 : 50);
 }
 
-/* The diagram above its strip of classes; legends where there is something to explain. */
+/* Place the diagram, the strip of classes below it, and the legends needed. */
 static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, saltus_frame *strip) {
     const double band = 20, apart = 7;
     saltus_page *paper = &page->paper;
@@ -432,7 +433,7 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
     return true;
 }
 
-/* A page whose height is free has room for the legends. */
+/* Increase a free page height by that of the legends. */
 static bool choose_height(saltus_sweep_page *page) {
     double height = 0;
     if (!page->paper.free_height)

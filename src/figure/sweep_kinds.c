@@ -1,4 +1,4 @@
-/* Maps of what is counted rather than measured: classes, numbers of attractors, basins.
+/* Maps of discrete results: classes, numbers of attractors, basins.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep_map.h"
 
@@ -18,7 +18,7 @@ static void name_kind(saltus_map_kind *kind, const char *label, saltus_paint pai
     kind->paint = paint;
 }
 
-/* Count the points of each kind that are shown and put the shares into the legend. */
+/* Count the visible points of each kind and write their shares into the legend. */
 static void add_shares(saltus_sweep_map *map) {
     double all = 0;
     for (int row = 0; row < map->page->y.count; row++)
@@ -80,8 +80,8 @@ bool saltus_sweep_map_classes(saltus_sweep_map *map) {
     return true;
 }
 
-/* How many attractors were met from a point: those told apart in one pass, or classes in several passes,
- * whichever is more. */
+/* The number of attractors met at a point: the larger of those distinguished within one pass and the classes
+ * over all passes. */
 static int count_attractors(const saltus_sweep_page *page, long long point) {
     const saltus_sweep_file *sweep = page->sweep;
     int visits = saltus_sweep_visits(sweep), most = 0, distinct = 0;
@@ -118,7 +118,7 @@ bool saltus_sweep_map_counts(saltus_sweep_map *map) {
     return true;
 }
 
-/* The class of an attractor's motion; NULL where no point goes to it. */
+/* The class of an attractor's motion; NULL if no point leads to it. */
 static const saltus_sweep_class *class_of(const saltus_sweep_map *map, int attractor) {
     const saltus_sweep_file *sweep = map->page->sweep;
     for (long long p = 0; p < sweep->points; p++) {
@@ -129,8 +129,8 @@ static const saltus_sweep_class *class_of(const saltus_sweep_map *map, int attra
     return NULL;
 }
 
-/* How an attractor's basin is painted: as its motion is everywhere; of several attractors of one motion the
- * later ones are darker, with other textures. */
+/* The paint of an attractor's basin: that of its motion; further attractors with the same label are darker
+ * and have other textures. */
 static saltus_paint basin_paint(const saltus_sweep_map *map, int attractor) {
     const saltus_sweep_file *sweep = map->page->sweep;
     const saltus_sweep_class *own = class_of(map, attractor);
@@ -143,7 +143,7 @@ static saltus_paint basin_paint(const saltus_sweep_map *map, int attractor) {
     return paint;
 }
 
-/* How pale a settled point is: the longer it took, the darker. */
+/* Shade the basins: the longer a point took to settle, the darker. */
 static void shade_basins(saltus_sweep_map *map) {
     const double palest = 0.42;
     const saltus_sweep_file *sweep = map->page->sweep;
@@ -161,7 +161,8 @@ static void shade_basins(saltus_sweep_map *map) {
 }
 
 bool saltus_sweep_map_basins(saltus_sweep_map *map) {
-    /* What belongs to no attractor; these kinds follow those of the attractors. All else is of the first. */
+    /* Kinds of points without an attractor, listed after the attractors. Other verdicts count as the first
+     * one. */
     static const struct {
         const char *label;
         int verdict;
@@ -191,7 +192,7 @@ bool saltus_sweep_map_basins(saltus_sweep_map *map) {
             k--;
         map->kind[p] = sweep->rows[row].attractor >= 0 ? sweep->rows[row].attractor : n + k;
     }
-    /* Shades of colours so near as those of two motions of one period would not be told apart. */
+    /* No shading if two attractors have the same period: their similar colours could not be distinguished. */
     map->shaded = true;
     for (int k = 0; k < n; k++)
         for (int j = 0; j < k; j++) {

@@ -1,4 +1,4 @@
-/* Maps of sweeps over two axes: classes, numbers of attractors, basins, and measures in colours.
+/* Maps of sweeps over two axes: classes, numbers of attractors, basins, and measured numbers in colours.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep_map.h"
 
@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Step between the cells that are looked at for a pixel along one axis: about `looks` of them. */
+/* Step between the cells sampled for a pixel along one axis: about `looks` samples. */
 static int stride(saltus_pixel_cells span) {
     enum { looks = 6 };
     return 1 + (span.last - span.first) / looks;
 }
 
-/* The kind that most cells of a pixel have, -1 where there are none; *point: one of these cells' points. */
+/* The most frequent kind among a pixel's cells, -1 if there are none; *point: a point of that kind. */
 static int kind_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltus_pixel_cells row,
                    long long *point) {
     enum { most_looks = 64 };
@@ -39,7 +39,7 @@ static int kind_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltu
     return seen[best];
 }
 
-/* The mean of the numbers of a pixel's cells; NAN where there are none. *point: one of these. */
+/* The mean of the numbers in a pixel's cells; NAN if there are none. *point: one of its points. */
 static double number_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltus_pixel_cells row,
                         long long *point) {
     double sum = 0;
@@ -56,7 +56,7 @@ static double number_at(const saltus_sweep_map *map, saltus_pixel_cells column, 
     return count ? sum / count : NAN;
 }
 
-/* A pixel of one kind; lines across it where there is more than one attractor. */
+/* Paint a pixel with its kind, hatched if the point has more than one attractor. */
 static void paint_kind(saltus_sweep_map *map, int x, int y, int fineness) {
     enum { hatch = 10 };
     const double ink = 0.3;
@@ -72,7 +72,7 @@ static void paint_kind(saltus_sweep_map *map, int x, int y, int fineness) {
     saltus_raster_set(&map->raster, x, y, colour, 1);
 }
 
-/* What a point is that has no number: not computed, failed, or nothing that tells. */
+/* Why a point has no number: not computed, failed, beyond a stop, or otherwise undecided. */
 static int without_number(const saltus_sweep_map *map, long long point) {
     const saltus_sweep_file *sweep = map->page->sweep;
     int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, point, 0));
@@ -118,14 +118,15 @@ static bool paint(saltus_sweep_map *map) {
     return true;
 }
 
-/* Names in the regions: each region's own, where there is most room for it. */
+/* Names in the regions: one per region, where it has most room. */
 
-enum { step = 4 }; /* pixels between the places where room for names is looked for */
+enum { step = 4 }; /* pixels between grid places for names */
 
-/* Height of a letter over its width: how much more room a name takes across the page than up it. */
+/* Height over width of a letter: names need more room horizontally than vertically. */
 static const float squat = 1.9f;
 
-/* Distances to the nearest place of another kind, in columns; going up a row counts as `squat` columns. */
+/* Distance of each place to the nearest place of another kind, in columns; one row counts as `squat`
+ * columns. */
 static void find_room(const int *kind, int columns, int rows, float *room) {
     for (int sweep = 0; sweep < 2; sweep++)
         for (int n = 0; n < columns * rows; n++) {
@@ -145,8 +146,8 @@ static void find_room(const int *kind, int columns, int rows, float *room) {
         }
 }
 
-/* Mark the connected region of one kind around `start`, and leave its places in `queue`. Returned is, of the
- * places with about the most room, the one nearest to the middle of the region. */
+/* Mark the connected region of one kind around `start` in `seen` and list its places in `queue`. Returns,
+ * among the places with about the most room, the one nearest to the region's centre. */
 static int fill_region(const int *kind, int columns, int rows, const float *room, unsigned char *seen,
                        int *queue, int start) {
     int count = 0, best = start;
@@ -180,10 +181,11 @@ static int fill_region(const int *kind, int columns, int rows, const float *room
     return best;
 }
 
-/* A name as large as its region allows, if it can be read at all. */
+/* Write a name as large as its region allows, unless it would be illegible. */
 static void put_region_name(const saltus_sweep_page *page, const saltus_map_kind *kind, int columns, int rows,
                             int place, double room) {
-    const double letter = 0.80, least = 10, most = 17; /* of a point of type, in pixels; sizes in points */
+    const double letter = 0.80, least = 10, most = 17; /* letter width in pixels per point of type; sizes in
+                                                          points */
     double size = fmin(most, 2 * room / (letter * ((double)strlen(kind->name) + 0.6)));
     saltus_line name = {.length = 0};
     if (size < least)
@@ -195,8 +197,8 @@ static void put_region_name(const saltus_sweep_page *page, const saltus_map_kind
             saltus_colour_light(kind->paint.colour) ? "#101010" : "#ffffff");
 }
 
-/* Names into the regions of a map. `kind` has that many columns and rows, the lowest row first, with -1 where
- * there is nothing. False when there is no memory. */
+/* Write names into the regions of a map. `kind` has columns x rows entries, lowest row first, -1 where
+ * nothing may be written. False if out of memory. */
 static bool name_regions(const saltus_sweep_page *page, const saltus_map_kind *kinds, const int *kind,
                          int columns, int rows) {
     size_t size = (size_t)columns * (size_t)rows;
@@ -218,12 +220,12 @@ static bool name_regions(const saltus_sweep_page *page, const saltus_map_kind *k
     return sound;
 }
 
-/* A grid of such places, with what is there. */
+/* The grid of places for names, with the kind at each. */
 typedef struct lookout {
     int *kind, columns, rows;
 } lookout;
 
-/* Nothing is written where something else is. */
+/* Reserve a frame taken by something else. */
 static void block(void *context, saltus_frame taken) {
     const lookout *at = context;
     int left = (int)fmax(taken.left / step, 0), bottom = (int)fmax(taken.bottom / step, 0);
@@ -232,7 +234,7 @@ static void block(void *context, saltus_frame taken) {
             at->kind[y * at->columns + x] = -1;
 }
 
-/* The names of regions, beside those of the curves over them. */
+/* The names of regions, and those of the curves drawn over them. */
 static bool put_names(const saltus_sweep_map *map) {
     int fineness = saltus_sweep_fineness(map->page), columns = map->raster.width / (step * fineness),
         rows = map->raster.height / (step * fineness);
@@ -251,8 +253,8 @@ static bool put_names(const saltus_sweep_map *map) {
     return sound;
 }
 
-/* Find the places of the kinds in a legend of so many, the most frequent first: where room is short rare
- * periodic motions give way, whatever is none keeps its entry. */
+/* Assign places in a legend of `most` entries, the most frequent kinds first. If there are too few, rare
+ * periodic motions are left out; other kinds keep their entries. */
 static void find_places(saltus_sweep_map *map, int most) {
     enum { none = -1, open = -2 };
     int others = 0, periodic = 0, places = 0, best;
@@ -275,7 +277,7 @@ static void put_note(const saltus_sweep_map *map, double x, double y, const char
     saltus_page_label(&map->page->paper, text, x, y, "left front font ',11' tc rgb '#606060'");
 }
 
-/* What the signs in the map mean, above the legend. */
+/* Notes above the legend on the signs in the map. */
 static void put_heading(const saltus_sweep_map *map, double x, double y) {
     const double line_height = 24;
     const saltus_sweep_page *page = map->page;
@@ -291,8 +293,8 @@ static void put_heading(const saltus_sweep_map *map, double x, double y) {
     }
 }
 
-/* The legend beside the map, or below it on a narrow page, the most frequent first; what has no room is
- * counted. */
+/* The legend, most frequent kinds first, beside the map or on a narrow page below it; omitted kinds are
+ * counted in one entry. */
 static void put_legend(saltus_sweep_map *map) {
     const double row_height = 32, side = 28, bottom = 60;
     const saltus_sweep_page *page = map->page;
@@ -342,7 +344,7 @@ static void put_legend(saltus_sweep_map *map) {
     }
 }
 
-/* What the colours without number mean, above the map, as far as they occur. */
+/* Explain, above the map, those colours for points without a number that occur. */
 static void put_exceptions(const saltus_sweep_map *map) {
     bool measured = map->page->view == SALTUS_VIEW_LYAPUNOV;
     const char *const words[] = {"not computed yet", "failed", "beyond a stop",
@@ -366,7 +368,7 @@ static void put_exceptions(const saltus_sweep_map *map) {
     }
 }
 
-/* Names, marks, the map itself, its axes and what is drawn over it. */
+/* Names, marks, the map itself, its axes and anything drawn over it. */
 static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     FILE *file = page->paper.file;

@@ -1,4 +1,4 @@
-/* Words, frames and legends of the figures of sweeps.
+/* Texts, frames and legends of the figures of sweeps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 #include "record/describe.h"
@@ -7,9 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* What a view is called, and what is shown: `before` and `after` go around the name of the displacement where
- * that is it. Without forcing `returns` stands in the place of `called`, and `unforced` in that of what tells
- * of it. */
+/* For each view its name and the quantity shown. For a displacement, its name stands between `before` and
+ * `after`. Without forcing `returns` replaces `called`, and `unforced` replaces `after` or `before`. */
 static const struct {
     const char *called, *returns, *before, *after, *unforced;
     bool displacement;
@@ -47,7 +46,8 @@ void saltus_sweep_name_measure(const saltus_sweep_page *page, saltus_line *line)
     saltus_line_add(line, "%s", after ? after : "");
 }
 
-/* The symbol of a key: q1 and v1 of built-in models are letters with numbers, names of a text stay words. */
+/* The symbol of a key: for built-in models q1 and v1 become indexed letters; names from a text model stay as
+ * they are. */
 static void add_symbol(const saltus_system *system, const char *key, saltus_line *line) {
     const int entry = saltus_system_state_index(system, key);
     if (entry >= 0 && saltus_model_text(saltus_system_spec(system)->model))
@@ -59,7 +59,7 @@ static void add_symbol(const saltus_system *system, const char *key, saltus_line
         saltus_line_symbol(line, key);
 }
 
-/* How many values there are, how each began, and how long it was given to settle. */
+/* Number of values, how the trajectories start, and how long they may take to settle. */
 static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_file *sweep = page->sweep;
     const saltus_sweep_options *o = &sweep->options;
@@ -85,7 +85,7 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     else
         saltus_line_add(line, ";  recorded: %lld period%s after %lld", o->record, saltus_plural(o->record),
                         o->transient);
-    /* How exponents were measured, where they are shown. */
+    /* How the exponents shown were measured. */
     if (page->view == SALTUS_VIEW_LYAPUNOV && o->measure > 0)
         saltus_line_add(line, ";  without a period: measured over up to %lld periods%s", o->measure,
                         sweep->axis_count == 1 ? ", bars ± one standard error" : "");
@@ -179,7 +179,7 @@ void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, s
                           "right front font ',12' tc rgb '#606060'");
 }
 
-/* Dots on a page for screens; twice as fine where it is enlarged. */
+/* One pixel per unit on screens; two in files that may be enlarged. */
 int saltus_sweep_fineness(const saltus_sweep_page *page) {
     return saltus_path_ends(page->figure, ".png") && page->wish->look.width == 0 ? 1 : 2;
 }

@@ -1,4 +1,4 @@
-/* Measures of a sweep over two axes as colours, with a bar that explains them.
+/* Measured numbers of a sweep over two axes as colours, with a colour bar.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep_map.h"
 
@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The range that gets colours: all values, but where few of them lie far outside of the others it ends at the
- * quantiles `rare` and 1 - `rare`. */
+/* The range of the colours: all values, but cut off at the quantiles `rare` and 1 - `rare` if only few values
+ * lie far outside. */
 static void choose_range(saltus_sweep_map *map, const float *sorted, long long count) {
     const double rare = 0.005, far = 0.5, decades = 20;
     double low = sorted[0], high = sorted[count - 1];
@@ -47,7 +47,7 @@ bool saltus_sweep_map_numbers(saltus_sweep_map *map) {
     map->range = (saltus_range){0, 1};
     if (sound && count) {
         gsl_sort_float(sorted, 1, (size_t)count);
-        /* What has no logarithm has the colour of the least that has one. */
+        /* Values that are not positive get the colour of the smallest positive one. */
         long long first = 0;
         while (page->logarithmic && first + 1 < count && sorted[first] <= 0)
             first++;
@@ -70,7 +70,7 @@ uint32_t saltus_sweep_map_colour(const saltus_sweep_map *map, double number) {
         return saltus_colour_ramp((log(fmax(number, low)) - log(low)) / (log(high) - log(low)));
     if (map->page->view != SALTUS_VIEW_LYAPUNOV)
         return saltus_colour_ramp((number - low) / (high - low));
-    /* What attracts and what repels: each side of zero to its own end. */
+    /* Attraction and repulsion: each side of zero is scaled to its own end. */
     return saltus_colour_sides(number < 0 ? 0.5 - 0.5 * number / fmin(low, -1e-300)
                                           : 0.5 + 0.5 * number / fmax(high, 1e-300));
 }

@@ -1,4 +1,4 @@
-/* The strip of classes under a diagram: what the motion is along the axis.
+/* The strip of classes below a diagram, which shows the kind of motion along the axis.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 
@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Count the classes among the rows of one pass that a pixel shows; the number of these rows. *winner: the
+/* Count the classes among the rows of one pass shown by a pixel; returns the number of rows. *winner: the
  * class of more than half of them, or -1. */
 static int count_classes(const saltus_sweep_page *page, int pass, int width, int pixel, int *counts,
                          int *winner) {
@@ -51,7 +51,7 @@ static void put_names(const saltus_sweep_page *page, const int *winners, int wid
     }
 }
 
-/* All bands, the first pass uppermost. */
+/* All bands; the first pass is on top. */
 static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     int passes = page->sweep->pass_count, height = raster->height / passes,
         fineness = saltus_sweep_fineness(page);
@@ -61,7 +61,7 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
         int bottom = (passes - 1 - pass) * height;
         for (int x = 0; x < raster->width; x++) {
             int total = count_classes(page, pass, raster->width, x, counts, &winners[x]);
-            /* The classes one above the other, each as high as its share. */
+            /* Stack the classes, each with a height proportional to its share. */
             for (int k = 0, y = 0, passed = 0, high = height - (passes > 1); k < page->classes.count && total;
                  k++)
                 for (passed += counts[k]; y < high * passed / total; y++)
@@ -78,7 +78,7 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     return sound;
 }
 
-/* Which classes occur in what is shown, and whether each has a name in the strip. */
+/* Find the classes that occur in the visible part, and whether each has a name in the strip. */
 static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, bool *named) {
     int *counts = calloc((size_t)page->classes.count, sizeof *counts);
     for (int pass = 0; pass < page->sweep->pass_count && counts; pass++) {

@@ -1,5 +1,4 @@
-/* A recorded trajectory as a figure: the phase portrait and the time history of a sheet, of all that there
- * is.
+/* The figure of a recorded trajectory: phase portrait and time history as on a sheet, of the whole record.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/trajectory.h"
 #include "figure/sheet.h"
@@ -13,7 +12,7 @@ static void put_caption(const saltus_trajectory_file *r, saltus_page *page) {
     saltus_page_scene(page, &head, r->head.title, r->system);
 }
 
-/* Side by side, or one above the other on a narrow page. */
+/* Panels side by side; on a narrow page one above the other. */
 static void put_page(const saltus_trajectory_file *r, saltus_page *page) {
     saltus_sheet sheet = {.page = page, .system = r->system, .record = &r->record};
     const bool narrow = saltus_page_narrow(page);
