@@ -1,7 +1,7 @@
 #!/bin/sh
-# Builds for 64-bit ARM with Debian's cross compiler and runs tests under emulation. Everything, the other architecture's
-# libraries included, stays in build-aarch64. Argument: a regular expression of tests (default: those that settle the
-# numerics within minutes).
+# Builds for 64-bit ARM with Debian's cross compiler and runs tests under emulation. All files, also the ARM libraries,
+# stay in build-aarch64. Argument: a regular expression that selects tests (default: those that check the numerics
+# within minutes).
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."
@@ -14,7 +14,7 @@ root=$place/root
 library=usr/lib/aarch64-linux-gnu
 mkdir -p "$place"
 
-# The other architecture's packages are fetched by a package database of their own and only unpacked.
+# Download the ARM packages with a separate package database, and only unpack them.
 unpack() {
     base=$place/packages
     mkdir -p "$base/lists/partial" "$base/cache/archives/partial" "$root/usr/lib" "$root/usr/bin" "$root/usr/sbin"
@@ -30,7 +30,7 @@ unpack() {
     for package in "$base"/cache/archives/*.deb; do
         dpkg-deb --fsys-tarfile "$package" | tar -x -C "$root" --keep-directory-symlink
     done
-    # What the packages' installation would choose among alternatives.
+    # Choose the alternatives that installing the packages would choose.
     for name in blas lapack; do
         for ending in so so.3 a; do
             ln -sf "$name/lib$name.$ending" "$root/$library/lib$name.$ending"
@@ -55,7 +55,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L $root -E LD_LIBRARY_PATH=/$library/hdf5/serial)
 END
-# HDF5 is found by asking its compiler wrapper, which is a program of the other architecture: this stands in for it.
+# CMake finds HDF5 by running its compiler wrapper, which is an ARM program; this script replaces it.
 cat >"$place/h5cc" <<END
 #!/bin/sh
 flags="-I$root/usr/include/hdf5/serial -L$root/$library/hdf5/serial -lhdf5_hl -lhdf5"

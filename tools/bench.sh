@@ -28,7 +28,7 @@ csv=$place/work-precision.csv
 
 problems=$(awk -F, '!/^#/ && $1 != "problem" && !seen[$1]++ {printf "%s ", $1}' "$csv")
 
-# name of the figure, what the panels show, columns of x and y, what x and y are
+# figure NAME TITLE X-COLUMN X-LABEL Y-LABEL Y-COLUMN
 figure() {
     cat >"$work/figure.gp" <<END
 set terminal pngcairo size 1680,880 font "sans,15"

@@ -64,7 +64,7 @@ int cli_refuse(int code, const char *format, ...) {
     return code;
 }
 
-/* Whether a list of flags with blanks between them has the flag. */
+/* Whether a list of flags, separated by blanks, contains the flag. */
 static bool lists(const char *flags, const char *flag) {
     size_t length = strlen(flag);
     for (const char *at = flags; at && (at = strstr(at, flag)); at += length)
@@ -77,7 +77,8 @@ static bool takes(const cli_table *table, const saltus_option *option) {
     return option->flag && !lists(table->without, option->flag);
 }
 
-/* Whether the option of the library is hidden by an own one or by one of an earlier table. */
+/* Whether a library option is hidden by the command's own option, or by one of an earlier table, with the
+ * same flag. */
 static bool is_hidden(const cli_command *command, const saltus_option *option) {
     for (int k = 0; command->options[k]; k++)
         if (strcmp(command->options[k]->name, option->flag) == 0)
@@ -94,7 +95,7 @@ static bool is_hidden(const cli_command *command, const saltus_option *option) {
 }
 
 bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
-    /* Whether -o can have an ending of which the file can be written from begin to end. */
+    /* Whether -o accepts a format that can be written sequentially, so not only HDF5. */
     bool piped = false;
     for (int k = 0; command->endings && command->endings[k]; k++)
         piped |= strcmp(command->endings[k], ".h5") != 0;
@@ -118,8 +119,8 @@ bool cli_entry_at(const cli_command *command, int number, cli_entry *entry) {
     return own != NULL;
 }
 
-/* A value of the library's into all tables of the command that have the option. Whole numbers may be written
- * as 1e6, too. */
+/* Set the value of a library option in all tables of the command that have it. Whole numbers may be written
+ * like 1e6. */
 static bool set_members(const saltus_option *option, const char *text, cli_request *request) {
     for (const cli_table *table = request->command->tables; table->options; table++)
         for (int k = 0; k < table->options->count; k++) {
@@ -177,7 +178,8 @@ long cli_whole(const cli_request *request, const char *flag) {
     return (long)(text ? strtod(text, NULL) : (*own)->fallback);
 }
 
-/* A value as its option takes it. Nothing twice: no key, what stands before '=', no text. */
+/* Check a value and append it to its option's values. Repeated values are refused; of key=value only the key
+ * counts. */
 static bool add_value(const cli_option *own, const char *text, cli_list *list) {
     const bool keyed = own && (own->kind == CLI_KEYS || own->kind == CLI_SETTINGS);
     const size_t length = keyed ? strcspn(text, "=") : strlen(text);
@@ -202,9 +204,9 @@ static void keep_words(cli_request *request, int count, char **words) {
         request->words[request->word_count++] = words[k];
 }
 
-/* Take one option and its value; returns the number of arguments used, 0 after a message. */
+/* Process one option with its values; returns the number of arguments used, 0 after a message. */
 static int take_option(int count, char **arguments, cli_request *request) {
-    /* Options that change how a run goes and where its results go, not the results. */
+    /* Options that do not affect the results, only how the run proceeds and where its results go. */
     static const char apart[] = "-o --json --resume --force --quiet --format";
     const cli_command *command = request->command;
     const char *name = arguments[0];
@@ -244,7 +246,7 @@ static int take_option(int count, char **arguments, cli_request *request) {
     return used;
 }
 
-/* An argument without an option: the scene, or one of the files. */
+/* Process an argument that belongs to no option: the scene, or an input file. */
 static bool take_input(char **argument, cli_request *request) {
     int room = request->command->inputs ? request->command->inputs : 1;
     keep_words(request, 1, argument);
@@ -309,7 +311,7 @@ static bool read_size(const char *text, double *width, double *height) {
            isfinite(*width) && isfinite(*height);
 }
 
-/* How a figure is laid out; false after a message. */
+/* Set the layout of figures from the options; false after a message. */
 static bool choose_look(cli_request *request) {
     saltus_figure_options *look = &request->look;
     const cli_list *logarithmic = cli_values(request, "--log");
@@ -350,7 +352,7 @@ int cli_run(const cli_command *command, cli_request *request) {
     cli_setup setup;
     saltus_message message = {.text = ""};
     const char *cut = NULL;
-    /* What the first rank finds out holds for all. */
+    /* The first rank checks the files; all ranks use its outcome. */
     int code = ranks_here() == 0 ? target_open(command, request, &out) : CLI_DONE;
     if (command->together)
         code = ranks_agree(code);
@@ -394,8 +396,7 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
         if (status != SALTUS_OK)
             return saltus_fail(message, status, "%s %.100s: %.380s", flag, text, reason.text);
     }
-    /* A title describes the scene as it was written; changed, it would contradict the parameters beside it.
-     */
+    /* The original title may contradict changed parameters, so the changes replace it. */
     size_t used = 0;
     for (int k = 0; k < settings->count && used + 1 < sizeof scene->title; k++)
         used += (size_t)snprintf(scene->title + used, sizeof scene->title - used, "%s%s",
@@ -405,7 +406,7 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
     return SALTUS_OK;
 }
 
-/* A scene from standard input. */
+/* Read a scene from standard input. */
 static saltus_status read_stdin(saltus_scene *scene, saltus_message *message) {
     enum { most = 1 << 20 };
     char *text = malloc(most);
@@ -472,7 +473,7 @@ bool cli_names_orbit(const cli_setup *setup) {
     return setup->start.periods > 0;
 }
 
-/* An orbit of --from, at the parameters that hold. */
+/* The orbit of --from, recomputed at the present parameters. */
 static saltus_status orbit_of_start(const cli_request *request, const cli_setup *setup,
                                     const saltus_classify_options *how, saltus_motion *motion,
                                     saltus_message *message) {
@@ -597,7 +598,7 @@ void cli_print_motion(const cli_request *request, const cli_setup *setup, const 
 
 saltus_classify_options cli_classify_options(const cli_request *request) {
     saltus_classify_options options = request->classify;
-    /* Where nobody has chosen how long to measure, it is long enough for the lifetime. */
+    /* Unless --measure is given, measure long enough for the required lifetime. */
     if (!cli_given(request, "--measure") && options.lifetime > options.measure / 4)
         options.measure = 4 * options.lifetime;
     if (cli_shows_progress(request))

@@ -10,12 +10,12 @@ enum {
     CLI_DONE = 0,
     CLI_FAILED = 1,
     CLI_BAD_INPUT = 2,
-    CLI_LIST_MAX = 256,   /* files, settings, ... of one option */
-    CLI_OPTIONS_MAX = 64, /* of one command */
+    CLI_LIST_MAX = 256,   /* files, settings, ... per option */
+    CLI_OPTIONS_MAX = 64, /* options per command */
     CLI_WORDS_MAX = 1024
 };
 
-/* An option that is on the command line, with its values; of a flag the one value is the flag. */
+/* An option given on the command line, with its values; the value of a flag is the flag itself. */
 typedef struct cli_list {
     const char *flag;
     const char *items[CLI_LIST_MAX];
@@ -25,14 +25,14 @@ typedef struct cli_list {
 typedef struct cli_command cli_command;
 typedef struct cli_setup cli_setup;
 
-/* What the command line says. */
+/* A parsed command line. */
 typedef struct cli_request {
     const cli_command *command;
     const char *scene; /* the first of the inputs */
     const char *inputs[CLI_LIST_MAX];
     int input_count;
-    /* What the library is told, with the defaults of its tables; flows end at the program's flag for signals.
-     */
+    /* Options of the library, initialised with the defaults of their tables; flows stop at the program's
+     * signal flag. */
     saltus_flow_options flow;
     saltus_orbit_options orbit;
     saltus_harvest_options harvest;
@@ -41,37 +41,37 @@ typedef struct cli_request {
     saltus_lyapunov_options lyapunov;
     saltus_spectrum_options spectrum;
     saltus_sweep_options sweep;
-    saltus_figure_options look; /* a command finds all that is asked of figures here */
+    saltus_figure_options look; /* layout options of figures, for all commands that draw */
     cli_list given[CLI_OPTIONS_MAX];
     int given_count;
     bool help;
-    const char *output; /* where the result is made: the file of -o, or what is copied to standard output */
+    const char *output; /* where the result is written: the file of -o, or a temporary file that is copied to
+                           standard output */
     bool to_stdout;
-    const char *words[CLI_WORDS_MAX]; /* of the command line, but for what the results do not depend on */
+    const char *words[CLI_WORDS_MAX]; /* words of the command line that affect the results */
     int word_count;
 } cli_request;
 
-/* Of the first three kinds an option is given once. The keys of a CLI_KEYS option and of --set, what stands
- * before '=', are given once each; so are the texts of a CLI_LIST option and of a CLI_FILES option. The last
- * two kinds take all up to the next option, --set what is key=value. */
+/* Options of the first three kinds may be given once. Repeated values are refused: repeated keys (the part
+ * before '=') of CLI_KEYS and CLI_SETTINGS, repeated texts of CLI_LIST and CLI_FILES. The last two kinds take
+ * all arguments up to the next option, CLI_SETTINGS only those of the form key=value. */
 typedef enum cli_kind { CLI_FLAG, CLI_TEXT, CLI_WHOLE, CLI_KEYS, CLI_LIST, CLI_SETTINGS, CLI_FILES } cli_kind;
 
-/* An option of the command line alone: it gives the parser, the range check, the default and a line of the
- * help. */
+/* An option of the command line itself; it defines parsing, range check, default and help. */
 typedef struct cli_option {
     const char *name; /* "--seeds" */
     cli_kind kind;
-    const char *argument; /* how the value is called in --help; NULL for a flag */
+    const char *argument; /* name of the value in --help; NULL for a flag */
     const char *help;
-    double fallback, min, max; /* of a whole number, which has no default where that lies below the least */
+    double fallback, min, max; /* of a whole number; no default if fallback < min */
 } cli_option;
 
 #define CLI_OPTION(name, kind, argument, help)                                                               \
     { name, kind, argument, help, 0, 0, 0 }
 
-/* Options of the library that a command takes, all those of a table that have a flag. The member of the
- * request that they go to, and flags that the command does not take. An option of several tables goes to all
- * of them; a command's own option of the same flag goes before. */
+/* Library options of a command: all options in a table that have a flag, except those in `without`. `offset`
+ * locates the record in cli_request. An option that occurs in several tables is set in all of them; the
+ * command's own option with the same flag takes precedence. */
 typedef struct cli_table {
     const saltus_option_table *options;
     size_t offset;
@@ -80,33 +80,33 @@ typedef struct cli_table {
 #define CLI_TABLE(table, member, without)                                                                    \
     { &table, offsetof(cli_request, member), without }
 
-/* An example, which works as typed where those before it have run. */
+/* An example; it works as typed after the examples before it have run. */
 typedef struct cli_example {
-    const char *line, *what; /* without "saltus"; what it does */
+    const char *line, *what; /* `line` without "saltus"; `what` it does */
 } cli_example;
 
 /* One subcommand. */
 struct cli_command {
     const char *name;
-    const char *summary; /* "find one periodic orbit", behind the name */
+    const char *summary; /* "find one periodic orbit"; shown after the name */
     const char *usage;   /* what follows the name */
-    const char *help;    /* paragraphs, one in a line */
-    const char *notes;   /* likewise: what its results mean; NULL: nothing more to say */
+    const char *help;    /* one paragraph per line */
+    const char *notes;   /* on the meaning of the results, one paragraph per line; NULL: none */
     bool needs_scene;
-    bool together;                    /* several ranks share its work */
-    int inputs;                       /* how many files it takes; 0: one */
-    const char *const *endings;       /* that the file of -o may have, NULL-terminated; NULL: no such file */
-    const char *kind;                 /* of its HDF5 files and tables, as saltus_file_identify tells it;
-                                         NULL: that of the first input */
-    bool resumes;                     /* goes on with an interrupted run */
-    const cli_table *tables;          /* the last without options; NULL: none */
-    const cli_option *const *options; /* its own; NULL-terminated; --quiet, with -o --force, and
-                                         --format where it need not be HDF5, go without saying */
-    const cli_example *examples;      /* the last without a line */
-    const char *see;                  /* commands that go with it: "plot export" */
+    bool together;              /* several ranks may share its work */
+    int inputs;                 /* most input files; 0: one */
+    const char *const *endings; /* endings allowed for -o, NULL-terminated; NULL: it writes no file */
+    const char *kind; /* of its HDF5 files and tables, in the words of saltus_file_identify; NULL: that of the
+                         first input */
+    bool resumes;     /* can continue an interrupted run */
+    const cli_table *tables;          /* terminated by an entry without options; NULL: none */
+    const cli_option *const *options; /* its own options, NULL-terminated; --quiet, --force (with -o) and
+                                         --format (unless only HDF5 is possible) are added automatically */
+    const cli_example *examples;      /* terminated by an entry without a line */
+    const char *see;                  /* related commands: "plot export" */
     int (*run)(const cli_request *request);
-    /* In place of `run`: what is done with a scene that has been built. *cut, where it is set, says what is
-     * there of a run that was interrupted. */
+    /* Called instead of `run` if not NULL, with the scene built. After an interruption it may set *cut to a
+     * message on what was kept. */
     saltus_status (*work)(const cli_request *request, cli_setup *setup, const char **cut,
                           saltus_message *message);
 };
@@ -117,88 +117,87 @@ extern const cli_command cmd_classify, cmd_diagnose, cmd_simulate, cmd_scenes, c
 extern const cli_option cli_set, cli_section, cli_json, cli_output, cli_from, cli_resume, cli_force, cli_size,
     cli_no_heading, cli_title, cli_keep_script, cli_swap, cli_log;
 
-/* Endings of figures; of figures that may be tables; of records. */
+/* Endings of figures; of figures or tables; of records. */
 extern const char *const cli_figures[], *const cli_figures_or_table[], *const cli_records[];
 
-/* What every command that draws can be told of its figure. */
+/* The layout options of every command that draws. */
 #define CLI_FIGURE_OPTIONS &cli_size, &cli_no_heading, &cli_title, &cli_keep_script
 
-/* What most subcommands work on. */
+/* The scene, system and start that most subcommands work on. */
 struct cli_setup {
     saltus_scene scene; /* with all --set applied */
     saltus_system *system;
-    saltus_start start; /* the motion of --from; without it, or where that tells no state, its state is the
-                           initial one and `dimension` is 0 */
+    saltus_start start; /* the motion of --from; if there is none, or none with a state, `state` is the
+                           initial state and `dimension` is 0 */
 };
 
-/* One option of a command, whoever it belongs to. */
+/* One option of a command, its own or the library's. */
 typedef struct cli_entry {
     const char *flag, *argument, *help; /* argument NULL: it takes no value */
-    const cli_option *own;              /* NULL: one of the library */
-    const saltus_option *option;        /* NULL: the command line's own */
+    const cli_option *own;              /* NULL: a library option */
+    const saltus_option *option;        /* NULL: an option of the command line itself */
 } cli_entry;
 
-/* The options of a command one after the other: its own, those of the library, those that go without saying.
- * False when there is none of that number. */
+/* The number-th option of a command: first its own, then library options, then automatic ones. False if there
+ * are fewer. */
 bool cli_entry_at(const cli_command *command, int number, cli_entry *entry);
 /* Fill a request from the arguments after the subcommand; false after a message on stderr. */
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request);
-/* The values of an option on the command line, whoever it belongs to; none where it is not there. */
+/* The values of an option on the command line; an empty list if it was not given. */
 const cli_list *cli_values(const cli_request *request, const char *flag);
 bool cli_given(const cli_request *request, const char *flag);
-/* Its only value; NULL where it is not there. */
+/* Its only value; NULL if it was not given. */
 const char *cli_text(const cli_request *request, const char *flag);
-/* The whole number of a command's own option, or its default. */
+/* The value of a command's own CLI_WHOLE option, or its default. */
 long cli_whole(const cli_request *request, const char *flag);
-/* Run a command whose arguments have been parsed, once it is certain that it may write where it is to. The
- * exit code. */
+/* Check that the output files may be written, then run a parsed command. Returns the exit code. */
 int cli_run(const cli_command *command, cli_request *request);
-/* The exit code that belongs to a status. */
+/* The exit code for a status. */
 int cli_code(saltus_status status);
-/* "saltus: ..." on stderr, of a failure after a signal that it was interrupted; returns the exit code that
- * belongs to the status. */
+/* Print "saltus: ..." on stderr; a failure after a signal is reported as an interruption. Returns the exit
+ * code for the status. */
 int cli_report(saltus_status status, const saltus_message *message);
-/* The same, but what has gone wrong by itself is told as such, whether there was a signal or not. */
+/* The same, but reports the failure itself even after a signal. */
 int cli_report_cause(saltus_status status, const saltus_message *message);
-/* Build what the command line names: with --from, parameters and stops are those of the orbit file where
- * --set does not say otherwise. On success it is to be cleared; otherwise the message has been
- * printed and the exit code is returned. */
+/* Build the scene and system of the command line. With --from, parameters and stops are those of the orbit
+ * file unless --set changes them. Returns CLI_DONE, and the setup is to be cleared, or an exit code after a
+ * message. */
 int cli_build(const cli_request *request, cli_setup *setup);
 /* Release what a setup holds. A zeroed one is accepted. */
 void cli_clear(cli_setup *setup);
-/* Whether --from has told a periodic orbit, and with a state on it. */
+/* Whether --from names a periodic orbit, and whether its file also has a state on it. */
 bool cli_names_orbit(const cli_setup *setup);
 bool cli_on_orbit(const cli_setup *setup);
-/* The motion that a command is about: with --from a periodic orbit this very orbit, stable or not, polished
- * at the parameters that hold; otherwise what the start settles on. To be cleared. Errors: those of
- * saltus_orbit_find (a start that is no orbit is SALTUS_BAD_INPUT) and of saltus_classify. Where the orbit
- * has a period of its own the setup's system becomes one that counts by its returns. */
+/* The motion that a command works on, to be cleared: the periodic orbit of --from, stable or not, recomputed
+ * at the present parameters; without one, the motion that the start settles on. Errors: those of
+ * saltus_orbit_find (SALTUS_BAD_INPUT if the start is no orbit) and of saltus_classify. If the orbit has its
+ * own period, the setup's system is replaced by one that counts time by its returns. */
 saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                          saltus_motion *motion, saltus_message *message);
-/* The same where --from names an orbit: SALTUS_BAD_INPUT if what it leads to is none. */
+/* The same if --from names an orbit; SALTUS_BAD_INPUT if it leads to no periodic orbit. */
 saltus_status cli_orbit(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                         saltus_motion *motion, saltus_message *message);
-/* A scene by its name: a file, a built-in one, or - for standard input. Errors: SALTUS_BAD_INPUT,
+/* Read a scene by name: a file, a built-in scene, or - for standard input. Errors: SALTUS_BAD_INPUT,
  * SALTUS_NO_MEMORY. */
 saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message);
 /* The scene with all --set applied. */
 saltus_status cli_load_scene(const cli_request *request, saltus_scene *scene, saltus_message *message);
 /* Apply all --set to a scene. */
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message);
-/* A line on stderr that begins with "saltus: "; returns `code`. */
+/* Print a line that begins with "saltus: " on stderr; returns `code`. */
 __attribute__((format(printf, 2, 3))) int cli_refuse(int code, const char *format, ...);
-/* "key=low:high"; false after a message that names the option. */
+/* Parse "key=low:high"; false after a message that names the option. */
 bool cli_parse_range(const char *flag, const char *text, char key[SALTUS_KEY_MAX], double *low, double *high);
-/* Which of the words (NULL-terminated) the option's value is; *which stays as it is where it is not there.
- * False after a message that lists the words. */
+/* Set *which to the index of the option's value in `words` (NULL-terminated); unchanged if the option was not
+ * given. False, after a message that lists the words, for any other value. */
 bool cli_choose(const cli_request *request, const char *flag, const char *const *words, int *which);
-/* "figure: file" on stdout where writing it went well, unless --quiet says otherwise or the result itself
- * goes there. Returns `status`, how that went. */
+/* Print "figure: file" on stdout if writing succeeded, unless --quiet was given or the result goes to stdout.
+ * Returns `status`. */
 saltus_status cli_tell_written(const cli_request *request, const char *what, saltus_status status);
 bool cli_ends_in(const char *path, const char *ending);
-/* The motion as text, or as one JSON object where --json asks for that. */
+/* Print the motion as text, or with --json as one JSON object. */
 void cli_print_motion(const cli_request *request, const cli_setup *setup, const saltus_motion *motion);
-/* With the progress line of a settling motion, where one is shown. */
+/* The options of classification, with a progress line if progress is shown. */
 saltus_classify_options cli_classify_options(const cli_request *request);
 /* Whether progress is shown: on a terminal, without --quiet. */
 bool cli_shows_progress(const cli_request *request);

@@ -12,7 +12,7 @@ static const cli_table tables[] = {
 static const cli_option *const options[] = {&cli_set,    &cli_section, &sweep_over, &cli_output,
                                             &cli_resume, &sweep_json,  NULL};
 
-/* Whether every axis moves an entry of the initial state: q1, v1, z1 or the names of a text; false after a
+/* Whether every axis is an entry of the initial state (q1, v1, z1 or names from a text model); false after a
  * message. */
 static bool check_axes(const cli_list *over, const saltus_scene *scene) {
     for (int k = 0; k < over->count; k++) {

@@ -1,4 +1,4 @@
-/* saltus check: what a scene means.
+/* saltus check: prints how a scene is understood.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 #include "flow/fixed.h"
@@ -33,7 +33,7 @@ static void print_stop(const saltus_spec *spec, int s) {
     puts(count > 1 ? "]" : "");
 }
 
-/* The state's entries, and of a model from text its equations. */
+/* The entries of the state, and the equations of a text model. */
 static void print_equations(const saltus_system *system) {
     const int dof = saltus_system_dof(system), extra = saltus_system_extra(system),
               dimension = saltus_system_dimension(system);
@@ -53,7 +53,7 @@ static void print_equations(const saltus_system *system) {
     }
 }
 
-/* What an impulse does: the mass matrix, whose inverse the system has. */
+/* The mass matrix, the metric of impacts; the system has its inverse. */
 static void print_metric(const saltus_system *system) {
     const int n = saltus_system_dof(system);
     const double *inverse = saltus_system_inverse_mass(system);
@@ -72,7 +72,7 @@ static void print_metric(const saltus_system *system) {
         printf("%s%.9g%s", i % n ? ", " : "  ", inverse[i], i % n + 1 < n ? "" : "\n");
 }
 
-/* A line for each column; a failure where one is wrong. */
+/* A line for each column; fails if one is wrong. */
 static saltus_status print_derivatives(const saltus_scene *scene, const saltus_system *system,
                                        saltus_message *message) {
     saltus_column_check *checks = calloc(SALTUS_COLUMN_CHECKS_MAX, sizeof *checks);

@@ -1,4 +1,4 @@
-/* saltus continue: a branch of periodic orbits, or a curve of special points in two parameters.
+/* saltus continue: a branch of periodic orbits or equilibria, or a locus of special points in two parameters.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
@@ -36,7 +36,7 @@ static const cli_option *const options[] = {&cli_set,      &cli_section, &cli_fr
 
 static const char *const endings[] = {".h5", NULL};
 
-/* One run: what it starts from, where it goes and what it has made. */
+/* One run: its start, its options and its results. */
 typedef struct run_state {
     const cli_request *request;
     cli_setup setup;
@@ -44,7 +44,7 @@ typedef struct run_state {
     double values[values_max];
     saltus_branch *branch;
     saltus_branch_output *output;
-    saltus_branch_file earlier; /* what an interrupted run left */
+    saltus_branch_file earlier; /* the file of the interrupted run */
     int rows, branches;
     bool interrupted;
 } run_state;
@@ -61,7 +61,7 @@ static bool read_options(run_state *run) {
     if (!o->locus != !second)
         return cli_refuse(false, "continue: --locus and --and belong together");
     o->orbit.tolerance = fmax(o->orbit.tolerance, 100 * o->orbit.flow.rtol);
-    /* A largest step below the usual first one bounds that too. */
+    /* If only the largest step is given, it also bounds the first step. */
     if (!cli_given(r, "--step"))
         o->step = fmin(o->step, o->step_max);
     if (!cli_parse_range("--in", range, o->key[0], &o->low[0], &o->high[0]) ||
@@ -83,8 +83,8 @@ static bool read_options(run_state *run) {
     return true;
 }
 
-/* A scene without forcing begins at the end of the range that it is followed from, where the command line
- * gives no other value. */
+/* Without forcing, start from the end of the range where the branch begins, unless --set gives the
+ * parameter. */
 static saltus_status go_to_first(run_state *run, saltus_message *message) {
     const saltus_branch_options *o = &run->options;
     const cli_list *settings = cli_values(run->request, "--set");
@@ -106,10 +106,10 @@ static saltus_status go_to_first(run_state *run, saltus_message *message) {
                                : status;
 }
 
-/* Without --from: the orbit that the scene settles on, or, without forcing, the equilibrium. */
+/* Without --from: start from the orbit that the scene settles on, or without forcing from the equilibrium. */
 static saltus_status classify_start(run_state *run, saltus_message *message) {
     saltus_classify_options how = cli_classify_options(run->request);
-    how.measure = 0; /* without a period there is no orbit to start from, whatever the exponent */
+    how.measure = 0; /* without a period there is no orbit to start from, so the exponent is not needed */
     saltus_start *start = &run->setup.start;
     saltus_motion motion = {0};
     saltus_status status = go_to_first(run, message);
@@ -152,7 +152,7 @@ static int begin_anew(run_state *run, saltus_message *message) {
     return cli_report(status, message);
 }
 
-/* Whether the command line asks for the run that is in the file. */
+/* Whether the command line describes the run stored in the file. */
 static bool same_run(const run_state *run, saltus_message *message) {
     const saltus_branch_file *file = &run->earlier;
     const saltus_branch_options *a = &run->options, *b = &file->options;
@@ -171,7 +171,7 @@ static bool same_run(const run_state *run, saltus_message *message) {
     return false;
 }
 
-/* Take over the start, the options and the points of an interrupted run. */
+/* Restore the start, the options and the points of an interrupted run. */
 static int begin_again(run_state *run, saltus_message *message) {
     saltus_branch_file *file = &run->earlier;
     saltus_scene *scene = &run->setup.scene;
@@ -199,7 +199,7 @@ static int begin_again(run_state *run, saltus_message *message) {
     return cli_report(status == SALTUS_IO ? SALTUS_BAD_INPUT : status, message);
 }
 
-/* One point counted and, if wished, onto stdout. */
+/* Count a point and, with --json, print it. */
 static void tell(run_state *run, const saltus_branch_point *point) {
     run->rows++;
     if (point->branch >= run->branches)
@@ -208,7 +208,7 @@ static void tell(run_state *run, const saltus_branch_point *point) {
         saltus_write_point_json(stdout, &run->setup.scene, run->setup.system, point);
 }
 
-/* Point after point, each told and, with what the run goes on from after it, into the file. */
+/* Compute the points; print each one and write it to the file, with the saved state after it. */
 static saltus_status follow(run_state *run, saltus_message *message) {
     const bool shown = cli_shows_progress(run->request);
     const saltus_branch_point *point = NULL;
@@ -237,7 +237,7 @@ static saltus_status follow(run_state *run, saltus_message *message) {
     return run->interrupted ? SALTUS_OK : status;
 }
 
-/* The points of the interrupted run that stand go into the new file first. */
+/* Copy the points of the interrupted run that remain valid into the new file. */
 static saltus_status take_over(run_state *run, saltus_message *message) {
     const saltus_branch_file *file = &run->earlier;
     saltus_message why = {.text = ""};
@@ -257,7 +257,7 @@ static saltus_status take_over(run_state *run, saltus_message *message) {
     return status;
 }
 
-/* A start that Newton's method cannot polish is not an orbit: bad input. */
+/* If Newton's method fails at the start, the start is no orbit: SALTUS_BAD_INPUT. */
 static int open_branch(run_state *run, saltus_message *message) {
     const saltus_start *start = &run->setup.start;
     run->options.orbit.free_period = start->own_period || run->options.orbit.free_period;
@@ -282,7 +282,7 @@ static int open_branch(run_state *run, saltus_message *message) {
     return cli_report(status, message);
 }
 
-/* What the file holds, for people. */
+/* Print the special points in the file as a table. */
 static saltus_status print_table(const run_state *run, saltus_message *message) {
     saltus_branch_file file = {.point_count = 0};
     saltus_status status = saltus_branch_file_read(run->request->output, &file, message);

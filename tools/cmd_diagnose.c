@@ -1,4 +1,4 @@
-/* saltus diagnose: the one-page sheet about a motion.
+/* saltus diagnose: the one-page sheet of a motion.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
@@ -11,7 +11,7 @@ static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NU
 static const cli_option *const options[] = {&cli_set, &cli_section,       &cli_from, &cli_output,
                                             &data,    CLI_FIGURE_OPTIONS, NULL};
 
-/* One orbit of a periodic motion; enough of any other to see what it does, and points of its section. */
+/* Record one orbit of a periodic motion; of any other motion a representative stretch, and section points. */
 static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow,
                                    const saltus_motion *motion, saltus_trajectory *record,
                                    saltus_trajectory *section, saltus_message *message) {
@@ -25,7 +25,7 @@ static saltus_status record_motion(const saltus_system *system, const saltus_flo
     const bool settled = saltus_verdict_settled(motion->verdict);
     long long periods = motion->periods ? motion->periods : settled ? resting_periods : unsettled_periods;
     int per_period = periods * samples < orbit_samples ? orbit_samples / (int)periods : samples;
-    /* A trajectory would leave an orbit that is not stable. */
+    /* Restart in each period: a trajectory would leave an unstable orbit. */
     const saltus_trajectory_plan plan = {.periods = periods,
                                          .per_period = per_period,
                                          .points = motion->section_states,
@@ -55,7 +55,7 @@ static saltus_status diagnose(const cli_request *request, cli_setup *setup, cons
     if (status == SALTUS_OK)
         status = record_motion(system, &how.flow, &motion, &record, &section, message);
     if (status == SALTUS_OK && analysed) {
-        /* Of what moves, up to the frequencies that the page shows. */
+        /* Spectrum of the observed displacement, up to the frequencies that the page shows. */
         saltus_spectrum_options options = saltus_spectrum_defaults();
         options.flow = how.flow;
         options.quantity_count = 1;

@@ -15,7 +15,7 @@ static const char *const endings[] = {".csv", NULL};
 
 static int run(const cli_request *request) {
     static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic",
-                                         NULL}; /* saltus_table */
+                                         NULL}; /* in the order of saltus_table */
     static const char *const all[] = {"rows",    "turning", "impacts", "stroboscopic", "points", "events",
                                       "samples", "strobe",  NULL};
     const char *input = request->inputs[0];

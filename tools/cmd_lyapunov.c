@@ -11,7 +11,7 @@ static const cli_table tables[] = {CLI_TABLE(saltus_lyapunov_table, lyapunov, NU
 static const cli_option *const options[] = {&cli_set,  &cli_section, &cli_from,          &all,
                                             &cli_json, &cli_output,  CLI_FIGURE_OPTIONS, NULL};
 
-/* A measurement under way, `context` being its result. */
+/* Show the progress of a measurement; `context` is its result. */
 static void show(void *context, double done, double at_most) {
     const saltus_lyapunov *l = context;
     char found[64] = "";
@@ -21,7 +21,7 @@ static void show(void *context, double done, double at_most) {
     progress_line("%.0f %% of at most %.0f periods%s", 100 * done / at_most, at_most, found);
 }
 
-/* The numbers first: a figure that cannot be drawn does not take them along. */
+/* Print the numbers first, so that they are not lost if the figure fails. */
 static saltus_status deliver(const cli_request *request, const cli_setup *setup,
                              const saltus_lyapunov_options *how, const saltus_lyapunov *result,
                              saltus_message *message) {
@@ -35,7 +35,7 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
     return json ? status : cli_tell_written(request, "convergence", status);
 }
 
-/* With --from an orbit: its exponents are known from its multipliers. */
+/* The exponents of an orbit given by --from follow from its multipliers. */
 static saltus_status take_orbit(const cli_request *request, cli_setup *setup,
                                 const saltus_lyapunov_options *how, saltus_lyapunov *result,
                                 saltus_message *message) {

@@ -33,7 +33,7 @@ static void print_step(void *context, int iteration, double residual, const char
     fprintf(stderr, "step %2d  residual %.3e  %s\n", iteration, residual, what);
 }
 
-/* A scene with forcing: an orbit of so many periods. */
+/* With forcing: find an orbit of `periods` forcing periods. */
 static saltus_status find(const cli_request *request, const cli_setup *setup, int periods,
                           saltus_motion *motion, saltus_message *message) {
     saltus_orbit_options how = request->orbit;
@@ -52,7 +52,7 @@ static saltus_status find(const cli_request *request, const cli_setup *setup, in
     return status;
 }
 
-/* A scene without forcing: an orbit of so many returns to the section, or that of --from. */
+/* Without forcing: find an orbit of `returns` returns to the section, or the orbit of --from. */
 static saltus_status find_cycle(const cli_request *request, const cli_setup *setup, int returns,
                                 saltus_motion *motion, saltus_message *message) {
     saltus_classify_options how = saltus_classify_defaults();
@@ -62,7 +62,7 @@ static saltus_status find_cycle(const cli_request *request, const cli_setup *set
                : saltus_motion_returning(setup->system, setup->start.state, returns, &how, motion, message);
 }
 
-/* A scene without forcing: an equilibrium. */
+/* Without forcing: find an equilibrium. */
 static saltus_status find_equilibrium(const cli_request *request, const cli_setup *setup,
                                       saltus_message *message) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
@@ -75,7 +75,7 @@ static saltus_status find_equilibrium(const cli_request *request, const cli_setu
     return status;
 }
 
-/* Newton's method, from the settled trajectory or the file's orbit, or its mirror image. */
+/* Newton's method from the settled trajectory, the file's orbit, or its mirror image. */
 static saltus_status find_one(const cli_request *request, cli_setup *setup, int periods,
                               saltus_message *message) {
     const saltus_flow_options *flow = &request->orbit.flow;
@@ -104,13 +104,13 @@ static void show_share(void *context, double done, double all) {
     progress_line("searching: %3.0f %%", 100 * done / all);
 }
 
-/* One JSON object per line and orbit, as classify writes it. */
+/* One JSON object per orbit and line, in the format of classify. */
 static saltus_status write_lines(const cli_setup *setup, const saltus_flow_options *flow,
                                  const saltus_harvest *harvest, saltus_message *message) {
     saltus_classify_options describing = saltus_classify_defaults();
     saltus_status status = SALTUS_OK;
     describing.flow = *flow;
-    describing.flow.stop = NULL; /* what has been found is told */
+    describing.flow.stop = NULL; /* write all orbits found even after an interruption */
     for (int k = 0; k < harvest->count && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
         status =

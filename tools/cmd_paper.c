@@ -1,4 +1,4 @@
-/* saltus paper: the figures of the paper from scratch, by the commands of data/paper/figures.
+/* saltus paper: draws the figures of the paper from scratch, with the commands in data/paper/figures.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
@@ -23,13 +23,13 @@ static const cli_option resume =
 
 static const cli_option *const options[] = {&figure, &folder, &format, &quick, &resume, &cli_force, NULL};
 
-/* Commands that the list may use. */
+/* Commands allowed in the list. */
 static const cli_command *const known[] = {&cmd_sweep, &cmd_basins, &cmd_plot, &cmd_diagnose, &cmd_simulate};
 
 enum { line_size = 1024, words_max = 64, added_max = 3 };
 
-/* The line with its choices made: of {a|b} the first or the second, for {format} the figures' ending. None is
- * longer than its braces, but for the ending: three letters for eight. */
+/* Expand a line: {a|b} becomes a, or with --quick b; {format} becomes the figures' ending. The result is
+ * never longer than the line. */
 static void fill_in(const cli_request *request, const char *line, size_t length, char text[line_size]) {
     const char *format = cli_text(request, "--format"), *stop = line + length;
     size_t used = 0;
@@ -54,7 +54,7 @@ static void fill_in(const cli_request *request, const char *line, size_t length,
     text[used] = '\0';
 }
 
-/* Cut a line into words as a shell does, with double quotes; how many there are. */
+/* Split a line into words like a shell, with double quotes; returns their number. */
 static int cut(char *text, char *words[words_max]) {
     int count = 0;
     for (char *from = text, *to = text; *from && count < words_max;) {
@@ -89,7 +89,7 @@ static int run_line(const cli_request *request, char *text) {
         return CLI_DONE;
     if (cli_given(request, "--quiet"))
         words[count++] = quietly;
-    /* One that has not been begun begins. */
+    /* With --resume a sweep without a file simply starts; commands that cannot resume run again. */
     if (goes_on && command->together)
         words[count++] = again;
     else if (goes_on || cli_given(request, "--force"))
@@ -97,7 +97,7 @@ static int run_line(const cli_request *request, char *text) {
     return cli_parse(command, count - 1, words + 1, &inner) ? cli_run(command, &inner) : CLI_FAILED;
 }
 
-/* The number of the figure that a line begins, or 0. */
+/* The figure's number if the line begins a figure, otherwise 0. */
 static int figure_of(const char *line, size_t length) {
     static const char word[] = "figure ";
     int number = 0;
@@ -110,7 +110,8 @@ static int run_figures(const cli_request *request) {
     const char *number = cli_text(request, "--figure");
     int current = 0, wanted = number ? number[0] - '0' : 0, code = CLI_DONE;
     char text[line_size];
-    /* Several processes end together, by the next sweep: there they hear of each other's signals. */
+    /* With several ranks continue to the next sweep after a signal: only there do all ranks learn of it, so
+     * that they end together. */
     for (const char *line = paper_figures;
          *line && code == CLI_DONE && (!interrupt_asked() || ranks_count() > 1);) {
         size_t length = strcspn(line, "\n");
@@ -131,7 +132,7 @@ static int run_figures(const cli_request *request) {
     return code;
 }
 
-/* Make the folder, and those that it is in, and go there. */
+/* Create the folder with its parents, and change to it. */
 static bool enter(const char *path) {
     char part[line_size];
     size_t length = strlen(path);

@@ -33,20 +33,20 @@ static const cli_option over = CLI_OPTION("--over", CLI_FILES, "file.h5 ...",
 static const cli_option *const options[] = {&cli_output,        &show,     &range,   &label, &view, &over,
                                             CLI_FIGURE_OPTIONS, &cli_swap, &cli_log, NULL};
 
-/* What the options point to. */
+/* The data that the plot options point to. */
 typedef struct plot_wishes {
     saltus_plot_part parts[CLI_LIST_MAX];
     saltus_plot_label labels[CLI_LIST_MAX];
 } plot_wishes;
 
-/* The words of saltus_show and saltus_view, in their order after the automatic choice. */
+/* The words of saltus_show and saltus_view, in their order after automatic. */
 static const char *const shows[] = {"speed",     "impacts", "displacement", "velocity", "period",
                                     "amplitude", NULL};
 static const char *const views[] = {"turning", "impacts", "stroboscopic", "class",   "attractors", "largest",
                                     "rms",     "speed",   "rate",         "contact", "lyapunov",   "settled",
                                     NULL};
 
-/* "key=value," at the beginning of a text; what follows it, or NULL. */
+/* Read "key=value," at the beginning of a text; returns the rest, or NULL. */
 static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {
     size_t length = strcspn(text, "=,");
     if (length == 0 || length >= SALTUS_KEY_MAX || text[length] != '=')
@@ -97,7 +97,7 @@ static int run(const cli_request *request) {
             return cli_refuse(CLI_BAD_INPUT,
                               "plot: %s: is a trajectory, which is drawn alone, whole and in one way", first);
         status = saltus_plot_trajectory(request->output, first, look, &message);
-    } else if (has_view || over->count) { /* what only a sweep can be asked for */
+    } else if (has_view || over->count) { /* options for sweeps only */
         if (!cli_choose(request, "--view", views, &viewed))
             return CLI_BAD_INPUT;
         if (several || shows_what || labels->count)

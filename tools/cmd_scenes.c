@@ -1,4 +1,4 @@
-/* saltus scenes: what can be simulated.
+/* saltus scenes: lists and prints the built-in scenes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 

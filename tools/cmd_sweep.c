@@ -26,7 +26,7 @@ static const cli_table tables[] = {CLI_TABLE(saltus_sweep_table, sweep, NULL), {
 static const cli_option *const options[] = {&cli_set,   &cli_section, &sweep_over, &start,      &what,
                                             &transient, &cli_output,  &cli_resume, &sweep_json, NULL};
 
-/* The words of a list with commas, as bits; false after a message. */
+/* Convert a comma-separated list of words into bits; false after a message. */
 static bool read_what(const char *text, unsigned *keep) {
     static const struct {
         const char *text;
@@ -84,8 +84,8 @@ static int run(const cli_request *request) {
     if (!read_options(request, &how))
         return CLI_BAD_INPUT;
     saltus_status status = cli_load_scene(request, &scene, &message);
-    /* What nobody has chosen: the diagrams of one parameter, the names of motions over two. A table of rows
-     * has room for nothing else. */
+    /* Defaults for --what: clouds for diagrams over one parameter, only classes over two. CSV files hold only
+     * rows. */
     if (status == SALTUS_OK && !cli_given(request, "--what") && cli_values(request, "--over")->count == 1 &&
         !cli_ends_in(request->output, ".csv"))
         how.keep = SALTUS_KEEP_TURNING | (scene.spec.stop_count ? SALTUS_KEEP_IMPACTS : 0);

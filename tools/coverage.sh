@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds with coverage counters, runs all tests in their short versions, and tells what they do not reach: by file in
-# build-coverage/report.txt, and the refusals and failures among it in build-coverage/errors.txt.
+# Builds with coverage counters, runs all tests in their short versions, and lists the code they do not reach: by file
+# in build-coverage/report.txt, error paths in build-coverage/errors.txt.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."
@@ -14,7 +14,7 @@ SALTUS_SANITIZED=1 ctest --test-dir build-coverage -j 2 -E '^(installed_package|
     tail -n 5 build-coverage/tests.txt
 gcovr --root . --filter 'src/' --filter 'tools/[a-z_]*\.[ch]$' --exclude-unreachable-branches build-coverage \
     --csv build-coverage/report.csv --txt build-coverage/report.txt --json build-coverage/lines.json
-# One object a line of source: its count of runs is zero where no test came.
+# lines.json has one object for each source line; a count of 0 means that no test ran the line.
 tr '{' '\n' <build-coverage/lines.json | awk -F'[:," ]+' '
     /"file":/ {for (k = 1; k <= NF; k++) if ($k == "file") file = $(k + 1)}
     /"line_number":/ {

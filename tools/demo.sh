@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing, builds, and draws the diagnosis of a pipe that hits a rigid stop.
+# Installs missing packages, builds, and draws the diagnosis of a pipe that hits a rigid stop.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Fuzzing: every target of tests/fuzz for so many seconds (default 60), two at a time, under the address and
-# undefined-behaviour sanitizers. Fails on a crash, a leak, a hang or too much memory; what brought it about is
-# then in build-fuzz/reproducers, to be repaired and copied to tests/fuzz/corpus.
+# Fuzzes every target of tests/fuzz for the given seconds (default 60), two at a time, under the address and
+# undefined-behaviour sanitizers. Fails on a crash, a leak, a hang or too much memory; the input responsible is
+# then in build-fuzz/reproducers: fix the fault and copy the input to tests/fuzz/corpus.
 #     tools/fuzz.sh [seconds [target ...]]
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -euo pipefail
@@ -18,7 +18,7 @@ cmake --build build-fuzz --target "${targets[@]/#/fuzz_}" >/dev/null
 rm -rf "$found"
 mkdir -p "$found"
 
-# fuzz TARGET: what is new is kept in build-fuzz/corpus, for the next time.
+# fuzz TARGET: new inputs are kept in build-fuzz/corpus for the next run.
 fuzz() {
     local target=$1 seeds=(tests/fuzz/corpus/"$1")
     [ "$target" != scene ] || seeds+=(data/scenes)

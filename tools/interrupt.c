@@ -9,7 +9,7 @@
 static volatile sig_atomic_t asked;
 static volatile time_t since;
 
-/* One request may come twice at once: to the process and to its group. Later ones are meant. */
+/* A request may arrive twice, sent to the process and to its group; only a later signal ends the program. */
 static void ask(int number) {
     enum { patience = 2 };
     if (!asked)
@@ -23,7 +23,7 @@ static void ask(int number) {
 
 void interrupt_catch(void) {
     static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
-    /* A file beyond the limit of the user is an error of writing as any other. */
+    /* A file beyond the user's size limit is an ordinary write error. */
     signal(SIGXFSZ, SIG_IGN);
     sigset_t heard;
     sigemptyset(&heard);

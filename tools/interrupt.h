@@ -1,5 +1,4 @@
-/* Signals that ask to stop: what is under way is ended in an orderly way, at the next place where that can
- * be.
+/* Signals that ask to stop: computations end cleanly at the next opportunity.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TOOLS_INTERRUPT_H
 #define SALTUS_TOOLS_INTERRUPT_H
@@ -7,10 +6,10 @@
 #include <signal.h>
 #include <stdbool.h>
 
-/* From here on, to the end of the program, SIGINT, SIGTERM and SIGHUP only raise the flag below; one that
- * comes seconds later ends the program at once. The flag is never lowered, and nothing else takes these
- * signals: whoever works for long looks at it. They are let through if they were blocked; those that are
- * ignored stay so. SIGXFSZ is ignored. */
+/* From here on SIGINT, SIGTERM and SIGHUP only set the flag below; a second signal that comes seconds later
+ * ends the program at once. The flag is never cleared and nothing else handles these signals, so long
+ * computations must check it. Blocked signals are unblocked; ignored ones remain ignored. SIGXFSZ is
+ * ignored. */
 void interrupt_catch(void);
 /* For saltus_flow_options.stop. */
 const volatile sig_atomic_t *interrupt_flag(void);

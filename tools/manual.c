@@ -32,7 +32,7 @@ void manual_list(FILE *file) {
         fprintf(file, "saltus help %s: %s.\n", manual_topics[k]->name, manual_topics[k]->summary);
 }
 
-/* The default of an option, as the command line takes it; empty where there is none to tell. */
+/* The default of an option as written on the command line; empty if there is none. */
 static const char *default_of(const cli_entry *entry, char text[SALTUS_FIELD_TEXT_MAX]) {
     const saltus_option *o = entry->option;
     const cli_option *own = entry->own;
@@ -46,7 +46,7 @@ static const char *default_of(const cli_entry *entry, char text[SALTUS_FIELD_TEX
     return text;
 }
 
-/* What an option means, with the words that it takes. */
+/* The meaning of an option, with its possible words. */
 static const char *meaning_of(const cli_entry *entry, char text[SALTUS_FIELD_TEXT_MAX]) {
     char demand[SALTUS_FIELD_TEXT_MAX];
     bool words = entry->option && entry->option->field.words;
@@ -55,7 +55,7 @@ static const char *meaning_of(const cli_entry *entry, char text[SALTUS_FIELD_TEX
     return text;
 }
 
-/* Text in lines of at most 80 letters, an empty line between paragraphs. */
+/* Print text in lines of at most 80 characters, with an empty line between paragraphs. */
 static void put_wrapped(const char *text, FILE *file) {
     enum { width = 80 };
     for (size_t column = 0; *text;) {
@@ -118,8 +118,8 @@ void manual_topic_help(const manual_topic *topic, FILE *file) {
     fprintf(file, "\nsee also: saltus help %s\n", topic->see);
 }
 
-/* Text for man: hyphens that are typed, no line that is a request but the one `between` lines; NULL: lines
- * stay as they are. */
+/* Print text for man: hyphens stay hyphens, and no line is taken for a request. Lines are separated by the
+ * request `between`; NULL: by line breaks. */
 static void put_roff(const char *text, const char *between, FILE *file) {
     bool begins = true;
     for (const char *c = text; *c; begins = *c++ == '\n')
@@ -147,7 +147,7 @@ static void put_see(const char *see, FILE *file) {
     fputc('\n', file);
 }
 
-/* A part of a page: what stands before it, its text and what stands behind. */
+/* Print a part of a page between two literal texts. */
 static void put_part(const char *before, const char *text, const char *behind, FILE *file) {
     fputs(before, file);
     put_roff(text, ".PP", file);
@@ -255,7 +255,7 @@ void manual_completion(FILE *file) {
     for (int k = 0; manual_commands[k]; k++) {
         cli_entry entry;
         fprintf(file, "    %s)\n        case $before in\n", manual_commands[k]->name);
-        /* What may follow a flag: words, or files where any text is taken. */
+        /* Completions of a flag's value: its words; file names where any text is allowed. */
         for (int j = 0; cli_entry_at(manual_commands[k], j, &entry); j++) {
             const saltus_word *words = entry.option ? entry.option->field.words : NULL;
             if (!words)
@@ -290,11 +290,11 @@ void manual_completion(FILE *file) {
           file);
 }
 
-/* What one of the files holds. */
+/* Content of one file. */
 typedef struct page {
     const cli_command *command;
     const manual_topic *topic;
-    bool completion; /* none of them: the page of the program */
+    bool completion; /* all three unset: the program's page */
 } page;
 
 static bool write_file(const char *folder, const char *name, page what) {

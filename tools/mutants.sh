@@ -1,6 +1,6 @@
 #!/bin/sh
-# Judges the tests by mutants: plants small random mistakes in the rooms of src and in the commands and counts how many
-# the tests catch. `sh tools/mutants.sh --help` lists the options; results stand in build-mutants/report.txt.
+# Mutation test of the test suite: plants small random mistakes in src and in the commands and counts how many the
+# tests catch. `sh tools/mutants.sh --help` lists the options; the results are in build-mutants/report.txt.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
-/* A word as a shell reads it. */
+/* Quote a word for a shell if necessary. */
 static void put_word(FILE *file, const char *word) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
     if (*word && word[strspn(word, plain)] == '\0') {
@@ -42,8 +42,8 @@ static char *command_line(const cli_request *request) {
     return NULL;
 }
 
-/* The text of a built-in scene or of a file; NULL where there is none, or no memory. What is no regular file
- * has been read, and is not there a second time. */
+/* The text of a built-in scene or of a file; NULL if there is none or memory is lacking. Other inputs, such
+ * as pipes, have been consumed already. */
 static char *scene_text(const char *name, bool *memory) {
     for (int k = 0; k < saltus_scene_builtin_count(); k++)
         if (strcmp(name, saltus_scene_builtin_name(k)) == 0) {

@@ -1,4 +1,4 @@
-/* The list of the paper's figures, data/paper/figures, as the build puts it into the program.
+/* The list of the paper's figures, data/paper/figures, embedded by the build.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TOOLS_PAPER_H
 #define SALTUS_TOOLS_PAPER_H

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing, builds, and draws Figures 2 to 8 of the paper into build/paper.
+# Installs missing packages, builds, and draws Figures 2 to 8 of the paper into build/paper.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."

@@ -10,8 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Seconds between two drawings of the bar; between two lines, at least and at most; after which the rate
- * forgets. */
+/* Seconds: between updates of the bar; least and largest between lines; averaging time of the rate. */
 static const double bar_pause = 0.25, line_pause = 2, line_patience = 30, memory = 15;
 
 void progress_begin(progress *p, bool quiet, long long total, long long earlier) {
@@ -39,7 +38,7 @@ static void describe_left(const progress *p, long long done, double rate, char t
         snprintf(text, 48, "time left unknown");
 }
 
-/* Columns of the terminal that stderr is; many where it does not say. */
+/* Width of the terminal on stderr; 1000 if unknown. */
 static int columns(void) {
     struct winsize size;
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 1000;
@@ -61,7 +60,7 @@ void progress_show(progress *p, long long done) {
     const double now = saltus_seconds(), passed = now - p->looked, fade = exp(-passed / memory);
     if (!p->shown || passed < bar_pause)
         return;
-    /* Points per second of late: what was long ago counts less and less. */
+    /* Recent points per second: older ones are weighted less and less. */
     p->work = p->work * fade + (double)(done - p->seen);
     p->time = p->time * fade + passed;
     p->seen = done;
@@ -72,7 +71,7 @@ void progress_show(progress *p, long long done) {
     describe_left(p, done, rate, left);
     for (int k = 0; k < cells; k++)
         bar[k] = part * cells >= k + 1 ? '#' : '.';
-    /* Where there is no room for the bar and all the numbers, the numbers that are waited for. */
+    /* If the bar does not fit, show only the percentage and the remaining time. */
     if (p->terminal && columns() > cells + beside)
         progress_line("[%s] %5.1f %%  %.4g points/s  %s", bar, 100 * part, rate, left);
     else if (p->terminal)

@@ -18,8 +18,7 @@ static long number_in(const char *variable) {
     return text ? strtol(text, NULL, 10) : 0;
 }
 
-/* How many ranks the environment speaks of: as the launchers of Open MPI, MPICH, MVAPICH and Slurm have it.
- */
+/* Number of ranks according to the environment variables of Open MPI, MPICH, MVAPICH and Slurm. */
 static long announced(void) {
     static const char *const sizes[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE",
                                         "SLURM_STEP_NUM_TASKS"};
@@ -30,7 +29,7 @@ static long announced(void) {
     return most;
 }
 
-/* The rank that the environment speaks of, 0 where it does not. */
+/* This rank according to the environment; 0 if it does not say. */
 static long announced_here(void) {
     static const char *const places[] = {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK",
                                          "MV2_COMM_WORLD_RANK", "SLURM_PROCID"};
@@ -68,7 +67,7 @@ bool ranks_join(void) {
     long count = announced();
     if (count < 2 && !getenv("PMIX_RANK"))
         return true;
-    /* Threads that the MPI library starts for itself must not catch the signals that are meant for ours. */
+    /* Threads started by the MPI library must not receive signals meant for this program's threads. */
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &usual);
     const bool started = MPI_Init_thread(NULL, NULL, MPI_THREAD_SERIALIZED, &level) == MPI_SUCCESS;
@@ -79,7 +78,7 @@ bool ranks_join(void) {
         return refuse(count, "MPI knows of one only: the launcher is not that of the MPI library in use");
     if (level < MPI_THREAD_SERIALIZED && ranks_count() > 1)
         return refuse(count, "this MPI library cannot be used by a program with threads");
-    /* Without a place to be silent in, a rank speaks. */
+    /* Silence all ranks but the first; if that fails, refuse to run. */
     if (ranks_here() > 0 && (!freopen("/dev/null", "w", stdout) || !freopen("/dev/null", "w", stderr)))
         return refuse(count, "/dev/null cannot be opened");
     return true;
@@ -105,7 +104,7 @@ int ranks_here(void) {
 }
 
 #ifdef __linux__
-/* Cores that this process may use, and those that the ranks on its machine may use together. */
+/* Number of cores available to this process, and to all ranks on its machine together. */
 static void count_cores(MPI_Comm machine, int *own, int *all) {
     cpu_set_t mine, ours;
     CPU_ZERO(&mine);
@@ -185,7 +184,7 @@ bool ranks_receive(int kind, ranks_packet *packet) {
     MPI_Get_count(&status, MPI_BYTE, &size);
     *packet = (ranks_packet){.from = status.MPI_SOURCE, .size = (size_t)size};
     packet->bytes = malloc(packet->size ? packet->size : 1);
-    /* Without memory for one message there is no way to go on, nor to say so to the others. */
+    /* Without memory for a message this rank can neither go on nor tell the others. */
     if (!packet->bytes)
         MPI_Abort(MPI_COMM_WORLD, 1);
     MPI_Recv(packet->bytes, size, MPI_BYTE, status.MPI_SOURCE, kind, MPI_COMM_WORLD, MPI_STATUS_IGNORE);

@@ -1,6 +1,6 @@
-/* Processes that mpirun or srun started together, called ranks, and packets between them. A packet is sent
- * and received without waiting; whoever waits sleeps in between, so that no core is lost to it. Without MPI,
- * and for a program started alone, there is one rank and there are no packets.
+/* Ranks, which are processes started together by mpirun or srun, and packets between them. Packets are sent
+ * and received without blocking, and waiting is done by sleeping, which leaves all cores free. Without MPI,
+ * or if the program was started alone, there is one rank and there are no packets.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TOOLS_RANKS_H
 #define SALTUS_TOOLS_RANKS_H
@@ -10,18 +10,17 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Take part, where several ranks were started. All but the first fall silent: what goes wrong on them is told
- * by packet. False after a message. To be called before the program has threads. */
+/* Join the other ranks, if several were started. All ranks but the first become silent and report errors by
+ * packet. False after a message. Call it before starting threads. */
 bool ranks_join(void);
-/* At the end of the program, whether joined or not. */
+/* Call at the end of the program, joined or not. */
 void ranks_leave(void);
-/* How many there are, and which of them this is, from 0. */
+/* The number of ranks, and the number of this one, from 0. */
 int ranks_count(void);
 int ranks_here(void);
-/* The first rank's number, on all of them, once all have called this. Without other ranks the number itself.
- */
+/* Returns the first rank's number on all ranks, after all have called it; with a single rank, `number`. */
 int ranks_agree(int number);
-/* Threads that each should use: the cores of this machine are shared by the ranks on it. 0: started alone. */
+/* Number of threads that each rank should use: the ranks on a machine share its cores. 0: started alone. */
 int ranks_threads(void);
 
 typedef struct ranks_packet {
@@ -30,22 +29,22 @@ typedef struct ranks_packet {
     void *bytes; /* to be freed by the receiver */
 } ranks_packet;
 
-/* Packets on their way out. Zeroed, it is empty. */
+/* Packets being sent. A zeroed one is empty. */
 typedef struct ranks_outbox {
     struct ranks_outgoing *first;
     size_t bytes;
 } ranks_outbox;
 
-/* Send a copy of `size` bytes. Packets of one kind, a small number from 0, arrive in the order in which they
- * were sent. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT (over 2 GB). */
+/* Send a copy of `size` bytes. Packets of the same kind, a small number from 0, arrive in the order of
+ * sending. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT (over 2 GB). */
 saltus_status ranks_send(ranks_outbox *outbox, int to, int kind, const void *bytes, size_t size,
                          saltus_message *message);
-/* The same with bytes from malloc that become the outbox's, also on error. */
+/* The same without a copy: the outbox takes ownership of `bytes` (from malloc), also on error. */
 saltus_status ranks_send_own(ranks_outbox *outbox, int to, int kind, void *bytes, size_t size,
                              saltus_message *message);
-/* Forget what has been delivered; true when nothing is left. */
+/* Free delivered packets; true if none is left. */
 bool ranks_delivered(ranks_outbox *outbox);
-/* Receive a packet of a kind, if one has arrived. */
+/* Receive a packet of this kind, if one has arrived. */
 bool ranks_receive(int kind, ranks_packet *packet);
 
 #endif

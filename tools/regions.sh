@@ -1,6 +1,6 @@
 #!/bin/sh
 # Draws the borders of the stable 5/2, 4/4, 3/5 and 4/5 motions of the pipe in the plane of pulsation frequency and
-# clearance, each border followed as a curve of folds (LP), flips (PD) or grazing points (GR).
+# clearance, each as a locus of folds (LP), flips (PD) or grazing points (GR).
 # Arguments: the saltus program and a folder, which receives the curves and the figure regions.png.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
@@ -8,7 +8,7 @@ saltus=$1
 place=$2
 mkdir -p "$place"
 
-# follow NAME ARGUMENTS...: a branch of the pipe's orbits or a curve of special points, in the file NAME.h5.
+# follow NAME ARGUMENTS...: compute a branch of the pipe's orbits or a locus of special points, as NAME.h5.
 follow() {
     name=$1
     shift
@@ -18,14 +18,14 @@ follow() {
 
 d=d=0.026:0.04
 
-# 5/2: grazing where a fifth impact dies or a sixth is born; folds and flips just before the former.
+# 5/2: grazing where the fifth impact vanishes or a sixth appears; folds and flips just before the former.
 omega=omega=14:32
 follow 5-2-birth --set omega=20 d=0.034 --in $d --locus GR --and $omega --step-max 0.01
 follow 5-2-death --set omega=20 d=0.035 --in $d --locus GR --and $omega --step-max 0.01
 follow 5-2-flip --set omega=24 d=0.037 --in $d --locus PD --and $omega
 follow 5-2-fold --set omega=18 d=0.034 --in $d --locus LP --and $omega
 
-# 4/4: the same with a fourth and a fifth impact, and a second fold on the other side.
+# 4/4: the same with the fourth and a fifth impact, and a second fold on the other side.
 omega=omega=28:55
 follow 4-4-fold --set omega=42 d=0.035 --in $omega --locus LP --and $d --step-max 0.01
 follow 4-4-birth --set omega=36.5 d=0.0325 --in $d --locus GR --and $omega --step-max 0.01

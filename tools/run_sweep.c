@@ -11,10 +11,10 @@
 #include <string.h>
 #include <time.h>
 
-/* What the feed returns to end the engine; the exchange knows why. */
+/* Returned by the feed to end the sweep; the exchange holds the reason. */
 static const saltus_status dropped = SALTUS_NO_CONVERGENCE;
 
-/* Bytes of results that may wait to be sent before the computation waits too. */
+/* Bytes of unsent results above which computing threads wait. */
 static const size_t outbox_max = 64u << 20;
 
 saltus_status sweep_tally_add(sweep_tally *tally, const saltus_sweep_row *row, saltus_message *message) {
@@ -95,8 +95,8 @@ saltus_status sweep_exchange_take(sweep_exchange *exchange, const saltus_sweep_r
     return status;
 }
 
-/* The next task that may be done; -1: there is none, or it is to stop. May have to wait: the first rank until
- * every other has its first share, the others for what the first sends. */
+/* The next task; -1: none, or stop. May wait: the first rank until every other rank has got its first tasks,
+ * the others for tasks from the first rank. */
 static long long next_task(void *context) {
     sweep_exchange *exchange = context;
     sweep_mail *mail = &exchange->mail;
@@ -116,7 +116,7 @@ static long long next_task(void *context) {
     return task;
 }
 
-/* A result into the outbox, once there is room. */
+/* Put a result into the outbox; waits while it is full. */
 static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_result *result,
                                  saltus_message *message) {
     sweep_mail *mail = &exchange->mail;
@@ -141,7 +141,7 @@ static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_re
     return SALTUS_OK;
 }
 
-/* A result that is there is kept, whatever happens after it. */
+/* Keep the result even if the run is being stopped. */
 static saltus_status take_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
     sweep_exchange *exchange = context;
     saltus_status status =
@@ -154,7 +154,7 @@ static saltus_status take_result(void *context, const saltus_sweep_result *resul
     return stopped ? dropped : SALTUS_OK;
 }
 
-/* Sleep until something changes at the exchange, or for a time. */
+/* Wait until the exchange changes, or for the given time. */
 static void rest(sweep_exchange *exchange, double seconds) {
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
@@ -167,13 +167,13 @@ static void rest(sweep_exchange *exchange, double seconds) {
     pthread_mutex_unlock(&exchange->lock);
 }
 
-/* What the attending thread works with. */
+/* Arguments of the attending thread. */
 typedef struct attendant {
     sweep_link *link;
     progress *bar;
 } attendant;
 
-/* Signals, packets and progress, until this rank's threads have come to an end and nothing is under way. */
+/* Handle signals, packets and progress until this rank's threads have finished and no packet is under way. */
 static void *attend(void *context) {
     static const double nap = 1e-4, longest_nap = 2e-3, alone = 0.1;
     const attendant *own = context;
@@ -216,8 +216,7 @@ static saltus_status compute(sweep_link *link, progress *bar, saltus_message *me
     return exchange->status;
 }
 
-/* The first rank opens the file before anything is computed, and marks the tasks that an earlier run has
- * done. */
+/* On the first rank: open the file before anything is computed, and mark the tasks done by an earlier run. */
 static saltus_status open_output(sweep_exchange *exchange, const sweep_order *order,
                                  saltus_message *message) {
     const saltus_sweep *sweep = exchange->sweep;
@@ -246,7 +245,7 @@ static saltus_status open_output(sweep_exchange *exchange, const sweep_order *or
     return SALTUS_OK;
 }
 
-/* From the preparations of all ranks to the file's end; the exit code. */
+/* Run a sweep from the preparations of all ranks to the completed file; returns the exit code. */
 static int run_exchange(sweep_link *link, const sweep_order *order, saltus_status status,
                         saltus_message *message, sweep_report *report) {
     sweep_exchange *exchange = link->exchange;
@@ -255,7 +254,7 @@ static int run_exchange(sweep_link *link, const sweep_order *order, saltus_statu
     saltus_message closing = {.text = ""};
     progress bar;
     int code = CLI_FAILED;
-    /* A signal that came before: what is in the file stays. */
+    /* A signal arrived before the start: leave the file as it is. */
     if (status == SALTUS_OK && interrupt_asked())
         status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
     if (together)

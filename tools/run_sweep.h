@@ -1,21 +1,22 @@
-/* Running a sweep: its tasks over threads and ranks, its results into a file, progress, interrupts.
+/* Running a sweep: distributes its tasks over threads and ranks, writes its results into a file, handles
+ * progress and interrupts.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TOOLS_RUN_SWEEP_H
 #define SALTUS_TOOLS_RUN_SWEEP_H
 
 #include "saltus/saltus.h"
 
-/* What is to be run, and where it goes. */
+/* A sweep to run, and its destination. */
 typedef struct sweep_order {
-    const saltus_sweep *sweep;   /* NULL where this rank could not make one */
-    volatile sig_atomic_t *stop; /* the sweep's flow.stop: it is the run's to raise */
+    const saltus_sweep *sweep;   /* NULL if this rank failed to make it */
+    volatile sig_atomic_t *stop; /* the sweep's flow.stop, which the run may set */
     const char *path;
     const saltus_origin *origin;
     bool basins, resume, quiet;
-    bool to_stdout; /* the file is copied to standard output and does not last */
+    bool to_stdout; /* the file is temporary and will be copied to standard output */
 } sweep_order;
 
-/* How many trajectories have which name. */
+/* Number of trajectories with a label. */
 typedef struct sweep_class {
     char label[32];
     long long count;
@@ -32,19 +33,19 @@ saltus_status sweep_tally_add(sweep_tally *tally, const saltus_sweep_row *row, s
 void sweep_tally_sort(sweep_tally *tally);
 void sweep_tally_clear(sweep_tally *tally);
 
-/* What a run has done. Rows are trajectories. */
+/* Outcome of a run. Rows are trajectories. */
 typedef struct sweep_report {
-    long long rows;     /* of the whole sweep */
-    long long computed; /* by this run; the others were there */
+    long long rows;     /* rows of the whole sweep */
+    long long computed; /* rows computed by this run; the others existed before */
     double seconds;
-    bool first;        /* this is the first rank, which has the file and speaks */
-    int ranks;         /* that shared the work */
-    sweep_tally tally; /* of those computed by this run; on the first rank */
+    bool first;        /* this is the first rank, which writes the file and prints */
+    int ranks;         /* ranks that shared the work */
+    sweep_tally tally; /* of the rows computed by this run; first rank only */
 } sweep_report;
 
-/* Run to the end or until a signal asks to stop. `status` and `reason` tell how the making of the sweep went,
- * here: if it failed on one rank, it has on all. Returns an exit code, after a message where that is not
- * CLI_DONE. The report is to be cleared by sweep_tally_clear in any case. */
+/* Run until done or until a signal asks to stop. `status` and `reason` are those of making the sweep on this
+ * rank; a failure on any rank is a failure on all. Returns an exit code, after a message unless it is
+ * CLI_DONE. Clear the report's tally with sweep_tally_clear in any case. */
 int run_sweep(const sweep_order *order, saltus_status status, const saltus_message *reason,
               sweep_report *report);
 

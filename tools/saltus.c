@@ -18,7 +18,7 @@ static const cli_command *find_command(const char *name) {
     return manual_commands[k];
 }
 
-/* saltus help [COMMAND] [--man]; the build calls help --pages FOLDER and help --completion. */
+/* saltus help [COMMAND] [--man]; the build also uses help --pages FOLDER and help --completion. */
 static int help(int count, char **arguments) {
     const char *first = count ? arguments[0] : "", *last = count ? arguments[count - 1] : "";
     bool as_page = strcmp(last, "--man") == 0;
@@ -44,8 +44,8 @@ static int help(int count, char **arguments) {
     return cli_finish();
 }
 
-/* A standard stream that is closed must not be taken by the first file that is opened. What is put in its
- * place can be neither read nor written as it should be, so that this is noticed. */
+/* If a standard stream is closed, the first file opened would take its place. Occupy it with /dev/null opened
+ * in the wrong direction, so that using the stream fails and is noticed. */
 static void fill_streams(void) {
     static const int modes[] = {
         [STDIN_FILENO] = O_WRONLY, [STDOUT_FILENO] = O_RDONLY, [STDERR_FILENO] = O_RDONLY};

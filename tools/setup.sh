@@ -1,6 +1,6 @@
 #!/bin/sh
-# Installs what is missing to build, test and draw on Debian. Sourced by demo.sh, paper.sh and test.sh.
-# MPI is optional: sweeps run over several machines where it is there (libopenmpi-dev, openmpi-bin) before the build.
+# Installs missing packages for building, testing and drawing on Debian. Sourced by demo.sh, paper.sh and test.sh.
+# MPI (libopenmpi-dev, openmpi-bin) is optional: installed before the build, it lets sweeps run on several machines.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 needed="gcc cmake ninja-build pkgconf libgsl-dev libfftw3-dev liblapacke-dev libyaml-dev libhdf5-dev gnuplot-nox fonts-dejavu-core"

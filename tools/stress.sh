@@ -1,6 +1,6 @@
 #!/bin/sh
-# The long version of the stress suite: ten times as long runs, all rows, all random scenes. Writes what was
-# seen to data/bench/stress.txt.
+# The long version of the stress suite: runs ten times as long, all rows, all random scenes. Writes the results to
+# data/bench/stress.txt.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."

@@ -15,10 +15,10 @@ const cli_option sweep_over = CLI_OPTION(
     "an axis: key=lo:hi:n, key=lo:hi:n:log or key=v1,v2,...; once or twice, the first runs fastest");
 const cli_option sweep_json = CLI_OPTION("--json", CLI_FLAG, NULL, "a summary as one JSON object on stdout");
 
-/* Lines of a table; what is left is counted together. */
+/* Most lines of a table; the remaining classes are summed up. */
 enum { lines_max = 12 };
 
-/* Trajectories that ended on each attractor of basins, and an order of them by that. */
+/* Number of trajectories that ended on an attractor of basins. */
 typedef struct share {
     int attractor;
     long long count;
@@ -77,7 +77,7 @@ static void print_attractors(const saltus_sweep_file *file, const share *shares)
         printf("%-16s %12lld %7.2f %%\n", "none found", lost, percent(lost, file->row_count));
 }
 
-/* How many trajectories the tally is of: where there is no file to read them from, those of this run. */
+/* Number of trajectories in the tally: all in the file, or without a file those of this run. */
 static long long counted(const sweep_report *report) {
     long long sum = 0;
     for (int k = 0; k < report->tally.count; k++)
@@ -89,7 +89,7 @@ static double rate(const sweep_report *report) {
     return report->seconds > 0 ? (double)report->computed / report->seconds : 0;
 }
 
-/* Whether a class is among those met. */
+/* Whether a class occurred. */
 static bool is_met(const sweep_report *report, const char *label) {
     int k = 0;
     while (k < report->tally.count && strcmp(report->tally.classes[k].label, label) != 0)
@@ -97,7 +97,7 @@ static bool is_met(const sweep_report *report, const char *label) {
     return k < report->tally.count;
 }
 
-/* What could have been decided. */
+/* How undecided trajectories could be decided. */
 static void print_hint(const saltus_sweep *sweep, const sweep_report *report) {
     const saltus_sweep_options *o = saltus_sweep_choices(sweep);
     bool measured = o->keep & SALTUS_KEEP_LYAPUNOV;
@@ -174,7 +174,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     bool read = (order->basins || report->computed < report->rows) && cli_ends_in(order->path, ".h5");
     if (read)
         status = saltus_sweep_file_read(order->path, &file, message);
-    /* Of a run that went on, the tally is that of the file. */
+    /* After a resumed run, count all rows of the file. */
     const bool anew = status == SALTUS_OK && read && report->computed < report->rows;
     if (anew)
         sweep_tally_clear(&report->tally);
@@ -195,8 +195,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     return status;
 }
 
-/* Where no trajectory has come to anything, the sentence of a failure: what classification says of the first.
- */
+/* If all trajectories failed, report why: the error that classification gives for the first one. */
 static saltus_status tell_failure(const saltus_sweep *sweep, const sweep_report *report,
                                   saltus_message *message) {
     saltus_message reason = {.text = ""};

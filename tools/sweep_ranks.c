@@ -1,6 +1,6 @@
-/* How ranks share a sweep. The first rank gives out tasks in batches, each smaller than what would leave the
- * others without work at the end, and receives results; it computes with its own threads meanwhile. A rank
- * asks for more before it runs out. Nobody waits for a packet without sleeping.
+/* How ranks share a sweep. The first rank hands out tasks in batches, small enough that no rank is idle at
+ * the end, and receives results, while its own threads compute too. Other ranks ask for more tasks before
+ * they run out. Waiting is always done by sleeping.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_exchange.h"
 
@@ -11,19 +11,19 @@
 #include <time.h>
 
 enum {
-    PACKET_READY,   /* to the first: status and message of its preparations */
-    PACKET_WISH,    /* to the first: how many tasks are wanted (int) */
-    PACKET_TASKS,   /* from the first: tasks; none: there are no more */
-    PACKET_RESULT,  /* to the first: a packed result */
-    PACKET_OUTCOME, /* to the first: how the run ended (rank_outcome) */
-    PACKET_ORDER    /* from the first: what to do (int[2]: order, exit code) */
+    PACKET_READY,   /* to the first rank: outcome of its preparations */
+    PACKET_WISH,    /* to the first rank: number of tasks wanted (int) */
+    PACKET_TASKS,   /* from the first rank: tasks; an empty packet: no more */
+    PACKET_RESULT,  /* to the first rank: a packed result */
+    PACKET_OUTCOME, /* to the first rank: how the run ended (rank_outcome) */
+    PACKET_ORDER    /* from the first rank: what to do (int[2]: order, exit code) */
 };
 
 enum { ORDER_GO, ORDER_GIVE_UP, ORDER_STOP, ORDER_END };
 
 /* How a rank's run ended. */
 typedef struct rank_outcome {
-    long long sent; /* results */
+    long long sent; /* results sent */
     int status, interrupted;
     saltus_message message;
 } rank_outcome;
@@ -33,7 +33,7 @@ static void nap(void) {
     nanosleep(&pause, NULL);
 }
 
-/* Out of memory for a few bytes: the packet is lost, and the run with it. */
+/* Without memory for even a small packet the packet is lost, and the run fails. */
 static void send_packet(sweep_link *link, int to, int kind, const void *bytes, size_t size) {
     saltus_message message = {.text = ""};
     saltus_status status = ranks_send(&link->sending, to, kind, bytes, size, &message);
@@ -41,7 +41,7 @@ static void send_packet(sweep_link *link, int to, int kind, const void *bytes, s
         sweep_exchange_stop(link->exchange, status, &message);
 }
 
-/* An order to all others that are still there. */
+/* Send an order to all other ranks that have not left. */
 static void send_order(sweep_link *link, int what, int code) {
     const int order[2] = {what, code};
     for (int k = 1; k < link->exchange->ranks; k++)
@@ -54,7 +54,7 @@ static void wait_for_delivery(sweep_link *link) {
         nap();
 }
 
-/* A number from a packet of whole numbers; 0 where it has no such. */
+/* The k-th integer of a packet; 0 if it is shorter. */
 static int number_of(const ranks_packet *packet, size_t k) {
     int number = 0;
     if (packet->size >= (k + 1) * sizeof number)
@@ -62,7 +62,7 @@ static int number_of(const ranks_packet *packet, size_t k) {
     return number;
 }
 
-/* How another rank's preparations, or its run, ended: the message names it. */
+/* The outcome of another rank's preparations or run; the message names the rank. */
 static rank_outcome read_outcome(const ranks_packet *packet) {
     rank_outcome told = {.status = SALTUS_OK};
     if (packet->size == sizeof told)
@@ -97,7 +97,7 @@ saltus_status sweep_ranks_gather(sweep_link *link, saltus_status status, saltus_
     return status;
 }
 
-/* The next order of the first rank other than to stop; its exit code in *code. */
+/* Wait for the next order of the first rank other than ORDER_STOP; *code receives its exit code. */
 static int wait_for_order(sweep_link *link, int *code) {
     ranks_packet packet;
     for (;;) {
@@ -123,7 +123,7 @@ bool sweep_ranks_begin(sweep_link *link, saltus_status status, int *code) {
     return status == SALTUS_OK;
 }
 
-/* Take a packet of a kind, if one has arrived. */
+/* Receive and process a packet of this kind, if one has arrived. */
 static bool receive(sweep_link *link, int kind, void (*take)(sweep_link *, const ranks_packet *)) {
     ranks_packet packet;
     if (!ranks_receive(kind, &packet))
@@ -133,14 +133,14 @@ static bool receive(sweep_link *link, int kind, void (*take)(sweep_link *, const
     return true;
 }
 
-/* A rank has been heard of since the run began. The caller holds the lock. */
+/* Note that a rank has been heard from since the run began. The caller holds the lock. */
 static void meet(sweep_link *link, int rank) {
     link->exchange->queue.met += !link->known[rank].met;
     link->known[rank].met = true;
     pthread_cond_broadcast(&link->exchange->changed);
 }
 
-/* A rank's next tasks: as many as it wishes while there are plenty, at last one by one. */
+/* Send a rank its next tasks: as many as it asked for while plenty remain, towards the end one at a time. */
 static void answer_wish(sweep_link *link, const ranks_packet *packet) {
     sweep_exchange *exchange = link->exchange;
     const int wish = number_of(packet, 0);
@@ -187,7 +187,7 @@ static void end_rank(sweep_link *link, const ranks_packet *packet) {
     pthread_mutex_unlock(&link->exchange->lock);
 }
 
-/* Whether nobody is writing: otherwise results wait, and wishes are answered first. */
+/* Whether no thread is writing. If one is, results wait and requests for tasks are answered first. */
 static bool can_write(sweep_exchange *exchange) {
     if (pthread_mutex_trylock(&exchange->sink.writing) != 0)
         return false;
@@ -213,8 +213,7 @@ static bool serve_first(sweep_link *link) {
     return busy;
 }
 
-/* Send what the computing threads have put out. A thread that waits for what waits to be sent, or is on its
- * way, to shrink is told. */
+/* Send the results of the computing threads. Threads that wait for the outbox to shrink are woken. */
 static bool empty_outbox(sweep_link *link) {
     sweep_exchange *exchange = link->exchange;
     sweep_mail *mail = &exchange->mail;
@@ -265,7 +264,7 @@ static void accept_tasks(sweep_link *link, const ranks_packet *packet) {
     pthread_mutex_unlock(&exchange->lock);
 }
 
-/* During the run there is but one order: to stop. */
+/* The only order during a run is to stop. */
 static void obey(sweep_link *link, const ranks_packet *packet) {
     (void)packet;
     pthread_mutex_lock(&link->exchange->lock);
@@ -279,11 +278,11 @@ static bool serve_other(sweep_link *link) {
     sweep_exchange *exchange = link->exchange;
     sweep_mail *mail = &exchange->mail;
     const saltus_sweep_options *how = saltus_sweep_choices(exchange->sweep);
-    /* About how many trajectories this rank computes at a time. */
+    /* Approximate number of trajectories that this rank computes at a time. */
     const int hands = (how->lanes ? how->lanes : usual_lanes) * (how->threads ? how->threads : 1);
     const int wish = at_a_time * hands < SWEEP_INBOX_MAX / 2 ? at_a_time * hands : SWEEP_INBOX_MAX / 2;
     bool busy = empty_outbox(link);
-    /* Ask for tasks while there are still some to do. */
+    /* Ask for more tasks before the inbox is empty. */
     pthread_mutex_lock(&exchange->lock);
     bool ask = !mail->asked && !mail->dry && !*exchange->stop && mail->count <= wish / 4;
     mail->asked |= ask;

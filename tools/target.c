@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A file that is to be written, and what the user calls it. */
+/* An output file, with the option that names it. */
 typedef struct place {
     const char *option, *path;
     const char *const *endings;
@@ -35,7 +35,7 @@ static bool has_ending(const char *path, const char *const *endings) {
     return false;
 }
 
-/* ".png, .pdf or .svg". */
+/* Write a list of endings: ".png, .pdf or .svg". */
 static void list_endings(const char *const *endings, char text[64]) {
     size_t used = 0;
     for (int k = 0; endings[k]; k++)
@@ -46,7 +46,7 @@ static void list_endings(const char *const *endings, char text[64]) {
                                  endings[k]);
 }
 
-/* The folder that a file would be made in. */
+/* Check the folder of an output file. */
 static int check_folder(const place *p) {
     struct stat facts;
     char folder[4096] = ".";
@@ -65,7 +65,7 @@ static int check_folder(const place *p) {
     return CLI_DONE;
 }
 
-/* Whether an input, which may be followed by a colon and a part of it, is the file. */
+/* Whether an input, possibly followed by ":" and a part, is this file. */
 static bool is_file(const char *input, const struct stat *file) {
     struct stat facts;
     char path[4096];
@@ -78,7 +78,7 @@ static bool is_file(const char *input, const struct stat *file) {
     return there && facts.st_dev == file->st_dev && facts.st_ino == file->st_ino;
 }
 
-/* The input that is the file, by device and inode; NULL where none is. */
+/* The input that is this file, by device and inode; NULL if none is. */
 static const char *input_that_is(const cli_request *request, const struct stat *file) {
     for (int k = 0; k < request->input_count; k++)
         if (is_file(request->inputs[k], file))
@@ -91,7 +91,7 @@ static const char *input_that_is(const cli_request *request, const struct stat *
     return from && is_file(from, file) ? from : NULL;
 }
 
-/* What is there already may be replaced if it is of the kind that is written, and finished. */
+/* An existing file may be replaced only if it is finished and of the kind to be written. */
 static int check_earlier(const cli_command *command, const cli_request *request, const place *p, bool there) {
     saltus_file_facts facts = {.kind = "empty", .complete = true}, input = {.kind = ""};
     const bool table = cli_ends_in(p->path, ".csv");
@@ -100,8 +100,8 @@ static int check_earlier(const cli_command *command, const cli_request *request,
         return CLI_DONE;
     if (there)
         facts = saltus_file_identify(p->path);
-    /* The kind of file that the command writes under a name of this ending, as saltus_file_identify tells it;
-     * what is exported is of its input's kind. "": it will write nothing, and say why. */
+    /* The kind that the command writes under this ending, as saltus_file_identify calls it; for exports that
+     * of the input. "": it will write nothing and explain why. */
     if (!command->kind && request->input_count)
         input = saltus_file_identify(request->inputs[0]);
     const char *data = command->kind ? command->kind : input.hdf5 ? input.kind : "";
@@ -134,7 +134,7 @@ static int check_place(const cli_command *command, const cli_request *request, c
     const char *input = there ? input_that_is(request, &facts) : NULL;
     if (input)
         return refuse(CLI_BAD_INPUT, p, "is the same file as the input %s, which would be lost", input);
-    /* A device or a pipe is written to as it is. */
+    /* Devices and pipes are written to directly. */
     if (there && !S_ISREG(facts.st_mode))
         return CLI_DONE;
     if (there && access(p->path, W_OK) != 0)
@@ -143,7 +143,7 @@ static int check_place(const cli_command *command, const cli_request *request, c
     return code == CLI_DONE ? check_earlier(command, request, p, there) : code;
 }
 
-/* --data, and gnuplot's script beside it. */
+/* Check the files of --data: the record, and gnuplot's script beside it. */
 static int check_data(const cli_command *command, const cli_request *request) {
     char script[4096];
     struct stat one, other;
@@ -162,7 +162,8 @@ static int check_data(const cli_command *command, const cli_request *request) {
     return cli_given(request, "--keep-script") ? CLI_DONE : check_place(command, request, &beside);
 }
 
-/* Standard output in place of a file, which has the ending of --format or the first that can go there. */
+/* Redirect output to a temporary file for standard output, with the ending of --format or the first suitable
+ * one. */
 static int divert(const cli_command *command, cli_request *request, target *out) {
     const char *format = cli_text(request, "--format"), *base = getenv("TMPDIR"), *ending = NULL;
     const place p = {"-o", "-", NULL};
@@ -221,7 +222,8 @@ int target_open(const cli_command *command, cli_request *request, target *out) {
     return code == CLI_DONE && cli_given(request, "--data") ? check_data(command, request) : code;
 }
 
-/* The file as it is. False, with errno, where it could not be read or written. */
+/* Copy the file to standard output. False, with errno, if reading or writing failed. A missing file is no
+ * error. */
 static bool copy(const char *path) {
     char block[65536];
     size_t length;
@@ -247,7 +249,7 @@ int target_close(target *out, int code) {
         code = code ? code : CLI_FAILED;
     }
     unlink(out->path);
-    /* What a sweep that was interrupted would go on from. */
+    /* Remove the journal of an interrupted sweep, which nothing can resume. */
     char journal[sizeof out->path + 16];
     snprintf(journal, sizeof journal, "%s.journal", out->path);
     unlink(journal);

@@ -1,4 +1,4 @@
-/* saltus help text: the language of systems that are written as equations.
+/* saltus help text: the language for systems written as equations.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "manual.h"
 

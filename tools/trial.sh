@@ -1,7 +1,7 @@
 #!/bin/sh
-# Installs what is missing, builds, puts the claims of the 2020 paper to the test, and writes data/paper.md with its
-# tables and figures: about ten minutes on two free cores. --quick writes a coarse page into build/trial/quick instead.
-# What has been surveyed is kept in build/trial, so that an interrupted run goes on.
+# Installs missing packages, builds, tests the claims of the 2020 paper, and writes data/paper.md with its tables and
+# figures: about ten minutes on two free cores. --quick writes a coarse page into build/trial/quick instead.
+# Finished surveys are kept in build/trial, so that an interrupted run can continue.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."

@@ -50,8 +50,8 @@ static void open_problems(const request *q, problem *places, results *r) {
     }
 }
 
-/* Where a rival's variational equations would take minutes, a few tolerances stand for all; the implicit one
- * has none and takes differences. */
+/* Where a rival's variational equations would take minutes, only a few tolerances are measured. The implicit
+ * rival has none and uses differences. */
 static derivative derivative_of(const problem *p, const method *m, int digits) {
     if (!m->rival)
         return derivative_tangents;

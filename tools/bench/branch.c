@@ -1,9 +1,9 @@
-/* saltus_branch_bench: what a branch of periodic orbits costs, and how good its points are.
+/* saltus_branch_bench: cost and accuracy of a branch of periodic orbits.
  *
- * The family of data/reference/fig7d.json in omega = 35 to 56, both ways, with multipliers and a walk of the
- * event-driven flow at every point. Time is the CPU's, the median of repeated runs; Newton steps are counted
- * where they are made, those for steps taken back and for the location of special points included. Residual
- * and sum rule are those of the same runs. An argument names the folder of the reference.
+ * The family of data/reference/fig7d.json over omega = 35 to 56, continued in both directions, with
+ * multipliers and a run of the event-driven flow at every point. Time is CPU time, the median of repeated
+ * runs. Newton steps include those of rejected steps and of locating special points. Residual and sum rule
+ * are from the same runs. An argument names the folder of the reference.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "clock.h"
 #include "reference.h"
@@ -19,7 +19,7 @@ enum { repeats = 3 };
 typedef struct measured {
     double seconds;
     long points, special, iterations, evaluations;
-    long ruled; /* points whose multipliers are all resolved */
+    long ruled; /* points with all multipliers resolved */
     double residual, sum_rule;
 } measured;
 
@@ -35,7 +35,7 @@ static void note(measured *m, const saltus_branch_point *point) {
     m->points++;
     m->special += point->kind != SALTUS_POINT_REGULAR;
     m->residual = fmax(m->residual, point->residual);
-    /* Where an impact grazes the monodromy matrix has no bound. */
+    /* At grazing the monodromy matrix is unbounded. */
     double off = fabs(point->log_volume - point->sum_rule);
     if (point->kind != SALTUS_POINT_GR && !isnan(off)) {
         m->ruled++;

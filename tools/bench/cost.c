@@ -1,8 +1,8 @@
 /* Costs of the parts of a run, measured on the pipe at omega = 42 unless a row says otherwise.
  *
- * Times are medians of repeated stretches of the same settled motion; the steps and the evaluations of the
- * field in a step (for Taylor series the orders expanded) are counted by the library and free of noise. A
- * scene that does not ask for a feature should take neither.
+ * Times are medians over repeated stretches of the same settled motion. Steps, and evaluations of the field
+ * per step (for Taylor series: orders expanded), are counted by the library and free of noise; a scene that
+ * does not use a feature should need no more of either.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cost.h"
 
@@ -10,7 +10,7 @@
 
 enum { stretches = 9, lanes_max = 16 };
 
-/* What a run carries, and what is asked of it. */
+/* Features switched on in a run. */
 typedef struct asked {
     const char *what;
     bool stop;
@@ -23,7 +23,7 @@ typedef struct asked {
     saltus_integrator integrator;
 } asked;
 
-/* Mean over a stretch. */
+/* Means over a stretch. */
 typedef struct spent {
     double us, steps, impacts, evaluations;
 } spent;
@@ -53,7 +53,7 @@ static void set_stop(saltus_spec *spec, const asked *a) {
         spec->stops[0].sides = a->sides ? a->sides : SALTUS_UPPER;
 }
 
-/* Advance lane 0 to a period, stopping where asked. */
+/* Advance lane 0 to a period, stopping at the requested events. */
 static bool advance(saltus_flow *flow, const asked *a, long long until) {
     const saltus_time end = {until, 0};
     double state[SALTUS_SCENE_STATE_MAX];
@@ -68,7 +68,7 @@ static bool advance(saltus_flow *flow, const asked *a, long long until) {
     return true;
 }
 
-/* Tangent vectors grow or shrink over a long run: each stretch starts them anew. */
+/* Restart the tangent vectors in each stretch: over a long run they would grow or shrink too far. */
 static void renew_tangents(saltus_flow *flow, const saltus_system *system, int columns) {
     const int n = saltus_system_dimension(system);
     double *tangents = calloc((size_t)(columns * n) + 1, sizeof *tangents);
@@ -169,7 +169,7 @@ static bool cost_of_features(cost_table *costs, int settle, int length) {
     return true;
 }
 
-/* Terms of the field: a straight pipe (u0 = 2) without damping swings on in all four scenes. */
+/* Terms of the field: in all four scenes an undamped straight pipe (u0 = 2) oscillates forever. */
 static bool cost_of_terms(cost_table *costs, int length) {
     static const struct {
         const char *what;
@@ -214,7 +214,8 @@ static bool cost_of_modes(cost_table *costs, int settle, int length) {
     return true;
 }
 
-/* The integrator that is chosen, beside the other one (the ratio): about one where the choice changes. */
+/* The automatically chosen integrator compared with the other one; the ratio should be about one where the
+ * choice changes. */
 static bool cost_of_choice(cost_table *costs, int settle, int length) {
     static const int modes[] = {8, 9, 10, 11, 12, 13, 14, 16};
     for (int kind = 0; kind < 3; kind++)
@@ -246,7 +247,7 @@ static bool cost_of_choice(cost_table *costs, int settle, int length) {
     return true;
 }
 
-/* Trajectories side by side, each with an omega of its own, all over the same periods. */
+/* Trajectories side by side, each with its own omega, over the same periods. */
 static bool measure_lanes(saltus_system **systems, int lanes, int settle, int length, double *us) {
     const saltus_flow_options options = saltus_flow_defaults();
     saltus_flow *flow = NULL;
@@ -351,7 +352,7 @@ static bool cost_of_threads(cost_table *costs, bool quick) {
     return true;
 }
 
-/* Classification against following the flow over the periods that it took to settle. */
+/* Classification compared with the flow over the same periods until it settles. */
 static bool measure_classification(const saltus_system *system, const double *state, double *flow_us,
                                    double *all_us) {
     enum { repeats = 5 };
@@ -403,7 +404,7 @@ bool cost_measure(cost_table *costs, bool quick) {
            cost_of_choice(costs, settle, length / 2);
 }
 
-/* A number as text, empty where it does not apply. */
+/* A number as text; empty if not applicable. */
 static const char *number(const char *format, double value, char text[32]) {
     text[0] = '\0';
     if (!isnan(value))
@@ -440,7 +441,7 @@ static void print_table(FILE *file, const cost_table *costs, const char *table, 
     fprintf(file, "\n");
 }
 
-/* Tables whose rows have a time and a ratio only. */
+/* Tables with only a time and a ratio per row. */
 static void print_short(FILE *file, const cost_table *costs, const char *const *tables, int count,
                         const char *head, const char *unit) {
     fprintf(file, "| %s | %s | ratio |\n| --- | --- | --- |\n", head, unit);

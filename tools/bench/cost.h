@@ -1,4 +1,4 @@
-/* What Saltus' features cost: modes, lanes, threads, events, dense output, tangent vectors, classification.
+/* Cost of Saltus' features: modes, lanes, threads, events, dense output, tangent vectors, classification.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_COST_H
 #define SALTUS_BENCH_COST_H
@@ -8,15 +8,15 @@
 
 enum { cost_rows_max = 96 };
 
-/* Numbers that do not apply are NaN. */
+/* Numbers that do not apply are NAN. */
 typedef struct cost_row {
     const char *table;
     char what[96];
-    double us;          /* CPU time of one forcing period of one trajectory; threads: wall time */
-    double steps;       /* of the integrator in a period */
-    double evaluations; /* of the field in a step; Taylor series: orders expanded */
-    double impacts;     /* in a period */
-    double ratio;       /* of the times, to the row that the table compares with */
+    double us;          /* CPU time per forcing period and trajectory; for threads wall time */
+    double steps;       /* integrator steps per period */
+    double evaluations; /* field evaluations per step; for Taylor series orders expanded */
+    double impacts;     /* per period */
+    double ratio;       /* time relative to the reference row of the table */
 } cost_row;
 
 typedef struct cost_table {
@@ -24,10 +24,10 @@ typedef struct cost_table {
     cost_row rows[cost_rows_max];
 } cost_table;
 
-/* Measure everything; `quick` on short runs. */
+/* Measure everything; `quick` uses short runs. */
 bool cost_measure(cost_table *costs, bool quick);
 void cost_csv(FILE *file, const cost_table *costs);
-/* As tables. */
+/* Print the results as tables. */
 void cost_print(FILE *file, const cost_table *costs);
 
 #endif

@@ -1,14 +1,14 @@
-/* Runs and repeats of the integrators on a reference orbit.
+/* Repeated runs of the integrators on a reference orbit.
  *
- * Short runs are timed in batches. Tangent vectors: Saltus' own, the rivals' variational equations with
- * saltation matrices, or central differences of the rival's period map, as the caller asks.
+ * Short runs are timed in batches. Tangent vectors come from Saltus itself, from the rivals' variational
+ * equations with saltation matrices, or from central differences of the rival's period map, as requested.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "measure.h"
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics.h>
 
-/* What one run left, and its mean time over a batch. */
+/* The result of one run, and its mean time over a batch. */
 typedef struct outcome {
     happened events;
     double state[reference_dimension];
@@ -96,7 +96,7 @@ static bool run(const problem *p, const method *m, double rtol, int batch, outco
                     : run_own(p, m, rtol, batch, out, tangents);
 }
 
-/* The median over repeated batches. The first run decides how long a batch and how many of them. */
+/* The median over repeated batches; the first run determines the length and number of batches. */
 static bool repeat(const problem *p, const method *m, double rtol, const effort *e, outcome *out,
                    double *tangents) {
     enum { repeats_max = 64, batch_max = 2000 };
@@ -118,8 +118,8 @@ static bool repeat(const problem *p, const method *m, double rtol, const effort 
     return true;
 }
 
-/* The rival's period map differentiated by central differences, with the step that balances the local error
- * against the third derivative. */
+/* Central differences of the rival's period map, with the step that balances the local error against the
+ * third derivative. */
 static bool differentiate(const problem *p, const method *m, double rtol, outcome *out, double *columns) {
     const int n = p->orbit.n;
     double seconds = 0, evaluations = 0, plus[reference_dimension];

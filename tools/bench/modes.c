@@ -1,10 +1,10 @@
-/* saltus_modes_bench: integrators on pipes of few to many modes, at equal error.
+/* saltus_modes_bench: integrators on pipes with few to many modes, at equal error.
  *
- * From a state in which the motion has nearly settled, one forcing period with and without a stop (omega =
- * 42, d = 0.035). The reference is the mixed integrator at rtol 1e-14; the error is that of the final state,
- * relative to its largest displacement and velocity. Each method runs at the loosest tolerance of a decade
- * that brings the error below the goal; the time is the CPU's, the smallest of repeated batches. A method
- * that would take longer than a few seconds is left out from there on.
+ * One forcing period from a nearly settled state, with and without a stop (omega = 42, d = 0.035). The
+ * reference is the mixed integrator at rtol 1e-14; the error is that of the final state, relative to its
+ * largest displacement and velocity. Each method runs at the largest power of ten as tolerance that brings
+ * the error below the goal. Time is CPU time, the smallest of repeated batches. A method that needs more than
+ * a few seconds is dropped from there on.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "clock.h"
 #include "rivals.h"
@@ -17,7 +17,7 @@
 
 enum { state_max = SALTUS_SCENE_STATE_MAX, settling = 24, methods = 5 };
 
-/* A scene, where it begins and where it ends. */
+/* A scene with its start and its end. */
 typedef struct problem {
     int modes;
     bool stop;
@@ -30,7 +30,7 @@ typedef struct problem {
 typedef struct method {
     const char *name, *rival; /* key of a rival, or NULL */
     saltus_integrator own;
-    bool given_up; /* it has become too slow */
+    bool given_up; /* it became too slow */
 } method;
 
 /* One period at one tolerance. */
@@ -136,7 +136,7 @@ static bool open_problem(problem *p, int modes, bool stop) {
     return done;
 }
 
-/* The loosest tolerance that reaches the goal, then its time. */
+/* Find the largest tolerance that reaches the goal, and print its time. */
 static void print_method(const problem *p, method *m, double goal) {
     static const double patience = 4, batch_seconds = 0.02;
     outcome out = {.error = INFINITY};

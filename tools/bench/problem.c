@@ -5,7 +5,7 @@
 #include <complex.h>
 #include <gsl/gsl_eigen.h>
 
-/* Eigenvalues of a matrix given by columns, in no particular order. */
+/* Eigenvalues of a matrix given by columns, unordered. */
 static bool eigenvalues(int n, const double *columns, double complex *values) {
     const size_t size = (size_t)n;
     gsl_matrix *matrix = gsl_matrix_alloc(size, size);
@@ -112,7 +112,7 @@ void problem_close(problem *p) {
     *p = (problem){0};
 }
 
-/* Whether the impacts from here on run into a stick. */
+/* Whether the impacts from event e on end in a stick. */
 static bool is_chatter(const reference *r, int e) {
     while (e < r->event_count && r->kind[e] == 'i')
         e++;

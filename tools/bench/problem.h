@@ -1,4 +1,4 @@
-/* The benchmark's problems: reference orbits as scenes of Saltus and of its rivals, and the errors of a run.
+/* The benchmark's problems: reference orbits as scenes for Saltus and its rivals, and the errors of a run.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_PROBLEM_H
 #define SALTUS_BENCH_PROBLEM_H
@@ -14,12 +14,12 @@ typedef struct problem {
     saltus_system *system;
     rival_scene scene;
     rival_oscillator oscillator;
-    int impacts;          /* that the reference lists */
-    bool stiff;           /* where the library chooses its stiff integrator */
+    int impacts;          /* number of impacts in the reference */
+    bool stiff;           /* the library chooses its stiff integrator */
     double leading[2][2]; /* the two largest multipliers, [re, im] */
 } problem;
 
-/* Read folder/name.json; false where it is absent or no reference orbit. */
+/* Read folder/name.json; false if it is missing or no reference orbit. */
 bool problem_open(const char *folder, const char *name, const char *what, problem *p);
 void problem_close(problem *p);
 
@@ -30,13 +30,13 @@ typedef struct happened {
     double time[happened_max];
 } happened;
 
-/* Largest error of the times of impacts and releases in T, as far as the reference lists them. A missing
- * event, or one too many, is an error of a period, save that a method may end a chatter after fewer impacts
- * than are listed, and that events after the listed ones of a chatter do not count. Sticks do not count
- * either: where the impacts accumulate is not found but extrapolated. NaN where there are no events. */
+/* Largest error of the times of impacts and releases in T, among those the reference lists. A missing or
+ * additional event counts as an error of one period, except that a method may end a chatter after fewer
+ * impacts than listed, and that events after the listed ones of a chatter are ignored. Sticks are ignored
+ * too: the accumulation point of the impacts is extrapolated, not located. NAN if there are no events. */
 double problem_event_error(const problem *p, const happened *events);
-/* Largest distance of the two leading multipliers from the nearest of those of a monodromy matrix, whose
- * columns lie one after the other; NaN where the eigenvalues cannot be found. */
+/* Largest distance of the two leading multipliers from the nearest eigenvalues of a monodromy matrix, given
+ * by columns; NAN if the eigenvalues cannot be computed. */
 double problem_multiplier_error(const problem *p, const double *columns);
 
 #endif

@@ -1,4 +1,4 @@
-/* Reads the reference orbits of data/reference, for tests and benchmarks: the few keys they need, by name.
+/* Reads reference orbits from data/reference for tests and benchmarks, only the keys needed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TOOLS_REFERENCE_H
 #define SALTUS_TOOLS_REFERENCE_H
@@ -33,7 +33,7 @@ static inline const char *find_key(const char *from, const char *key) {
     return at ? at + strlen(quoted) : NULL;
 }
 
-/* The next number, quoted or not; moves the place on. */
+/* Read the next number, quoted or not, and advance *at past it. */
 static inline double next_number(const char **at) {
     *at += strcspn(*at, "+-0123456789");
     char *end;
@@ -47,7 +47,7 @@ static inline double number_at(const char *from, const char *key) {
     return at ? next_number(&at) : NAN;
 }
 
-/* The scene's block: the model (a pipe where none is named), its parameters by their names, its stop. */
+/* Read the scene: model (default pipe), parameters by name, stop. */
 static inline void read_scene(reference *r) {
     const char *scene = find_key(r->text, "scene"), *end = find_key(r->text, "periods"), *at;
     const char *model = find_key(scene, "model");
@@ -101,7 +101,7 @@ static inline void read_multipliers(reference *r) {
     }
 }
 
-/* Read folder/name.json; false if it cannot be read. `text` is to be freed. */
+/* Read folder/name.json; false if it cannot be read. Free `text` afterwards. */
 static inline bool reference_read(const char *folder, const char *name, reference *r) {
     enum { longest = 1 << 20 };
     char path[1024];
@@ -134,7 +134,7 @@ static inline bool reference_read(const char *folder, const char *name, referenc
     return true;
 }
 
-/* Velocities count a hundredth. */
+/* Velocities are weighted by 1/100. */
 static inline double reference_distance(const reference *r, const double *state, int point) {
     double largest = 0;
     for (int i = 0; i < r->n; i++)

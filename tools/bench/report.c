@@ -1,8 +1,7 @@
 /* Tables of the work-precision measurements.
  *
- * Times at equal error are interpolated in the logarithms between neighbouring tolerances; the cheapest way
- * to the error counts, and a method that is more accurate than asked at every tolerance counts with its
- * cheapest run.
+ * Times at equal error are interpolated logarithmically between neighbouring tolerances, and the smallest one
+ * counts. A method that is more accurate than required at every tolerance counts with its cheapest run.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "report.h"
 
@@ -20,14 +19,14 @@
 enum { levels = 3 };
 static const double errors[levels] = {1e-6, 1e-9, 1e-12};
 
-/* Which error and which cost a table is about. */
+/* Which error and which cost a table shows. */
 typedef enum quantity { of_motion, of_multipliers } quantity;
 
 static bool is_known(const measure *m, quantity q) {
     return q == of_motion ? m->done : m->done && m->how != derivative_none;
 }
 
-/* Impact times; of an orbit without impacts the state. */
+/* Error of the impact times; for an orbit without impacts that of the state. */
 static double error_of(const measure *m, quantity q) {
     if (q == of_multipliers)
         return m->multiplier_error;
@@ -38,7 +37,7 @@ static double cost_of(const measure *m, quantity q) {
     return q == of_multipliers ? m->derivative_seconds : m->seconds;
 }
 
-/* Smallest time for an error; NaN where it is not reached. */
+/* Smallest time that reaches an error; NAN if none does. */
 static double time_at(const results *r, int p, int m, double error, quantity q) {
     double best = NAN;
     const measure *before = NULL;
@@ -168,7 +167,7 @@ static void print_best(FILE *file, const results *r, quantity q) {
     fprintf(file, "\n");
 }
 
-/* Times over our best at three errors; nothing where the method was not run. */
+/* Times relative to Saltus' best at three errors; empty if the method was not run. */
 static void print_cell(FILE *file, const results *r, int p, int m, quantity q) {
     bool known = false;
     for (int t = 0; t < r->tolerance_count; t++)
@@ -205,7 +204,7 @@ typedef struct defeats {
     int all, of_one_mode;
 } defeats;
 
-/* Where a rival reaches an error sooner, or alone. */
+/* List the cases where a rival reaches an error sooner, or is the only one to reach it. */
 static void print_defeats(FILE *file, const results *r, quantity q, const char *what, defeats *count) {
     for (int p = 0; p < r->problem_count; p++)
         for (int e = 0; e < levels; e++)
@@ -242,11 +241,11 @@ void report_details(FILE *file, const results *r) {
     fprintf(file, "\n");
 }
 
-/* What an error is compared with: the tolerance, or what a perturbation of the start of that size does where
- * this is more. */
+/* Reference for an error: the tolerance itself, or, if larger, the effect of a perturbation of the start of
+ * that size. */
 typedef enum yardstick { tolerance_itself, tolerance_amplified } yardstick;
 
-/* Error of the events or of the state over the yardstick. */
+/* Error of the events or of the state in units of the yardstick. */
 static double factor_of(const results *r, int p, int m, int t, bool events, yardstick by) {
     const measure *at = &r->measures[p][m][t];
     const condition *c = &r->conditions[p][t];
@@ -296,7 +295,7 @@ void report_asked(FILE *file, const results *r) {
     report_worst(file, r);
 }
 
-/* The largest factor of all, and where it is: problem, method, tolerance. */
+/* The largest factor, and its problem, method and tolerance. */
 static double worst_factor(const results *r, yardstick by, int at[3]) {
     double worst = 0;
     for (int p = 0; p < r->problem_count; p++)

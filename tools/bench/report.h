@@ -1,4 +1,4 @@
-/* What the benchmark has measured, as tables.
+/* Tables of the benchmark's measurements.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_REPORT_H
 #define SALTUS_BENCH_REPORT_H
@@ -16,17 +16,17 @@ typedef struct results {
     condition conditions[problems_max][tolerances_max];
 } results;
 
-/* Machine, compiler, date and versions, each line after `mark`. */
+/* Machine, compiler, date and versions, each line preceded by `mark`. */
 void report_machine(FILE *file, const char *mark);
-/* One line a measurement. */
+/* One line per measurement. */
 void report_csv(FILE *file, const results *r);
-/* Time at equal error of all methods over that of the best of ours. */
+/* Times at equal error of all methods, relative to Saltus' best. */
 void report_summary(FILE *file, const results *r);
-/* The same in microseconds, for the multipliers too, and where ours is not the fastest. */
+/* The same in microseconds, also for the multipliers, and the cases where Saltus is not the fastest. */
 void report_details(FILE *file, const results *r);
-/* Errors over the tolerance asked for, and over what a perturbation of that size does. */
+/* Errors relative to the tolerance, and to the effect of a perturbation of that size. */
 void report_asked(FILE *file, const results *r);
-/* Sentences: the worst factors between error and tolerance, and the smallest error. */
+/* Sentences on the worst factors between error and tolerance, and on the smallest error. */
 void report_worst(FILE *file, const results *r);
 
 #endif

@@ -131,7 +131,7 @@ struct sundials_run {
     SUNMatrix jacobian;           /* BDF */
     SUNLinearSolver solver;
     double *unit;   /* the identity matrix */
-    bool repeating; /* a step is being redone, and its event is known already */
+    bool repeating; /* a step is being repeated up to an event that is already known */
 };
 
 static double *values(N_Vector vector) {
@@ -300,7 +300,7 @@ static void sundials_tear_down(struct sundials_run *run) {
     free(run->field);
 }
 
-/* All runs of a library whose memory is set up. CVODE forgets its count of steps where it starts anew. */
+/* Run any library whose memory is set up. CVODE resets its count of steps when it restarts. */
 static int sundials_repeat(struct sundials_run *run, int periods,
                            int (*integrate)(struct sundials_run *, double, rival_result *),
                            int (*count_steps)(void *, long *), rival_result *result) {

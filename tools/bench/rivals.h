@@ -63,7 +63,7 @@ typedef struct {
     double *state;          /* 2 N values: q then q' at the end of the run */
     double *tangents;       /* not NULL: the derivative of `state` with respect to the start, 2 N columns of
                                2 N values, from the variational equations and saltation matrices */
-    int repeats;            /* the run is done so many times over; 0 counts as 1 */
+    int repeats;            /* number of repetitions of the run; 0 counts as 1 */
     int count;              /* number of events that happened, possibly more than capacity */
     long steps;             /* accepted steps; 0 where they are not counted */
     long field_evaluations; /* evaluations of the vector field, those for events and chatter included */

@@ -1,25 +1,24 @@
 /* saltus_sweep_bench: the sweep of Figure 6 in omega, by Saltus and by other libraries' integrators.
  *
- * 1,000 values of omega in [0.5, 55], each from the default state, 300 periods to settle and 100 recorded,
- * impact times wanted to 1e-8 T. Every program runs at the tolerance at which its event error is that: the
- * 90th percentile, over the omegas whose motion is periodic, of the largest difference of the impacts' times
- * in the motion's last period from Saltus' at rtol 1e-13 (--calibrate shows how the tolerances were found).
- * Times are the CPU's, wall time stands beside them.
+ * 1,000 values of omega in [0.5, 55], each from the default state: 300 periods to settle, then 100 recorded,
+ * with impact times to be accurate to 1e-8 T. Every program runs at the tolerance at which its event error
+ * has that size: the 90th percentile, over the omegas with periodic motion, of the largest difference between
+ * its impact times in the last period and those of Saltus at rtol 1e-13 (--calibrate shows how the tolerances
+ * were found). CPU times are given, with wall times beside them.
  *
- * An omega counts as periodic where two runs with tight tolerances settle to the same motion before the
- * recorded periods begin. A program has the right count there if it finds as many impacts as these runs.
- * Where it does not, it may have been led to another motion by its transient, which is chaotic for many
- * omegas: it then goes on from its own settled state period by period, and each of its counts is compared
- * with that of Saltus at rtol 1e-13 from the same state. Only where these differ has an impact been lost or
- * invented.
+ * An omega counts as periodic if two runs with tight tolerances settle to the same motion before the recorded
+ * periods begin. There a program is right if it finds as many impacts as these runs. Otherwise its transient,
+ * chaotic for many omegas, may have led it to another motion: it then continues from its own settled state
+ * period by period, and each count is compared with that of Saltus at rtol 1e-13 from the same state. Only if
+ * these differ has an impact been lost or invented.
  *
- * Saltus takes part twice: as its flow, which does the work that the other libraries do and no other, and as
- * its sweeps, which find out besides what the motion is (n/p) and what it measures. A second table shows what
- * the things that may be asked of a sweep cost.
+ * Saltus takes part twice: as its flow, which does exactly the work of the other libraries, and as its
+ * sweeps, which also determine the motion (n/p) and its measures. A second table shows the cost of optional
+ * results of a sweep.
  *
- * Options: --rivals adds the other libraries, on every k-th omega only with --part k (their times are then
- * scaled by the time simulated); --check compares all counts with those of steps of at most 1e-3 at rtol
- * 1e-13, on every k-th omega; --calibrate, with --rivals of the other libraries too.
+ * Options: --rivals adds the other libraries, with --part k only on every k-th omega (their times are then
+ * scaled by the simulated time); --check compares all counts with runs at rtol 1e-13 with steps of at most
+ * 1e-3, on every k-th omega; --calibrate, with --rivals also for the other libraries.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_measure.h"
 
@@ -33,7 +32,7 @@ enum { own_repeats = 3, rows_max = 16 };
 static const double own_tolerance = 5e-8, default_tolerance = 1e-10;
 static const double capped_step = 1e-3;
 
-/* Seconds that the ratios of the first table refer to. */
+/* Reference times in seconds for the ratios of the first table. */
 typedef struct measures {
     double flow, engine;
 } measures;
@@ -91,7 +90,7 @@ static program engine_program(const char *name, engine_request request) {
                      .engine = request};
 }
 
-/* The rivals' tolerances are those at which --calibrate shows the event error wanted. */
+/* The rivals' tolerances are those that reach the required event error according to --calibrate. */
 static int list_rivals(program *list) {
     int count = 0;
 #ifdef SALTUS_WITH_ODEINT
@@ -180,7 +179,8 @@ static bool calibrate(sweep *s, bool rivals) {
     return true;
 }
 
-/* Every count of impacts at the benchmark's tolerance against steps too short to jump over anything. */
+/* Compare every count of impacts at the benchmark's tolerance with runs whose steps are too short to miss an
+ * impact. */
 static bool check(sweep *s) {
     const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC);
     const own_request capped = {.lanes = lanes, .rtol = exact, .step_max = capped_step};
@@ -208,7 +208,7 @@ static bool check(sweep *s) {
     return wrong == 0;
 }
 
-/* What an order of one lane's series takes, with all that goes on around it. */
+/* Time per order of a lane's series, with all overhead. */
 static void print_orders(const row *rows, int count) {
     printf("\n");
     for (int k = 0; k < count; k++) {
@@ -230,7 +230,7 @@ static void print_rivals(const row *rows, int count, measures unit) {
                best->program->name, best->cost.seconds / unit.flow, best->cost.seconds / unit.engine);
 }
 
-/* The first table. Its ratios refer to the flow's and the sweeps' first rows. */
+/* The first table. Ratios refer to the first rows of the flow and of the sweeps. */
 static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows, int flow_count,
                               const row *sweeps) {
     program others[rows_max], own = *sweeps->program;

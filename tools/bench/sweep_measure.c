@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const double more_exact = 3e-14;
-/* In the scale of the states: what settled motions repeat to. */
+/* In the scale of the states: a motion that repeats to this is settled. */
 static const double settled_to = 1e-8;
 
 saltus_status sweep_build(sweep *s, int part, saltus_message *message) {
@@ -100,7 +100,8 @@ static bool one_period(sweep *s, const program *p, const saltus_system *system, 
     return done;
 }
 
-/* Whether a program, on its way from its own settled state, counts every period as exact integration does. */
+/* Whether a program, continued from its own settled state, finds the same count in every period as exact
+ * integration. */
 static bool counts_its_own(sweep *s, const program *p, int omega) {
     const own_request request = {.rtol = exact};
     double state[motion_dimension], next[motion_dimension], exact_next[motion_dimension];
@@ -130,7 +131,7 @@ static int count_labels(const sweep *s) {
     return right;
 }
 
-/* Fills a row's errors and counts from the motions found. */
+/* Fill in a row's errors and counts from the motions found. */
 static void judge(sweep *s, const program *p, row *r) {
     static double errors[omegas_max];
     size_t count = 0;
@@ -185,7 +186,7 @@ static void keep_recorded(const rival_result *result, motion *m) {
     m->failed = m->failed || result->count > result->capacity;
 }
 
-/* The forcing is periodic, so that the recorded periods may begin at time 0 again. */
+/* The forcing is periodic, so the recorded periods may begin at time 0 again. */
 static void run_rival(sweep *s, const program *p, row *r) {
     double start[SALTUS_SCENE_STATE_MAX], end[motion_dimension], simulated = 0, all = 0;
     for (int k = 0; k < s->count; k++)
@@ -225,7 +226,7 @@ static bool measure(sweep *s, const program *p, bool judged, row *r) {
     const bool engine = p->kind == program_engine;
     if (judged && p->stopped && engine)
         r->labels = count_labels(s);
-    /* What tells of all impacts of the recorded periods can be judged. */
+    /* Only programs that record all impacts can be judged. */
     if (judged && p->stopped && (!engine || (!p->engine.adaptive && p->engine.keep & SALTUS_KEEP_IMPACTS)))
         judge(s, p, r);
     return true;

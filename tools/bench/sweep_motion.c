@@ -8,8 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* With a multiplier near a root of one, a motion repeats after several periods long before it has closed in
- * on its orbit of one: what remains after one is larger than after several by less than this. */
+/* With a multiplier near a root of unity, a motion slowly approaching an orbit of one period nearly repeats
+ * after several periods much earlier. It is still closing if its error after one period exceeds that after
+ * several by less than this factor. */
 static const double still_closing = 100;
 
 void motion_clear(motion *m) {
@@ -64,8 +65,7 @@ int motion_period(const motion *m, const double *scale, double tolerance) {
     return part;
 }
 
-/* A phase at which the motion is farthest from any impact, so that windows of whole periods that begin there
- * do not depend on rounding. */
+/* The phase farthest from any impact; windows of whole periods that begin there do not depend on rounding. */
 static double quiet_phase(const motion *m, double from) {
     double *phase = malloc((size_t)(m->count + 1) * sizeof *phase), quiet = 0;
     int count = 0;
@@ -87,7 +87,7 @@ static double quiet_phase(const motion *m, double from) {
     return quiet - floor(quiet);
 }
 
-/* The impacts in [begin, end): the first one's index, and how many. */
+/* The number of impacts in [begin, end), and the index of the first. */
 static int window(const motion *m, double begin, double end, int *first) {
     int k = 0;
     while (k < m->count && m->impacts[k].time < begin)
@@ -98,7 +98,7 @@ static int window(const motion *m, double begin, double end, int *first) {
     return k - *first;
 }
 
-/* Largest difference of two sequences of impacts of one period, for the best order and shift. */
+/* Largest difference between two sequences of impacts within one period, minimised over order and shift. */
 static double sequence_error(const impact *a, const impact *b, int count, int period) {
     double least = INFINITY;
     for (int turn = 0; turn < count; turn++) {
@@ -113,7 +113,7 @@ static double sequence_error(const impact *a, const impact *b, int count, int pe
     return count ? least : NAN;
 }
 
-/* The last period of a periodic motion: the first impact's index, and how many. */
+/* The number of impacts in the last period of a periodic motion, and the index of the first. */
 static int last_period(const motion *m, int period, int *first) {
     const double end = recorded_periods - 1 + quiet_phase(m, recorded_periods - period);
     return window(m, end - period, end, first);
@@ -124,8 +124,8 @@ int motion_orbit_impacts(const motion *m, int period) {
     return m->sticks > 0 ? orbit_chatters : last_period(m, period, &first);
 }
 
-/* Whether the recorded periods of the motion, begun at any forcing period of its own, have `count` impacts.
- */
+/* Whether the recorded periods have `count` impacts, from whichever forcing period of the motion they
+ * begin. */
 static bool counts_in_all(const motion *m, int period, int count) {
     int all = 0, per_cycle[recorded_periods] = {0}, low = INT_MAX, high = 0;
     for (int k = 0; k < m->count; k++) {
@@ -145,7 +145,7 @@ static bool counts_in_all(const motion *m, int period, int count) {
     return count >= low && count <= high;
 }
 
-/* Largest difference of two sequences of phases for the best cyclic shift. */
+/* Largest difference between two sequences of phases, minimised over cyclic shifts. */
 static double phase_error(const impact *a, const impact *b, int count) {
     double least = INFINITY;
     for (int turn = 0; turn < count; turn++) {

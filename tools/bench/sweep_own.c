@@ -1,5 +1,5 @@
-/* The sweep on a flow whose lanes are refilled as soon as they are free, and as a user of the library runs
- * it.
+/* The sweep with Saltus: on a flow whose lanes are refilled as soon as they are free, and with the library's
+ * own sweeps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_own.h"
 
@@ -10,17 +10,17 @@
 
 enum { lanes_max = 64 };
 
-/* A lane's present system and how far it has come. */
+/* The present system of a lane and its progress. */
 typedef struct lane_task {
-    int index;         /* -1: nothing is left for this lane */
-    long target;       /* which of its target times comes next */
-    long pieces;       /* target times in a period, where steps are limited */
+    int index;         /* -1: nothing left for this lane */
+    long target;       /* index of its next target time */
+    long pieces;       /* target times per period if steps are limited */
     long long settled; /* sticks before the recorded periods */
 } lane_task;
 
 typedef struct worker {
     saltus_system *const *systems;
-    int count, next; /* of the systems; the first that no lane has taken */
+    int count, next; /* number of systems; the first one not yet taken by a lane */
     const own_request *request;
     motion *motions;
     saltus_flow *flow;
@@ -29,7 +29,7 @@ typedef struct worker {
     saltus_message *message;
 } worker;
 
-/* The target times: the ends of the two stages, or of each recorded period, or of each piece of a period. */
+/* The target times: the ends of the two stages, of each recorded period, or of each piece of a period. */
 static saltus_time target_time(const own_request *request, const lane_task *task) {
     const long k = task->target;
     if (request->step_max > 0)
@@ -175,7 +175,7 @@ saltus_status own_period(const saltus_system *system, const own_request *request
     return status;
 }
 
-/* The library's own sweeps */
+/* The library's own sweeps. */
 
 typedef struct feed_state {
     const saltus_sweep *sweep;

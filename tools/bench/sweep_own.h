@@ -9,10 +9,10 @@
 
 typedef struct own_request {
     int lanes;
-    double rtol;     /* atol is a thousandth of it */
+    double rtol;     /* atol is rtol / 1000 */
     int order;       /* 0: automatic */
     bool strobe;     /* record stroboscopic states */
-    double step_max; /* longest step in units of time; 0: as the integrator likes */
+    double step_max; /* longest step in units of time; 0: no limit */
 } own_request;
 
 /* What a sweep cost. */
@@ -21,29 +21,29 @@ typedef struct sweep_cost {
     long long steps, evaluations;
 } sweep_cost;
 
-/* Goes one forcing period on from `state` (both states motion_dimension long) and counts the impacts, with
- * lanes and records left aside. */
+/* Advance one forcing period from `state` (both states have motion_dimension entries) and count the impacts,
+ * without lanes and records. */
 saltus_status own_period(const saltus_system *system, const own_request *request, const double *state,
                          double *end, int *impacts, saltus_message *message);
 
-/* Runs every system from its default state and fills `motions` (length `count`). Errors are those of the
- * flow. */
+/* Run every system from its default state and fill `motions` (length `count`). Errors: those of the flow. */
 saltus_status own_sweep(saltus_system *const *systems, int count, const own_request *request, motion *motions,
                         sweep_cost *cost, saltus_message *message);
 
 typedef struct engine_request {
     int lanes, threads;
-    double rtol;   /* atol is a thousandth of it */
-    unsigned keep; /* SALTUS_KEEP_ bits */
-    bool adaptive; /* record once the period is certain, after at most as many periods as are run otherwise */
-    bool stopped;  /* with the stop */
+    double rtol;   /* atol is rtol / 1000 */
+    unsigned keep; /* bits SALTUS_KEEP_... */
+    bool adaptive; /* record as soon as the period is certain, at the latest after as many periods as
+                      otherwise */
+    bool stopped;  /* whether the scene has the stop */
 } engine_request;
 
-/* The axis that all programs go along. */
+/* The axis of all programs. */
 saltus_axis engine_axis(void);
 
-/* Sweeps the whole axis and fills `motions` (length of the axis), whose impacts have phases for times.
- * Errors are those of the sweep. */
+/* Sweep the whole axis and fill `motions` (length of the axis), with phases as times of impacts. Errors:
+ * those of the sweep. */
 saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
                            saltus_message *message);
 

@@ -1,10 +1,10 @@
-/* saltus_text_bench: what equations from text cost beside the same equations in a hand-made kernel.
+/* saltus_text_bench: cost of equations from text compared with the same equations in a hand-written kernel.
  *
- * The pipe with five modes and the oscillator with two masses, both ways: alone, with a tangent vector for
- * every state, side by side in lanes, with and without a stop; the equations both interpreted and compiled.
- * Time is the CPU's, the best of repeated runs, which begin anew before tangent vectors leave the range of
- * numbers. The error is that of the state after a few periods against a run at the
- * tightest tolerance of the hand-made kernel, relative to the typical size of each entry.
+ * The pipe with five modes and the oscillator with two masses, in both descriptions: alone, with a tangent
+ * vector for every state, side by side in lanes, with and without a stop; text equations both interpreted and
+ * compiled. Time is CPU time, the best of repeated runs, which restart before tangent vectors overflow or
+ * underflow. The error is that of the state after a few periods against the hand-written kernel at the
+ * tightest tolerance, relative to the typical size of each entry.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/saltus.h"
 
@@ -77,7 +77,7 @@ static saltus_system *build(const char *text, const char *name, bool stops) {
     return system;
 }
 
-/* Equal starts in both descriptions; lanes differ a little, so that they do not step alike. */
+/* The same start in both descriptions; lanes differ slightly, so that their steps differ. */
 static void start_state(const saltus_system *system, int lane, double *state) {
     const int n = saltus_system_dimension(system);
     const bool pipe = n >= 10;
@@ -90,7 +90,7 @@ static void start_state(const saltus_system *system, int lane, double *state) {
 
 typedef enum { by_hand, interpreted, compiled, way_count } way;
 
-/* Without a compiler there are no times of compiled equations. */
+/* Without a compiler, times of compiled equations are omitted. */
 static bool compile(saltus_flow *flow, const saltus_system *system) {
     const struct timespec tenth = {.tv_nsec = 100000000};
     for (int k = 0; k < 300 && !saltus_fixed_ask(&flow->fixed, system); k++)
@@ -146,15 +146,15 @@ static double seconds_of(saltus_flow *flow, const saltus_system *system, int lan
     return processor_seconds() - begin;
 }
 
-/* The state of the first lane after the few periods that are checked. */
+/* The state of the first lane after the few periods used for the error. */
 static void check(saltus_flow *flow, const saltus_system *system, int lanes, double *state) {
     follow(flow, system, lanes, periods_checked);
     saltus_flow_state(flow, 0, state);
     saltus_flow_free(flow);
 }
 
-/* Nanoseconds a period and lane each way, and errors. The ways take turns: what else the machine does slows
- * all of them. */
+/* Nanoseconds per period and lane for each description, and errors. The descriptions take turns, so that
+ * other load on the machine affects all. */
 static void measure(const problem *p, const saltus_system *own, const saltus_system *text, int lanes,
                     int columns, const double *exact, double *cost, double *error) {
     saltus_flow *flow[way_count];

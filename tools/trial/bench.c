@@ -1,4 +1,4 @@
-/* Surveys that several claims share.
+/* Surveys shared by several claims.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "claims.h"
 

@@ -89,7 +89,7 @@ trial_verdict trial_verdict_of(const double *shares, int count) {
     return full == count ? TRIAL_HOLDS : some ? TRIAL_IN_PART : TRIAL_DOES_NOT_HOLD;
 }
 
-/* A kept finding is its verdict, its numbers on one line, and its prose. */
+/* Read a stored finding: its verdict, its numbers on one line, and its prose. */
 static bool read_finding(FILE *file, trial_finding *finding) {
     int verdict, c;
     bool good = fscanf(file, "%d\n", &verdict) == 1;

@@ -1,4 +1,5 @@
-/* Claims about ranges: shares of trajectories, what is there instead, and where it is true.
+/* Claims about ranges: the share of trajectories that satisfy them, what the others do, and where the claim
+ * is true.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "claims.h"
 
@@ -60,7 +61,7 @@ void trial_write_labels(FILE *file, const trial_survey *survey, double low, doub
         fprintf(file, ", %d others", kinds - shown);
 }
 
-/* Whether at least half of the starts at the k-th value do what is asked. */
+/* Whether at least half of the starts at the k-th value satisfy the condition. */
 static bool mostly(const trial_survey *survey, int k, trial_predicate asks) {
     int fit = 0;
     for (int s = 0; s < trial_starts; s++)
@@ -85,7 +86,8 @@ void trial_write_ranges(FILE *file, const trial_survey *survey, trial_predicate 
         fprintf(file, ", and %d shorter ranges", shorter);
 }
 
-/* How much of a range is proven chaotic or only long, how often impacts come, and how long contacts last. */
+/* How much of a range is chaotic and how much has only a long period, how frequent impacts are, and how long
+ * contacts last. */
 static void write_measures(FILE *file, const trial_survey *survey, const trial_clause *clause) {
     double least = INFINITY, most = 0, contact = 0;
     long all = 0, chaotic = 0, longer = 0;

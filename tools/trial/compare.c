@@ -1,14 +1,14 @@
-/* Both methods beside each other.
+/* Comparison of the naive method with the event-driven flow.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "compare.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Parts of the naive method's trajectories, counted at the values that both surveys have. */
+/* Fractions of the naive method's trajectories, at the values in both surveys. */
 typedef struct difference {
     long all, class, unknown, kind;
-    double depth; /* largest penetration over the clearance */
+    double depth; /* largest penetration relative to the clearance */
 } difference;
 
 static bool same_label(const trial_cell *a, const trial_cell *b) {
@@ -18,8 +18,8 @@ static bool same_label(const trial_cell *a, const trial_cell *b) {
     return strcmp(x, y) == 0;
 }
 
-/* The same class, a doubling of the period of impact motion aside: to see it through jitter would be asking
- * much. */
+/* Whether two cells are of the same class. Doublings of the period of an impact motion are ignored, because
+ * jitter hides them. */
 static bool same_class(const trial_cell *a, const trial_cell *b) {
     bool impacts = a->kind == TRIAL_IMPACTS && b->kind == TRIAL_IMPACTS;
     return same_label(a, b) || (impacts && a->impacts * b->periods == b->impacts * a->periods);
@@ -75,7 +75,7 @@ saltus_status trial_write_figures(FILE *table, trial_bench *bench, saltus_messag
     return SALTUS_OK;
 }
 
-/* F8 is about whole figures. */
+/* F8 concerns whole figures. */
 static const trial_clause of_restitution[] = {
     {"6", 1, 55, trial_irregular_impacts, "r = 0.9, non-periodic with impacts"},
     {"8a", 1, 55, trial_irregular_impacts, "r = 0.8, the same"},
@@ -124,7 +124,7 @@ saltus_status trial_write_shares(FILE *table, trial_bench *bench, saltus_message
     return SALTUS_OK;
 }
 
-/* The label of most starts at a value, and of how many. */
+/* The most frequent label among the starts at a value, and its count. */
 static int dominant(const trial_cell *cells, char label[trial_label_max]) {
     int best = 0, of_best = 0;
     for (int s = 0; s < trial_starts; s++) {
@@ -157,7 +157,7 @@ static void write_ranges(FILE *rows, const trial_survey *survey) {
     }
 }
 
-/* The exact survey of every figure, one after the other. */
+/* Write the exact survey of every figure in turn. */
 static saltus_status write_each(FILE *rows, void write(FILE *rows, const trial_survey *survey),
                                 trial_bench *bench, saltus_message *message) {
     saltus_status status = SALTUS_OK;

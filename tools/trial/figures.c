@@ -1,4 +1,4 @@
-/* The figures' ranges.
+/* The ranges of the figures.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "survey.h"
 

@@ -1,4 +1,4 @@
-/* Finished work in a folder.
+/* Storage of finished work in a folder.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "keep.h"
 

@@ -1,14 +1,14 @@
-/* Surveys by the naive method, from the same starts: to compare, NOT FOR USE.
+/* Surveys by the naive method, from the same starts, for comparison: NOT FOR USE.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "naive/naive_class.h"
 #include "survey.h"
 
 #include <math.h>
 
-/* Transients die out in units of time, at the rate of the first mode's damping, chaotic ones in periods. */
+/* Regular transients decay in time, at the damping rate of the first mode; chaotic ones in periods. */
 enum { settling_periods = 50 };
 static const double settling_time = 40;
-static const double displacement_unit = 0.03; /* of distances between section points */
+static const double displacement_unit = 0.03; /* unit for distances between section points */
 
 static trial_kind kind_of(const naive_class *class) {
     if (!class->finite)

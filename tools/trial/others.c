@@ -1,5 +1,4 @@
-/* Claims about a figure as a whole: the largest displacement, the growth of impacts, the effect of
- * restitution.
+/* Claims about whole figures: largest displacement, growth of impacts, effect of restitution.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "claims.h"
 
@@ -8,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What one start reaches over a figure. */
+/* The displacement reached from one start over a figure. */
 typedef struct reach {
     double largest, at;
-    int near, below; /* values of omega */
+    int near, below; /* number of values of omega */
 } reach;
 
 static const double claimed = 0.046, about = 0.05, bound = 0.038;
@@ -28,8 +27,8 @@ static reach reach_of(const trial_survey *survey, int start) {
     return r;
 }
 
-/* F2a, start by start: "about 0.046" is to within 5 %, "reached" is that too, "few" less than
- * a tenth, "mostly" at least half of the values of omega. */
+/* F2a for each start: "about 0.046" means within 5 %, and so does "reached"; "few" is less than a tenth,
+ * "mostly" at least half of the values of omega. */
 saltus_status trial_judge_displacement(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                                        saltus_message *message) {
     const double few = 0.1;
@@ -66,7 +65,7 @@ saltus_status trial_judge_displacement(const trial_claim *claim, trial_bench *be
     return SALTUS_OK;
 }
 
-/* Rank correlation of impacts per period with omega over a range, lasting contacts left out. */
+/* Rank correlation between impacts per period and omega over a range, without lasting contacts. */
 static saltus_status rank_correlation(const trial_survey *survey, double low, double high,
                                       double *correlation, double *first, double *last,
                                       saltus_message *message) {
@@ -89,8 +88,8 @@ static saltus_status rank_correlation(const trial_survey *survey, double low, do
     return SALTUS_OK;
 }
 
-/* F6d: in every range that the other claims name impact motions for. Growth is a rank correlation above 1/2.
- */
+/* F6d: in every range for which other claims state impact motions. Growth means a rank correlation above
+ * 1/2. */
 saltus_status trial_judge_growth(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                                  saltus_message *message) {
     static const trial_clause windows[] = {
@@ -125,7 +124,7 @@ saltus_status trial_judge_growth(const trial_claim *claim, trial_bench *bench, t
     return SALTUS_OK;
 }
 
-/* F8: parts of omega's range, averaged over the starts. */
+/* F8: fractions of omega's range, averaged over the starts. */
 saltus_status trial_judge_restitution(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                                       saltus_message *message) {
     static const char *const figures[] = {"6", "8a", "8b", "8c"}, *const r[] = {"0.9", "0.8", "0.7", "0.6"};

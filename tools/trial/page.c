@@ -1,5 +1,4 @@
-/* The page of verdicts: rules, table, one section for each claim, and what the naive method makes of the
- * same.
+/* The page of verdicts: rules, table, a section for each claim, and the results of the naive method.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "page.h"
 
@@ -135,7 +134,7 @@ static FILE *open_in(const char *folder, const char *name) {
     return fopen(path, "w");
 }
 
-/* False when a file could not be written completely. */
+/* False if a file could not be written completely. */
 static bool close_files(page_files *files) {
     FILE *all[] = {files->page, files->windows, files->classes, files->steps};
     bool good = true;

@@ -5,7 +5,7 @@
 
 #include "claims.h"
 
-/* A claim as a row of the table, and as a section. */
+/* Write a claim as a row of the table, or as a section. */
 void trial_write_row(FILE *file, const trial_claim *claim, const trial_finding *finding);
 void trial_write_section(FILE *file, const trial_claim *claim, const trial_finding *finding);
 

@@ -4,7 +4,7 @@
 
 #include "bench/reference.h"
 
-/* What the paper says of a motion, and the independent orbit to compare with. */
+/* The paper's statement on a motion, and an independent orbit for comparison. */
 typedef struct point {
     const char *claim, *scene, *label, *reference;
     int seeds, quick;
@@ -16,7 +16,7 @@ static const point points[] = {{"F3", "fig3", "2/2", "sdof14", 100, 20},
                                {"F7a", "fig7a", "chaotic", NULL, 6, 2},
                                {"F7c", "fig7c", "chaotic", NULL, 6, 2}};
 
-/* All attractors met from random initial states. */
+/* All attractors reached from random initial states. */
 static saltus_status find_attractors(const point *p, const trial_bench *bench, saltus_scene *scene,
                                      saltus_system **system, saltus_attractors *attractors,
                                      saltus_message *message) {
@@ -34,8 +34,8 @@ static double modulus(double re, double im) {
     return hypot(re, im);
 }
 
-/* Distance of a motion's nearest section point from the reference orbit's first one, or from its mirror
- * image. */
+/* Distance from the reference orbit's first section point, or its mirror image, to the nearest section point
+ * of a motion. */
 static double distance_to(const reference *r, const saltus_motion *motion) {
     double nearest = INFINITY, state[16];
     for (int k = 0; k < motion->periods; k++)
@@ -74,7 +74,7 @@ static void describe(const saltus_attractors *attractors, FILE *file) {
     fprintf(file, ".\n");
 }
 
-/* Share of the initial states that lead to the motion claimed. */
+/* Fraction of the initial states that lead to the claimed motion. */
 static double share_of(const saltus_attractors *attractors, const char *label) {
     int fit = 0;
     for (int k = 0; k < attractors->count; k++)
@@ -100,7 +100,7 @@ static void tell_orbit(const point *p, const saltus_attractors *attractors, tria
                 first->impacts_by_face[0], first->impacts_by_face[1]);
 }
 
-/* All exponents, for the dimension of the attractor in the section. */
+/* All exponents, for the Kaplan-Yorke dimension in the section. */
 static saltus_status measure_dimension(const saltus_system *system, const saltus_motion *motion, bool quick,
                                        FILE *file, saltus_message *message) {
     saltus_lyapunov_options options = saltus_lyapunov_defaults();

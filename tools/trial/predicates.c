@@ -1,4 +1,4 @@
-/* What trajectories may be asked.
+/* Conditions on trajectories.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "claims.h"
 

@@ -1,11 +1,11 @@
-/* A blind census of verdicts: random points of the pipe are classified as `saltus classify` does it, and what
- * is said of motions without a period is compared with eight trajectories on them that are followed ten times
- * as long, side by side in the lanes of a sweep. One line of a table for each point, the counts at the end.
+/* A blind census of verdicts. Random points of the pipe are classified as by `saltus classify`. Verdicts on
+ * motions without a period are compared with eight neighbouring trajectories followed ten times as long, side
+ * by side in the lanes of a sweep. The table has one line for each point, with the counts at the end.
  *
- *     saltus_census POINTS SEED TABLE.csv
+ * saltus_census POINTS SEED TABLE.csv
  *
- * The k-th point depends on the seed and on k alone. A row is written as soon as it is known, and points that
- * the table has already are not looked at again: a census that was interrupted goes on where it was.
+ * The k-th point depends only on the seed and k. A row is written as soon as it is known, and points already
+ * in the table are skipped, so an interrupted census can continue.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/saltus.h"
 
@@ -18,26 +18,26 @@
 #include <time.h>
 
 enum { followers = 8, times_as_long = 10, least_followed = 40000 };
-static const double apart = 1e-6; /* of a displacement, from one follower to the next */
+static const double apart = 1e-6; /* difference in a displacement between successive followers */
 
-/* What the followers show. */
+/* Observations from the followers. */
 typedef struct witness {
-    int settled;            /* of them, */
-    char label[32];         /* on this */
-    double watched;         /* periods of all until they settled */
-    double exponent, error; /* of a motion that was called quasi-periodic or long-period */
+    int settled;            /* number of followers that settled */
+    char label[32];         /* label of the motion they settled on */
+    double watched;         /* total periods of all followers until they settled */
+    double exponent, error; /* for motions called quasi-periodic or long-period */
 } witness;
 
 /* A point of the table. */
 typedef struct row {
     char scene[128], label[32], judgement[8];
-    double seconds, exponent, error, lifetime_at_least; /* as classified */
+    double seconds, exponent, error, lifetime_at_least; /* as given by the classification */
     witness seen;
 } row;
 
 typedef struct counts {
     int points, of[SALTUS_VERDICTS], wrong;
-    int bounds, bounds_above; /* lifetimes bounded, and bounds above what was seen */
+    int bounds, bounds_above; /* number of lifetime bounds, and of bounds that exceed the observed lifetime */
     double *chaotic_seconds;
 } counts;
 
@@ -67,7 +67,7 @@ static saltus_scene draw(unsigned long seed, int k, char text[128]) {
     return scene;
 }
 
-/* A sweep of one axis hands its rows here. */
+/* Receives the rows of a sweep with one axis. */
 typedef struct rows {
     witness *seen;
     long long handed;
@@ -90,7 +90,7 @@ static saltus_status take_row(void *context, const saltus_sweep_result *result, 
     return SALTUS_OK;
 }
 
-/* Follow neighbours of a state on the motion, each until it settles or its time is over. */
+/* Follow neighbours of a state on the motion, each until it settles or its time is up. */
 static witness follow(const saltus_scene *scene, const saltus_motion *motion, long long periods) {
     witness seen = {.exponent = NAN, .error = NAN};
     double starts[followers];
@@ -101,7 +101,7 @@ static witness follow(const saltus_scene *scene, const saltus_motion *motion, lo
     saltus_sweep *sweep;
     there.initial_count = motion->dimension;
     memcpy(there.initial, motion->state, (size_t)motion->dimension * sizeof *motion->state);
-    /* Away from the stop, which the state may touch. */
+    /* Displace away from the stop, which the state may touch. */
     for (int k = 0; k < followers; k++)
         starts[k] = motion->state[0] * (1 - apart * (k + 1));
     axis.low = starts[0];
@@ -134,7 +134,7 @@ static void measure(const saltus_system *system, const saltus_motion *motion, lo
     saltus_lyapunov_clear(&result);
 }
 
-/* Of motions without a period; SALTUS_PERIODIC stands for whatever has settled. */
+/* The verdict of a motion without a period; SALTUS_PERIODIC for any settled motion. */
 static saltus_verdict verdict_of(const row *r) {
     for (int v = 0; v < SALTUS_VERDICTS; v++)
         if (!saltus_verdict_settled((saltus_verdict)v) &&
@@ -213,7 +213,7 @@ static void write_row(FILE *table, int k, const row *r) {
     fflush(table);
 }
 
-/* The next field of a line, which goes on behind it. */
+/* The next field of a line; advances *line past it. */
 static char *field(char **line) {
     char *word = *line ? *line : "";
     char *end = *line ? strpbrk(*line, ",\n") : NULL;
@@ -223,7 +223,7 @@ static char *field(char **line) {
     return word;
 }
 
-/* The number of a table's point, or -1 where the line is none. */
+/* The number of the point in a table line, or -1 for other lines. */
 static int read_row(char *line, row *r) {
     if (line[0] < '0' || line[0] > '9' || !strchr(line, '\n'))
         return -1;

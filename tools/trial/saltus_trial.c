@@ -1,13 +1,14 @@
 /* saltus_trial: the claims of the 2020 paper, row by row, against the event-driven flow.
  *
- *     saltus_trial F5b F7b               these rows, with what they rest on
+ *     saltus_trial F5b F7b               these rows, with their evidence
  *     saltus_trial naive                 the naive method at d = 0.03, omega = 43 against its step
  *     saltus_trial naive-figures         where it differs, figure by figure; naive-claims: claim by claim
- *     saltus_trial naive-points          what data/figures/naive.png shows
- *     saltus_trial page FOLDER           everything, as paper.md and paper/ there
- *     saltus_trial survey 5 [0.001]      one figure's trajectories, exact or by the naive method with that
- * step Options: --quick is coarser; --keep FOLDER keeps finished surveys there, and takes what it finds
- * there. Run in the project's folder, where data/reference is.
+ *     saltus_trial naive-points          the data of data/figures/naive.png
+ *     saltus_trial page FOLDER           everything, as paper.md and paper/ in the folder
+ *     saltus_trial survey 5 [0.001]      one figure's trajectories, exact or by the naive method (step 0.001)
+ *
+ * Options: --quick is coarser; --keep FOLDER stores finished surveys and reuses those stored. Run it in the
+ * project's folder, which contains data/reference.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "compare.h"
 #include "page.h"
@@ -70,7 +71,7 @@ static saltus_status print_survey(const char *figure, const char *step, trial_be
     return status;
 }
 
-/* Do what one word asks; `next` is what follows it, or NULL. */
+/* Execute one word of the command line; `next` points to the word after it, or is NULL. */
 static saltus_status obey(const char *word, char *const *next, trial_bench *bench, saltus_message *message) {
     if (find_claim(word))
         return print_claim(find_claim(word), bench, message);
@@ -92,7 +93,7 @@ static saltus_status obey(const char *word, char *const *next, trial_bench *benc
                        word);
 }
 
-/* Options out of the arguments; the words left, NULL-terminated, or NULL after a message. */
+/* Process the options; returns the remaining words, NULL-terminated, or NULL after a message. */
 static char **read_options(char **arguments, trial_request *request) {
     char **words = arguments, **free_place = arguments;
     for (; *arguments; arguments++) {

@@ -1,11 +1,11 @@
-/* Initial states that do not depend on the parameter that a figure varies.
+/* Initial states that do not depend on the parameter varied by a figure.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "survey.h"
 
 #include <gsl/gsl_randist.h>
 #include <math.h>
 
-/* A random state within the clearance on the stops' side. */
+/* A random state within the clearance on the side of the stops. */
 static void draw(const saltus_system *system, gsl_rng *rng, double clearance, bool both, double *state) {
     const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
     double g;
@@ -33,7 +33,7 @@ saltus_status trial_draw_starts(const saltus_scene *scene, double clearance, uns
         for (int k = 1; k < trial_starts; k++)
             draw(system, rng, isnan(clearance) ? INFINITY : clearance, both,
                  states + (size_t)k * (size_t)saltus_system_dimension(system));
-        /* A default state that is pressed onto a stop would not be admissible at all clearances. */
+        /* A default state pressed onto the stop would not be admissible at all clearances. */
         if (clearance <= 0)
             draw(system, rng, clearance, both, states);
     }

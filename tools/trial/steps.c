@@ -1,4 +1,4 @@
-/* The naive method at d = 0.03, omega = 43, where one stable 3/5 orbit is all there is: NOT FOR USE.
+/* The naive method at d = 0.03, omega = 43, where the only attractor is a stable 3/5 orbit: NOT FOR USE.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "steps.h"
 
@@ -15,12 +15,12 @@ enum { claimed_impacts = 4, claimed_periods = 5, names_shown = 4 };
 static const double steps[] = {0.02, 0.01, 0.005, 0.002, 0.0015, 0.001, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5};
 static const double coarsest = 0.02, finest = 1e-5, finest_quick = 1e-4;
 
-/* The scene, ready to run. */
+/* The scene with everything needed to run it. */
 typedef struct stage {
     naive_pipe pipe;
     int dimension;
     double *states;      /* starts x dimension */
-    saltus_motion orbit; /* what is really there */
+    saltus_motion orbit; /* the true attractor */
     double period;
 } stage;
 
@@ -64,7 +64,8 @@ static double exact_point(const stage *s, int k) {
     return g;
 }
 
-/* Largest distance of a trajectory's section points from the exact orbit's nearest ones, in displacement. */
+/* Largest distance, in displacement, from a trajectory's section points to the nearest ones of the exact
+ * orbit. */
 static double distance_from_orbit(const stage *s, const naive_class *class) {
     double largest = 0;
     for (int k = 0; k <= naive_watched; k++) {
@@ -87,11 +88,11 @@ static void name(const naive_class *class, char label[trial_label_max]) {
         snprintf(label, trial_label_max, "%d/%d", class->impacts, class->periods);
 }
 
-/* What the starts come to: names by share, and ranges of measures. */
+/* Results over all starts: labels by frequency, and ranges of measures. */
 typedef struct outcome {
     char labels[starts][trial_label_max];
     int counts[starts], kinds, right,
-        claimed; /* as the exact orbit; four impacts in five periods or multiples */
+        claimed; /* exact: as the exact orbit; claimed: four impacts in five periods or a multiple */
     double least_rate, most_rate, deepest, distance;
 } outcome;
 
@@ -159,7 +160,7 @@ static void write_outcome(FILE *table, FILE *rows, const stage *s, double h, con
     }
 }
 
-/* One step's line of the table and rows, kept or new, in this order. */
+/* The table lines and rows of one step, stored or computed, in this order. */
 static FILE *lines_of_step(const stage *s, double h, const trial_request *request) {
     char kept_name[64];
     snprintf(kept_name, sizeof kept_name, "naive-step-%g", h);

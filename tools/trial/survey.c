@@ -1,4 +1,4 @@
-/* Surveys: labels, files, making them where they are not kept.
+/* Surveys: labels, files, and making a survey unless it is stored.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "survey.h"
 
@@ -61,7 +61,7 @@ static bool read_cell(FILE *file, trial_cell *c) {
     return kind < TRIAL_KINDS;
 }
 
-/* Whether the file holds this survey, as made by this version. */
+/* Whether the file holds this survey, made by this version. */
 static bool read_survey(trial_survey *survey, const char *path) {
     char version[32], names[sizeof columns + 1];
     int values = 0;

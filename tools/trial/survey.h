@@ -1,5 +1,5 @@
-/* Surveys: what a figure of the paper shows, value by value and start by start, by the event-driven flow or
- * by the naive method, in one form that both are judged by.
+/* Surveys: the results over a figure of the paper for every value and start, by the event-driven flow or by
+ * the naive method, in a common form so that both can be judged alike.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_TRIAL_SURVEY_H
 #define SALTUS_TRIAL_SURVEY_H
@@ -8,20 +8,20 @@
 
 enum { trial_starts = 8, trial_label_max = 32 };
 
-/* A figure's range: a scene and one key that varies over low, low + step, ..., high. */
+/* The range of a figure: a scene and one key that takes the values step, 2 step, ... */
 typedef struct trial_figure {
-    const char *name;    /* of surveys and files */
-    const char *scene;   /* built-in */
+    const char *name;    /* name in surveys and files */
+    const char *scene;   /* a built-in scene */
     const char *setting; /* key=value; NULL: none */
     const char *key;
     double step;
-    int count, quick; /* values are step * (1 ... count); with --quick only every quick-th of them */
+    int count, quick; /* values are step * (1 ... count); with --quick only every quick-th */
     int sparse;       /* the naive method visits every sparse-th value */
     double
         admissible; /* starts keep to this clearance, so that they are the same at all values; NAN: no stop */
 } trial_figure;
 
-/* NULL when there is none of that name. */
+/* NULL if there is none of that name. */
 const trial_figure *trial_figure_find(const char *name);
 const trial_figure *trial_figure_at(int k);
 
@@ -29,15 +29,15 @@ typedef enum trial_kind {
     TRIAL_FREE,      /* periodic, no contact */
     TRIAL_IMPACTS,   /* n/p */
     TRIAL_CHATTER,   /* periodic with lasting contacts */
-    TRIAL_HELD,      /* in contact for good */
+    TRIAL_HELD,      /* permanently in contact */
     TRIAL_IRREGULAR, /* no period up to 20 */
-    TRIAL_FAILED,    /* the flow gave up; the naive method's numbers grew without bound */
+    TRIAL_FAILED,    /* the flow gave up; with the naive method: numbers grew without bound */
     TRIAL_KINDS
 } trial_kind;
 
 const char *trial_kind_word(trial_kind kind);
 
-/* One trajectory. */
+/* Result of one trajectory. */
 typedef struct trial_cell {
     double value;
     int start;
@@ -46,10 +46,10 @@ typedef struct trial_cell {
     bool chaotic;         /* largest exponent positive by three standard errors; exact surveys only */
     double lyapunov;      /* NAN for the naive method */
     double rate;          /* impacts per forcing period */
-    double speed;         /* largest of an impact */
-    double contact;       /* part of the time in lasting contact */
-    double reach;         /* largest |displacement|; of the naive method at section points */
-    double depth;         /* largest penetration; zero in exact surveys */
+    double speed;         /* largest impact speed */
+    double contact;       /* fraction of the time in lasting contact */
+    double reach;         /* largest |displacement|; with the naive method only at section points */
+    double depth;         /* largest penetration; 0 in exact surveys */
 } trial_cell;
 
 /* "4/4", "chatter/2", "held", "irregular", ... */
@@ -58,27 +58,27 @@ void trial_label(const trial_cell *cell, char label[trial_label_max]);
 typedef struct trial_survey {
     const trial_figure *figure;
     double h;   /* step of the naive method; 0: the event-driven flow */
-    int values; /* cells: values x starts */
+    int values; /* number of values; cells: values x starts */
     trial_cell *cells;
 } trial_survey;
 
-/* What is asked for: coarse or not, where finished surveys are kept (NULL: nowhere). */
+/* Options: coarse or not, and the folder for finished surveys (NULL: none). */
 typedef struct trial_request {
     bool quick;
     const char *keep;
 } trial_request;
 
-/* Take a survey from the folder where it is kept, or make it (and keep it). h = 0: the event-driven flow. The
- * cells are to be freed by trial_survey_clear. Errors: SALTUS_NO_MEMORY, SALTUS_IO, those of sweeps. */
+/* Read a survey from the folder, or make and store it. h = 0: the event-driven flow. Free the cells with
+ * trial_survey_clear. Errors: SALTUS_NO_MEMORY, SALTUS_IO, those of sweeps. */
 saltus_status trial_survey_get(const trial_figure *figure, double h, const trial_request *request,
                                trial_survey *survey, saltus_message *message);
 void trial_survey_clear(trial_survey *survey);
 
-/* The two ways of making one; `survey` has its room. */
+/* Make a survey by either method; the cells of `survey` are allocated. */
 saltus_status trial_survey_exact(trial_survey *survey, saltus_message *message);
 saltus_status trial_survey_naive(trial_survey *survey, saltus_message *message);
 
-/* The scene of a figure, and at a value of its key. */
+/* The scene of a figure, and the scene at one value of its key. */
 saltus_status trial_scene(const trial_figure *figure, saltus_scene *scene, saltus_message *message);
 saltus_status trial_scene_at(const trial_figure *figure, double value, saltus_scene *scene,
                              saltus_message *message);
