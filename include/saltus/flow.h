@@ -219,7 +219,7 @@ saltus_status saltus_flow_strike(saltus_flow *flow, int lane, saltus_event_kind 
 double saltus_flow_step_length(const saltus_flow *flow, int lane);
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane);
 void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *state);
-/* The same at a time not before the step's begin. Returns a negative number within the step; 0 at its end,
+/* The same at a time not before the step's start. Returns a negative number within the step; 0 at its end,
  * where the state is that before any pending event; a positive number, and no state, beyond it. */
 int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, double *state);
 /* Time derivative of the tangent vectors now (`columns` vectors of length dimension), contacts held. If these

@@ -194,7 +194,8 @@ typedef struct saltus_attractors {
 /* Classify from `seeds` random admissible initial states: Gaussian with the system's scales (GSL's mt19937
  * from `seed`, reproducible); states beyond a stop are drawn again. Attractors are distinguished by their
  * orbits' section points. If stopped, `seeds` becomes the number of initial states done. All initial states
- * share options->measure, but each may always use what it takes to assert chaos (four lifetimes). */
+ * share options->measure; each may use at least four lifetimes (what it takes to assert chaos), if measure
+ * allows. */
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message);

@@ -84,7 +84,7 @@ static double impact_speed(const saltus_event *event) {
     return event->kind == SALTUS_IMPACT || event->kind == SALTUS_STICK ? fabs(event->velocity_before) : NAN;
 }
 
-/* The slowest and the fastest impact of an orbit; zeros where there is none. */
+/* The slowest and the fastest impact of an orbit; zeros without impacts. */
 static saltus_range impact_speeds(const saltus_branch_point *point) {
     saltus_range found = {INFINITY, 0};
     for (int k = 0; k < point->event_count; k++)
@@ -160,8 +160,8 @@ double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *po
 }
 
 /* The displacements at the turning points of an orbit, free or at a stop, from one revolution of the flow; of
- * an equilibrium its displacement. An orbit that cannot be followed, for instance because it passes a stop,
- * has none. */
+ * an equilibrium its displacement. Where the flow cannot start, as beyond a stop, no turning points are
+ * found. */
 static saltus_status find_turnings(const saltus_plot_page *page, const saltus_branch_point *point,
                                    saltus_plot_visits *visits, saltus_message *message) {
     saltus_flow_options options = saltus_flow_defaults();

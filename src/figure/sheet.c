@@ -204,7 +204,7 @@ static void put_multipliers(const saltus_sheet *sheet, saltus_frame frame, int l
 
 /* Stops are blocks with their tips at (xi, d), if they are near enough to the motion. */
 static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    const double across = 0.025, up = 0.09; /* a block's half width, its height over the range's */
+    const double across = 0.025, up = 0.09; /* half width of a block; its height as a fraction of the range */
     saltus_range range = saltus_sheet_shape_range(sheet), unit = {0, 1},
                  time = {0, saltus_sheet_shape_time(sheet)};
     const saltus_spec *spec = saltus_system_spec(sheet->system);
@@ -417,7 +417,7 @@ saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, co
     saltus_status status = saltus_page_open(&page, path, look, message);
     if (status != SALTUS_OK)
         return status;
-    char script[4096]; /* beside the data */
+    char script[4096]; /* path of the script, beside the data */
     const bool beside = data && !page.look.script;
     if (beside && snprintf(script, sizeof script, "%.*s.gp", (int)(strlen(data) - strlen(".h5")), data) >=
                       (int)sizeof script)

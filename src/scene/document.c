@@ -351,7 +351,7 @@ static saltus_status add_value(builder *b, const yaml_event_t *event) {
     return SALTUS_OK;
 }
 
-/* The tag of a value or a key, NULL when it has none. */
+/* The tag of a value or a key; NULL if it has none. */
 static const yaml_char_t *tag_of(const yaml_event_t *event) {
     return event->type == YAML_SCALAR_EVENT           ? event->data.scalar.tag
            : event->type == YAML_SEQUENCE_START_EVENT ? event->data.sequence_start.tag

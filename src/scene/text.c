@@ -171,7 +171,7 @@ static saltus_status check_commas(const saltus_source *source, const saltus_node
 
 static void put_json(FILE *out, const saltus_node *node);
 
-/* A child with its key, if it has one. */
+/* Write a child as JSON, with its key if it has one. */
 static void put_child(FILE *out, const char *comma, const saltus_node *child) {
     fputs(comma, out);
     if (child->key) {

@@ -23,7 +23,7 @@ static inline double contact_gap(const struct scene_field *field, int face, cons
     return field->side[face] * along_normal(field, state) - field->d;
 }
 
-/* Towards the stop. */
+/* Speed towards the stop. */
 static inline double normal_speed(const struct scene_field *field, int face, const double *state) {
     return field->side[face] * along_normal(field, state + field->modes);
 }
@@ -60,8 +60,8 @@ static inline void flow_shortly(struct scene_field *field, double tau, double sp
     memcpy(vector, sum, field->count * sizeof *vector);
 }
 
-/* Span to the rising zero of a gap with the given derivatives; false, and the span to its top, where it has
- * none. */
+/* Span to the rising zero of a gap with the given derivatives; if there is none, false and the span to its
+ * maximum. */
 static inline bool span_to_contact(double gap, double speed, double acceleration, double *span) {
     const double square = speed * speed - 2 * gap * acceleration;
     if (square < 0) {
@@ -99,9 +99,8 @@ static inline void record(const struct scene_field *field, rival_result *result,
     result->count++;
 }
 
-/* Takes up the sticking field if the impacts that would follow end within the tolerance. Their remaining
- * duration goes into the recorded time only: the state that the projection gives at tau is as good there as
- * the chatter's own. */
+/* Switches to the sticking field if the impacts that would follow end within the tolerance. Their duration is
+ * added only to the recorded time: at tau the projected state is as accurate as the chatter's own. */
 static inline bool stick(struct scene_field *field, int face, double tau, double outgoing, double load,
                          double *state, rival_result *result) {
     const double settling = load * (1 - field->r);
@@ -182,7 +181,7 @@ static inline bool valid(const rival_scene *scene, const double *state0, int per
                : scene->beta >= 0 && (scene->sides == RIVAL_FREE || (scene->xi > 0 && scene->xi < 1));
 }
 
-/* Back to the start, in free flight or held by the stop; tangent vectors become the identity matrix. */
+/* Returns to the start, in free flight or held by the stop; tangent vectors become the identity matrix. */
 static inline void start_over(struct scene_field *field, rival_result *result) {
     const size_t length = 2 * (size_t)field->modes;
     memset(field->vector, 0, field->count * sizeof *field->vector);

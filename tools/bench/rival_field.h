@@ -29,11 +29,11 @@ struct scene_field {
     int faces;
     double side[faces_max];   /* +1: forbids g > d, -1: forbids g < -d */
     bool sticking;            /* which of the two vector fields is in force */
-    int contact_face;         /* the face that holds, or that the present flight left */
-    double contact_time;      /* when it left */
+    int contact_face;         /* the holding face, or the one that the present flight left */
+    double contact_time;      /* time when the flight left it */
     int contact_order;        /* order of the gap's zero at that time; 0 if the flight started elsewhere */
     long evaluations;         /* of the field; those with tangent vectors count once */
-    double forced_time;       /* when the next two were last worked out */
+    double forced_time;       /* time of the next two values */
     double drive, drive_rate; /* flow velocity and its rate; oscillator: cos(omega tau) */
     bool oscillator;
     double stiffness[2][2], damper[2][2], force[2], load[2]; /* oscillator, over the masses */
@@ -141,7 +141,7 @@ static inline void set_faces(struct scene_field *field, const rival_scene *scene
     field->normal_square = dot(field->modes, field->normal, field->impulse);
 }
 
-/* A length of the motion: the clearance, where there is one. */
+/* A length scale of the motion: the clearance, if there is a stop. */
 static inline double length_of(const rival_scene *scene, const double *state0) {
     double length = scene->sides == RIVAL_FREE ? 0 : fabs(scene->d);
     for (int i = 0; i < scene->modes && (scene->d == 0 || scene->sides == RIVAL_FREE); i++)
@@ -239,7 +239,7 @@ static inline void add_rows(int rows, int count, const double *__restrict__ g, c
             sum[l] += by_g[k] * g[k * count + l] + sign * by_b[k] * b[k * count + l];
 }
 
-/* The same for any number of modes: odd and even modes apart. */
+/* The same for any number of modes, with odd and even modes separated. */
 static inline void couple_many(const struct scene_field *field, double load, const double *velocity,
                                const double *curvature, double *__restrict__ acceleration) {
     const int modes = field->modes, odd = (modes + 1) / 2, even = modes / 2;
@@ -332,7 +332,7 @@ static inline void pipe_tangent(struct scene_field *field, double load, const do
         acceleration[i] -= field->kappa * stretch * curvature[i];
 }
 
-/* Column by column the Jacobian of the field at `state` times vectors of the state's length. */
+/* The Jacobian of the field at `state` times each tangent vector. */
 static inline void tangent_rates(struct scene_field *field, double tau, const double *state, int columns,
                                  const double *tangents, double *rates) {
     const int modes = field->modes;

@@ -1,5 +1,5 @@
-/* Events within a step of a one-step method: where the gap may reach zero, and the step done again up to
- * there. Shared by the integrators that take single steps (C and C++).
+/* Events within a step of a one-step method: finding where the gap may reach zero, and repeating the step up
+ * to there. Shared by the integrators that take single steps (C and C++).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_RIVAL_STEP_H
 #define SALTUS_BENCH_RIVAL_STEP_H
@@ -65,8 +65,8 @@ static inline double suspected_contact(int degree, const double *gap) {
 struct rival_step {
     struct scene_field *field;
     double start, length;
-    const double *begin, *begin_rate; /* state at its begin */
-    double *end;                      /* and at its end; an event takes its place */
+    const double *begin, *begin_rate; /* state and rate at the start of the step */
+    double *end;                      /* state at its end, replaced by that at an event */
     const double *end_rate;
     double *trial, *trial_rate;
     bool (*again)(void *stepper, double length);
@@ -115,7 +115,7 @@ static inline double suspected_in_step(const struct rival_step *step, int face) 
 }
 
 /* Repeats the last step up to the impact. Returns 1 with the state on the stop, 0 if the structure passes
- * below it, -1 on failure. The safeguard takes the gap for a dip that rises to the impact and perhaps falls
+ * below it, -1 on failure. The safeguard assumes a gap that dips first, rises to the impact and may fall
  * again behind it. */
 static inline int locate_contact(struct rival_step *step, int face, double guess, double *tau) {
     struct scene_field *field = step->field;
@@ -212,8 +212,8 @@ static inline bool locate_release(struct rival_step *step, double force_end, dou
     return false;
 }
 
-/* Deals with the events of the last step. Returns 1 after an event, 0 without, -1 on failure; `due` is the
- * time to the next impact as far as it can be foreseen. */
+/* Handles the events of the last step. Returns 1 after an event, 0 without, -1 on failure; `due` is the time
+ * to the next impact if it can be predicted. */
 static inline int step_events(struct rival_step *step, double *tau, double *due, rival_result *result) {
     struct scene_field *field = step->field;
     *due = INFINITY;

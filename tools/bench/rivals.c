@@ -179,8 +179,8 @@ static int face_hit(const struct scene_field *field, const int *found) {
     return -1;
 }
 
-/* Integrates the step that holds an event anew, up to the time of the event: the interpolant has a lower
- * order than the step. */
+/* Repeats the step that contains an event, up to the event's time: the interpolant has a lower order than the
+ * step. */
 static bool arkode_redo(struct sundials_run *run, int face, double *tau) {
     struct scene_field *field = run->field;
     double reached, step;

@@ -24,8 +24,7 @@ enum rival_status {
 
 typedef enum { RIVAL_UPPER = 0, RIVAL_LOWER, RIVAL_BOTH, RIVAL_FREE } rival_sides;
 
-/* One or two masses in a chain, driven by F cos(omega t); entries of the second mass count where there are
- * two. */
+/* One or two masses in a chain, driven by F cos(omega t); a single mass uses only the first entries. */
 typedef struct {
     double m[2], c[2], k[2]; /* mass, damper and spring towards the support or the mass before */
     double force[2], load[2];
@@ -93,8 +92,8 @@ extern const int saltus_rival_count;
 /* ", NAME VERSION" of each library but GSL. */
 void saltus_rivals_versions(char *text, size_t size);
 
-/* Boost.Odeint: events are located on the dense output of dopri5, and by steps done again with Fehlberg 7(8),
- * which has none. */
+/* Boost.Odeint: events are located on the dense output of dopri5; Fehlberg 7(8) has none, so its steps are
+ * repeated. */
 int rival_odeint_dopri5(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
                         rival_result *result);
 int rival_odeint_fehlberg78(const rival_scene *scene, const double *state0, int periods, double rtol,

@@ -19,7 +19,7 @@ enum { orbit_chatters = -1 };
 typedef struct motion {
     impact *impacts;
     int count, room, sticks;
-    double settled[motion_dimension];   /* the state at the begin of the recorded periods */
+    double settled[motion_dimension];   /* the state at the beginning of the recorded periods */
     double (*strobe)[motion_dimension]; /* states at the end of each recorded period, and at the beginning of
                                            the first; NULL if not requested */
     int orbit_impacts, orbit_periods;   /* n/p if the program reports it, otherwise 0/0 */
