@@ -294,8 +294,37 @@ static void bad_sections_are_refused(void **unused) {
     saltus_scene_clear(&forced);
 }
 
+/* On a circle of radius 1, sin(k x) rises through zero where k x is an even multiple of pi and x grows, or an
+ * odd one and x falls: often many times in one step. */
+static void all_rises_in_a_step_are_returns(void **unused) {
+    (void)unused;
+    static const char circle[] = "model:\n  parameters: {k: 30}\n  motion: {x: (1 - x^2 - x'^2)*x' - x}\n"
+                                 "  section: {zero: sin(k*x)}\ninitial: {x: 0.3, x': 0.4}\n";
+    static const double steepness[] = {1, 10, 30, 60, 100};
+    for (size_t j = 0; j < sizeof steepness / sizeof steepness[0]; j++) {
+        saltus_message message = {.text = ""};
+        saltus_scene scene;
+        saltus_system *system;
+        char setting[32];
+        int rises = 0;
+        for (int m = 0; m * M_PI < steepness[j]; m++)
+            rises += m == 0 ? 1 : 2;
+        check_ok(saltus_scene_parse(circle, strlen(circle), "text", &scene, &message), &message);
+        snprintf(setting, sizeof setting, "k=%g", steepness[j]);
+        check_ok(saltus_scene_set(&scene, setting, &message), &message);
+        saltus_motion motion = classified(&scene, &system);
+        assert_int_equal(motion.verdict, SALTUS_PERIODIC);
+        assert_int_equal(motion.periods, rises);
+        check_near(motion.period, 2 * M_PI, 1e-9);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+        saltus_scene_clear(&scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_rises_in_a_step_are_returns),
         cmocka_unit_test(sections_are_of_one_orbit),
         cmocka_unit_test(sweeps_count_by_the_section),
         cmocka_unit_test(branches_do_not_depend_on_the_section),

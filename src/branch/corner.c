@@ -61,16 +61,19 @@ int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, doub
     int c = e->count, row = saltus_shooting_closing_row(shooting), count = 0;
     saltus_dense_lu lu = {.n = 0};
     double *work = calloc((size_t)(c * c + n * c + n * n + 2 * n), sizeof *work);
+    if (!work || !saltus_dense_lu_open(&lu, c)) {
+        free(work);
+        return -1;
+    }
     double *columns = work + c * c, *inverse = columns + n * c, *real = inverse + n * n,
            *imaginary = real + n;
-    bool room = work && saltus_dense_lu_open(&lu, c);
-    for (int i = 0; i < c && room; i++)
+    for (int i = 0; i < c; i++)
         memcpy(work + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *work);
-    for (int i = 0; i < n && room; i++) {
+    for (int i = 0; i < n; i++) {
         work[(row + i) * c + i] += 1 - shift;
         columns[i * c + row + i] = 1;
     }
-    bool sound = room && saltus_dense_factor(&lu, work);
+    bool sound = saltus_dense_factor(&lu, work);
     if (sound)
         saltus_dense_resolve(&lu, false, n, columns);
     for (int i = 0; i < n && sound; i++)
@@ -89,7 +92,7 @@ int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, doub
     }
     saltus_dense_lu_close(&lu);
     free(work);
-    return room ? count : -1;
+    return count;
 }
 
 /* How far a multiplier is from the unit circle, in its own size where that is larger. */

@@ -155,12 +155,13 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
                         apart[passes] = {near_crossing, 1e-3, 2e-4, 1e-4};
     const int m = here->at.unknowns;
     const double exponent = here->corners[corner].value.exponent;
-    double value[samples], *u = calloc((size_t)(m * (samples + 1)), sizeof *u), *own = u + m * samples;
+    double value[samples], *u = calloc((size_t)(m * (samples + 1)), sizeof *u);
     saltus_locus_point before = {.corner_count = 0};
     saltus_message ignored;
     if (!u)
         x->orbits.starved = true;
     const double start = fmax(ahead - 4 * near_crossing, 0);
+    double *const own = u ? u + m * samples : NULL;
     bool found = false, good = u && saltus_locus_visit(x, here, start, &before);
     if (good && start > 0)
         saltus_curve_bend(&here->at, &before.at);

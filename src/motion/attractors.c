@@ -1,6 +1,7 @@
 /* Distinct attractors from random initial states.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
+#include "signal/random.h"
 
 #include <stdlib.h>
 
@@ -63,14 +64,13 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
     saltus_classify_options how = *options;
     long long left = options->measure;
     how.progress = (saltus_progress){show_part, &told};
-    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    saltus_random random;
+    gsl_rng *rng = saltus_random_seed(&random, seed);
     attractors->motions = calloc((size_t)seeds, sizeof *attractors->motions);
     attractors->shares = calloc((size_t)seeds, sizeof *attractors->shares);
     saltus_status status = SALTUS_OK;
-    if (!rng || !attractors->motions || !attractors->shares)
+    if (!attractors->motions || !attractors->shares)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d seeds", seeds);
-    else
-        gsl_rng_set(rng, seed);
     for (int k = 0; k < attractors->seeds && status == SALTUS_OK; k++) {
         saltus_motion motion = {0};
         bool stopped = false;
@@ -92,8 +92,6 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
         else
             saltus_motion_clear(&motion);
     }
-    if (rng)
-        gsl_rng_free(rng);
     if (status == SALTUS_OK)
         order_by_share(attractors);
     else

@@ -6,7 +6,6 @@
 
 #include "base/progress.h"
 #include "orbit/volume.h"
-#include "signal/random.h"
 #include "system/state.h"
 
 #include <gsl/gsl_cdf.h>
@@ -39,7 +38,6 @@ saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *syst
     e->points = room ? calloc(places * (size_t)e->n, sizeof *e->points) : NULL;
     e->growths = room ? calloc(places, sizeof *e->growths) : NULL;
     do {
-        e->rng = saltus_random_reserve(&e->arena);
         for (int m = 0; m < e->members; m++) {
             saltus_member *self = &e->member[m];
             saltus_growth_reserve(&self->growth, &e->arena, e->n, e->columns);
@@ -53,7 +51,7 @@ saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *syst
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the exponents of %d trajectories",
                            options->members);
     }
-    gsl_rng_set(&e->rng, options->seed);
+    saltus_random_seed(&e->random, options->seed);
     const saltus_system *systems[SALTUS_MEMBERS_MAX];
     saltus_flow_options flow = options->flow;
     saltus_status status = SALTUS_OK;
@@ -138,15 +136,15 @@ saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, sal
     double initial[SALTUS_STATE_MAX];
     memcpy(initial, state, (size_t)e->n * sizeof *state);
     if (e->options->seed)
-        saltus_state_disturb(e->system, &e->rng, disturbance, 0, initial);
+        saltus_state_disturb(e->system, saltus_random_rng(&e->random), disturbance, 0, initial);
     saltus_status status = run_transient(e, initial, message);
     for (int m = 0; m < e->members && status == SALTUS_OK; m++) {
         saltus_member *self = &e->member[m];
         if (m > 0)
-            saltus_state_disturb(e->system, &e->rng, disturbance, 0, self->state);
+            saltus_state_disturb(e->system, saltus_random_rng(&e->random), disturbance, 0, self->state);
         status = saltus_flow_start(self->flow, self->lane, (saltus_time){0, 0}, self->state, message);
         if (status == SALTUS_OK)
-            saltus_growth_begin(&self->growth, self->flow, self->lane, &e->rng);
+            saltus_growth_begin(&self->growth, self->flow, self->lane, saltus_random_rng(&e->random));
     }
     if (status == SALTUS_OK)
         status = align(e, message);

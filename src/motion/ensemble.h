@@ -5,6 +5,7 @@
 
 #include "motion/growth.h"
 #include "saltus/lyapunov.h"
+#include "signal/random.h"
 
 enum { SALTUS_MEMBERS_MAX = 64, SALTUS_HISTORY_ROOM = 512 };
 
@@ -29,7 +30,7 @@ typedef struct saltus_ensemble {
     saltus_flow *flows[SALTUS_MEMBERS_MAX];
     saltus_member member[SALTUS_MEMBERS_MAX];
     gsl_integration_glfixed_table *table;
-    gsl_rng rng;
+    saltus_random random;
     long long transient; /* periods before the measurement */
     const volatile sig_atomic_t
         *stop;    /* looked at in the transient, once a period, beside the flows' own; NULL: not */

@@ -6,6 +6,7 @@
 #include "flow/effort.h"
 #include "orbit/options.h"
 #include "orbit/returns.h"
+#include "signal/random.h"
 #include "system/state.h"
 
 #include <math.h>
@@ -34,13 +35,8 @@ static saltus_status initial_state(const saltus_system *system, const saltus_har
         memcpy(state, options->state, (size_t)saltus_system_dimension(system) * sizeof *state);
         return SALTUS_OK;
     }
-    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
-    if (!rng)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a random state");
-    gsl_rng_set(rng, options->seed);
-    saltus_status status = saltus_state_random(system, rng, state, message);
-    gsl_rng_free(rng);
-    return status;
+    saltus_random random;
+    return saltus_state_random(system, saltus_random_seed(&random, options->seed), state, message);
 }
 
 /* Run the trajectory period by period; the first half of the work. */

@@ -148,31 +148,62 @@ static void add_zero(saltus_crossings *r, double since) {
         r->zero[r->zeros++] = since;
 }
 
-/* Examine a piece of a step. A zero already met is not met again if rounding restores the sign. */
-static void look(saltus_crossings *r, const saltus_flow *flow, int lane, double begin, double end) {
-    double points[degree + 1], values[degree + 1], powers[degree + 1], root, rounding = 0;
-    bool met = false;
+/* The polynomial's value. */
+static double value_at(const double *powers, double s) {
+    double value = 0;
+    for (int k = degree; k >= 0; k--)
+        value = value * s + powers[k];
+    return value;
+}
+
+/* Examine a piece of a step: in halves if the polynomial does not follow the expression, and once more behind
+ * each zero. A zero already met, such as one at the beginning (`met`), is not met again if rounding, which is
+ * at least `rounding`, restores the sign. */
+static void look(saltus_crossings *r, const saltus_flow *flow, int lane, double begin, double end, bool met,
+                 double rounding) {
+    const double close = 1e-6, shortest = 1e-3 * saltus_flow_step_length(flow, lane);
+    double points[degree + 1], values[degree + 1], powers[degree + 1], root, size = 0, lowest = INFINITY;
     for (int k = 0; k <= degree; k++) {
         points[k] = 0.5 - 0.5 * cos(M_PI * k / degree);
         values[k] = value_since(flow, lane, begin + points[k] * (end - begin));
-        rounding = fmax(rounding, 1e-12 * fabs(values[k]));
+        size = fmax(size, fabs(values[k]));
+        lowest = fmin(lowest, values[k]);
+    }
+    const double between = 0.5 * (points[degree / 2] + points[degree / 2 + 1]), middle = 0.5 * (begin + end);
+    rounding = fmax(rounding, 1e-12 * size);
+    if (met && lowest > -rounding) {
+        r->below = false;
+        return;
+    }
+    interpolate(points, values, powers);
+    if (end - begin > shortest &&
+        fabs(value_at(powers, between) - value_since(flow, lane, begin + between * (end - begin))) >
+            close * size) {
+        look(r, flow, lane, begin, middle, met, rounding);
+        look(r, flow, lane, middle, end, false, rounding);
+        return;
     }
     if (r->begun && r->below && (values[0] >= 0 || (values[0] > -rounding && values[1] >= 0))) {
         add_zero(r, begin);
         met = true;
     }
-    if (r->begun && (met || !r->below) && values[0] > -rounding)
+    if (r->begun && (met || !r->below) && values[0] > -rounding) {
         values[0] = fmax(values[0], rounding);
-    interpolate(points, values, powers);
-    /* The polynomial's rounding may hide a rise at the very end. */
-    bool rises = saltus_isolate_rise(powers, degree, &root), ends_above = values[degree] >= 0;
-    double zero = rises ? refine(flow, lane, begin + root * (end - begin), begin, end) : end;
-    if (rises ? zero < end || ends_above : values[0] < 0 && ends_above) {
-        add_zero(r, zero);
-        met = true;
+        interpolate(points, values, powers);
     }
+    /* The polynomial's rounding may hide a rise at the very end. */
+    const bool rises = saltus_isolate_rise(powers, degree, &root), ends_above = values[degree] >= 0;
+    const double zero = rises ? refine(flow, lane, begin + root * (end - begin), begin, end) : end;
+    const bool crosses = rises ? zero < end || ends_above : values[0] < 0 && ends_above;
+    if (crosses)
+        add_zero(r, zero);
     r->begun = true;
-    r->below = values[degree] < (met ? -rounding : 0);
+    r->below = values[degree] < (met || crosses ? -rounding : 0);
+    if (crosses && zero > begin && zero < end && r->zeros < SALTUS_ZEROS_MAX &&
+        value_since(flow, lane, zero) >= 0) {
+        r->below = false;
+        look(r, flow, lane, zero, end, true, rounding);
+    }
 }
 
 void saltus_crossings_take(saltus_crossings *r, const saltus_flow *flow, int lane, const saltus_event *event,
@@ -186,7 +217,7 @@ void saltus_crossings_take(saltus_crossings *r, const saltus_flow *flow, int lan
     }
     const double length = saltus_flow_step_length(flow, lane);
     for (int k = 0; k < pieces && length > 0; k++)
-        look(r, flow, lane, length * k / pieces, length * (k + 1) / pieces);
+        look(r, flow, lane, length * k / pieces, length * (k + 1) / pieces, false, 0);
 }
 
 /* The next change of the number of returns by the last event: 1 for a return, whose state replaces the

@@ -12,7 +12,7 @@
 #include "orbit/lap.h"
 
 /* Most zeros of an expression in one step. */
-enum { SALTUS_ZEROS_MAX = 16 };
+enum { SALTUS_ZEROS_MAX = 256 };
 
 /* State of the count along a motion; zeroed at its beginning. */
 typedef struct saltus_crossings {

@@ -3,6 +3,7 @@
 #ifndef SALTUS_SIGNAL_SERIES_H
 #define SALTUS_SIGNAL_SERIES_H
 
+#include "base/memory.h"
 #include "saltus/series.h"
 #include "signal/random.h"
 

@@ -20,7 +20,7 @@ typedef struct walk {
     double *steps, *msd; /* displacements used, and their mean squares: [used] */
     double *rate;        /* one per frequency */
     size_t used;
-    gsl_rng rng;
+    saltus_random random;
 } walk;
 
 /* Mean square displacement over n steps, from the same starting points for all n. Eight sums run side by
@@ -82,16 +82,15 @@ saltus_status saltus_series_chaos_test(const double *series, long long count,
         w.steps = saltus_arena_doubles(&w.arena, w.used);
         w.msd = saltus_arena_doubles(&w.arena, w.used);
         w.rate = saltus_arena_doubles(&w.arena, frequencies);
-        w.rng = saltus_random_reserve(&w.arena);
     } while (saltus_arena_again(&w.arena));
     if (!w.arena.base)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the 0-1 test");
     saltus_series_centre(&values, largest, w.value);
-    gsl_rng_set(&w.rng, options->seed);
+    gsl_rng *rng = saltus_random_seed(&w.random, options->seed);
     for (size_t k = 0; k < w.used; k++)
         w.steps[k] = (double)((long long)(k + 1) * w.stride);
     for (size_t k = 0; k < frequencies; k++) {
-        double part = ((double)k + gsl_rng_uniform_pos(&w.rng)) / (double)frequencies;
+        double part = ((double)k + gsl_rng_uniform_pos(rng)) / (double)frequencies;
         w.rate[k] = growth_rate(&w, M_PI / 5 + part * 3 * M_PI / 5);
     }
     gsl_sort(w.rate, 1, frequencies);

@@ -37,7 +37,7 @@ typedef struct tally {
     double *count;    /* [replicate][edge]: pairs below the radius, first with all blocks; later logarithms */
     double neighbours; /* neighbours of a point, on average, per counted pair */
     long long compared, coincident;
-    gsl_rng rng;
+    saltus_random random;
 } tally;
 
 /* A range of radii and the slope over it. */
@@ -99,11 +99,12 @@ static void compare_all(const saltus_series_cloud *cloud, tally *t) {
 /* Compare `pairs` random pairs, except those that are close in time. */
 static void compare_some(const saltus_series_cloud *cloud, long long pairs, tally *t) {
     enum { batch = 1024 };
+    gsl_rng *rng = saltus_random_rng(&t->random);
     long long chosen[2 * batch];
     for (long long done = 0; done < pairs; done += batch) {
         int drawn = pairs - done < batch ? (int)(pairs - done) : batch;
         for (int k = 0; k < 2 * drawn; k++)
-            chosen[k] = (long long)(gsl_rng_uniform(&t->rng) * (double)cloud->count);
+            chosen[k] = (long long)(gsl_rng_uniform(rng) * (double)cloud->count);
         for (int k = 0; k < 2 * drawn; k += 2) {
             long long i = chosen[k], j = chosen[k + 1];
             if ((i > j ? i - j : j - i) > cloud->window)
@@ -245,7 +246,7 @@ static bool choose_range(const saltus_series_cloud *cloud, tally *t, range *best
 static saltus_status judge(const saltus_series_cloud *cloud, const saltus_series_options *options, tally *t,
                            saltus_series_dimension *dimension, saltus_message *message) {
     range r;
-    gsl_rng_set(&t->rng, options->seed);
+    saltus_random_seed(&t->random, options->seed);
     if (cloud->count * (cloud->count - 1) / 2 <= options->pairs)
         compare_all(cloud, t);
     else
@@ -297,7 +298,6 @@ saltus_status saltus_series_correlation_dimension(const saltus_series_points *po
             t.pairs = (long long *)(void *)saltus_arena_doubles(&t.arena, (size_t)blocks * blocks * bins);
             t.radius = saltus_arena_doubles(&t.arena, edges);
             t.count = saltus_arena_doubles(&t.arena, (size_t)replicates * edges);
-            t.rng = saltus_random_reserve(&t.arena);
         } while (saltus_arena_again(&t.arena));
         if (t.arena.base)
             status = judge(&cloud, options, &t, dimension, message);

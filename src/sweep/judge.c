@@ -182,7 +182,8 @@ static saltus_judgement prove(saltus_sweep_trajectory *t, int period, saltus_ver
     p->disturbed_at = saltus_sweep_trajectory_cycle(t);
     p->disturbed = true;
     saltus_sweep_trajectory_seed(t, -1 - t->seed);
-    saltus_state_disturb(t->system, t->rng, disturbance, saltus_flow_contacts(t->flow, t->lane), moved);
+    saltus_state_disturb(t->system, saltus_random_rng(&t->random), disturbance,
+                         saltus_flow_contacts(t->flow, t->lane), moved);
     return saltus_sweep_trajectory_continue(t, moved) ? goes_on : failed;
 }
 

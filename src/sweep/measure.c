@@ -70,7 +70,7 @@ bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *t, saltus_flow *fl
     saltus_growth_choose(&m->growth, t->system, 0, NULL);
     if (!saltus_system_forced(t->system))
         m->growth.watch |= saltus_crossings_watch(t->system);
-    saltus_growth_begin(&m->growth, flow, lane, t->rng);
+    saltus_growth_begin(&m->growth, flow, lane, saltus_random_rng(&t->random));
     saltus_growth_aim(&m->growth, flow, lane);
     memset(&m->average, 0, sizeof m->average);
     m->samples = -align;
@@ -218,12 +218,15 @@ static saltus_next weigh(saltus_sweep_trajectory *t) {
         return end(t, t->row.verdict, &runs);
     if (outcome == SALTUS_OUTCOME_TORUS)
         outcome = ask_points(t);
-    if (outcome == SALTUS_OUTCOME_CHAOS && has_stable_orbit(t))
-        return end(t, SALTUS_TRANSIENT, &runs);
-    if (outcome == SALTUS_OUTCOME_CHAOS && !meets_contact(t))
-        return end(t, SALTUS_CHAOTIC, &runs);
-    if (outcome == SALTUS_OUTCOME_CHAOS)
+    if (outcome == SALTUS_OUTCOME_CHAOS) {
+        const bool stable = has_stable_orbit(t), chaotic = !stable && !meets_contact(t);
+        /* A search that was interrupted has found nothing: there is no verdict, and the row is dropped. */
+        if (saltus_stop_asked(t->sweep->options.flow.stop))
+            return SALTUS_NEXT_GO_ON;
+        if (stable || chaotic)
+            return end(t, stable ? SALTUS_TRANSIENT : SALTUS_CHAOTIC, &runs);
         outcome = SALTUS_OUTCOME_REGULAR;
+    }
     if (outcome == SALTUS_OUTCOME_TORUS)
         return end(t, SALTUS_QUASIPERIODIC, &runs);
     if (outcome != SALTUS_OUTCOME_REGULAR)

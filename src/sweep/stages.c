@@ -109,7 +109,7 @@ static saltus_status find_start(saltus_sweep_trajectory *t, bool carried) {
     }
     if (t->seed > 0) {
         saltus_sweep_trajectory_seed(t, t->seed);
-        return saltus_state_random(t->system, t->rng, t->state, NULL);
+        return saltus_state_random(t->system, saltus_random_rng(&t->random), t->state, NULL);
     }
     saltus_scene scene;
     saltus_status status = saltus_sweep_scene_at(sweep, saltus_sweep_trajectory_point(t), &scene, NULL);

@@ -9,8 +9,7 @@
 #include "motion/growth.h"
 #include "motion/motion.h"
 #include "motion/visits.h"
-
-#include <gsl/gsl_rng.h>
+#include "signal/random.h"
 
 struct saltus_sweep {
     saltus_scene scene;
@@ -161,7 +160,7 @@ typedef struct saltus_sweep_trajectory {
     saltus_flow_info before; /* of the flow before it was last started anew */
     saltus_effort effort;    /* of what Newton's method is asked on the way */
     double *state;           /* now */
-    gsl_rng *rng;
+    saltus_random random;
     saltus_stage stage;
     long long stage_end; /* cycle at which the stage ends */
     saltus_proof proof;

@@ -14,10 +14,9 @@ bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *t, const saltus_sweep
     t->state = calloc((size_t)n, sizeof *t->state);
     t->proof.undisturbed = calloc((size_t)n, sizeof *t->proof.undisturbed);
     t->proof.orbit = calloc((size_t)(n * longest), sizeof *t->proof.orbit);
-    t->rng = gsl_rng_alloc(gsl_rng_mt19937);
     bool sound = saltus_settling_open(&t->proof.settling, n, longest) &&
                  saltus_visits_open(&t->proof.visits, n, longest) && t->state && t->proof.undisturbed &&
-                 t->proof.orbit && t->rng;
+                 t->proof.orbit;
     if (!sound || !(sweep->options.keep & SALTUS_KEEP_LYAPUNOV))
         return sound;
     saltus_measuring *m = &t->measuring;
@@ -39,8 +38,6 @@ void saltus_sweep_trajectory_close(saltus_sweep_trajectory *t) {
     free(t->measuring.points);
     saltus_system_free(t->system);
     free(t->state);
-    if (t->rng)
-        gsl_rng_free(t->rng);
     *t = (saltus_sweep_trajectory){0};
 }
 
@@ -73,7 +70,7 @@ static unsigned long long mix(unsigned long long x) {
 void saltus_sweep_trajectory_seed(saltus_sweep_trajectory *t, int which) {
     unsigned long long point = (unsigned long long)saltus_sweep_trajectory_point(t),
                        bits = mix(mix(mix(t->sweep->options.seed) ^ point) ^ (unsigned long long)which);
-    gsl_rng_set(t->rng, (unsigned long)(bits & 0xffffffffULL));
+    saltus_random_seed(&t->random, (unsigned long)(bits & 0xffffffffULL));
 }
 
 void saltus_sweep_trajectory_restore_tangent(saltus_sweep_trajectory *t) {

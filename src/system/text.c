@@ -472,8 +472,9 @@ static const char *parse_left(const char *name, saltus_parsed *p) {
     size_t length = open ? (size_t)(open - name) : strlen(name);
     if (strchr(name, ','))
         return NULL;
-    if (length > 1 && name[length - 1] == '\'' && !open)
-        length--;
+    if (strchr(name, '\''))
+        return "a left side has no prime: the acceleration of x stands under x, the rate of a state p under "
+               "p";
     if (length == 0 || length >= sizeof p->base)
         return "a name must have 1 to 31 characters";
     memcpy(p->base, name, length);
@@ -481,7 +482,7 @@ static const char *parse_left(const char *name, saltus_parsed *p) {
         return NULL;
     char *end;
     size_t inside = strcspn(open + 1, "]");
-    if (open[1 + inside] != ']' || inside == 0 || inside >= sizeof p->index)
+    if (open[1 + inside] != ']' || open[2 + inside] || inside == 0 || inside >= sizeof p->index)
         return "must be a name, or a name with one index such as x[i] or x[1]";
     memcpy(p->index, open + 1, inside);
     long number = strtol(p->index, &end, 10);
@@ -492,8 +493,10 @@ static const char *parse_left(const char *name, saltus_parsed *p) {
     return number < 1 || number > 100000 ? "indices begin at 1" : NULL;
 }
 
+/* The entries of scale and initial go by the names of displacements, velocities and states, which are matched
+ * as a whole (`by_state`). */
 static saltus_status parse_equation(text_model *m, const char *origin, const saltus_equation *e,
-                                    saltus_parsed *p, saltus_message *message) {
+                                    bool by_state, saltus_parsed *p, saltus_message *message) {
     saltus_message reason = {.text = ""};
     bool whole = true;
     p->name = copied_text(m, e->name, &whole);
@@ -505,7 +508,7 @@ static saltus_status parse_equation(text_model *m, const char *origin, const sal
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equations");
     if (!p->text)
         return SALTUS_OK;
-    const char *wrong = parse_left(p->name, p);
+    const char *wrong = by_state ? NULL : parse_left(p->name, p);
     if (wrong)
         return place_failure(origin, e->name, e->line, wrong, message);
     saltus_status status = saltus_expression_parse(p->text, &p->right, &reason);
@@ -755,7 +758,7 @@ static saltus_status fill_model(text_model *m, const saltus_text *text, saltus_m
         for (; to->count < lists[k].count && status == SALTUS_OK; to->count++) {
             const char *at = (const char *)lists[k].items + (size_t)to->count * lists[k].stride;
             status = parse_equation(m, lists[k].origin, (const saltus_equation *)(const void *)at,
-                                    &to->items[to->count], message);
+                                    to == &t->scale || to == &t->initial, &to->items[to->count], message);
         }
     }
     if (status == SALTUS_OK)

@@ -916,10 +916,11 @@ static void build(builder *b) {
     find_partial(b);
     add_trace(b);
     made->tape = saltus_tape_new(b->graph, made->field, all, n, n + all);
-    if (!made->tape && b->graph->full)
+    if (made->tape)
+        add_derivatives(b);
+    if (b->graph->full && 2 * b->graph->room > SALTUS_GRAPH_NODES_MAX)
         refuse(b, NULL, "the equations have too many terms");
-    no_memory(b, made->tape);
-    add_derivatives(b);
+    no_memory(b, b->graph->full ? NULL : made->tape);
 }
 
 saltus_status saltus_equations_graph_new(const saltus_parsed_text *text, const double *parameters,
