@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The speeds of two impacts at a place of the curve aside of a solution. False where they cannot be had. */
+/* The derivatives of the speeds of two impacts (`marks`, zero at `s`) in the direction `way`, from a point at
+ * distance `by`. False where the equations cannot be evaluated. */
 static bool speeds_aside(saltus_orbits *o, const saltus_solution *s, const double *way, double by,
                          const int *marks, double *u, double *speeds) {
     saltus_message ignored;
@@ -27,9 +28,9 @@ static bool speeds_aside(saltus_orbits *o, const saltus_solution *s, const doubl
     return true;
 }
 
-/* Where two impacts are born at once on an orbit that forgets when they are, as that of a planar flow does,
- * each of them may come without the other: the equations have a null plane. The curve that is followed leaves
- * along the vector by which both become equally fast. */
+/* On an orbit that forgets when its impacts happen, as in a planar flow, two impacts that are born at once
+ * can each occur without the other: the equations have a two-dimensional null space. Take as tangent the
+ * vector in it along which both speeds grow equally. */
 static void leave_alike(saltus_orbits *o, saltus_solution *s) {
     const double still = 1e-9, nothing = 1e-8, apart = 1e-6;
     const size_t m = (size_t)s->at.unknowns;
@@ -71,7 +72,6 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     leave_alike(o, here);
     for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
         for (int way = 0; way < 2; way++) {
-            /* Whether the flow follows the sequence there. */
             if (saltus_solution_visit(o, here, ahead[k], next, &ignored) == SALTUS_OK &&
                 next->worst.value < 0 && saltus_solution_survey(o, next, &ignored) == SALTUS_OK &&
                 next->survey.follows)
@@ -81,14 +81,14 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     return false;
 }
 
-/* The breaches of an orbit at grazing that are the change: the worst, and its mirror image. In a run of ever
- * slower impacts the last of them are almost as slow as one that is just born or dies, but it is one that
- * does. Returns their number. */
+/* The breaches of a grazing orbit that make the change: the worst one and its mirror image. In a run of ever
+ * slower impacts the last ones are almost as slow as the one that is born or dies, but only that one does.
+ * Returns their number. */
 static int pick_change(const saltus_solution *at, saltus_breach *picked) {
     const double together = 1e-9, near = 1e-5;
     saltus_breach_kind kind = at->worst.kind;
     int count = 0;
-    /* A maximum at an impact that has no speed is that impact's own touch. */
+    /* A maximum of the gap at an impact of zero speed is that impact's own touch. */
     for (int k = 0; k < at->breach_count && kind == SALTUS_BREACH_GAP; k++) {
         const saltus_breach *b = &at->breaches[k];
         if (b->kind == SALTUS_BREACH_SPEED && b->face == at->worst.face && fabs(b->value) < together &&
@@ -122,7 +122,7 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
     if (saltus_change_pass(o, beyond, at->parameter, at->state, old, here, next)) {
         saltus_solution_label(o, next, change->after);
-        /* An orbit that forgets all perturbations leaves with the parameter standing still. */
+        /* Where the orbit forgets all perturbations the new curve may begin at constant parameter. */
         double onward = fabs(saltus_solution_heading(here)) > still ? saltus_solution_heading(here)
                                                                     : next->parameter[0] - at->parameter[0];
         change->turns_back = saltus_solution_heading(at) * onward < 0;
@@ -134,13 +134,13 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     return SALTUS_OK;
 }
 
-/* Whether two orbits have as much chatter and sticking. */
+/* Whether two orbits agree in complete chatter and in the number of sticking intervals. */
 static bool same_contacts(const saltus_survey *a, const saltus_survey *b) {
     return (a->impacts < 0) == (b->impacts < 0) && a->sticking_intervals == b->sticking_intervals;
 }
 
-/* The last point before `ahead` that the flow follows, with the contacts of `like` (may be NULL), as `at`;
- * the width of the bracket, NAN if there is none. */
+/* `at` becomes the last point before `ahead` which the flow follows, with the contacts of `like` (may be
+ * NULL). Returns the width of the bracket, NAN if there is no such point. */
 static double bracket(saltus_orbits *o, const saltus_solution *from, double ahead, const saltus_survey *like,
                       saltus_solution *at) {
     enum { halvings = 50 };
@@ -156,8 +156,7 @@ static double bracket(saltus_orbits *o, const saltus_solution *from, double ahea
     if (saltus_solution_visit(o, from, low, at, &ignored) != SALTUS_OK ||
         saltus_solution_survey(o, at, &ignored) != SALTUS_OK)
         return NAN;
-    /* On the edge the survey, which goes around with tangent vectors, may see other contacts than the walk.
-     */
+    /* At the edge the survey, which runs with tangent vectors, may see other contacts than the walk. */
     if (low != 0 && like && !same_contacts(like, &at->survey)) {
         at->survey.impacts = like->impacts;
         at->survey.sticking_intervals = like->sticking_intervals;
@@ -170,18 +169,18 @@ static double slope(const saltus_orbits *o, const saltus_solution *s) {
     return fabs(saltus_solution_heading(s)) * o->family.unit[0];
 }
 
-/* How far beyond `at` the contact is nothing that completes a chatter, in arclength, where it shrinks on the
- * way of length `ahead` from `from` to there: as a power of the distance, by self-similarity some 0.6. The
- * contact is known no better than the shortest flights before it. */
+/* The arclength beyond `at` at which the contact that completes a chatter shrinks to zero length, if it
+ * shrinks along the step of length `ahead` from `from` to `at`: by self-similarity its length goes as a
+ * power, about 0.6, of the distance. It is known no better than the shortest flights before it. */
 static double beyond_contact(const saltus_solution *from, const saltus_solution *at, double ahead) {
-    const double power = 1.5;     /* a little less than 1 / 0.6: more rather than less */
-    const double shortest = 2e-8; /* periods: the heights of shorter flights are rounding */
+    const double power = 1.5;     /* a little less than 1 / 0.6, to overestimate the distance */
+    const double shortest = 2e-8; /* periods: in shorter flights the height is only rounding */
     bool shrinks = from->worst.kind == SALTUS_BREACH_HOLD && at->worst.kind == SALTUS_BREACH_HOLD &&
                    at->worst.value < 0 && from->worst.value < at->worst.value;
     return shrinks ? fabs(ahead) * pow(fmin(at->worst.value, -shortest) / from->worst.value, power) : 0;
 }
 
-/* The sequence that the flow meets on the orbit of a solution. `state` (n) becomes the one at its base. */
+/* The sequence of events that the flow meets on the orbit `s`; `state` (n) becomes the state at its base. */
 static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *state, saltus_sequence *met) {
     saltus_lap lap = {.keeps_events = true};
     saltus_message ignored;
@@ -194,8 +193,8 @@ static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *sta
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
 
-/* Shooting with the flow's own events: whether there is an orbit of the period of `old` near a state at its
- * base, which becomes `out`, with the sequence that the flow meets on it. `state` (n) is overwritten. */
+/* Shooting with the flow's own events: if there is an orbit of the period of `old` near `state` (n, at its
+ * base), `out` becomes that orbit with the sequence that the flow meets on it. `state` is overwritten. */
 static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const double *parameters,
                          double *state, saltus_solution *out) {
     saltus_sequence met, driven = *old;
@@ -206,7 +205,7 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
     saltus_message ignored;
     if (saltus_orbits_tune(o, parameters, old->omega, &ignored) != SALTUS_OK)
         return false;
-    /* A guess made along the tangent may lie beyond a stop, the more so where a contact becomes permanent. */
+    /* A guess along the tangent may lie beyond a stop, above all where a contact becomes permanent. */
     saltus_state_admit(o->system, state);
     if (saltus_solution_place(o, &driven, parameters, state, true, out, &ignored) != SALTUS_OK ||
         saltus_solution_walk(o, out, &ignored) != SALTUS_OK || !out->survey.follows)
@@ -216,7 +215,7 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
            !saltus_solution_rests(out, NULL) && saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
 }
 
-/* The same along the tangent of an orbit to a parameter. */
+/* The same at `parameter`, with a guess along the tangent at `from`. */
 static bool shoot_ahead(saltus_orbits *o, const saltus_solution *from, double parameter, double *state,
                         saltus_solution *out) {
     double distance = (parameter - from->parameter[0]) / saltus_solution_heading(from);
@@ -226,13 +225,13 @@ static bool shoot_ahead(saltus_orbits *o, const saltus_solution *from, double pa
     return shoot_freely(o, &from->sequence, &parameter, state, out);
 }
 
-/* In contact all the time. */
+/* Whether the orbit is in contact with a stop all the time. */
 static bool is_held(const saltus_survey *survey) {
     return survey->walked && saltus_lap_held(&survey->lap);
 }
 
-/* The speed of the last impact of the run of ever slower ones on a face that goes on at a time of an orbit of
- * so many periods. */
+/* The speed of the last impact in the run of ever slower impacts on `face` that is under way at `time` (in
+ * periods) of an orbit of `periods` periods; INFINITY if there is no impact on the face. */
 static double last_speed(const saltus_survey *survey, int periods, int face, double time) {
     const saltus_event *last = NULL, *event;
     double since, shortest = INFINITY;
@@ -254,9 +253,9 @@ static double last_speed(const saltus_survey *survey, int periods, int face, dou
     return last ? fabs(last->velocity_before) : INFINITY;
 }
 
-/* Whether the branch of `here`, at which many impacts have just taken the place of complete chatter at `at`,
- * leads on along its tangent to where the last of them dies, which the parameter's way does not tell as such
- * a branch folds time and again, or back into chatter. */
+/* Whether the branch through `here`, where many impacts have just replaced the complete chatter of `at`,
+ * leads along its tangent to where the last of them dies, rather than back into chatter. The direction of the
+ * parameter does not tell, since such a branch folds again and again. */
 static bool leads_away(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
                        double distance, saltus_solution *scratch) {
     saltus_message ignored;
@@ -274,9 +273,9 @@ static bool leads_away(saltus_orbits *o, const saltus_solution *at, const saltus
     return true;
 }
 
-/* The branch of `here` is followed back to where it ends, or its contacts change in the part of the sequence
- * that is left to the flow, as `end`: whether that is at the change at `at`, but for so much of the
- * parameter. */
+/* Follow the branch of `here` back to where it ends, or where contacts in the part of the sequence that is
+ * left to the flow change: `end`. Whether that is the change at `at`, to within `apart` in the parameter
+ * unknown. */
 static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
                       double distance, double apart, saltus_solution *end, double *accuracy) {
     const double touches = -1e-9;
@@ -290,13 +289,13 @@ static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_
            fabs(end->parameter[0] - at->parameter[0]) < apart;
 }
 
-/* So far beyond the last grazing of a run, at which impacts are slow to rounding, chatter may complete. */
+/* Chatter may complete this far beyond the last grazing of a run, whose impacts have speeds near rounding. */
 static const double rest_of_run = 1e-6;
 
-/* Whether an orbit near where chatter completes is easy to follow: no impact is left to the flow, nor so slow
- * that rounding tells. */
+/* Whether an orbit near where chatter completes is easy to follow: no impact is left to the flow, and none is
+ * so slow that rounding matters. */
 static bool is_easy(const saltus_solution *s) {
-    const double slow = 1e-6; /* beside the fastest */
+    const double slow = 1e-6; /* relative to the fastest */
     double slowest = INFINITY, fastest = 0;
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED) {
@@ -306,21 +305,21 @@ static bool is_easy(const saltus_solution *s) {
     return !saltus_sequence_has_tail(&s->sequence) && slowest > slow * fastest;
 }
 
-/* How far an orbit that was hit upon beyond a change is one that the branch goes on with. */
+/* Whether the branch goes on with an orbit that was found beyond a change. */
 typedef enum belonging {
-    BELONGS_NOT,  /* it is another branch's */
-    BELONGS_ELSE, /* none better is found */
+    BELONGS_NOT,  /* it belongs to another branch */
+    BELONGS_ELSE, /* only if no better one is found */
     BELONGS
 } belonging;
 
-/* The branch of `here`, hit upon beyond the change at `at`, heads away from that. Where the change is told
- * better from beyond goes to it. */
+/* Turn the tangent of `here`, an orbit found beyond the change at `at`, away from the change, and judge
+ * whether the branch goes on with it. If the change is located better from beyond, *change is updated. */
 static belonging head_on(saltus_orbits *o, const saltus_solution *at, double heading, saltus_leap leap,
                          saltus_solution *here, saltus_solution *scratch, saltus_change *change) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
     double accuracy;
     saltus_solution_head(here, heading);
-    /* Flights that shrink to nothing end among the flow's tolerances; the force of a contact has a sharp
+    /* Flights that shrink to nothing vanish within the flow's tolerances, but a contact force has a sharp
      * zero. */
     if (is_held(after)) {
         if (!begins_at(o, at, here, change->distance, 0.1 * change->distance, scratch, &accuracy))
@@ -337,8 +336,8 @@ static belonging head_on(saltus_orbits *o, const saltus_solution *at, double hea
     }
     if (is_held(before))
         return after->follows ? BELONGS : BELONGS_ELSE;
-    /* From beyond chatter that completes is told sharper. Where the curve was lost, and what was found does
-     * not begin there, an orbit of another branch was hit upon. */
+    /* The completion of chatter is located better from beyond. If the curve was lost, and the orbit found
+     * does not begin at the change, it belongs to another branch. */
     double close = leap == SALTUS_LEAP_RUN ? rest_of_run : 0.01 * change->distance;
     double apart = after->impacts < 0 ? close : 1e-7;
     bool begins = begins_at(o, at, here, change->distance, apart, scratch, &accuracy);
@@ -352,13 +351,13 @@ static belonging head_on(saltus_orbits *o, const saltus_solution *at, double hea
     return begins || told || change->kind == SALTUS_POINT_REGULAR ? BELONGS_ELSE : BELONGS_NOT;
 }
 
-/* Whether the contact after complete chatter has shrunk to nothing. */
+/* Whether the contact after complete chatter has shrunk to zero length. */
 static bool ceases_to_complete(const saltus_solution *at) {
     const double nothing = 1e-5; /* periods */
     return at->survey.impacts < 0 && at->worst.kind == SALTUS_BREACH_HOLD && at->worst.value > -nothing;
 }
 
-/* What changes between `at` and `here`. */
+/* The change between `at` and `here`: its kind, reason and accuracy. */
 static saltus_change compare(const saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
                              double width, const char *why, const saltus_solution *here) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
@@ -395,8 +394,9 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
         return saltus_branch_no_memory(message);
     change->at_border =
         fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, state, here);
-    /* Where chatter completes changes follow one another closely; where grazings do, the parameter turns back
-     * time and again. The last try is the first one at which nothing better than else was found. */
+    /* Where chatter completes, changes lie close together; where grazings accumulate, the parameter turns
+     * back again and again. The last attempt repeats the first that gave an orbit to use if no better one is
+     * found. */
     bool near = leap == SALTUS_LEAP_RUN || (at->survey.impacts < 0 && !is_held(&at->survey));
     int tries = change->at_border ? 0 : 2 * reaches, other = -1;
     for (int k = near ? 0 : 2 * wide; k < tries + (other >= 0); k++) {
@@ -421,9 +421,9 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
     return SALTUS_OK;
 }
 
-/* Back along the branch of `here`, at which chatter is complete, to where the contact after it is nothing, as
- * `at`: how sharp that is in arclength, NAN if it is not found. Steps for which the tangent says too little
- * are made in parts. *ahead: from `here` to there. */
+/* Follow the branch of `here`, an orbit with complete chatter, back to where the contact after the chatter
+ * vanishes: `at`. Where the tangent is not good enough this takes several parts. *ahead: arclength from
+ * `here` to `at`. Returns the width of the bracket in arclength, NAN if the place is not found. */
 static double find_vanishing(saltus_orbits *o, const saltus_solution *here, double back, saltus_solution *at,
                              saltus_solution *scratch, double *ahead) {
     enum { parts_max = 12 };
@@ -438,7 +438,7 @@ static double find_vanishing(saltus_orbits *o, const saltus_solution *here, doub
         *ahead += at->at.ahead;
         if (at->at.ahead < -0.99 * back)
             back *= 4;
-        /* The last part may have ended for want of a tangent there, too. */
+        /* The last part may have ended there only because its tangent was no longer good enough. */
         if (vanishes && fabs(at->at.ahead) < still)
             return same_contacts(&at->survey, &here->survey) ? width : NAN;
         saltus_solution reached = *at;
@@ -449,9 +449,9 @@ static double find_vanishing(saltus_orbits *o, const saltus_solution *here, doub
     return NAN;
 }
 
-/* The nearer the contact at `at` is to nothing, the more impacts tell before the chatter is complete: with
- * those that the flow meets there, on to where it is nothing, again and again as long as that gets nearer.
- * *ahead and the result as above; `way`: the parameter's sign along `here`. */
+/* The shorter the contact at `at`, the more impacts matter before the chatter is complete. Take the sequence
+ * that the flow meets there and go on to where the contact vanishes, again and again while this makes it
+ * shorter. *ahead and the result as above; `way`: the sign of the parameter's change along `here`. */
 static double find_vanished(saltus_orbits *o, const saltus_solution *here, double way, double width,
                             saltus_solution *at, saltus_solution *scratch, double *state, double *ahead) {
     enum { rounds = 12 };
@@ -508,7 +508,8 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
     bool found = false, there = false;
     if (!state)
         saltus_orbits_noted(o, SALTUS_NO_MEMORY);
-    /* On the far side first: where impacts are born as the parameter turns back it may be the near one. */
+    /* The far side first; but where the parameter turns back as impacts are born, the near side may be the
+     * right one. */
     for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && state && !there; k++) {
         double way = copysign(1, k % 2 ? -rest : rest), distance = reach[k / 2] * fabs(rest), ahead;
         double parameter = limit + way * distance;
@@ -568,8 +569,8 @@ bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus
         return false;
     }
     saltus_solution_head(fresh, saltus_solution_heading(here));
-    /* On the side where chatter is complete its end is the place where the contact after it vanishes: sharper
-     * than what the flow, with its tolerance, takes for complete. */
+    /* On this side chatter ends where the contact after it vanishes, which is sharper than the flow's
+     * criterion, with its tolerance, for complete chatter. */
     double width = bracket(o, fresh, -back, NULL, scratch);
     if (scratch->at.ahead > -0.9 * back && fabs(scratch->value - *value) < 1e-4 * o->family.unit[0]) {
         *value = scratch->value;

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Once around a cycle: its slowest point to `slowest`, or, where `rest` is given, how near to that it comes.
- */
+/* Go once around a cycle. Without `rest`: its slowest point to `slowest` (n), the speed there, in the state's
+ * scales, to *least; with `rest`, a state: the least distance from it to *least. */
 static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const double *rest,
                                double *slowest, double *least, saltus_message *message) {
     enum { parts = 8 };
@@ -44,7 +44,7 @@ static saltus_status go_around(saltus_orbits *o, const saltus_solution *s, const
 /* The equilibrium that a cycle passes most slowly. */
 typedef struct passed {
     bool found;
-    double distance; /* of the cycle, in the system's scales */
+    double distance; /* from the cycle, in the system's scales */
     bool saddle;
     unsigned contacts; /* faces that it is held against */
 } passed_rest;
@@ -98,7 +98,7 @@ saltus_status saltus_cycle_tell_saddle(saltus_orbits *o, const saltus_solution *
 
 enum { unknowns_max = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2 };
 
-/* The parameter of the equilibrium that lies `by` along a normal from a place; NAN: none. */
+/* The parameter of the equilibrium in the hyperplane across `normal`, `by` from a place; NAN: none. */
 static double parameter_along(saltus_rests *r, const double *place, const double *normal, double by) {
     const int unknowns = r->equations.unknowns;
     double u[unknowns_max], anchor[unknowns_max];
@@ -110,8 +110,8 @@ static double parameter_along(saltus_rests *r, const double *place, const double
     return saltus_rests_noted(r, status) == SALTUS_OK ? u[unknowns - 1] : NAN;
 }
 
-/* The extreme parameter of equilibria along a normal through a place, which has the cycles' parameter: they
- * are a parabola there, and none is on the cycles' side. */
+/* The extreme parameter of the equilibria along a normal through `place`, which has the cycles' parameter.
+ * Along it the parameter of the equilibria is a parabola, and none exists on the side of the cycles. */
 static bool find_birth(saltus_rests *r, const double *place, const double *normal, double *parameter) {
     const double far = 0.1;
     double centre = 0;
@@ -127,7 +127,7 @@ static bool find_birth(saltus_rests *r, const double *place, const double *norma
     return true;
 }
 
-/* The same near the slowest point of a cycle, along the flow. */
+/* The same at the slowest point of a cycle, with the normal along the flow. */
 static saltus_status seek_birth(saltus_orbits *o, const saltus_solution *s, double *parameter, bool *found,
                                 saltus_message *message) {
     saltus_rests r = {.family = o->family, .origin = {o->origin}};
@@ -174,7 +174,7 @@ saltus_status saltus_cycle_tell_birth(saltus_orbits *o, const saltus_solution *h
                  grown = log(period * here->sequence.omega / (2 * M_PI * here->sequence.periods)),
                  way = next->parameter[0] - here->parameter[0],
                  left = way * exp(-2 * grown) / -expm1(-2 * grown);
-    /* Ever so often is enough. */
+    /* Test only now and then: whenever the period has grown by a certain factor. */
     if (!(grown > 0 && fabs(left) < little) ||
         floor(log(period) / longer) == floor((log(period) - grown) / longer))
         return SALTUS_OK;
@@ -203,8 +203,8 @@ saltus_status saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solutio
     return status;
 }
 
-/* Half the sum of the two eigenvalues whose product is near `*square`, at the equilibrium near u with the
- * parameter that is there; NAN where there is none. */
+/* Half the sum of the two eigenvalues whose product is near `*square`, which becomes their product, at the
+ * equilibrium near u at the parameter in u; NAN where there is none. */
 static double real_part(saltus_rests *r, double *u, double *square) {
     int iterations;
     double found;
@@ -217,7 +217,7 @@ static double real_part(saltus_rests *r, double *u, double *square) {
     return half;
 }
 
-/* The secant method on the real part from the equilibrium at u: true where it comes to a zero. */
+/* The secant method on the real part, from the equilibrium at u. True if it converges to a zero. */
 static bool find_zero(saltus_rests *r, double *u, saltus_shrunk *hopf) {
     enum { iterations = 30 };
     const double apart = 1e-6, sharp = 1e-14;
@@ -244,7 +244,7 @@ static bool find_zero(saltus_rests *r, double *u, saltus_shrunk *hopf) {
     return isfinite(value[1]) && hopf->accuracy < 1e-9 && square > 0;
 }
 
-/* What rounding leaves of the zero: what real parts beside it scatter by. */
+/* How far rounding may have moved the zero, from the scatter of real parts beside it. */
 static double scatter(saltus_rests *r, double *u, const saltus_shrunk *hopf) {
     const double apart = 1e-6;
     const int last = r->equations.unknowns - 1;
@@ -260,7 +260,7 @@ static double scatter(saltus_rests *r, double *u, const saltus_shrunk *hopf) {
     return (fabs(bend) + fabs(kept)) / fabs(slope);
 }
 
-/* Sought from the equilibrium nearest to the cycle's state and the eigenvalues nearest to its frequency. */
+/* Find the Hopf point from the equilibrium and the eigenvalues nearest to the cycle's state and frequency. */
 static saltus_status cycle_shrinks(saltus_orbits *o, const saltus_solution *s, saltus_shrunk *hopf,
                                    saltus_message *message) {
     saltus_rests r = {.family = o->family, .origin = {o->origin}};
@@ -318,7 +318,7 @@ saltus_status saltus_cycle_seek_hopf(saltus_orbits *o, const saltus_solution *he
 
 saltus_status saltus_cycle_folds(saltus_orbits *o, const saltus_solution *here, const saltus_special *fold,
                                  const saltus_solution *at, bool *folds, saltus_message *message) {
-    const double small = 0.2; /* of the speed on the orbit before */
+    const double small = 0.2; /* relative to the orbit before */
     saltus_shrunk shrunk;
     *folds = true;
     if (fold->kind != SALTUS_POINT_LP || !(at->sequence.omega > 0) || at->sequence.count > 0 ||
@@ -329,7 +329,8 @@ saltus_status saltus_cycle_folds(saltus_orbits *o, const saltus_solution *here, 
     return status;
 }
 
-/* Of the two imaginary eigenvalues one makes the multiplier 1 along the flow, the other one 1, too. */
+/* Multipliers from the eigenvalues at the Hopf point; the imaginary pair gives the trivial one and another
+ * 1. */
 static void tell_multipliers(const saltus_shrunk *hopf, double period, saltus_survey *survey) {
     int count = 0, pair = 0;
     for (int k = 0; k < hopf->rate_count; k++)
@@ -380,8 +381,7 @@ bool saltus_cycle_of_family(const saltus_solution *s) {
     return one;
 }
 
-/* The speed of an orbit's impacts in the system's scale, where they are all alike; NAN where they are not, or
- * where there are none. */
+/* The speed of an orbit's impacts, scaled, if all two or more are equally fast; otherwise NAN. */
 static double common_speed(const saltus_solution *s) {
     const double alike = 1e-6;
     double least = INFINITY, most = -INFINITY;

@@ -1,5 +1,5 @@
-/* Private: where a branch of cycles ends: at an equilibrium that they shrink to, at an orbit that leaves a
- * saddle and comes back to it, in a family; and where their impacts fade all at once.
+/* Private: where a branch of cycles ends: at an equilibrium to which they shrink, at a homoclinic orbit, in a
+ * family of orbits; and where all their impacts fade at once.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_ENDING_H
 #define SALTUS_BRANCH_ENDING_H
@@ -7,29 +7,29 @@
 #include "branch/special.h"
 #include "saltus/equilibrium.h"
 
-/* Whether cycles end where the parameter stands still while the period changes: *ends, and `reason`
- * (SALTUS_REASON_MAX) tells why. They do at a homoclinic orbit, near to a saddle. At the explosion of a
- * canard, too, the parameter stands still, but the period stays finite: there they end only where the branch
- * is `lost`. Errors: SALTUS_NO_MEMORY. */
+/* *ends: whether the branch ends at this cycle because the parameter stands still while the period changes;
+ * `reason` (SALTUS_REASON_MAX) says why. It does at a homoclinic orbit, near a saddle. At a canard explosion
+ * the parameter stands still too, but the period stays finite: there the branch ends only if it is `lost`.
+ * Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_tell_saddle(saltus_orbits *orbits, const saltus_solution *cycle, bool lost,
                                        bool *ends, char *reason, saltus_message *message);
-/* Whether cycles end where two equilibria are born on them, a saddle-node on an invariant circle: their
- * period then goes as one over the square root of the distance from there, so on the step from `here` to
- * `next`, and *ends where little of that distance is left; within `range`. `key`: the parameter. Errors:
- * SALTUS_NO_MEMORY. */
+/* *ends: whether the cycles end where two equilibria are born on them (a saddle-node on an invariant circle).
+ * The period then goes as one over the square root of the parameter's distance from that place; from its
+ * growth between `here` and `next` follows the distance left, which must be small, and lead to an end within
+ * `range`. `key`: the parameter's name. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_tell_birth(saltus_orbits *orbits, const saltus_solution *here,
                                       const saltus_solution *next, const double range[2], const char *key,
                                       bool *ends, char *reason, saltus_message *message);
-/* That cycles shrink to an equilibrium: what is left of their distance, and their period. Errors:
- * SALTUS_NO_MEMORY. */
+/* The reason of an end where cycles shrink to an equilibrium, with their period and their distance from it.
+ * Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_tell_shrinking(saltus_orbits *orbits, const saltus_solution *cycle, char *reason,
                                           saltus_message *message);
 
-/* The Hopf point of the equilibrium that a small cycle lies around, by its own equation: the parameter at
- * which two eigenvalues +-i omega are imaginary. */
+/* The Hopf point of the equilibrium inside a small cycle, from the equilibrium's own equation: the parameter
+ * at which two eigenvalues are +-i omega. */
 typedef struct saltus_shrunk {
     bool found;
-    double parameter, omega, accuracy; /* the last of the parameter unknown */
+    double parameter, omega, accuracy; /* accuracy: of `parameter`, an unknown */
     double state[SALTUS_STATE_MAX];
     saltus_eigenvalue rates[SALTUS_STATE_MAX]; /* by decreasing real part */
     int rate_count;
@@ -37,39 +37,40 @@ typedef struct saltus_shrunk {
 
 /* The end of cycles at a Hopf point ahead. */
 typedef struct saltus_hopf_ahead {
-    bool found, is_one; /* there is a place that looks like it; its orbit does, too */
+    bool found, is_one; /* a place looks like it; so does the orbit there */
     saltus_special special;
-    saltus_shrunk shrunk; /* in the very same place */
+    saltus_shrunk shrunk; /* the Hopf point at that place */
 } saltus_hopf_ahead;
 
-/* Where the cycles of a step seem to shrink to nothing, that orbit as `at`, and the Hopf point in which they
- * end. *misses: the step is too long to see that, or has led off the cycles. Errors: SALTUS_NO_MEMORY. */
+/* If the cycles of a step seem to shrink to an equilibrium: the orbit there as `at`, and the Hopf point at
+ * which they end. *misses: the step is too long to see this, or has left the cycles. Errors:
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_seek_hopf(saltus_orbits *orbits, const saltus_solution *here,
                                      const saltus_solution *next, saltus_solution *at,
                                      saltus_solution *scratch, saltus_hopf_ahead *hopf, bool *misses,
                                      saltus_message *message);
-/* Whether the special point `at` of a step from `here`, if it is a fold, can be told from a Hopf point in
- * which the cycles end soon after: there the parameter stands still, and rounding turns it. Errors:
- * SALTUS_NO_MEMORY. */
+/* *folds: whether the special point `at` of a step from `here` is what it seems. A fold right before the Hopf
+ * point at which cycles end may be none: there the parameter stands still, and rounding turns it back.
+ * Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_folds(saltus_orbits *orbits, const saltus_solution *here,
                                  const saltus_special *fold, const saltus_solution *at, bool *folds,
                                  saltus_message *message);
-/* `out`, of the shooting's sequence, becomes that Hopf point as an orbit, surveyed, with the tangent that it
- * has; its multipliers are those of cycles as they shrink to it. Errors: SALTUS_NO_MEMORY, those of the flow.
- */
+/* `out`, which has the shooting's sequence, becomes that Hopf point as an orbit, surveyed; it keeps its
+ * tangent. Its multipliers are the limits of those of the shrinking cycles. Errors: SALTUS_NO_MEMORY, those
+ * of the flow. */
 saltus_status saltus_cycle_shrink(saltus_orbits *orbits, const saltus_shrunk *hopf, saltus_solution *out,
                                   saltus_message *message);
 
-/* Whether orbits of one value of the parameter may form a family, as far as their multipliers tell: one of
- * them is 1, beside that along the flow. */
+/* Whether the orbits at one value of the parameter may form a family: one multiplier is 1 besides the trivial
+ * one along the flow. */
 bool saltus_cycle_of_family(const saltus_solution *orbit);
-/* Whether all impacts of a cycle of a planar flow lose their speed at once on the step ahead. Such a cycle
- * forgets when they are, so that where they have no speed its equations are singular twice, and lead
- * anywhere. */
+/* Whether all impacts of a cycle of a planar flow lose their speed at once on the step ahead. The cycle
+ * forgets when its impacts happen, so that at zero speed its equations are singular in two directions and
+ * lead anywhere. */
 bool saltus_cycle_fades(const saltus_orbits *orbits, const saltus_solution *here,
                         const saltus_solution *next);
-/* Where that is, the cycle without impacts tells: it touches its stops there, as `at`. `bare` becomes such a
- * cycle a little further on, whose tangent leads back. */
+/* Locate that place on the cycle without impacts, which touches its stops there: `at`. `bare` becomes such a
+ * cycle a little further on, with a tangent that leads back. */
 saltus_zero saltus_cycle_touches(saltus_orbits *orbits, const saltus_solution *here, const double range[2],
                                  saltus_solution *at, saltus_solution *bare, saltus_solution *scratch);
 

@@ -1,8 +1,8 @@
 /* The curve of periodic orbits of one sequence of events.
  *
- * Zeros of tests are bracketed in arclength along the step's direction and found by Brent's method, every
- * evaluation being a point of the curve solved to rounding. The event-driven flow has the last word on a
- * point: whether it meets the events that are prescribed.
+ * Zeros of tests are bracketed in arclength along the step and found by Brent's method; each evaluation is a
+ * point of the curve, solved to rounding. The event-driven flow has the last word: whether it meets the
+ * prescribed events.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/solution.h"
 
@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Segments a period for the multipliers: those of ten modes and more would be most of a point's time, for
- * multipliers below 1e-40, which no change of stability is told by. */
+/* The most segments per period for the multipliers. With ten modes and more the segments would take most of
+ * the time of a point, only to resolve multipliers below 1e-40, which do not matter for stability. */
 enum { segments_most = 24 };
 
 saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
@@ -57,7 +57,7 @@ saltus_status saltus_orbits_noted(saltus_orbits *o, saltus_status status) {
 
 double saltus_orbits_border(double origin, double unit, double border, int side) {
     double found = (border - origin) / unit;
-    /* One rounding at most is between the quotient and the number that gives the value back. */
+    /* At most one rounding separates the quotient from the number that gives the border back. */
     for (int way = -1; way <= 1; way += 2) {
         double next = nextafter(found, way * INFINITY);
         if (origin + unit * found != border && origin + unit * next == border)
@@ -214,8 +214,8 @@ void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, do
             speed[s->breaches[k].mark] = -s->breaches[k].value * saltus_shooting_speed_scale(o->shooting);
 }
 
-/* Around the orbit with the flow's own events, `cocycle` (may be NULL) with it. What the flow cannot do is no
- * error: then the solution does not follow. */
+/* Go around the orbit with the flow's own events, filling `cocycle` (may be NULL). A failure of the flow is
+ * no error: the solution then does not follow. */
 static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocycle *cocycle,
                                saltus_message *message) {
     saltus_survey *survey = &s->survey;
@@ -360,8 +360,7 @@ double saltus_test_value(saltus_test test, double target, const saltus_solution 
     case SALTUS_TEST_PAIR:
         return s->survey.pair;
     case SALTUS_TEST_BREACH:
-        /* A step begins on the admissible side, where an impact without speed was just put in or taken out.
-         */
+        /* A step begins on the admissible side; an impact of zero speed was just inserted or removed. */
         return s == from ? fmin(s->worst.value, -1e-300) : s->worst.value;
     case SALTUS_TEST_ONWARD:
         return s->onward;
@@ -371,11 +370,11 @@ double saltus_test_value(saltus_test test, double target, const saltus_solution 
     return NAN;
 }
 
-/* One location under way. */
+/* A zero that is being located. */
 typedef struct location {
     saltus_orbits *orbits;
     saltus_test test;
-    double target, end; /* 0: a place that cannot be had fails, be the equations singular there */
+    double target, end; /* end 0: fail where the equations are singular */
     const saltus_solution *from;
     saltus_solution *out;
 } location;
@@ -384,7 +383,7 @@ static bool test_at(void *context, double ahead, double *value) {
     location *l = context;
     saltus_message ignored;
     saltus_status status = saltus_solution_visit(l->orbits, l->from, ahead, l->out, &ignored);
-    /* In the very place the equations may be singular. */
+    /* The equations may be singular at this very point. */
     for (int side = -1; side <= 1 && l->end != 0 && status != SALTUS_OK; side += 2)
         status = saltus_solution_visit(l->orbits, l->from, ahead + side * 1e-5 * l->end, l->out, &ignored);
     if (status == SALTUS_OK && l->test == SALTUS_TEST_PAIR)
@@ -429,8 +428,8 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
     saltus_message ignored;
     saltus_zero zero = {.accuracy = INFINITY};
     saltus_orbits_noted(o, work ? SALTUS_OK : SALTUS_NO_MEMORY);
-    /* Ever closer around the place, as long as that is needed, until rounding, which grows towards it,
-     * outweighs the curvature. */
+    /* Come closer until the result is accurate enough, or rounding, which grows towards the place, outweighs
+     * the curvature. */
     for (int pass = 0; pass < passes && work && (pass < 2 || zero.accuracy > sharp); pass++) {
         if (!saltus_curve_cross(test_at, &l, &from->at, &out->at, middle, apart, true, work, &place, &spread))
             break;

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An orbit further than this from its mirror image is not its own. */
+/* An orbit at least this far from its mirror image is not symmetric. */
 static const double asymmetric = 1e-7;
 
 bool saltus_test_crosses(double a, double c) {
@@ -23,8 +23,8 @@ int saltus_special_insert(saltus_special found, saltus_special *specials, int co
     return count + 1;
 }
 
-/* Whether a step begins at grazing, with an impact of no speed. There the determinants of orbits whose
- * multipliers pass through grazing, as those of planar flows do, are zero to rounding and tell nothing. */
+/* Whether a step begins at grazing, with an impact of zero speed. If multipliers pass through grazing
+ * unchanged, as in planar flows, the determinants there are only rounding. */
 static bool begins_at_grazing(const saltus_solution *from) {
     const double still = 1e-9;
     for (int k = 0; k < from->breach_count; k++)
@@ -33,7 +33,7 @@ static bool begins_at_grazing(const saltus_solution *from) {
     return false;
 }
 
-/* Locate one; insert in order of arclength. */
+/* Locate a special point between `from` and `to` by its test and insert it in order of arclength. */
 static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
                saltus_point_kind kind, saltus_test test, double target, saltus_special *specials, int count,
                saltus_solution *scratch) {
@@ -50,15 +50,15 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
         found.accuracy = zero.accuracy;
         if (!zero.found && kind != SALTUS_POINT_BP && kind != SALTUS_POINT_HB)
             return count;
-        if (!zero.found) /* singular there: interpolated later */
+        if (!zero.found) /* singular: interpolated later */
             found.ahead = to->at.ahead * near / (near - far);
     }
     return saltus_special_insert(found, specials, count);
 }
 
-/* Pairs on the unit circle. Where a multiplier crosses it too, another pair, of real ones, may pass the
- * product 1 in the same step, so that the test has its old sign at the end: it is asked at folds and flips
- * as well. */
+/* Add the pairs on the unit circle. If a single multiplier crosses the circle in the same step, a pair of
+ * real ones may pass the product 1 as well, so that the test has its old sign at the end of the step.
+ * Therefore the test is evaluated at folds and flips too. */
 static int add_pairs(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
                      saltus_special *specials, int count, saltus_solution *scratch) {
     double place[4] = {0}, value[4] = {from->survey.pair};
@@ -90,9 +90,9 @@ static int add_pairs(saltus_orbits *o, const saltus_solution *from, const saltus
     return count;
 }
 
-/* Where an orbit shrinks to an equilibrium the curve goes on through it, to the same orbits half a period
- * later: it ends there. The parameter turns in that place, and the flow's direction, which the other
- * determinants are bordered by, is lost. */
+/* Where an orbit shrinks to an equilibrium the curve goes on, to the same orbits half a period later, so the
+ * branch ends there. Close to that place other zeros are dropped: the parameter turns there, and the flow's
+ * direction, which borders the other determinants, is lost. */
 static int end_at_equilibrium(saltus_special *specials, int count, double reach) {
     const double near = 0.05 * reach;
     int kept = 0;
@@ -137,9 +137,9 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
     return end_at_equilibrium(specials, count, to->at.ahead);
 }
 
-/* The parameter near `*parameter` at which the determinant of an orbit of another branch is zero: where the
- * equations of the orbit at hand are singular that place is not told well by them. Interpolated from both
- * sides, as those of the other branch may be singular in the very place too. */
+/* The parameter near `*parameter` at which a determinant of an orbit of another branch is zero, since the
+ * equations of the present orbit, singular there, locate the place badly. It is interpolated from both sides,
+ * as the equations of the other branch may be singular at the place itself too. */
 static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, const double *state, bool flip,
                            double *parameter, double *accuracy) {
     enum { samples = 6, passes = 2 };
@@ -185,8 +185,8 @@ static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, co
     return found;
 }
 
-/* Whether `at` is where the branch joins that of half the period. So near to it the equations say little
- * about where; a flip of half the period in this very place tells. */
+/* Whether the branch joins that of half the period at `at`. Near there its own equations locate the place
+ * badly, but a flip of the orbit of half the period at the same place tells. */
 static bool joins_half(saltus_orbits *o, const saltus_solution *at, saltus_special *special) {
     const double apart = saltus_solution_half_distance(o, at, false);
     double parameter = at->parameter[0], accuracy;
@@ -207,8 +207,8 @@ static bool joins_half(saltus_orbits *o, const saltus_solution *at, saltus_speci
     return true;
 }
 
-/* Whether `at`, a fold, is where orbits that are not their own mirror images become so: the branch of
- * symmetric orbits, whose determinant tells the place better. */
+/* Whether at `at`, a fold, asymmetric orbits join the branch of orbits that are their own mirror images,
+ * whose determinant locates the place better. */
 static bool joins_image(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
                         saltus_special *special) {
     bool shift;
@@ -230,10 +230,10 @@ static bool joins_image(saltus_orbits *o, const saltus_solution *from, const sal
     return true;
 }
 
-/* Arclength between points that tell how a test changes at its zero. */
+/* Distance in arclength between points that show how a test varies near its zero. */
 static const double apart = 1e-6;
 
-/* A test and the parameter so far ahead of `at`. */
+/* The value of a test, and the parameter, at this distance ahead of `at`. */
 static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
                         saltus_solution *scratch, double *parameter, double *value) {
     saltus_message ignored;
@@ -245,8 +245,8 @@ static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_solutio
     return saltus_orbits_noted(o, status) == SALTUS_OK && isfinite(*value);
 }
 
-/* The parameter where a test is zero by a line through three points around the one so far ahead of `at`, and
- * what points that should be the same scatter by there. */
+/* The parameter where a test is zero, by a line through three points around the one at distance `middle`
+ * ahead of `at`, and the scatter there of points that should lie on the line. */
 static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solution *at, double middle,
                         saltus_solution *scratch, double *parameter, double *scatter) {
     enum { close_points = 4 };
@@ -271,10 +271,11 @@ static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solutio
     return isfinite(*parameter);
 }
 
-/* Two flows, or few points, differ by less than their errors now and then. */
+/* Two flows, or a few points, may by chance differ by less than their errors. */
 static const double cautious = 4;
 
-/* Orbits of a flow of another tolerance, at a solution of the shooting's sequence. Close both in any case. */
+/* Orbits of a flow of another tolerance, at a solution that has the shooting's sequence. Close both in any
+ * case. */
 static saltus_status open_other(const saltus_orbits *o, const saltus_solution *at, saltus_orbits *other,
                                 saltus_solution *there) {
     saltus_message ignored;
@@ -293,7 +294,7 @@ static saltus_status open_other(const saltus_orbits *o, const saltus_solution *a
     size_t size = (size_t)at->at.unknowns * sizeof *at->at.u;
     memcpy(there->at.u, at->at.u, size);
     memcpy(there->at.tangent, at->at.tangent, size);
-    /* Beside a crossing a prediction that is less sharp might lead to the other curve. */
+    /* Beside a crossing a less accurate prediction might lead to the other curve. */
     there->at.bent = at->at.bent;
     if (at->at.bent)
         memcpy(there->at.bend, at->at.bend, 2 * size);
@@ -307,7 +308,7 @@ double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_sol
     saltus_solution there, scratch = {.value = 0};
     double here, beyond, scatter[2], doubt = INFINITY;
     saltus_status status = open_other(o, at, &other, &there);
-    /* On one side where a domain ends. */
+    /* At the end of a domain only one side works. */
     for (int side = 0; side < 3 && isinf(doubt) && status == SALTUS_OK; side++) {
         double middle = (side == 2 ? -1 : side) * apart;
         if (zero_around(o, test, at, middle, &scratch, &here, &scatter[0]) &&
@@ -321,7 +322,7 @@ double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_sol
     return doubt;
 }
 
-/* The same for a crossing of curves near `ahead` from `from`, which was found at a value. */
+/* The same for a crossing of curves near `ahead` of `from`, found at parameter `value`. */
 static double doubt_of_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from, double ahead,
                                 double reach, double value) {
     saltus_orbits other;
@@ -340,8 +341,8 @@ static double doubt_of_crossing(saltus_orbits *o, saltus_test by, const saltus_s
     return doubt;
 }
 
-/* Orbits that forget all perturbations fold and flip nowhere: where an impact of theirs has just been born
- * the tests are zero to rounding. */
+/* Whether all multipliers are zero: such orbits neither fold nor flip, but where one of their impacts was
+ * just born the tests are zero to rounding. */
 static bool forgets_all(const saltus_survey *survey) {
     bool all = survey->walked;
     for (int k = 0; k < survey->multiplier_count; k++)
@@ -349,9 +350,9 @@ static bool forgets_all(const saltus_survey *survey) {
     return all && survey->multiplier_count > 0;
 }
 
-/* Whether an orbit lacks the multiplier, 1 or -1, that its fold, flip or crossing would have. Where an impact
- * has no speed the equations are singular for other reasons; but beside grazing a multiplier changes so fast
- * that at a true flip, known to 13 digits, it need not be near -1. */
+/* Whether an orbit lacks the multiplier 1 or -1 of a fold, flip or crossing: where an impact has zero speed
+ * the equations are singular for other reasons. But next to grazing multipliers change so fast that even at a
+ * true flip, known to 13 digits, the multiplier need not be near -1. */
 static bool lacks_multiplier(const saltus_solution *at, saltus_point_kind kind) {
     const double close = 0.05, wanted = kind == SALTUS_POINT_PD ? -1 : 1;
     const saltus_survey *survey = &at->survey;
@@ -366,7 +367,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
                                    saltus_message *message) {
     saltus_message ignored;
     saltus_zero crossing = {.found = false};
-    const double still = 0.2; /* of the speed on the orbit before */
+    const double still = 0.2; /* relative to the orbit before */
     const double sharp = 1e-7;
     *is_one = false;
     saltus_test by = special->kind == SALTUS_POINT_HB ? SALTUS_TEST_ONWARD : SALTUS_TEST_CROSSING;

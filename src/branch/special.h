@@ -8,46 +8,45 @@
 
 /* A special point between two solutions. */
 typedef struct saltus_special {
-    saltus_point_kind kind; /* REGULAR: a value at which the branch may have come back to its begin */
+    saltus_point_kind kind; /* REGULAR: the branch may have come back to its first orbit */
     saltus_test test;
-    double target; /* of the parameter, where the test is that */
+    double target; /* for the test VALUE */
     double ahead, accuracy;
-    const char *end; /* the branch ends here: why; NULL: it does not */
-    double value;    /* of the parameter; sharper than the solution's where the equations are singular */
-    bool sharp;      /* where they are singular: the place was interpolated between points on both sides */
+    const char *end; /* why the branch ends here; NULL: it does not */
+    double value; /* of the parameter; more accurate than the solution's where the equations are singular */
+    bool sharp;   /* singular equations: the place was interpolated between points on both sides */
 } saltus_special;
 
 /* Whether a test has changed its sign. */
 bool saltus_test_crosses(double before, double after);
-/* One more in the order of arclength; returns how many there are. */
+/* Insert in order of arclength; returns the new count. */
 int saltus_special_insert(saltus_special found, saltus_special *specials, int count);
-/* All places between `from` and `to` where tests change their sign, in order; `scratch` is overwritten. Where
- * `fresh`, at the begin of a branch that was switched to, the determinants are zero to rounding and tell
- * nothing: then only targets are looked out for. `targets`: values of the parameter that are looked out for,
- * `kinds` what they are; `hopf` (NULL: none) is one that saltus_special_hopf has found. `specials` has room
- * for target_count + 7. Returns how many there are. */
+/* Find all places between `from` and `to` where tests change sign, in order of arclength; returns their
+ * number. `fresh`: at the beginning of a branch that was switched to; the determinants are then rounding, and
+ * only targets are searched. `targets`: parameter values to search for, of these `kinds`; `hopf` (may be
+ * NULL): found by saltus_special_hopf. `specials` has room for target_count + 7; `scratch` is overwritten. */
 int saltus_special_find(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                         bool fresh, const saltus_special *hopf, const double *targets,
                         const saltus_point_kind *kinds, int target_count, saltus_special *specials,
                         saltus_solution *scratch);
-/* The place at which orbits of a period of their own seem to shrink to an equilibrium; false: there is none.
- */
+/* The place where cycles seem to shrink to an equilibrium; false: there is none. */
 bool saltus_special_hopf(saltus_orbits *orbits, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch);
-/* What is at such a place: `at` becomes the orbit there, surveyed, and kind, value, accuracy and end are set.
- * False: it is no special point after all. `reach`: length of the step from `from`. Errors: SALTUS_NO_MEMORY.
- */
+/* Judge such a place: `at` becomes the orbit there, surveyed, and kind, value, accuracy and end are set;
+ * *is_one: whether it is a special point after all. `reach`: length of the step from `from`. Errors:
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_special_visit(saltus_orbits *orbits, const saltus_solution *from, double reach,
                                    saltus_special *special, saltus_solution *at, bool *is_one,
                                    saltus_message *message);
 
-/* How far the parameter of a special point may be off, beside the width of the bracket that it was found in:
- * by rounding, and by what a flow of another tolerance makes of curve and test there. `at`: of the shooting's
- * sequence, near the zero of the test. INFINITY where that flow finds no such point. */
+/* The possible error of a special point's parameter, besides the width of its bracket: from rounding, and
+ * from the difference to a flow of another tolerance. `at`: has the shooting's sequence and is near the zero
+ * of the test. INFINITY if that flow finds no such point. */
 double saltus_special_doubt(saltus_orbits *orbits, saltus_test test, const saltus_solution *at);
 
-/* Whether a step has led to orbits that close, or are their own mirror images, after half of the period, from
- * orbits that do not: the branch meets theirs, and the step was too long to see it turn back there. */
+/* Whether a step has led from orbits that do not close after half the period (or are not their own mirror
+ * images then) to orbits that do: the step was too long to see that the branch meets theirs and turns back
+ * there. */
 bool saltus_special_strays(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next);
 
 /* Where a branch begins. */
@@ -55,40 +54,40 @@ typedef struct saltus_branch_start {
     saltus_sequence sequence;
     double parameter;
     double *state;   /* at the base */
-    double *tangent; /* NULL: the null vector of the equations, heading where `heading` says */
+    double *tangent; /* NULL: the null vector of the equations, with the sign of `heading` */
     int unknowns;
     int heading, parent, depth;
-    bool grazes;              /* an impact without speed: the flow decides which way the branch goes */
-    saltus_point_kind origin; /* the kind of point it was switched to at; REGULAR: none */
+    bool grazes;              /* an impact has zero speed: the flow decides the direction */
+    saltus_point_kind origin; /* kind of the point where it branches off; REGULAR: none */
 } saltus_branch_start;
 
-/* Those that no branch has begun at yet, in order. */
+/* Starts that are still to be followed, in order. */
 typedef struct saltus_starts {
     saltus_branch_start *start;
     int count;
-    int begun; /* taken out before, or passed over: the number of the next branch */
+    int begun; /* starts taken or passed over so far: the number of the next branch */
 } saltus_starts;
 
-/* Keep a copy. Errors: SALTUS_NO_MEMORY. */
+/* Append a copy. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
                                 saltus_message *message);
-/* The same for both ways along a branch, or, where `direction` is not 0, for one: with that heading, or with
- * the tangent as it is (1) or turned round (-1). */
+/* Append both directions along a branch or, if `direction` is not 0, one: with that heading, or with the
+ * tangent as it is (1) or reversed (-1). The tangent is left reversed. */
 saltus_status saltus_starts_add_ways(saltus_starts *starts, int n, saltus_branch_start *start, int direction,
                                      saltus_message *message);
-/* Take out the first of them; the caller's, to be cleared. */
+/* Take out the first start; the caller clears it. */
 saltus_branch_start saltus_starts_take(saltus_starts *starts);
 void saltus_start_clear(saltus_branch_start *start);
 void saltus_starts_clear(saltus_starts *starts);
 
-/* The branches that leave at a flip or branch point `at` are added. `like` has what is common to the starts.
- * Errors: SALTUS_NO_MEMORY, those of the equations, where the branches cannot be had. */
+/* Add the branches that leave at a flip or branch point `at`; `like` has what the starts have in common.
+ * Errors: SALTUS_NO_MEMORY, those of the equations, if the branches cannot be found. */
 saltus_status saltus_starts_leave(saltus_orbits *orbits, const saltus_solution *at, saltus_point_kind kind,
                                   const saltus_branch_start *like, saltus_starts *starts,
                                   saltus_message *message);
-/* The branch of twice the period at grazing, whose orbits have the impact in one half only: `beyond` is the
- * sequence on the other side of `at`. None where more than one impact is born or dies. Errors:
- * SALTUS_NO_MEMORY. */
+/* Add the branch of twice the period that leaves at grazing, whose orbits have the impact in one half only;
+ * `beyond`: the sequence on the other side of `at`. None is added where more than one impact is born or dies.
+ * Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_starts_graze(saltus_orbits *orbits, const saltus_solution *at,
                                   const saltus_sequence *beyond, const saltus_branch_start *like,
                                   saltus_starts *starts, saltus_message *message);

@@ -62,8 +62,9 @@ void saltus_starts_clear(saltus_starts *starts) {
     *starts = (saltus_starts){.count = 0};
 }
 
-/* In the null plane, the unit vector that leaves the old branch: at flips and pitchforks the one along which
- * the parameter does not change, which is the new branch's tangent; otherwise that across the old tangent. */
+/* The unit vector in the null plane along which the new branch leaves. At flips and pitchforks it has no
+ * component in the parameter and is the tangent of the new branch; otherwise it is orthogonal to the old
+ * tangent. */
 static void leaving(const double *plane, const double *old, int m, bool pitchfork, double *out) {
     const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, old, m);
     const double c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, old, m);
@@ -112,7 +113,7 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     start.unknowns = saltus_sequence_unknowns(&start.sequence, o->n) + 1;
     start.origin = kind;
     leaving(plane, old, start.unknowns, pitchfork, tangent);
-    /* At pitchforks and flips the other half of the branch is the image of this one. */
+    /* At pitchforks and flips the other half of the branch is the image of this half. */
     return saltus_starts_add_ways(starts, o->n, &start, pitchfork, message);
 }
 

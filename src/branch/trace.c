@@ -1,4 +1,4 @@
-/* Branches of periodic orbits: what is given out of them.
+/* Branches of periodic orbits: the points that they give out.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/trace.h"
 
@@ -51,8 +51,8 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
         point->impacts = before->impacts;
         point->sticking_intervals = before->sticking_intervals;
     }
-    /* Orbits of a period of their own go on where they lose or gain a return to their section, a maximum,
-     * say: the first point behind says so, and since which value. */
+    /* Without forcing, an orbit may lose or gain a return to its section, such as a maximum, without any
+     * change of the branch: the first point behind says so, and since which parameter value. */
     if (s->sequence.omega > 0 && s->survey.walked && returns >= 0) {
         if (t->returns >= 0 && returns != t->returns && !(what.reason && what.reason[0]) && !what.addition) {
             tell_returns(t, returns, t->returns, t->counted, reason);
@@ -74,7 +74,7 @@ saltus_status saltus_trace_end(saltus_trace *t, const saltus_solution *s, double
         message);
 }
 
-/* The returns of `trial`, as far along the step as that; -1 where it cannot be had. */
+/* Visit `trial` at this distance along the step and return its number of returns; -1 where there is none. */
 static int returns_at(saltus_trace *t, double ahead) {
     saltus_lap lap = {0};
     saltus_message ignored;
@@ -86,9 +86,9 @@ static int returns_at(saltus_trace *t, double ahead) {
     return returns;
 }
 
-/* The returns, `before` on `here`, have become others on `next`, the last point given out: a point is put
- * before it wherever one comes or goes, where the section's function has an extremum of zero. By the side on
- * which the orbit meets it, as the isolation of zeros is sharp to rounding. */
+/* The number of returns has changed from `before` at `here` to another one at `next`, the last point given
+ * out. Insert a point before it wherever a return appears or vanishes: there the section's function has an
+ * extremum of value zero. Bisection on the number is enough, since the flow isolates zeros to rounding. */
 static saltus_status locate_returns(saltus_trace *t, int before, saltus_message *message) {
     enum { halvings = 60 };
     const double sharp = 1e-13;
@@ -107,7 +107,7 @@ static saltus_status locate_returns(saltus_trace *t, int before, saltus_message 
             *(found == count ? &low : &high) = middle;
             beyond = found == count ? beyond : found;
         }
-        /* At its begin the step may have led over another change, which has been told. */
+        /* Near its start the step may have passed another change, which has been reported already. */
         if (beyond < 0 || high < 1e-9 || returns_at(t, high) != beyond)
             break;
         const double error = t->orbits.options.flow.rtol + fabs(saltus_solution_heading(t->trial)) * sharp;

@@ -40,7 +40,7 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
     return status;
 }
 
-/* Where no branch can be begun at a start that was switched to, one point says why. */
+/* If no branch can begin at a start that was switched to, give out one point that says why. */
 static saltus_status give_up(saltus_trace *t, const saltus_branch_start *start, const char *why,
                              saltus_message *message) {
     saltus_message ignored;
@@ -62,9 +62,9 @@ static bool is_small(const saltus_branch_start *start) {
     return start->origin == SALTUS_POINT_HB || start->origin == SALTUS_POINT_BE;
 }
 
-/* `here` becomes the orbit that a branch begins at: near an equilibrium a small cycle. The first orbit of all
- * is cut into more and more segments where Newton's method fails: between prescribed impacts rounding may
- * grow far more than along the motion, on which impacts come earlier or later. */
+/* `here` becomes the first orbit of a branch; at an equilibrium that is a small cycle. For the first branch
+ * of a run, the orbit is cut into more and more segments while Newton's method fails: between prescribed
+ * impacts rounding may grow far more than along the motion, on which impacts come earlier or later. */
 static saltus_status place_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *why) {
     static const double apart[2][4] = {{1e-3, 1e-4, 1e-2, 1e-5}, {1e-2, 3e-3, 3e-2, 1e-3}};
     saltus_orbits *o = &t->orbits;
@@ -89,8 +89,8 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     return status;
 }
 
-/* The first point of a branch: regular, with what was asked for at its value. Its section points are kept,
- * for where the branch may come back to it. */
+/* Give out the first point of a branch as a regular point, and again as UZ if it lies at a requested value.
+ * Keep its section points, to notice when the branch comes back to it. */
 static saltus_status give_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     const saltus_branch_options *options = t->trail->options;

@@ -1,9 +1,9 @@
 /* Continuation of periodic orbits.
  *
- * Pseudo-arclength steps (curve.h) on the equations of a prescribed sequence of events (solution.h). Between
- * two points the tests are compared; every zero is located and given out in its place (special.h). A breach,
- * an impact of no speed, a free maximum on a stop, a contact force of zero, ends the sequence: the branch
- * goes on with another one (change.h). The event-driven flow has the last word on every point.
+ * Pseudo-arclength steps (curve.h) on the equations of a prescribed sequence of events (solution.h). Test
+ * functions are compared at both ends of a step; each zero is located and given out (special.h). A breach (an
+ * impact of zero speed, a free maximum on a stop, a contact force of zero) ends the sequence: the branch
+ * continues with another one (change.h). The event-driven flow has the last word on every point.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/boundary.h"
 #include "branch/ending.h"
@@ -14,14 +14,14 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A solution on a border of the range, which the rounding of its unknown may miss. */
+/* End the branch at a solution on a border of the range, with the exact value of the border. */
 static saltus_status end_at_border(saltus_trace *t, saltus_solution *s, double ahead,
                                    saltus_message *message) {
     s->value = s->parameter[0] == t->range[1] ? t->trail->options->high[0] : t->trail->options->low[0];
     return saltus_trace_end(t, s, ahead, saltus_range_ends, message);
 }
 
-/* A start that a branch has come to from its other end is not begun at: the branch is done. */
+/* The branch has ended at the last point: drop the starts there, since they lead back along this branch. */
 static void drop_starts(saltus_trace *t) {
     const saltus_branch_point *point = saltus_trail_last(t->trail);
     int kept = 0;
@@ -38,7 +38,7 @@ static void drop_starts(saltus_trace *t) {
     t->starts->count = kept;
 }
 
-/* Branches that leave at `at` are kept for later. */
+/* Keep the branches that leave at `at` for later. */
 static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
                                 const saltus_sequence *beyond, saltus_message *message) {
     saltus_trail *trail = t->trail;
@@ -57,14 +57,14 @@ static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, salt
     return SALTUS_OK;
 }
 
-/* A locus begins at `at`: no more is wanted of this branch. */
+/* The requested locus begins at `at`; no more of this branch is needed. */
 static saltus_status find(saltus_trace *t, const saltus_solution *at) {
     t->found = at;
     t->trail->following = false;
     return SALTUS_OK;
 }
 
-/* At a value that the branch may have come back to its first orbit at: it ends where it has. */
+/* At the parameter value of the branch's first orbit: if `s` is that orbit, the branch is closed and ends. */
 static saltus_status give_return(saltus_trace *t, const saltus_solution *s, saltus_notice what,
                                  saltus_message *message) {
     const saltus_lap *first = &t->first;
@@ -82,7 +82,7 @@ static saltus_status give_return(saltus_trace *t, const saltus_solution *s, salt
     saltus_lap_close(&lap);
     if (!back)
         return SALTUS_OK;
-    /* The other way from the same start leads around the same branch. */
+    /* The other direction from the same start leads around the same branch. */
     if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading) {
         saltus_branch_start other = saltus_starts_take(t->starts);
         saltus_start_clear(&other);
@@ -92,8 +92,8 @@ static saltus_status give_return(saltus_trace *t, const saltus_solution *s, salt
     return saltus_trace_give(t, s, what, message);
 }
 
-/* At a pitchfork the parameter turns back in the very place where the other branch crosses: of a fold and a
- * branch point that cannot be told apart only the branch point is given. */
+/* At a pitchfork the parameter turns back exactly where the other branch crosses. Of a fold and a branch
+ * point that cannot be told apart only the branch point is given out. */
 static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *special) {
     return ((last->kind == SALTUS_POINT_LP && special->kind == SALTUS_POINT_BP) ||
             (last->kind == SALTUS_POINT_BP && special->kind == SALTUS_POINT_LP)) &&
@@ -101,7 +101,7 @@ static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *
            fabs(last->value[0] - special->value) <= last->accuracy + special->accuracy;
 }
 
-/* An end that may be another branch's, too: as what it is, and as the end. */
+/* An end that another branch may share: give it out as the special point that it is, and then as the end. */
 static saltus_status give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_notice what,
                                      saltus_message *message) {
     char reason[SALTUS_REASON_MAX];
@@ -117,9 +117,9 @@ static saltus_status give_shared_end(saltus_trace *t, const saltus_solution *at,
     return status == SALTUS_OK ? saltus_trace_give(t, at, what, message) : status;
 }
 
-/* `trial` becomes the orbit at a special point of the step from `here` to `next`, if it is one. At the end of
- * cycles which shrink to an equilibrium it is the Hopf point; where that is not found, no more is said than
- * that they do. */
+/* `trial` becomes the orbit at a special point of the step from `here` to `next`; *is_one: whether it is one.
+ * Where cycles shrink to an equilibrium it is the Hopf point; if that was not found, the end says only that
+ * they shrink. */
 static saltus_status visit_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
                                    bool *is_one, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
@@ -139,7 +139,7 @@ static saltus_status visit_special(saltus_trace *t, const saltus_hopf_ahead *hop
                                           : status;
 }
 
-/* One special point of the step from `here` to `next`. */
+/* Give out one special point of the step from `here` to `next`. */
 static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
                                   saltus_message *message) {
     bool is_one;
@@ -170,7 +170,7 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
     return status;
 }
 
-/* All special points of the step from `here` to `next`, in order. */
+/* Give out all special points of the step from `here` to `next`, in order. */
 static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_message *message) {
     const saltus_branch_options *options = t->trail->options;
     saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 9];
@@ -194,7 +194,7 @@ static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hop
     return status;
 }
 
-/* A change of events at a value, so far ahead. */
+/* The notice of a change of events, at this distance and parameter value. */
 static saltus_notice notice_of(const saltus_change *change, double ahead, double value) {
     return (saltus_notice){.kind = change->kind,
                            .ahead = ahead,
@@ -205,7 +205,8 @@ static saltus_notice notice_of(const saltus_change *change, double ahead, double
                            .change = true};
 }
 
-/* The change at `trial` is given out, if it is one, and `spare`, so far along the branch, becomes `here`. */
+/* Give out the change at `trial`, unless it is REGULAR; `spare`, this far along the branch, becomes
+ * `here`. */
 static saltus_status go_over(saltus_trace *t, saltus_notice what, double distance, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     if (what.kind != SALTUS_POINT_REGULAR)
@@ -220,8 +221,8 @@ static saltus_status go_over(saltus_trace *t, saltus_notice what, double distanc
     return status;
 }
 
-/* Where births accumulate the branch goes on beyond them, with complete chatter, if that is found:
- * *completes; `far` as there. */
+/* Where births of impacts accumulate, continue the branch beyond them with complete chatter; *completes:
+ * whether such orbits were found; `far` as for saltus_change_complete. */
 static saltus_status complete_run(saltus_trace *t, bool far, bool *completes, saltus_message *message) {
     saltus_change change;
     double limit, rest;
@@ -234,7 +235,7 @@ static saltus_status complete_run(saltus_trace *t, bool far, bool *completes, sa
     return go_over(t, notice_of(&change, 0, 0), change.distance, message);
 }
 
-/* Over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
+/* Leap over a change of events that only the event-driven flow sees, somewhere before `ahead`. */
 static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const char *why,
                           saltus_message *message) {
     saltus_change change;
@@ -246,8 +247,8 @@ static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const
         if (pass || status != SALTUS_OK || change.kind != SALTUS_POINT_EP ||
             t->births.count < saltus_births_length)
             break;
-        /* The last births before chatter completes may lie beyond rounding; tried in vain, that has
-         * overwritten what was found. */
+        /* Rounding may hide the last births before chatter completes. If this fails the leap is repeated,
+         * since the attempt has overwritten its result. */
         status = complete_run(t, true, &completes, message);
         if (status != SALTUS_OK || completes)
             return status;
@@ -264,8 +265,7 @@ static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const
     return go_over(t, what, t->trial->at.ahead + change.distance, message);
 }
 
-/* Whether an orbit grazes at the end of a run of impacts that have hardly any speed: chatter all but
- * completes. */
+/* Whether an orbit grazes at the end of a run of impacts with hardly any speed: chatter almost completes. */
 static bool ends_run(const saltus_solution *s) {
     const double slow = 1e-8, near = 1e-3;
     for (int k = 0; k < s->breach_count; k++) {
@@ -277,7 +277,7 @@ static bool ends_run(const saltus_solution *s) {
     return false;
 }
 
-/* Beyond grazing at `next`, to a point a little further on. */
+/* Continue beyond grazing at `next`, to a point a little further on. */
 static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     saltus_solution *at = t->next;
@@ -293,7 +293,7 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
     saltus_status status = saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change, message);
     if (status != SALTUS_OK)
         return status;
-    /* Further impacts are beyond rounding: on to where chatter is complete. */
+    /* Rounding hides further impacts: leap to where chatter is complete. */
     if (change.kind == SALTUS_POINT_EP && !joins && (!change.reason || ends_run(at))) {
         status = saltus_shooting_shape(o->shooting, &t->here->sequence, message);
         return status == SALTUS_OK ? leap(t, 2 * at->at.ahead, SALTUS_LEAP_RUN,
@@ -337,8 +337,9 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                : status;
 }
 
-/* Contacts that begin or end where the sequence is left to the flow are located; of the many impacts in the
- * tail of a long run, which come and go all the time, only the number is told. */
+/* Accept a step without breach. Changes of contacts in the part of the sequence that is left to the flow are
+ * located; of the many impacts in the tail of a long run, which come and go all the time, only the number is
+ * given. */
 static saltus_status settle(saltus_trace *t, saltus_message *message) {
     const saltus_survey *before = &t->here->survey, *after = &t->next->survey;
     bool known = before->label[0], same = !known || strcmp(before->label, after->label) == 0;
@@ -364,8 +365,8 @@ static saltus_status settle(saltus_trace *t, saltus_message *message) {
                                same ? NULL : "impacts in the tail of a long run come or go", message);
 }
 
-/* The length of a step at whose end an orbit breaches, though `next` does not, as on a border of the range on
- * which an impact rebounds no more; 0: none is found, ever closer to `next`. */
+/* The length of a shorter step that ends on an orbit with a breach although `next` has none, as on a border
+ * of the range where impacts do not rebound; found by approaching `next`. 0: there is none. */
 static double hidden_breach(saltus_trace *t) {
     enum { halvings = 10 };
     double rest = t->next->at.ahead;
@@ -380,8 +381,8 @@ static double hidden_breach(saltus_trace *t) {
     return 0;
 }
 
-/* Where along a branch of cycles the period changes and the parameter stands still, as at a homoclinic orbit,
- * or where the branch is lost so: *ended, and the branch ends at `at`. */
+/* If the period changes along a branch of cycles while the parameter stands still, as at a homoclinic orbit,
+ * or the branch was lost in such a place, end it at `at`; *ended tells. */
 static saltus_status end_at_saddle(saltus_trace *t, const saltus_solution *at, double ahead, bool lost,
                                    bool *ended, saltus_message *message) {
     char reason[SALTUS_REASON_MAX];
@@ -389,11 +390,11 @@ static saltus_status end_at_saddle(saltus_trace *t, const saltus_solution *at, d
     return status == SALTUS_OK && *ended ? saltus_trace_end(t, at, ahead, reason, message) : status;
 }
 
-/* Whether the branch ends on the step to `next`: where cycles with impacts shrink to an equilibrium that
- * touches a stop, two equilibria are born on the cycles, or the parameter does not change any more, in a
- * family or near a saddle. */
+/* End the branch on the step to `next`, and set *ended, where cycles with impacts shrink to an equilibrium on
+ * a stop, where two equilibria are born on the cycles, or where the parameter stands still, in a family of
+ * orbits or near a saddle. */
 static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *message) {
-    const double still = 1e-10; /* but for rounding */
+    const double still = 1e-10; /* only rounding is left */
     saltus_orbits *o = &t->orbits;
     saltus_solution *next = t->next;
     char reason[SALTUS_REASON_MAX];
@@ -430,8 +431,7 @@ static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *mess
                   : end_at_saddle(t, next, next->at.ahead, false, ended, message);
 }
 
-/* Where all impacts of a cycle lose their speed at once the branch goes on with the cycle without impacts:
- * *done. */
+/* If all impacts of a cycle lose their speed at once, continue with the cycle without impacts: *done. */
 static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     saltus_zero zero = saltus_cycle_touches(o, t->here, t->range, t->trial, t->spare, t->other);
@@ -454,8 +454,8 @@ static saltus_status fade(saltus_trace *t, bool *done, saltus_message *message) 
     return status == SALTUS_OK ? go_over(t, what, what.ahead + zero.ahead, message) : status;
 }
 
-/* Whether the step to `next` was too long to see what it has led over: *again, and it will be shorter. Where
- * it cannot be shorter the branch may end. `hopf` becomes what is ahead, with its orbit as `other`. */
+/* *again: the step to `next` was too long to see what it passed, and is repeated with a shorter one. If it
+ * cannot be shorter the branch may end. `hopf` becomes the Hopf point ahead, with its orbit as `other`. */
 static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *again,
                                saltus_message *message) {
     const double least = 1e-5;
@@ -471,7 +471,7 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
                                       message);
         *again = shorter && misses;
     }
-    /* A touch in the very place where the orbit is cut open would not be seen. */
+    /* A touch exactly where the orbit is cut open would not be seen. */
     const bool hides = !*again && shorter && saltus_solution_base_beyond(o, t->next);
     if (status != SALTUS_OK || !(*again || hides))
         return status;
@@ -484,8 +484,8 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
     return status;
 }
 
-/* `next` becomes the place where an orbit of the step first breaches, if that is found; *reached as
- * saltus_curve_step has it. At grazing itself the flow meets the impact or not by chance: the survey is that
+/* `next` becomes the first orbit of the step with a breach of zero, if it is found; *reached as in
+ * saltus_curve_step. At grazing itself it is chance whether the flow meets the impact, so the survey is that
  * of an orbit just before. */
 static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *reached,
                                    saltus_message *message) {
@@ -510,9 +510,9 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
     return status;
 }
 
-/* Where no step could be made, for a reason: from an orbit cut into more segments if Newton's method was left
- * with a residual that rounding may be to blame for, or the branch ends here or beyond a change that the step
- * would have led over. */
+/* No step could be made, for this reason. If Newton's method was left with a residual that may be rounding,
+ * go on from the same orbit in more segments; otherwise the branch ends here or leaps over a change of
+ * events. */
 static saltus_status go_on_lost(saltus_trace *t, saltus_status reason, const char *why,
                                 saltus_message *message) {
     saltus_trail *trail = t->trail;
@@ -527,14 +527,15 @@ static saltus_status go_on_lost(saltus_trace *t, saltus_status reason, const cha
     return ended || status != SALTUS_OK ? status : leap(t, 2 * trail->step, SALTUS_LEAP_LOST, why, message);
 }
 
-/* The longest step from a solution. The states at all cuts of a cycle count: lengths are those of their mean.
- */
+/* The longest step from a solution. For a cycle the states at all cuts count in the arclength; scale the step
+ * so that it is the length of their mean. */
 static double longest_step(const saltus_trace *t, const saltus_solution *s) {
     return (s->sequence.omega > 0 ? sqrt(s->sequence.cuts) : 1) * t->trail->options->step_max;
 }
 
-/* A step along the curve, to `next`. Where steps are as long as they may be Newton's effort makes them no
- * longer, and may be saved; most of these points are regular and will be surveyed. */
+/* A step along the curve, to `next`. Newton's effort sets the next step's length; at the greatest length
+ * Jacobians are saved instead. Most such points are regular and will be surveyed, so their cocycle is
+ * collected on the way. */
 static saltus_status step_ahead(saltus_trace *t, const saltus_curve_bound *bound, int *reached,
                                 saltus_message *message) {
     saltus_orbits *o = &t->orbits;

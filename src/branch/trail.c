@@ -1,4 +1,4 @@
-/* What a run gives out.
+/* The points that a run gives out.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/trail.h"
 
@@ -11,12 +11,12 @@
 
 const char saltus_range_ends[] = "end of the parameter's range";
 
-/* A special point that has been given out. */
+/* A special point that was given out. */
 typedef struct saltus_visited {
     saltus_point_kind kind;
     int branch, periods;
     char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
-    double value, period;            /* 0: none */
+    double value, period;            /* period 0: none */
     double *state;
 } visited;
 
@@ -71,17 +71,17 @@ saltus_branch_point *saltus_trail_place(saltus_trail *t, saltus_message *message
     return &t->queue[t->count];
 }
 
-/* Whether a special point was given out before: the branch of it, -1 for none. Points of branches that cross
- * or begin at one another are not alike: they differ in kind or in period. Where impacts die one after the
- * other points lie close together without being the same; they differ in the number of impacts. Folds of
- * cycles near a homoclinic orbit differ in nothing but their period. */
+/* The branch on which a special point was given out before; -1: none. Points of branches that cross, or begin
+ * at one another, differ in kind or period. Where impacts die one after the other, points lie close together
+ * without being the same; they differ in the number of impacts. Folds of cycles near a homoclinic orbit
+ * differ only in their period. */
 static int find_visited(const saltus_trail *t, const saltus_system *system,
                         const saltus_branch_point *point) {
     const double unit = t->options->high[0] - t->options->low[0];
     const char *at = point->label, *after = point->label_after;
     for (int k = 0; k < t->visited_count; k++) {
         const visited *v = &t->visited[k];
-        /* Where both change between the same motions, in either direction. */
+        /* At both, the same two motions meet, in either order. */
         const bool same = (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
                           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
         const double close_value = same ? 1e-7 : 1e-11, close_state = same ? 1e-5 : 1e-7;
@@ -117,8 +117,9 @@ static saltus_status remember(saltus_trail *t, const saltus_branch_point *point,
     return SALTUS_OK;
 }
 
-/* Sets of kinds: where a multiplier is on the unit circle but for rounding, or an eigenvalue on the imaginary
- * axis; and where a branch of orbits, or of equilibria, ends at a point at which one has been. */
+/* Sets of kinds. At `marginal` points a multiplier is on the unit circle to rounding, or an eigenvalue on the
+ * imaginary axis. Branches of orbits, or of equilibria, end at such points of the other sets that were
+ * visited. */
 static const unsigned marginal = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_BP |
                                  1u << SALTUS_POINT_NS | 1u << SALTUS_POINT_HB,
                       orbits_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
@@ -138,7 +139,7 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, co
     point->arclength = t->arclength + what->ahead;
     point->value[0] = what->value != 0 ? what->value : point->value[0];
     point->accuracy = what->accuracy + DBL_EPSILON * fabs(point->value[0]);
-    /* Only the event-driven flow tells these, to its tolerance. */
+    /* These are known only from the event-driven flow, to its tolerance. */
     if (what->kind == SALTUS_POINT_CH || what->kind == SALTUS_POINT_ST)
         point->accuracy += o->orbit.flow.rtol * (o->high[0] - o->low[0]);
     snprintf(point->label_after, sizeof point->label_after, "%s", what->after ? what->after : "");
@@ -199,7 +200,7 @@ bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
 }
 
 void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
-    enum { numbers_min = 7 }; /* of a visited point */
+    enum { numbers_min = 7 }; /* per visited point */
     t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
     for (int k = 0; k < t->visited_count; k++) {
         visited *v = &t->visited[k];

@@ -1,5 +1,5 @@
-/* Private: what a run gives out: the points of the branch under way, in their order, each once it is known
- * what it is, and where its branches have been.
+/* Private: the points that a run gives out, in order, each once its kind is known, and the special points
+ * that its branches have visited.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_TRAIL_H
 #define SALTUS_BRANCH_TRAIL_H
@@ -11,57 +11,56 @@ extern const char saltus_range_ends[]; /* a reason for a branch to end */
 typedef struct saltus_trail {
     const saltus_branch_options *options;
     int number, parent, depth; /* of the branch under way */
-    int regular;               /* its points but for special ones */
-    int made;                  /* all of them */
-    double arclength, shown;   /* where it is; where the last regular point was */
+    int regular;               /* of them, the regular ones */
+    int made;                  /* points of this branch */
+    double arclength, shown;   /* present position; that of the last regular point */
     double step;
     bool fresh;     /* no step made since the branch was switched to */
-    bool following; /* it has not ended */
+    bool following; /* the branch has not ended */
     struct saltus_visited *visited;
     int visited_count;
     saltus_branch_point *queue; /* made but not yet given out */
     int count, next, room;
 } saltus_trail;
 
-/* What is to be said of a point beside what its solution tells. */
+/* What a point says beyond what its solution tells. */
 typedef struct saltus_notice {
     saltus_point_kind kind;
     double ahead, accuracy;
-    const char *reason, *addition; /* two parts; NULL: nothing */
+    const char *reason, *addition; /* its two parts; NULL: none */
     const char *after;             /* label beyond; NULL: none */
     double value;                  /* 0: the solution's */
-    bool change;                   /* of an orbit's events: label and counts are those of the point before */
-    const saltus_breach *grazing;  /* an orbit's touch at grazing; NULL: none is known */
+    bool change;                   /* a change of events: label and counts are those of the orbit before it */
+    const saltus_breach *grazing;  /* the touch at grazing; NULL: not known */
 } saltus_notice;
 
 void saltus_trail_clear(saltus_trail *trail);
-/* Points that were not given out are not wanted. */
+/* Discard the points that were not taken yet. */
 void saltus_trail_drop(saltus_trail *trail);
-/* Another branch. */
+/* Begin another branch. */
 void saltus_trail_begin(saltus_trail *trail, int number, int parent, int depth, bool fresh);
-/* Whether branches that leave the one under way are followed, too, and what they have in common. */
+/* Whether branches that leave the current one are followed too; and what their starts have in common. */
 bool saltus_trail_switches(const saltus_trail *trail);
 saltus_branch_start saltus_trail_leaving(const saltus_trail *trail);
-/* Where the next point is made; NULL without memory. */
+/* Room for the next point; NULL without memory. */
 saltus_branch_point *saltus_trail_place(saltus_trail *trail, saltus_message *message);
-/* The point made there, of a system, is to be given out. A branch ends with its point of kind EP; where it
- * has been at a special point before, and where there are enough points, it ends too. Errors:
- * SALTUS_NO_MEMORY. */
+/* Queue the point made there. A branch ends with a point of kind EP; it also ends if it comes to a special
+ * point that was visited before, and when it has enough points. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_trail_give(saltus_trail *trail, const saltus_system *system, const saltus_notice *what,
                                 saltus_message *message);
-/* Whether a point so far ahead is to be a regular one: it is far enough from the last. */
+/* Whether a point this far ahead is far enough from the last regular one to be given out as one. */
 bool saltus_trail_wants(const saltus_trail *trail, double ahead);
-/* It has been given out. */
+/* That point was given out. */
 void saltus_trail_shown(saltus_trail *trail, double ahead);
-/* The branch goes on so far ahead, beyond a corner: steps are short again. */
+/* The branch goes on this far ahead, beyond a corner, with short steps at first. */
 void saltus_trail_jump(saltus_trail *trail, double ahead);
-/* The last point made; NULL: all have been given out. */
+/* The last point in the queue; NULL: it is empty. */
 saltus_branch_point *saltus_trail_last(saltus_trail *trail);
-/* It is taken back. */
+/* Remove it. */
 void saltus_trail_drop_last(saltus_trail *trail);
-/* False: all points made have been given out. The point is the caller's, to be cleared. */
+/* Take the next point out of the queue; the caller clears it. False: the queue is empty. */
 bool saltus_trail_take(saltus_trail *trail, saltus_branch_point *point);
-/* With all points given out: the branch under way and the special points that there were. */
+/* The current branch and the special points visited; only when the queue is empty. */
 void saltus_trail_archive(saltus_trail *trail, saltus_archive *archive);
 
 #endif
