@@ -1,4 +1,4 @@
-/* What a run goes on from, as numbers.
+/* The state from which a run can go on, as numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/archive.h"
 
@@ -67,7 +67,7 @@ void saltus_archive_label(saltus_archive *a, char label[SALTUS_LABEL_MAX]) {
     label[length] = 0;
 }
 
-/* Memory that reading needs; false without it. */
+/* Check memory that reading has allocated; false without it. */
 static bool found(saltus_archive *a, const void *memory) {
     a->starved = a->starved || !memory;
     a->sound = a->sound && memory;
@@ -107,12 +107,12 @@ static int face_number(saltus_archive *a, int face) {
     return (int)saltus_archive_whole(a, face, 0, a->faces > 0 ? a->faces - 1 : 0);
 }
 
-/* Bits of faces. */
+/* A set of faces, as bits. */
 static unsigned faces_held(saltus_archive *a, unsigned contacts) {
     return (unsigned)saltus_archive_whole(a, contacts, 0, (1LL << a->faces) - 1);
 }
 
-/* A time on an orbit, which marks are carried past the end of by a little at most. */
+/* A time on an orbit; those of marks may lie slightly beyond its end. */
 static void orbit_time(saltus_archive *a, const saltus_sequence *s, double *time) {
     saltus_archive_finite(a, time, 1);
     a->sound = a->sound && (!a->reading || (*time >= -1 && *time <= 2.0 * s->periods + 1));
@@ -299,7 +299,7 @@ void saltus_archive_known(saltus_archive *a, saltus_orbits *o) {
 }
 
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
-    enum { numbers_min = 12 }; /* of a start */
+    enum { numbers_min = 12 }; /* per start */
     if (a->reading)
         saltus_starts_clear(starts);
     starts->begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);

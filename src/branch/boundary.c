@@ -1,11 +1,11 @@
 /* Cycles that are born where an equilibrium meets a stop.
  *
- * Near there the flow is that of its Jacobian A around the equilibrium, and the impact keeps the place and
- * takes velocities by a matrix R, so that cycles grow with the distance of the equilibrium from the stop
- * (di Bernardo, Nordmark & Olivar, Physica D 237 (2008) 119-136). One with an impact every time T comes back
- * to its state y before the impact, counted from the equilibrium: exp(A T) R y = y. The T for which there is
- * such a y are zeros of a determinant; the sign with which y closes the gap tells the side on which it
- * stands, and the flight in between whether it is one.
+ * Near there the flow is that of its Jacobian A around the equilibrium, and the impact keeps displacements
+ * and maps velocities by a matrix R, so that cycles grow with the distance of the equilibrium from the stop
+ * (di Bernardo, Nordmark & Olivar, Physica D 237 (2008) 119-136). A cycle with one impact in every period T
+ * returns to its state y before the impact, relative to the equilibrium: exp(A T) R y = y. Such a y exists
+ * where a determinant is zero. The sign with which y closes the gap tells on which side of the stop the
+ * equilibrium lies; the flight in between shows whether y is a cycle.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/boundary.h"
 
@@ -20,7 +20,7 @@ typedef struct bounce {
     int n;
     double *linear, *impact, *step, *flow, *matrix; /* n x n: A, R, exp(A h), exp(A T), exp(A T) R - 1 */
     double *room, *row, *state;                     /* 2 n x n; normal of the face; 2 n */
-    double h, end; /* between times that are looked at, and the last of them */
+    double h, end; /* step between the periods T that are tried, and the last of them */
     saltus_dense_lu lu;
 } bounce;
 
@@ -33,7 +33,7 @@ static void multiply(int rows, int inner, int columns, const double *a, const do
         }
 }
 
-/* out = exp(A time), by its series over a time so short that it converges at once, squared again. */
+/* out = exp(A time): its series over a short time, squared repeatedly. */
 static void exponential(const bounce *b, double time, double *out) {
     enum { terms = 14 };
     const int n = b->n;
@@ -57,7 +57,7 @@ static void exponential(const bounce *b, double time, double *out) {
     }
 }
 
-/* The sign of the determinant of exp(A T) R - 1, which becomes `matrix`, where `flow` is exp(A T). */
+/* The sign of the determinant of exp(A T) R - 1, from `flow`, exp(A T). `matrix` is overwritten by it. */
 static int sign_of(bounce *b) {
     multiply(b->n, b->n, b->n, b->flow, b->impact, b->matrix);
     for (int i = 0; i < b->n; i++)
@@ -72,8 +72,8 @@ static double closes(const bounce *b, const double *state) {
     return gap;
 }
 
-/* Whether there is a cycle of a period: `half` (n) becomes its state half of the period after the impact, in
- * units of the gap between equilibrium and stop, *side 1 where that is open, -1 where it is negative. */
+/* Find the cycle of a period: `half` (n) becomes its state half a period after the impact, in units of the
+ * gap between equilibrium and stop; *side: 1 if that gap is open, -1 if negative, 0 without such a cycle. */
 static saltus_status find_cycle(bounce *b, double period, double *half, int *side, saltus_message *message) {
     enum { looks = 256 };
     const double grazing = 1e-6;
@@ -86,7 +86,7 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
     if (status != SALTUS_OK)
         return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for a branch")
                                           : SALTUS_OK;
-    /* The gap closes before the impact. */
+    /* Choose the sign of y so that the gap closes before the impact. */
     multiply(n, n, 1, b->linear, state, moved);
     const double gap = closes(b, state), speed = closes(b, moved);
     if (fabs(gap) < grazing || fabs(speed) * period < grazing)
@@ -110,7 +110,7 @@ static saltus_status find_cycle(bounce *b, double period, double *half, int *sid
     return SALTUS_OK;
 }
 
-/* Matrices, and the times that are looked at: a few turns of the slowest oscillation. */
+/* The matrices, and the range of periods to try: a few turns of the slowest oscillation. */
 static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *at, int face,
                                  saltus_message *message) {
     enum { looks_max = 4000 };
@@ -131,7 +131,7 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
     saltus_status status = saltus_rests_linear(r, at->at.u, NULL, 0, b->linear, &count, message);
     if (status != SALTUS_OK)
         return status;
-    /* Of the parameters that the Jacobian has been had at. */
+    /* At the parameters at which the Jacobian was evaluated. */
     const saltus_system *system = r->system;
     const saltus_face f = saltus_system_face(system, face);
     const double *normal = saltus_system_stop_normal(system, f.stop);
@@ -158,7 +158,7 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
     return SALTUS_OK;
 }
 
-/* How the equilibrium and its gap move with the parameter: `along` (n), scaled. NAN where they cannot. */
+/* The parameter derivatives of the gap and of the equilibrium, `along` (n, scaled); NAN if there are none. */
 static double gap_slope(saltus_rests *r, const saltus_rest *at, int face, double *along, saltus_rest *near) {
     const double apart = 1e-6;
     saltus_message ignored;
@@ -185,7 +185,7 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
     start.parameter = at->parameter[0];
     start.state = at->state;
     start.tangent = tangent;
-    start.unknowns = r->n + 3; /* of a cycle with an impact: those beyond the state are none */
+    start.unknowns = r->n + 3; /* of a cycle with one impact; those beyond the state are unused */
     start.origin = SALTUS_POINT_BE;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .count = 1};
     start.sequence.mark[0] = (saltus_mark){SALTUS_IMPACT, face, 0.5, false};
@@ -249,7 +249,7 @@ saltus_status saltus_boundary_cycle(saltus_orbits *o, const saltus_branch_start 
     return status;
 }
 
-/* The speed of a cycle's fastest impact, scaled; INFINITY where none is prescribed. */
+/* The scaled speed of a cycle's fastest impact; INFINITY where none is prescribed. */
 static double impact_speed(const saltus_solution *s) {
     double fastest = -INFINITY;
     for (int k = 0; k < s->breach_count && s->sequence.omega > 0; k++)
@@ -263,8 +263,8 @@ bool saltus_boundary_is_near(const saltus_solution *here, const saltus_solution 
     return far < small && far < near && saltus_solution_way(next) < small;
 }
 
-/* A cycle's state amid its longest flight between impacts, the same part of every such cycle, and its
- * sequence from there. */
+/* The state in the middle of a cycle's longest flight between impacts, a point that such cycles have in
+ * common, and the sequence from there. */
 static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
                                    double *state) {
     const double time = saltus_sequence_amid_flight(&s->sequence);
@@ -308,7 +308,7 @@ bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const 
         size[0] = size[1];
         place[1] = to;
         size[1] = sound ? impact_speed(at) : NAN;
-        /* Of the converged cycle the part of the orbit is again the same. */
+        /* For the converged cycle again the state at the same place of the orbit. */
         sound = sound && cut_in_flight(o, at, &sequence, state[1]) == SALTUS_OK;
     }
     const double unit = o->family.unit[0], way = next->parameter[0] - here->parameter[0];

@@ -1,5 +1,5 @@
 /* A run: branches of equilibria, branches of periodic orbits, or curves of special points in two parameters,
- * each made by its own machine, step by step; the points go into one trail.
+ * each followed step by step by its own code; all give their points to one trail.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/progress.h"
 #include "branch/archive.h"
@@ -13,30 +13,30 @@
 #include <limits.h>
 #include <stdlib.h>
 
-/* What the next step of a run goes along. */
+/* What the next step of a run follows. */
 typedef enum run_phase {
-    RUN_RESTS,      /* branches of equilibria; those of the cycles that have left them follow */
+    RUN_RESTS,      /* branches of equilibria, and then of the cycles that leave them */
     RUN_ORBITS,     /* branches of periodic orbits */
-    RUN_REST_LOCUS, /* curves of special equilibria, */
-    RUN_LOCUS       /* or of special orbits */
+    RUN_REST_LOCUS, /* curves of special equilibria */
+    RUN_LOCUS       /* curves of special orbits */
 } run_phase;
 
 struct saltus_branch {
     saltus_branch_options options;
-    saltus_effort effort;              /* of the points of a run whose options have none */
-    const volatile sig_atomic_t *stop; /* asked for between steps, never within one */
+    saltus_effort effort;              /* used if the options have none */
+    const volatile sig_atomic_t *stop; /* checked between steps, never within one */
     run_phase phase;
     saltus_trail trail;
     saltus_starts starts; /* of branches of orbits */
     saltus_trace trace;
-    saltus_equilibria *equilibria; /* NULL where the phase is another one; so are these */
+    saltus_equilibria *equilibria; /* this and the next two are NULL unless the phase needs them */
     saltus_rest_locus *rest_locus;
     saltus_locus *locus;
     saltus_branch_point given;
     long long given_count;
 };
 
-/* Where the run begins: at an equilibrium of a scene without forcing, or at an orbit. */
+/* Open a run at an equilibrium of a scene without forcing, or at an orbit. */
 static saltus_status open_run(saltus_branch *b, const saltus_spec *spec, int periods, const double *state,
                               saltus_message *message) {
     const saltus_point_kind locus = b->options.locus;
@@ -93,7 +93,7 @@ void saltus_branch_free(saltus_branch *b) {
     free(b);
 }
 
-/* Where a branch has come to the first point of the locus that was asked for, that begins there. */
+/* If a branch has reached the first point of the requested locus, begin the locus there. */
 static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
     const saltus_branch_options *options = &b->options;
     const saltus_orbits *o = &b->trace.orbits;
@@ -121,8 +121,8 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
                              o->origin + o->family.unit[0] * parameter, why.text);
 }
 
-/* One step of the machine at work: of branches of orbits along the one under way, or the begin of another.
- * *more is false when all of its branches are done. */
+/* One step of the present phase: for branches of orbits a step along the current one, or the beginning of
+ * another. *more is false when all branches of the phase are done. */
 static saltus_status advance(saltus_branch *b, bool *more, saltus_message *message) {
     switch (b->phase) {
     case RUN_RESTS:
@@ -157,7 +157,7 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
             return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
         saltus_effort_next_point(&b->effort);
         saltus_status status = advance(b, &more, message);
-        /* While the first point of a locus is sought, the points on the way are not wanted. */
+        /* While the first point of a locus is sought, points on the way are discarded. */
         if (seeks)
             saltus_trail_drop(&b->trail);
         if (status == SALTUS_OK && more && seeks)
@@ -177,13 +177,13 @@ saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **p
     return SALTUS_OK;
 }
 
-/* Which run it is, as far as it can be told: false where the numbers belong to another one. */
+/* Write or compare what identifies the run; false if the numbers belong to another one. */
 static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     const saltus_branch_options *o = &b->options;
     const saltus_spec *spec = &b->trace.orbits.family.spec;
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
-    /* The first number is the version of what follows. */
+    /* The first number is the version of the format. */
     const double own[] = {8,         a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
@@ -199,7 +199,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     return same;
 }
 
-/* The machine at work; reading, it is made. */
+/* The state of the present phase; reading, its objects are created. */
 static saltus_status archive_machine(saltus_branch *b, saltus_archive *a, saltus_message *message) {
     const saltus_spec *spec = &b->trace.orbits.family.spec;
     saltus_status status = SALTUS_OK;
@@ -223,7 +223,7 @@ static saltus_status archive_machine(saltus_branch *b, saltus_archive *a, saltus
     return status;
 }
 
-/* All that later steps depend on, between two of them. */
+/* Everything on which later steps depend; called between steps. */
 static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_message *message) {
     static const char foreign[] = "what the run goes on from is damaged or belongs to another run";
     saltus_orbits *o = &b->trace.orbits;

@@ -1,10 +1,10 @@
 /* Points of codimension two on a locus.
  *
- * A curve of folds has a cusp where the second derivative along the null vector vanishes; a double multiplier
- * on the unit circle (R1, R2) where left and right null vectors are orthogonal; on a curve of tori the angle
- * tells the resonances. Any of them ends where another impact dies or is born. A curve of grazing passes
- * through points where the orbit is special too, seen with the impact (one side of the curve) or without it
- * (the other side).
+ * A curve of folds has a cusp where the second derivative along the null vector vanishes. Multipliers on the
+ * unit circle are double (R1, R2) where left and right null vectors are orthogonal. On a Neimark-Sacker curve
+ * the angle tells the resonances. Each of these curves ends where another impact dies or is born. A curve of
+ * grazing passes through points where the orbit with the grazing impact (one side of the curve), or without
+ * it (the other side), is special too.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/corner.h"
 
@@ -18,12 +18,12 @@ static saltus_scaled plain(double value) {
     return (saltus_scaled){value, 0};
 }
 
-/* Whether a breach is that of the grazing impact that is followed, or its image's. */
+/* Whether a breach belongs to the grazing impact that is followed, or to its mirror image. */
 static bool is_own(const saltus_extended *x, const saltus_solution *s, const saltus_breach *breach) {
     const double near = 1e-4;
     const saltus_mark *own = &s->sequence.mark[x->mark];
     bool touch = breach->face == own->face && fabs(breach->time - own->time) < near;
-    /* On an orbit that is its own mirror image the impact's image grazes too. */
+    /* On a symmetric orbit the mirror image of the impact grazes too. */
     bool image = x->mirrored && breach->face != own->face &&
                  fabs(fabs(breach->time - own->time) - 0.5 * s->sequence.periods) < near;
     return touch || image || (breach->mark == x->mark && breach->kind == SALTUS_BREACH_SPEED);
@@ -95,13 +95,13 @@ int saltus_corner_multipliers(saltus_shooting *shooting, int n, double *re, doub
     return count;
 }
 
-/* How far a multiplier is from the unit circle, in its own size where that is larger. */
+/* Signed distance of a multiplier from the unit circle, relative to its modulus if that exceeds 1. */
 static double off_circle(double re, double im) {
     const double modulus = hypot(re, im);
     return (modulus - 1) / fmax(1, modulus);
 }
 
-/* Take one up if it is among those next to the unit circle. */
+/* Insert a number if it is among those closest to the unit circle. */
 static void keep_close(saltus_close *close, double re, double im) {
     const double own = fabs(off_circle(re, im));
     int at = close->count;
@@ -119,12 +119,12 @@ static void keep_close(saltus_close *close, double re, double im) {
 
 enum { of_fold, of_flip, of_pair, of_orbit };
 
-/* The functions of an orbit on a curve of grazing that the shooting has last evaluated, the parameters fixed.
- * Determinants of the equations: as they are, and with an orbit that closes on minus its begin; and the
- * product of mu_i mu_j - 1 over all pairs of finite multipliers: zero where a pair is on the unit circle, or
- * two real ones have the product 1, and as smooth as the equations. False without memory. */
+/* The functions of the orbit last evaluated by the shooting, on a curve of grazing, at fixed parameters: the
+ * determinant of the equations, the same for an orbit that closes on minus its beginning, and the product of
+ * mu_i mu_j - 1 over all pairs of finite multipliers. The last is zero where a pair is on the unit circle or
+ * two real multipliers have the product 1, and as smooth as the equations. False without memory. */
 static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test tests[of_orbit]) {
-    const double on = 1e-6, infinite = 1e6; /* with the little speed that is left to an impact at grazing */
+    const double on = 1e-6, infinite = 1e6; /* finite only by the residual speed at grazing */
     const saltus_equations *e = saltus_shooting_equations(shooting);
     const int c = e->count, row = saltus_shooting_closing_row(shooting);
     saltus_locus_test *pair = &tests[of_pair];
@@ -165,8 +165,8 @@ static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test te
     return all >= 0;
 }
 
-/* How far a number is from the nearest of others, in units of the larger of both, and of `least` at least,
- * and how far that one is *off the unit circle. */
+/* The distance of a number from the nearest of others, relative to the larger modulus of both, or to `least`;
+ * and the distance of that one from the unit circle, *off. */
 static double nearest_of(const saltus_close *there, double re, double im, double least, double *off) {
     const double own = fmax(least, hypot(re, im));
     double nearest = INFINITY;
@@ -181,10 +181,10 @@ static double nearest_of(const saltus_close *there, double re, double im, double
     return nearest;
 }
 
-/* Whether numbers move so far from here to there that any of them, on the same side of the unit circle at
- * both places, may have crossed it and come back; or, of multipliers, that one turns or grows so much that
- * functions of them all may change their signs and change them back: those of a slow forcing turn with every
- * free oscillation within its period. */
+/* Whether numbers have moved so far from here to there that one on the same side of the unit circle at both
+ * may have crossed it and come back. With `turns`, for multipliers, also whether one has turned or grown so
+ * much that functions of them all may change sign and back: under slow forcing multipliers turn with each
+ * free oscillation in the period. */
 static bool may_return(const saltus_close *here, const saltus_close *there, bool turns) {
     const double little = 1e-2, far = 0.4, nothing = 1e-3;
     for (int i = 0; i < here->count; i++) {
@@ -204,7 +204,7 @@ bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b)
            may_return(&a->product, &b->product, false) || may_return(&b->product, &a->product, false);
 }
 
-/* Numbers inside the unit circle and on it, at 1, at -1 and elsewhere. */
+/* Counts of numbers inside the unit circle and on it: at 1, at -1 and elsewhere. */
 typedef struct tally {
     int inside, at_one, at_minus_one, aside;
 } tally;
@@ -222,8 +222,8 @@ static tally tally_of(const saltus_close *c) {
     return t;
 }
 
-/* Each fold or flip takes one multiplier through the circle, each pair two; those on it may come from either
- * side, and the functions that are zero there have no sign. */
+/* Each fold or flip takes one multiplier through the circle, each pair two. Those on the circle may have come
+ * from either side, and functions that are zero there have no sign. */
 bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b, int count) {
     for (int k = 0; k < count; k++) {
         if (a[k].kind != SALTUS_POINT_GR_NS || a[k].breach || !isfinite(a[k].value.mantissa) ||
@@ -266,7 +266,7 @@ saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_sol
     return kept;
 }
 
-/* An orbit with its marks replaced, evaluated by a shooting of its own, to be freed in any case. */
+/* Evaluate an orbit with another sequence by a separate shooting, which the caller frees in any case. */
 static saltus_status evaluate_as(const saltus_extended *x, const saltus_sequence *sequence,
                                  const saltus_solution *s, saltus_shooting **shooting,
                                  saltus_message *message) {
@@ -280,8 +280,8 @@ static saltus_status evaluate_as(const saltus_extended *x, const saltus_sequence
     return status;
 }
 
-/* Those of an orbit on a curve of grazing, with the impact that grazes and without it: six; what cannot be
- * computed is NAN. False without memory. */
+/* The six functions of an orbit on a curve of grazing, three with the grazing impact and three without; NAN
+ * if they cannot be computed. False without memory. */
 static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, saltus_locus_test *corners) {
     static const saltus_point_kind kinds[of_orbit] = {SALTUS_POINT_GR_LP, SALTUS_POINT_GR_PD,
                                                       SALTUS_POINT_GR_NS};
@@ -299,8 +299,8 @@ static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, 
                       (status != SALTUS_OK || measure_orbit(shooting, x->orbits.n, tests[1])) &&
                       measure_orbit(x->orbits.shooting, x->orbits.n, tests[0]);
     saltus_shooting_free(shooting);
-    /* Determinants with the impact and without it are of like size where neither is zero. Where all that the
-     * impact does is lost in complete chatter after it, that with it is nothing but rounding. */
+    /* Determinants with and without the impact are of similar size if neither is zero. If complete chatter
+     * after the impact loses all its effects, the determinant with it is only rounding. */
     for (int k = 0; k < 4; k++)
         tests[k / 2][k % 2].quiet = tests[1 - k / 2][k % 2].value.exponent + log(1e-9);
     memcpy(corners, tests[0], 2 * sizeof *corners);
@@ -349,8 +349,8 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
     return count;
 }
 
-/* Whether the null vector of an orbit that is its own mirror image leads to orbits that are not: half an
- * orbit later it is itself again, not minus itself as the orbit is. */
+/* Whether the null vector of a symmetric orbit leads to asymmetric ones: half a period later the vector
+ * repeats itself, while the orbit is at minus itself. */
 static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solution *s, bool without,
                                      bool *breaks, saltus_message *message) {
     saltus_sequence halves = without ? saltus_corner_without(x, s) : s->sequence;

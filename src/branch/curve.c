@@ -89,8 +89,8 @@ saltus_status saltus_curve_orient(saltus_equations *e, const double *guide, salt
     return status;
 }
 
-/* The point straight ahead, to->tangent, whose room is free as long as the tangent is not known, and the
- * prediction that follows the bend, to->u. */
+/* The point straight ahead to to->tangent, which is free until the tangent is known, and the prediction along
+ * the bend to to->u. */
 static void predict(const saltus_curve_point *from, double ahead, saltus_curve_point *to) {
     int m = from->unknowns;
     for (int j = 0; j < m; j++) {
@@ -102,7 +102,7 @@ static void predict(const saltus_curve_point *from, double ahead, saltus_curve_p
     to->ahead = ahead;
 }
 
-/* From a prediction onto the hyperplane through the point straight ahead. */
+/* Correct a prediction in the hyperplane through the point straight ahead. */
 static saltus_status correct(saltus_equations *e, const saltus_curve_point *from, const double *normal,
                              saltus_curve_point *to, saltus_message *message) {
     saltus_status status = saltus_newton(e, to->u, normal, to->tangent, false, &to->iterations, message);
@@ -128,8 +128,8 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
     }
     normal[k] = 1;
     predict(from, ahead, to);
-    /* To the last bit: the equations may not be defined beyond. Of the few such points each is found with its
-     * own Jacobian, as the equations may be singular there, too. */
+    /* Meet the value exactly: the equations may not be defined beyond it. There are few such points, and the
+     * equations may be singular there, so each iteration uses its own Jacobian. */
     const bool hasty = e->hasty;
     e->hasty = false;
     to->u[k] = to->tangent[k] = value;
@@ -141,8 +141,8 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
     return status;
 }
 
-/* The point at which unknown k has a value, where the equations are singular in the very place: extrapolated
- * from points before it, and judged by its residual. */
+/* The point at which unknown k equals `value` although the equations are singular there: extrapolated from
+ * points before it, and judged by its residual. */
 static saltus_status approach(saltus_equations *e, const saltus_curve_point *from, int k, double value,
                               saltus_curve_point *to, saltus_message *message) {
     enum { samples = 6 };
@@ -155,7 +155,7 @@ static saltus_status approach(saltus_equations *e, const saltus_curve_point *fro
         for (int i = 0; i < m; i++)
             u[i * samples + j] = to->u[i];
     }
-    /* The tangent stays that of the last of them. */
+    /* The tangent remains that of the last of these points. */
     for (int i = 0; i < m && status == SALTUS_OK; i++)
         to->u[i] = saltus_curve_interpolate(place, u + (ptrdiff_t)i * samples, samples);
     free(u);
@@ -171,8 +171,8 @@ static saltus_status approach(saltus_equations *e, const saltus_curve_point *fro
     return status;
 }
 
-/* Whether a step has led on along the curve, without much of a turn, or failed as no shorter step can mend.
- */
+/* Whether a step needs no repetition: it has led on along the curve without a large turn, or has failed in a
+ * way that no shorter step can mend. */
 static bool is_done(saltus_status status, const saltus_curve_point *from, double step,
                     const saltus_curve_point *to) {
     if (status != SALTUS_OK)
@@ -181,18 +181,18 @@ static bool is_done(saltus_status status, const saltus_curve_point *from, double
            saltus_dot(from->tangent, to->tangent, to->unknowns) > turn_min;
 }
 
-/* Whether a point has come out of a bound, and the border. */
+/* Whether a value is outside a bound; *border: on which side. */
 static bool is_outside(const saltus_curve_bound *bound, double value, double *border) {
     *border = value < bound->low ? bound->low : bound->high;
     return value < bound->low || value > bound->high;
 }
 
-/* The border that a curve goes towards. */
+/* The border of a bound towards which the curve leads. */
 static double border_ahead(const saltus_curve_bound *bound, const saltus_curve_point *from) {
     return from->tangent[bound->unknown] > 0 ? bound->high : bound->low;
 }
 
-/* One attempt: straight ahead, or to the first border on the way. */
+/* One attempt at a step: a full step, or one to the first border on the way. */
 static saltus_status attempt(saltus_equations *e, const saltus_curve_point *from, double step,
                              const saltus_curve_bound *bounds, int bound_count, saltus_curve_point *to,
                              int *reached, saltus_message *message) {
@@ -210,7 +210,7 @@ static saltus_status attempt(saltus_equations *e, const saltus_curve_point *from
     saltus_status status =
         met ? saltus_curve_meet(e, from, met->unknown, border_ahead(met, from), to, message)
             : saltus_curve_visit(e, from, step, to, message);
-    /* A curve that bends may leave where its tangent does not, or before. */
+    /* The curve bends: it may cross a border that its tangent does not cross, or crosses later. */
     for (int b = 0; b < bound_count && status == SALTUS_OK; b++)
         if (b != *reached && is_outside(&bounds[b], to->u[bounds[b].unknown], &border)) {
             *reached = b;
@@ -244,12 +244,12 @@ double saltus_curve_next_step(double step, int iterations, double largest) {
     return fmin(factor * step, largest);
 }
 
-/* One zero under way. */
+/* The search for a zero. */
 typedef struct search {
     saltus_curve_function *function;
     void *context;
-    const double *ends, *values; /* there */
-    double value;                /* the last one */
+    const double *ends, *values; /* there, the values */
+    double value;                /* the last value computed */
     bool failed;
 } search;
 

@@ -1,7 +1,7 @@
 /* Private: curves of solutions of n equations in n + 1 unknowns, followed by pseudo-arclength (Keller, 1977).
  *
- * A point ahead is predicted along the tangent and corrected on the hyperplane across it. Nothing here knows
- * what the equations mean: orbits and loci of special orbits are followed alike.
+ * A point ahead is predicted along the tangent and corrected in the hyperplane normal to it. This code does
+ * not know what the equations mean: it follows orbits, equilibria and loci alike.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_CURVE_H
 #define SALTUS_BRANCH_CURVE_H
@@ -15,10 +15,10 @@ typedef struct saltus_scaled {
     double mantissa, exponent;
 } saltus_scaled;
 
-/* In units of e^exponent, cut where that would overflow. */
+/* The number in units of e^exponent, bounded where that would overflow. */
 double saltus_scaled_in(saltus_scaled number, double exponent);
 
-/* SALTUS_NO_MEMORY, and its sentence. */
+/* Set the message for SALTUS_NO_MEMORY and return that. */
 saltus_status saltus_branch_no_memory(saltus_message *message);
 
 typedef struct saltus_curve_point {
@@ -28,32 +28,32 @@ typedef struct saltus_curve_point {
     double
         *bend; /* coefficients of the arclength's square and cube from here on, where `bent`; 2 x unknowns */
     bool bent;
-    double ahead;   /* arclength, along the tangent of the point it was reached from */
+    double ahead;   /* arclength from the previous point, along its tangent */
     int iterations; /* Newton steps */
     double residual;
-    saltus_scaled crossing; /* the Jacobian's determinant, bordered by the tangent of the point it was
-                               reached from: changes its sign where two curves cross */
+    saltus_scaled crossing; /* determinant of the Jacobian bordered by the tangent of the previous point:
+                               changes sign where two curves cross */
 } saltus_curve_point;
 
 /* False without memory. */
 bool saltus_curve_reserve(saltus_curve_point *point, int unknowns);
 void saltus_curve_clear(saltus_curve_point *point);
-/* The curve's bend at a point, from one before it on the same curve, for predictions ahead: the cubic through
- * both, with their tangents. */
+/* The bend at a point, for predictions ahead: the cubic through it and a point before it on the same curve,
+ * with both tangents. */
 void saltus_curve_bend(const saltus_curve_point *before, saltus_curve_point *point);
-/* Turn the tangent round. */
+/* Reverse the tangent. */
 void saltus_curve_turn(saltus_curve_point *point);
-/* The same if it leads against a direction. */
+/* Reverse it if it leads against `guide`. */
 void saltus_curve_align(saltus_curve_point *point, const double *guide);
-/* Tangent, residual and crossing of a point that the equations have just been evaluated at. `guide`: a
- * direction that the tangent shall have in common with; NULL: its own, of either sign. Errors:
- * SALTUS_SINGULAR, SALTUS_NO_MEMORY. */
+/* Tangent, residual and crossing of a point at which the equations were just evaluated. `guide`: a direction
+ * with which the tangent shall form an acute angle; NULL: either sign will do. Errors: SALTUS_SINGULAR,
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_curve_orient(saltus_equations *equations, const double *guide, saltus_curve_point *point,
                                   saltus_message *message);
 /* The point at arclength `ahead` from another. Errors: no such point near, SALTUS_NO_MEMORY. */
 saltus_status saltus_curve_visit(saltus_equations *equations, const saltus_curve_point *from, double ahead,
                                  saltus_curve_point *to, saltus_message *message);
-/* The point at which unknown k, whose border is near, has a value. Errors: as above. */
+/* The point at which unknown k, whose border is near, equals `value`. Errors: as above. */
 saltus_status saltus_curve_meet(saltus_equations *equations, const saltus_curve_point *from, int k,
                                 double value, saltus_curve_point *to, saltus_message *message);
 
@@ -63,15 +63,14 @@ typedef struct saltus_curve_bound {
     double low, high;
 } saltus_curve_bound;
 
-/* The point a step ahead, which is halved until the curve turns little on the way; over a border of one of
- * the bounds it ends on the border, be the equations singular there, and *reached is the number of that
- * bound, otherwise -1. Errors:
- * SALTUS_NO_CONVERGENCE where the curve has a corner, those of the evaluation where no step is short enough;
- * SALTUS_NO_MEMORY and SALTUS_INTERRUPTED at once, without shorter steps. */
+/* The point a step ahead; *step is halved until the curve turns little. If the step crosses a border of a
+ * bound it ends exactly there, even if the equations are singular at the border, and *reached is the index of
+ * that bound; otherwise -1. Errors: SALTUS_NO_CONVERGENCE at a corner of the curve; those of the evaluation
+ * if no step is short enough; SALTUS_NO_MEMORY and SALTUS_INTERRUPTED at once, without shorter steps. */
 saltus_status saltus_curve_step(saltus_equations *equations, const saltus_curve_point *from, double *step,
                                 const saltus_curve_bound *bounds, int bound_count, saltus_curve_point *to,
                                 int *reached, saltus_message *message);
-/* The next step's length, by Newton's effort in the last. */
+/* The next step's length, from the iterations that Newton's method needed in the last one. */
 double saltus_curve_next_step(double step, int iterations, double largest);
 
 /* The value at x = 0 of the polynomial through (x_k, y_k), count <= 8 (Neville). */
@@ -80,18 +79,18 @@ double saltus_curve_interpolate(const double *x, const double *y, int count);
 /* A function along a curve whose zero is sought; false where it cannot be computed. */
 typedef bool saltus_curve_function(void *context, double ahead, double *value);
 
-/* The zero of a function between 0, where it is `near`, and `end`, where it is `far` and has the other sign;
- * *width: of the last bracket, 0 where the function is zero to the last bit. `solver` is GSL's Brent method.
- * False if the zero cannot be had. */
+/* The zero of a function between 0, where it is `near`, and `end`, where it is `far`, of the other sign;
+ * *width: of the last bracket, 0 where the function is exactly zero. `solver`: GSL's Brent method. False if
+ * it fails. */
 bool saltus_curve_zero(gsl_root_fsolver *solver, saltus_curve_function *function, void *context, double near,
                        double end, double far, double *place, double *width);
-/* The same between any two places, with the values there. */
+/* The same between any two places, given the values there. */
 bool saltus_curve_zero_between(gsl_root_fsolver *solver, saltus_curve_function *function, void *context,
                                const double ends[2], const double values[2], double *place, double *width);
-/* The unknowns, to `work` (7 x unknowns), at a zero in whose very place the equations are singular: from
- * points at up to three times `apart` on both sides of `middle`, which the function leaves in `at`; how far
- * *ahead of `from` it is, and what the parameter may be off by. False where a point cannot be had, or the
- * signs on both sides are not different though it `straddles` the zero. */
+/* The unknowns, to `work` (7 x unknowns), at a zero where the equations themselves are singular, interpolated
+ * from points at up to three times `apart` on both sides of `middle`, which the function leaves in `at`.
+ * *ahead: distance from `from`; *spread: possible error of the parameter. False if a point cannot be found,
+ * or if the points should straddle the zero (`straddles`) and the signs on both sides are equal. */
 bool saltus_curve_cross(saltus_curve_function *function, void *context, const saltus_curve_point *from,
                         const saltus_curve_point *at, double middle, double apart, bool straddles,
                         double *work, double *ahead, double *spread);

@@ -329,8 +329,7 @@ saltus_status saltus_cycle_folds(saltus_orbits *o, const saltus_solution *here, 
     return status;
 }
 
-/* Multipliers from the eigenvalues at the Hopf point; the imaginary pair gives the trivial one and another
- * 1. */
+/* Multipliers from the eigenvalues at a Hopf point; the imaginary pair gives the trivial one and a 1. */
 static void tell_multipliers(const saltus_shrunk *hopf, double period, saltus_survey *survey) {
     int count = 0, pair = 0;
     for (int k = 0; k < hopf->rate_count; k++)

@@ -42,9 +42,8 @@ typedef struct saltus_hopf_ahead {
     saltus_shrunk shrunk; /* the Hopf point at that place */
 } saltus_hopf_ahead;
 
-/* If the cycles of a step seem to shrink to an equilibrium: the orbit there as `at`, and the Hopf point at
- * which they end. *misses: the step is too long to see this, or has left the cycles. Errors:
- * SALTUS_NO_MEMORY. */
+/* If the cycles of a step seem to shrink to an equilibrium: the orbit there as `at`, and the Hopf point that
+ * ends them. *misses: the step is too long to see this, or has left the cycles. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_cycle_seek_hopf(saltus_orbits *orbits, const saltus_solution *here,
                                      const saltus_solution *next, saltus_solution *at,
                                      saltus_solution *scratch, saltus_hopf_ahead *hopf, bool *misses,

@@ -1,9 +1,9 @@
 /* Branches of equilibria.
  *
- * Pseudo-arclength steps (curve.h) on the equations of an equilibrium with given contacts (rest.h). Between
- * two points tests are compared, and every zero is located and given out in its place. Where the gap of a
- * free face or the force of a contact falls to zero, the branch goes on with that contact made or given up,
- * as the gap or the force demands: onward, or back where the parameter came from.
+ * Pseudo-arclength steps (curve.h) on the equations of an equilibrium with given contacts (rest.h). Test
+ * functions are compared at both ends of a step; each zero is located and given out. Where the gap of a free
+ * face or the force of a contact falls to zero, the branch continues with that contact closed or released, in
+ * the direction in which gap and force are admissible; in the parameter this may lead on or back.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/equilibria.h"
 
@@ -22,22 +22,22 @@ struct saltus_equilibria {
     saltus_trail *trail; /* the caller's */
     saltus_rests rests;
     double range[2];       /* of the parameter unknown */
-    saltus_starts starts;  /* of branches of equilibria; their sequences tell of nothing but contacts */
+    saltus_starts starts;  /* of branches of equilibria; of their sequences only the contacts count */
     saltus_starts *cycles; /* the caller's */
     saltus_rest solutions[4];
     saltus_rest *here, *next, *trial, *spare;
-    bool found; /* the point of the locus that is asked for, */
+    bool found; /* the first point of the requested locus was found: */
     saltus_rest_start place;
 };
 
-/* A parameter that brings forcing with it leads to no equilibria. */
+/* Check that the scene is unforced at both ends of the range: a forced one has no equilibria. */
 static saltus_status check_unforced(const saltus_equilibria *e, saltus_message *message) {
     const saltus_branch_options *o = e->trail->options;
     for (int side = 0; side < 2; side++) {
         const saltus_spec spec = saltus_family_spec(&e->rests.family, &e->range[side], 0);
         saltus_system *system = NULL;
         saltus_message ignored;
-        /* Where there is no system the branch ends by itself. */
+        /* If no system exists there, the branch will end before. */
         const saltus_status status = saltus_system_new(&spec, &system, &ignored);
         const bool forced = status == SALTUS_OK && saltus_system_forced(system);
         saltus_system_free(system);
@@ -51,7 +51,7 @@ static saltus_status check_unforced(const saltus_equilibria *e, saltus_message *
     return SALTUS_OK;
 }
 
-/* Both ways from the equilibrium near a state. */
+/* Add both directions from the equilibrium near a state to the starts. */
 static saltus_status open_starts(saltus_equilibria *e, const double *state, saltus_message *message) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
     saltus_equilibrium rest = {0};
@@ -133,7 +133,7 @@ static void swap(saltus_rest **a, saltus_rest **b) {
     *b = kept;
 }
 
-/* All special points between `here` and `next`, in order. */
+/* Find all special points between `here` and `next`, in order; returns their number. */
 static int find_places(saltus_equilibria *e, saltus_special *places) {
     static const struct {
         saltus_point_kind kind;
@@ -167,7 +167,7 @@ static int find_places(saltus_equilibria *e, saltus_special *places) {
     return count;
 }
 
-/* What is left of the equations along their left null vector, aside of `at` by parts of two directions. */
+/* The residual, projected on the equations' left null vector, at `at` displaced along `across` and `up`. */
 static double project(saltus_rests *r, const double *left, const saltus_rest *at, const double *across,
                       double by, const double *up, double high) {
     double u[SALTUS_REST_UNKNOWNS_MAX];
@@ -179,8 +179,8 @@ static double project(saltus_rests *r, const double *left, const saltus_rest *at
                                                       : NAN;
 }
 
-/* At a branch point two directions in the null plane make the terms of second order vanish: `old`, and the
- * one that becomes `leaving` (Keller 1977). `aside`: across the old one in the plane. */
+/* At a branch point the second-order terms of the equations vanish along two directions in the null plane:
+ * `old`, and the one that becomes `leaving` (Keller 1977). `aside`: orthogonal to `old` in the plane. */
 static saltus_status find_leaving(saltus_rests *r, const saltus_rest *at, const double *old,
                                   const double *aside, double *leaving, saltus_message *message) {
     const double apart = 1e-3;
@@ -205,8 +205,8 @@ static saltus_status find_leaving(saltus_rests *r, const saltus_rest *at, const 
     return SALTUS_OK;
 }
 
-/* The branches that leave at a branch point `at`; one of them where `at` is its own mirror image and they are
- * those of each other. */
+/* Add the branches that leave at a branch point `at`; only one if `at` is symmetric, so that they are mirror
+ * images of each other. */
 static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_message *message) {
     saltus_rests *r = &e->rests;
     const int m = at->at.unknowns;
@@ -233,15 +233,15 @@ static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_m
     start.parameter = at->parameter[0];
     start.state = at->state;
     start.tangent = tangent;
-    start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are none */
+    start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are unused */
     if (status == SALTUS_OK)
         status = saltus_starts_add_ways(&e->starts, r->n, &start, mirrored, message);
     return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
 }
 
-/* A locus begins at `at`: no more is wanted of this branch. */
+/* The requested locus begins at `at`; no more of this branch is needed. */
 static saltus_status find(saltus_equilibria *e, const saltus_rest *at, int face, double omega) {
-    /* A face that is only touched is none that holds. */
+    /* A face that is only touched does not hold. */
     const unsigned contacts = face < 0 ? at->contacts : at->contacts & ~(1u << face);
     e->place = (saltus_rest_start){contacts, at->state, at->parameter[0], face, omega * omega};
     e->found = true;
@@ -253,8 +253,8 @@ const saltus_rest_start *saltus_equilibria_found(const saltus_equilibria *e) {
     return e->found ? &e->place : NULL;
 }
 
-/* A Hopf point at `at`, and what it says of the cycles that are born there; two real eigenvalues of opposite
- * signs are none. */
+/* Give out the Hopf point `at`, with what it says about the cycles born there. Two real eigenvalues of
+ * opposite sign are no Hopf point. */
 static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, saltus_notice what,
                                saltus_message *message) {
     const double on_axis = 1e-6;
@@ -291,7 +291,7 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
                : status;
 }
 
-/* All special points of the step from `here` to `next`. */
+/* Give out all special points of the step from `here` to `next`. */
 static saltus_status give_specials(saltus_equilibria *e, saltus_message *message) {
     saltus_special places[SALTUS_BRANCH_VALUES_MAX + 3];
     const saltus_point_kind locus = e->trail->options->locus;
@@ -322,7 +322,7 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
     return status;
 }
 
-/* The face that is met or left first between `here` and `next`, its equilibrium to `trial`; -1: none. */
+/* The face met or left first between `here` and `next`, with the equilibrium there as `trial`; -1: none. */
 static int find_breach(saltus_equilibria *e, saltus_zero *first) {
     int face = -1;
     first->ahead = INFINITY;
@@ -339,8 +339,8 @@ static int find_breach(saltus_equilibria *e, saltus_zero *first) {
     return face;
 }
 
-/* `spare` becomes the equilibrium `at` with other contacts, with a tangent along which the face's gap closes
- * no further and its contact force pushes. False where there is none. */
+/* `spare` becomes the equilibrium `at` with the contact of a face changed, and a tangent along which the gap
+ * of the face opens, or its contact force pushes. False if there is none. */
 static bool change_contact(saltus_equilibria *e, const saltus_rest *at, int face, saltus_message *message) {
     const double apart = 1e-5;
     saltus_rests *r = &e->rests;
@@ -356,7 +356,7 @@ static bool change_contact(saltus_equilibria *e, const saltus_rest *at, int face
     return true;
 }
 
-/* The cycles that begin where `next` touches a face, beyond which the equilibria go on at `spare`. */
+/* Find the cycles that begin where `next` touches a face; beyond, the equilibria go on at `spare`. */
 static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, saltus_starts *born,
                                saltus_message *message) {
     const saltus_branch_start like = saltus_trail_leaving(e->trail);
@@ -376,7 +376,7 @@ static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, salt
     return status;
 }
 
-/* What a boundary equilibrium says of a cycle that begins there. */
+/* Describe a cycle that begins at a boundary equilibrium; returns the length of the text. */
 static int tell_born(const saltus_branch_start *born, bool first, const char *key, char *text, size_t room) {
     const saltus_sequence *s = &born->sequence;
     int impacts = 0;
@@ -397,7 +397,7 @@ static int tell_born(const saltus_branch_start *born, bool first, const char *ke
                     meets, 2 * M_PI / s->omega, first ? "begins " : "", side, key);
 }
 
-/* The equilibrium `next` on the way meets a stop or leaves it: the branch goes on with other contacts. */
+/* The equilibrium `next` meets or leaves a stop: continue the branch with the changed contacts. */
 static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, saltus_message *message) {
     saltus_trail *trail = e->trail;
     const saltus_face f = e->rests.system->faces[face];
@@ -440,7 +440,7 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
     return status;
 }
 
-/* Whether more than one Hopf point may lie between `here` and `next`, or one that the test does not show: as
+/* Whether more than one Hopf point may lie between `here` and `next`, or one that the test does not show: so
  * many eigenvalues have changed sides. */
 static bool hides_pairs(const saltus_equilibria *e) {
     const saltus_rest_asked asked = {.test = SALTUS_TEST_PAIR};
@@ -497,7 +497,7 @@ static saltus_status advance(saltus_equilibria *e, saltus_message *message) {
     return status;
 }
 
-/* The first point of a branch: regular, with what was asked for at its value. */
+/* Begin a branch: its first point is a regular one, and again UZ if it lies at a requested value. */
 static saltus_status begin_at(saltus_equilibria *e, const saltus_branch_start *start,
                               saltus_message *message) {
     saltus_trail *trail = e->trail;

@@ -1,5 +1,5 @@
-/* Private: branches of equilibria of scenes without forcing, free and held against stops: folds, branch
- * points, Hopf points, and where an equilibrium meets a stop or leaves it.
+/* Private: branches of equilibria of scenes without forcing, free or held against stops, with folds, branch
+ * points, Hopf points, and the points where an equilibrium meets or leaves a stop.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_EQUILIBRIA_H
 #define SALTUS_BRANCH_EQUILIBRIA_H
@@ -8,11 +8,11 @@
 
 typedef struct saltus_equilibria saltus_equilibria;
 
-/* Branches through the equilibrium near a state (length dimension; NULL: none, for reading back what
- * saltus_equilibria_archive has written), whose points go to the trail. With a locus the first point of its
- * kind is sought. Where branches of cycles leave they are added to `cycles`, numbered from `begun` on, which
- * counts the branches of equilibria as they begin. Both are the caller's. Errors: SALTUS_BAD_INPUT,
- * SALTUS_SINGULAR, SALTUS_NO_CONVERGENCE, SALTUS_NO_MEMORY. */
+/* Branches through the equilibrium near a state (length dimension; NULL: none, if saltus_equilibria_archive
+ * is to read them); points go to the trail. If a locus is requested, its first point is sought. Branches of
+ * cycles that leave are added to `cycles`, whose `begun` counts the branches of equilibria as they begin.
+ * Trail and `cycles` are the caller's. Errors: SALTUS_BAD_INPUT, SALTUS_SINGULAR, SALTUS_NO_CONVERGENCE,
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_equilibria_new(const saltus_spec *spec, const double *state, saltus_trail *trail,
                                     saltus_starts *cycles, saltus_equilibria **equilibria,
                                     saltus_message *message);
@@ -20,10 +20,10 @@ saltus_status saltus_equilibria_new(const saltus_spec *spec, const double *state
 void saltus_equilibria_free(saltus_equilibria *equilibria);
 /* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_equilibria_step(saltus_equilibria *equilibria, bool *more, saltus_message *message);
-/* Where the locus that is asked for begins, until the next step; NULL: it was not found yet. */
+/* Where the requested locus begins, valid until the next step; NULL: not found yet. */
 const saltus_rest_start *saltus_equilibria_found(const saltus_equilibria *equilibria);
-/* All that later steps depend on, but for the trail, written, or read into what saltus_equilibria_new has
- * made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
+/* Everything, except the trail, on which later steps depend: written, or read into what saltus_equilibria_new
+ * has made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_equilibria_archive(saltus_equilibria *equilibria, saltus_archive *archive,
                                         saltus_message *message);
 

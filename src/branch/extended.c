@@ -39,8 +39,8 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
     return SALTUS_OK;
 }
 
-/* A without borders, in real form: rows of `stride` numbers. Where the orbit closes 1 - e^{i theta} times the
- * state at the base is added. */
+/* A without borders, in real form, in rows of `stride` numbers: the closing rows get 1 - e^{i theta} times
+ * the state at the base added. */
 static void fill_singular(const saltus_extended *x, double theta, double *a, int stride) {
     const saltus_equations *e = x->orbits.equations;
     int c = e->count, n = x->orbits.n, row = saltus_shooting_closing_row(x->orbits.shooting);
@@ -113,9 +113,8 @@ static bool solve_bordered(saltus_extended *x, double theta) {
     return true;
 }
 
-/* A' v at u: derivatives of the Jacobian along v by central differences, of second order, or of fourth where
- * they are to be sharp. Near where the events change there may be no orbits aside; then the last one is good
- * enough. */
+/* A' v at u, by central differences of the Jacobian along v, of second order or, if `sharp`, of fourth. Near
+ * changes of events there may be no orbits to difference with; the last A' v is then good enough. */
 static saltus_status renew_along(saltus_extended *x, const double *u, saltus_message *message) {
     static const double place[] = {1, -1, 2, -2}, share[] = {8. / 12, -8. / 12, -1. / 12, 1. / 12};
     const double apart = x->sharp ? 1e-3 : 1e-4;
@@ -205,8 +204,8 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
             x->equations.residual[i] += u[m] * x->b[i];
             x->equations.jacobian[i * own + m] = x->b[i];
         }
-        /* Half an orbit later the orbits that are their own mirror images are at minus their begin; what
-         * branches off is not. Without that symmetry the orbit stays where it was along c. */
+        /* A symmetric orbit is at minus its beginning half a period later; what branches off is not. Without
+         * that symmetry the orbit must not move along c. */
         for (int i = 0; i < (x->mirrored ? x->orbits.n : c); i++) {
             double other = x->mirrored ? u[x->orbits.n + i] : -x->anchor[i];
             x->equations.residual[c + 1] += x->c[i] * (u[i] + other);

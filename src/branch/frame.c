@@ -17,7 +17,7 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
         memcpy(state, s->state, (size_t)o->n * sizeof *state);
         return SALTUS_OK;
     }
-    /* It is the state at a second cut. */
+    /* It is the state at a second cut of the sequence. */
     cut.cuts = 2;
     cut.cut[0] = cut.base;
     cut.cut[1] = time;
@@ -29,8 +29,8 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
     return saltus_orbits_noted(o, status);
 }
 
-/* Lower `force` to the smallest of the contacts at a time from the base on, through no event; `extremes` as
- * saltus_flow_coast has them. */
+/* Lower `force` to the smallest contact force at a time after the base, with no event in between; `extremes`
+ * as in saltus_flow_coast. */
 static saltus_status weigh(saltus_orbits *o, const saltus_solution *s, saltus_time time,
                            saltus_extreme *extremes, double *force, saltus_message *message) {
     double forces[SALTUS_FACES_MAX];
@@ -56,7 +56,7 @@ saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solut
         return SALTUS_OK;
     for (int f = 0; f < SALTUS_FACES_MAX; f++)
         extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
-    /* At the end of the orbit, and where a force is smallest on the way. */
+    /* Forces at the end of the orbit, and at their minima on the way. */
     saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, message);
     if (status == SALTUS_OK)
         status = weigh(o, s, saltus_time_of(sequence->base + sequence->periods), extremes, force, message);
@@ -66,7 +66,7 @@ saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solut
     return status;
 }
 
-/* The base of an orbit of unknown period is the state that it begins with. */
+/* If the period is an unknown, the state at the base is the anchor of the new sequence. */
 static saltus_status anchor(saltus_orbits *o, const saltus_solution *s, const double *state, bool turning,
                             saltus_sequence *fresh, saltus_message *message) {
     saltus_status status = saltus_orbits_tune(o, s->parameter, fresh->omega, message);
@@ -77,8 +77,8 @@ static saltus_status anchor(saltus_orbits *o, const saltus_solution *s, const do
     return status;
 }
 
-/* Whether an orbit of a period of its own had better begin at another *time: at a turning point, *turning,
- * `state` (n) there, or at any other place where the turning points are near stops. */
+/* Whether an orbit whose period is an unknown should begin at another *time: at a turning point (*turning,
+ * with its `state` (n)) or, if all of these are near stops, elsewhere. */
 static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leaves, double *time,
                            double *state, bool *turning) {
     const double least_onward = 0.5;
@@ -95,7 +95,7 @@ static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leav
     return *turning || *time != begin;
 }
 
-/* A solution again, with another sequence; `turning`: `state` is the one at its base. */
+/* Build a solution again with another sequence; `turning`: `state` is already the one at its base. */
 static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
                            const int *order, bool turning, double *state, saltus_solution *out) {
     const saltus_sequence *old = &s->sequence;
@@ -118,8 +118,8 @@ static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_se
     return SALTUS_OK;
 }
 
-/* Cut open again. As many segments as are asked for; if that is left open, as many as the orbit has, or, if
- * it needs `more`, twice as many. */
+/* Cut the orbit open again, into as many segments as the options ask for; by default as many as now, or twice
+ * as many if it needs `more`. */
 static bool reframe(saltus_orbits *o, bool trims, bool leaves, bool more, saltus_solution *s,
                     saltus_solution *scratch, int *order) {
     const int asked = o->options.segments, own = more ? 2 * s->sequence.cuts : s->sequence.cuts;

@@ -8,18 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The shorter orbits on their curve of flips, or of tori. */
+/* The search along a curve of flips, or of tori, of the shorter orbits. */
 typedef struct shorter {
     saltus_extended x;
-    double *u;              /* where the curve is sought */
-    saltus_locus_point on;  /* it */
-    saltus_curve_point at;  /* ahead of there */
-    saltus_point_kind kind; /* what is sought along it */
-    double apart;           /* over which differences are taken for it */
+    double *u;              /* unknowns from which the curve is sought */
+    saltus_locus_point on;  /* its first point */
+    saltus_curve_point at;  /* a point ahead of that */
+    saltus_point_kind kind; /* the kind of point that is sought */
+    double apart;           /* width of the differences for it */
 } shorter;
 
-/* What is zero at the point sought, on the curve of flips `ahead` of s->on. By multipliers: by how much the
- * one next to 1 exceeds it, or the square of the modulus of the pair next to the unit circle. */
+/* The function that is zero at the point sought, on the curve of flips `ahead` of s->on. From multipliers:
+ * the one closest to 1, minus 1, or the squared modulus, minus 1, of the pair closest to the unit circle. */
 static bool test_at(shorter *s, double ahead, double *value) {
     const bool pair = s->kind == SALTUS_POINT_PD_NS, multipliers = pair || s->kind == SALTUS_POINT_LP_PD;
     saltus_orbits *o = &s->x.orbits;
@@ -45,7 +45,7 @@ static bool test_at(shorter *s, double ahead, double *value) {
     return isfinite(*value);
 }
 
-/* The zero of the test near s->on becomes s->at: the test is all but linear there. False if there is none. */
+/* s->at becomes the zero of the test near s->on, where the test is almost linear. False if there is none. */
 static bool find_zero(shorter *s) {
     enum { rounds = 4 };
     const double first = 1e-5, farthest = 1e-3, still = 1e-9;
@@ -60,8 +60,8 @@ static bool find_zero(shorter *s) {
     return found && fabs(value) < still * fabs(slope);
 }
 
-/* The same for GPD, whose test is made of differences: over the distance that changes the place least from
- * the one before. */
+/* The same for GPD, whose test is made of differences: their width is the one at which the place changes
+ * least from the width before. */
 static bool find_change(shorter *s) {
     enum { widths = 6 };
     double place[widths], least = INFINITY;
@@ -79,8 +79,8 @@ static bool find_change(shorter *s) {
     return best > 0 && find_zero(s);
 }
 
-/* Onto the shorter orbits' curve of flips, or, where `turns`, to the point of that of tori which has the
- * angle pi/2: s->on, near the orbit of `at`. To be closed in any case. */
+/* s->on becomes a point of the shorter orbits' curve of flips or, with `turns`, the point of angle pi/2 of
+ * their curve of tori, near the orbit of `at`. The caller closes `s` in any case. */
 static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_locus_point *at,
                          const saltus_sequence *sequence, bool turns) {
     const double sharp = 1e-12, far = 1e-4;
@@ -103,7 +103,7 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
         return false;
     const int c = o->equations->count;
     bool found = false;
-    /* One parameter stays as it is, or the angle. */
+    /* One parameter is kept fixed, or the angle. */
     for (int tried = 0; tried < 2 - turns && !found; tried++) {
         const int k = turns ? c + 2 : c + 1 - tried;
         status = saltus_locus_take_up(&s->x, &s->on, s->u, turns ? 0.5 * M_PI : 0, &ignored);
@@ -117,7 +117,7 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
     return found;
 }
 
-/* What lies on the flips of the shorter orbits next to s->on, by the multipliers there. */
+/* The kind of point on the curve of flips near s->on, from the multipliers there. */
 static saltus_point_kind name_flip(shorter *s, saltus_point_kind locus) {
     const double near = 1e-3;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
@@ -136,7 +136,7 @@ static saltus_point_kind name_flip(shorter *s, saltus_point_kind locus) {
                                  : SALTUS_POINT_REGULAR;
 }
 
-/* `at` becomes the shorter orbit of these unknowns, gone through as often as its own sequence. */
+/* `at` becomes the shorter orbit with these unknowns, traversed as often as its own sequence tells. */
 static void go_through(saltus_extended *x, const shorter *s, const double *unknowns, saltus_locus_point *at) {
     saltus_sequence once, whole = at->orbit.sequence;
     saltus_shooting *shooting = NULL;

@@ -12,16 +12,15 @@ enum { sides = 4 };
 static const double first[sides] = {4. / 5, -1. / 5, 4. / 105, -1. / 280},
                     second[sides] = {8. / 5, -1. / 5, 8. / 315, -1. / 560}, middle = -205. / 72;
 
-/* The motion's Jacobian and its derivatives along the two parts of the eigenvector. */
+/* The Jacobian of the motion and its derivatives along real and imaginary part of the eigenvector. */
 typedef struct expansion {
     int count;
     double *linear, *along[2], *twice[2], *trial; /* count x count each */
-    double part[2][SALTUS_STATE_MAX];             /* of the eigenvector */
-    double size[2];                               /* of them as states, in the states' scales */
+    double part[2][SALTUS_STATE_MAX];             /* the two parts of the eigenvector */
+    double size[2]; /* largest entry of each as a state, in the states' scales */
 } expansion;
 
-/* First and second derivative of the Jacobian along a part, which is moved along by as much as `reach` at
- * most. */
+/* First and second derivative of the Jacobian along a part; the greatest displacement is `reach`. */
 static saltus_status differentiate(saltus_rests *r, const saltus_rest *at, expansion *x, int part,
                                    double reach, saltus_message *message) {
     const int entries = x->count * x->count;
@@ -52,8 +51,8 @@ static void apply(const double *matrix, int count, double complex factor, const 
             out[i] += factor * matrix[i * count + j] * vector[j];
 }
 
-/* A - shift, or the transposed, as a real matrix of twice the size, with room for one column more; NULL
- * without memory. */
+/* A - shift, or its transpose with the same shift, as a real matrix of twice the size with room for one more
+ * column; NULL without memory. */
 static double *real_form(const expansion *x, bool transposed, double complex shift) {
     const int c = x->count, m = 2 * c;
     double *a = calloc((size_t)(m * m + m), sizeof *a);
@@ -85,7 +84,7 @@ static bool resolve(saltus_rests *r, const expansion *x, double complex shift, d
     return sound;
 }
 
-/* The null vector of A - i omega (or of its transpose + i omega) as a complex one. */
+/* The complex null vector of A - i omega, or with `left` of A' + i omega. */
 static saltus_status null_vector(const expansion *x, double omega, bool left, double complex *out,
                                  saltus_message *message) {
     const int c = x->count, m = 2 * c;
@@ -97,7 +96,7 @@ static saltus_status null_vector(const expansion *x, double omega, bool left, do
     return status == SALTUS_OK ? status : saltus_fail(message, status, "no eigenvector at a Hopf point");
 }
 
-/* The coefficient from the derivatives at hand; `left` and `right` are the eigenvectors. */
+/* The coefficient, from the derivatives in `x` and the eigenvectors `left` and `right`. */
 static double coefficient_of(saltus_rests *r, const expansion *x, double omega, const double complex *left,
                              const double complex *right) {
     const int c = x->count;
@@ -122,7 +121,7 @@ static double coefficient_of(saltus_rests *r, const expansion *x, double omega, 
     memcpy(turned, twofold, sizeof turned);
     if (!resolve(r, x, 0, flat) || !resolve(r, x, 2 * I * omega, turned))
         return NAN;
-    /* -2 B(q, A^-1 even), whose solution has the other sign, and B(q', (2 i omega - A)^-1 twofold). */
+    /* -2 B(q, A^-1 even), where `flat` is -A^-1 even, and B(q', (2 i omega - A)^-1 twofold). */
     apply(x->along[0], c, 2, flat, cubic);
     apply(x->along[1], c, 2 * I, flat, cubic);
     apply(x->along[0], c, 1, turned, cubic);
@@ -132,7 +131,7 @@ static double coefficient_of(saltus_rests *r, const expansion *x, double omega, 
     return creal(sum) / (2 * omega);
 }
 
-/* From differences over several widths, of which those two are best that agree best. */
+/* From differences over several widths; the two that agree best are the best. */
 static saltus_status find_coefficient(saltus_rests *r, const saltus_rest *at, expansion *x,
                                       const double complex *left, const double complex *right,
                                       saltus_hopf *hopf, saltus_message *message) {
@@ -158,7 +157,7 @@ static saltus_status find_coefficient(saltus_rests *r, const saltus_rest *at, ex
     return SALTUS_OK;
 }
 
-/* Eigenvectors with q*q = 1 and p*q = 1; the first to the expansion's parts and, as states, to the result. */
+/* Eigenvectors with q*q = 1 and p*q = 1; q also goes to the expansion's parts and, as states, to `hopf`. */
 static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex *left, double complex *right,
                                   saltus_hopf *hopf, saltus_message *message) {
     saltus_status status = null_vector(x, hopf->omega, false, right, message);
@@ -222,7 +221,7 @@ saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, co
     const double *observer = saltus_system_observer(r->system), *a = hopf->vector[0], *b = hopf->vector[1];
     saltus_branch_start start = *like;
     double tangent[SALTUS_STATE_MAX + 2] = {0}, size = 0;
-    /* Where the observed displacement of Re(q e^(i phi)) is largest, it turns. */
+    /* Begin where the observed displacement of Re(q e^(i phi)) is largest, a turning point. */
     const double along[2] = {saltus_dot(observer, a, r->dof), saltus_dot(observer, b, r->dof)};
     const double length = hypot(along[0], along[1]);
     const double cosine = length > 0 ? along[0] / length : 1, sine = length > 0 ? along[1] / length : 0;

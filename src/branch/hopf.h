@@ -6,27 +6,26 @@
 #include "branch/rest.h"
 #include "branch/special.h"
 
-/* What an equilibrium with a pair of eigenvalues +-i omega tells of the cycles near it. */
+/* What an equilibrium with a pair of eigenvalues +-i omega says about the cycles near it. */
 typedef struct saltus_hopf {
     double omega;
     /* The first Lyapunov coefficient in Kuznetsov's normalisation (Elements of Applied Bifurcation Theory,
-     * 5.34, with an eigenvector of unit length), and how far it may be off: negative where stable cycles are
-     * born, as far as the other eigenvalues go. NAN where it cannot be had. */
+     * 5.34, with an eigenvector of unit length), and its possible error. Negative: the cycles born there are
+     * stable, as far as the other eigenvalues allow. NAN if it cannot be computed. */
     double coefficient, error;
     double vector[2][SALTUS_STATE_MAX]; /* real and imaginary part of the eigenvector */
 } saltus_hopf;
 
-/* Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE where there is no such pair. */
+/* Errors: SALTUS_NO_MEMORY; SALTUS_NO_CONVERGENCE if there is no such pair. */
 saltus_status saltus_hopf_find(saltus_rests *rests, const saltus_rest *at, saltus_hopf *hopf,
                                saltus_message *message);
-/* Where the branch of cycles begins that is born at `at`: added to `starts`. `like` has what is common to
- * them. Errors: SALTUS_NO_MEMORY. */
+/* Add to `starts` the branch of cycles that is born at `at`; `like` has what the starts have in common.
+ * Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_hopf_leave(const saltus_rests *rests, const saltus_rest *at, const saltus_hopf *hopf,
                                 const saltus_branch_start *like, saltus_starts *starts,
                                 saltus_message *message);
-/* The cycle on the branch that such a start tells of, `apart` from the equilibrium along its tangent; not
- * surveyed, with a tangent away from the equilibrium. Errors: SALTUS_NO_MEMORY; others where none is found.
- */
+/* The cycle of such a start at distance `apart` from the equilibrium along its tangent; not surveyed, with a
+ * tangent away from the equilibrium. Errors: SALTUS_NO_MEMORY; others if none is found. */
 saltus_status saltus_hopf_cycle(saltus_orbits *orbits, const saltus_branch_start *start, double apart,
                                 saltus_solution *out, saltus_message *message);
 

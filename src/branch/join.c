@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether an orbit that grazes, and grazes again a part of its period later, does so at another time too. */
+/* Whether an orbit that grazes, and again after each part of its period, also touches at another time. */
 static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s, int parts) {
     const double together = 1e-7, near = 1e-4, part = (double)s->sequence.periods / (parts > 1 ? parts : 2);
     const saltus_mark *own = &s->sequence.mark[x->mark];
@@ -21,10 +21,10 @@ static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s
 
 enum { samples_most = 8 };
 
-/* `at` becomes the place where what is left of a breach, or of the distance from a shorter orbit, is nothing,
- * extrapolated from places on the curve of `here` so far apart before it, where the equations are regular;
- * *spread: how far off in the plane it would be with one of them less. Errors: SALTUS_NO_MEMORY, those of the
- * equations. */
+/* `at` becomes the place where a remainder is zero: the worst breach or, without `breach`, the distance from
+ * the shorter orbit. It is extrapolated from points on the curve before `here`, `apart` from one another,
+ * where the equations are regular. *spread: its change in the plane if one of them is left out. Errors:
+ * SALTUS_NO_MEMORY, those of the equations. */
 static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart, int samples,
                                  bool breach, int parts, saltus_locus_point *at, double *spread,
                                  saltus_message *message) {
@@ -32,7 +32,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
     int m = here->at.unknowns;
     double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
     saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
-    /* A residual moves the place by itself over the rest, and the bend much more. */
+    /* A residual moves the place by its size divided by the remainder, and spoils the bend even more. */
     x->equations.tolerance = tolerance;
     here->at.bent = false;
     for (int k = 0; k < samples && status == SALTUS_OK; k++) {
@@ -51,7 +51,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
         at->at.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
         at->at.ahead += (at->at.u[j] - here->at.u[j]) * here->at.tangent[j];
     }
-    /* The halves may change places, which changes the distance's sign, but not the parameters. */
+    /* The halves may change places: that changes the sign of their distance, but not the parameters. */
     for (int k = 0; k < samples && x->kind != SALTUS_POINT_GR; k++)
         rest[k] *= rest[k];
     for (int j = x->orbits.equations->count, d = 0; d < 2 && status == SALTUS_OK; d++) {
@@ -63,7 +63,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
     return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
 }
 
-/* Whether a curve of folds or tori is one of orbits whose halves may become alike without grazing. */
+/* Whether, on a curve of folds or tori, the halves of the orbits may become alike without grazing. */
 static bool may_join(const saltus_extended *x, const saltus_solution *s) {
     return (x->kind == SALTUS_POINT_LP || x->kind == SALTUS_POINT_NS) && !x->mirrored &&
            s->sequence.periods % 2 == 0 && s->sequence.count % 2 == 0;
@@ -83,7 +83,7 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     if (!(saltus_corner_breach(x, &here->orbit) > -little) ||
         !(saltus_locus_apart(x, &here->orbit, &parts) < near))
         return SALTUS_OK;
-    /* Of several breaches that fall to nothing together now the one is the worst, now another. */
+    /* If several breaches fall to zero together, now one is the worst, now another: try the distance too. */
     for (int k = 0; k < 2 * spacings && !*kind; k++) {
         const double own = apart[k % spacings];
         saltus_status status = extrapolate(x, here, own, 6, k < spacings, parts, at, &spread, &ignored);
@@ -110,7 +110,8 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
     *kind = SALTUS_POINT_REGULAR;
     if (!may_join(x, &here->orbit))
         return SALTUS_OK;
-    /* Afar the place may still be told better from a step nearer to it, which is no longer so close to it. */
+    /* From afar demand more accuracy: a step nearer may locate the place better and still not be too
+     * close. */
     double best = saltus_locus_apart(x, &here->orbit, NULL) > close ? 3e-9 : 1e-7;
     u = calloc((size_t)m, sizeof *u);
     saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
@@ -120,7 +121,7 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
                              &ignored);
         if (status != SALTUS_OK)
             continue;
-        /* By which it differs from the last one tells more than one alone. */
+        /* The change from the attempt before says more than `spread` alone. */
         const double doubt = fmax(spread, hypot(at->at.u[c] - before[0], at->at.u[c + 1] - before[1]));
         memcpy(before, at->at.u + c, sizeof before);
         if (doubt < best && at->at.ahead > 0 && at->at.ahead < farthest * own &&
@@ -145,7 +146,7 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
                                const saltus_locus_point *next, double *ahead) {
     const double small = 0.3, little = 1e-3;
     double from[SALTUS_STATE_MAX], to[SALTUS_STATE_MAX], product = 0;
-    /* Where grazing is near the halves become alike with it, and the curve ends there. */
+    /* Near grazing the halves become alike with it, and the curve ends there. */
     if (!may_join(x, &next->orbit) || saltus_corner_breach(x, &next->orbit) > -little)
         return false;
     const double own = saltus_solution_halves(&x->orbits, &here->orbit, false, from);
@@ -154,8 +155,8 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
         return false;
     for (int i = 0; i < x->orbits.n; i++)
         product += from[i] * to[i];
-    /* Where Newton's method was drawn onto the flips of the shorter orbits, which solve these equations too,
-     * it was a long way. */
+    /* If Newton's method was drawn onto the flips of the shorter orbits, which solve these equations too, the
+     * step was long. */
     *ahead = next->at.ahead * (product < 0 ? 0.9 * own / (own + other) : 0.5);
     return product < 0 || other < small * own ||
            (x->kind == SALTUS_POINT_LP && own < saltus_alike && other < own);

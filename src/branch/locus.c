@@ -15,16 +15,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps are measured in the plane of the parameters, unless the states change so much faster. */
+/* Steps are limited in the plane of the parameters; the tangent's part in it counts as at least this. */
 static const double slowest = 0.1;
-/* No step is shorter than this. */
+/* The shortest step. */
 static const double stride_min = 1e-5;
 static const char is_back[] = "the curve is closed: it has come back";
 
-/* Where two impacts grazed, one place after the other. */
+/* Successive places on a curve where two impacts graze. */
 typedef struct grazings {
-    double last[2], gap; /* the last place, and how far from the one before */
-    int closer;          /* how often it has been closer than before */
+    double last[2], gap; /* the last place, and its distance from the one before */
+    int closer;          /* how many times in a row the distance has shrunk */
 } grazings;
 
 struct saltus_locus {
@@ -33,14 +33,14 @@ struct saltus_locus {
     double origin[2];
     double border[2][2]; /* of both parameter unknowns: low, high */
     saltus_locus_starts starts;
-    /* The curve under way. */
-    saltus_point_kind begun_at; /* the point of codimension two; REGULAR: none */
-    int way_count, way;         /* to follow from its first point, and the number of the one under way */
-    saltus_sequence first;      /* of its first point, */
-    double *beginning;          /* whose unknowns these are */
+    /* The current curve. */
+    saltus_point_kind begun_at; /* point of codimension two at which it begins; REGULAR: none */
+    int way_count, way;         /* directions from its first point, and those begun so far */
+    saltus_sequence first;      /* sequence of its first point */
+    double *beginning;          /* unknowns of its first point */
     int first_mark;
-    double first_way[2]; /* the direction in the plane that it has left there */
-    bool has_left;       /* it has been further from there than a few steps */
+    double first_way[2]; /* direction in the plane in which it left that point */
+    bool has_left;       /* it has been more than a few steps away from there */
     grazings grazings;
     saltus_locus_point here, next, trial;
 };
@@ -50,12 +50,12 @@ static double *plane_of(const saltus_locus *l, double *u) {
     return u + l->x.orbits.equations->count;
 }
 
-/* Whether the curve's orbits are admissible on one side of its first point only. */
+/* Whether the orbits of the curve are admissible on only one side of its first point. */
 static bool is_one_way(const saltus_locus *l) {
     return l->begun_at && l->way_count == 1;
 }
 
-/* Where a way heads from the first point, in the second parameter; 0: either. */
+/* The sign of the second parameter's change in a direction from the first point; 0: either. */
 static int heading_of(const saltus_locus *l, int way) {
     if (l->begun_at)
         return is_one_way(l) ? 0 : way ? -1 : 1;
@@ -73,8 +73,8 @@ static double angle_on_circle(const saltus_survey *survey) {
     return angle;
 }
 
-/* The equations become those of a kind of points. Orbits that are their own mirror images are cut in halves
- * where others branch off. */
+/* Set the equations for a kind of points. On curves of branch points, orbits that are their own mirror images
+ * are cut in halves. */
 static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
     saltus_extended_close(&l->x);
     l->x.kind = kind;
@@ -83,12 +83,12 @@ static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
     l->x.copies = kind == SALTUS_POINT_NS ? 2 : 1;
     l->x.orbits.options.segments =
         mirrored && kind == SALTUS_POINT_BP ? 2 : l->trail->options->orbit.segments;
-    /* An impact's speed is as sharp as residuals are; the other functions are made of the Jacobian's entries.
-     */
+    /* An impact's speed is as accurate as the residuals; the other functions are made of entries of the
+     * Jacobian. */
     l->x.equations.tolerance = fmax(kind == SALTUS_POINT_GR ? 0 : 1e-8, l->trail->options->orbit.tolerance);
 }
 
-/* A curve's first point, at a start. */
+/* Find the first point of a curve at a start. */
 static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     const double alike = 1e-6;
     saltus_orbits *o = &l->x.orbits;
@@ -142,7 +142,7 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     return saltus_locus_see(&l->x, &l->here, message);
 }
 
-/* A locus with orbits of both parameters, on none yet. */
+/* Allocate a locus with two parameters, without any curve yet. */
 static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, saltus_locus **locus,
                                 saltus_message *message) {
     const saltus_branch_options *options = trail->options;
@@ -195,7 +195,7 @@ void saltus_locus_free(saltus_locus *l) {
     free(l);
 }
 
-/* A point of the curve, `ahead` of `here`; nothing where the curve has ended. */
+/* Give out a point of the curve, `ahead` of `here`; nothing if the curve has ended. */
 static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_point_kind kind, double ahead,
                           const char *reason, saltus_message *message) {
     const saltus_solution *s = &p->orbit;
@@ -215,7 +215,7 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
         return status;
     point->locus = l->x.kind;
     point->value[1] = l->origin[1] + family->unit[1] * s->parameter[1];
-    /* A point on a border of the range has the border's value, which the rounding of the unknown may miss. */
+    /* A point on a border of the range gets the exact value of the border. */
     for (int k = 0; k < 4; k++) {
         const int d = k / 2, side = k % 2;
         const double value = side ? options->high[d] : options->low[d];
@@ -235,7 +235,7 @@ static saltus_status give(saltus_locus *l, const saltus_locus_point *p, saltus_p
     return saltus_trail_give(l->trail, l->x.orbits.system, &what, message);
 }
 
-/* Whether the last step, to `here` from what is now `next`, has led over the first point, the same way. */
+/* Whether the last step, from what is now `next` to `here`, has passed the first point in its direction. */
 static bool is_closed(saltus_locus *l) {
     const double *first = l->beginning + saltus_sequence_unknowns(&l->first, l->x.orbits.n);
     const double *to = plane_of(l, l->here.at.u), *from = plane_of(l, l->next.at.u);
@@ -261,22 +261,22 @@ static void step_on(saltus_locus *l) {
     l->here.before_place = -l->here.at.ahead;
 }
 
-/* Whether `next` is no further from `here` in the plane than a step may lead. */
+/* Whether `next` is within the longest step of `here` in the plane. */
 static bool is_near(const saltus_locus *l) {
     const double *from = plane_of(l, l->here.at.u), *to = plane_of(l, l->next.at.u);
     return hypot(to[0] - from[0], to[1] - from[1]) <= 1.2 * l->trail->options->step_max;
 }
 
-/* From `here`, a point of codimension two, a little on, as in the very place the signs of functions mean
- * nothing; `turns`: the other way if the orbit is not admissible this way; `leaves`: another curve of the
- * same kind crosses there. *found: whether it is; otherwise `why` says what the equations fail by, if they
- * do. Errors: SALTUS_NO_MEMORY. */
+/* Go a little on from `here`, a point of codimension two, where the signs of functions mean nothing. `turns`:
+ * also try the other direction, if orbits are not admissible in this one; `leaves`: another curve of the same
+ * kind crosses there. *found: whether such a point was found; if not, `why` says how the equations failed, if
+ * they did. Errors: SALTUS_NO_MEMORY. */
 static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found, saltus_message *why,
                            saltus_message *message) {
     static const double shorter[] = {1, 0.2, 0.04, 0.01};
     double longest = leaves ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
     *why = (saltus_message){.text = ""};
-    /* Where curves cross the equations are singular, and a residual moves a point near there by much. */
+    /* Where curves cross the equations are singular: a small residual moves points near there a lot. */
     l->x.equations.tolerance = leaves ? 1e-12 : usual;
     saltus_status status = SALTUS_OK;
     *found = false;
@@ -290,7 +290,7 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
             status = saltus_locus_see(&l->x, &l->next, why);
         if (status != SALTUS_OK)
             continue;
-        /* Another curve may have drawn the point onto it, from nearby or from afar. */
+        /* Another curve, near or far, may have attracted the point. */
         *found = saltus_corner_breach(&l->x, &l->next.orbit) < 0 && is_near(l) &&
                  !(leaves && saltus_locus_apart(&l->x, &l->next.orbit, NULL) < 1e-3 * ahead);
     }
@@ -300,10 +300,9 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
-/* Beyond a second grazing, `located`, the curve of the first goes on with the second impact born or dead:
- * `here` becomes an orbit a little beyond with that sequence, where it is admissible; in the very place,
- * where the second impact has no speed, the signs of the functions mean nothing. *passed: whether there is
- * such a way; *closes is set where it leads to where the curve began. Errors: SALTUS_NO_MEMORY. */
+/* Beyond `trial`, where a second impact grazes, the curve of the first goes on with the second impact born or
+ * dead. `here` becomes an orbit of that sequence a little beyond, where it is admissible. *passed: whether
+ * there is one; *closes is set if it leads to where the curve began. Errors: SALTUS_NO_MEMORY. */
 static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, saltus_message *message) {
     int order[SALTUS_MARKS_MAX];
     saltus_sequence old = l->trial.orbit.sequence, fresh;
@@ -326,12 +325,12 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, s
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
-/* The first point, and from a point of codimension two a little on; `leaves` as there. */
+/* Give out the first point and, at a point of codimension two, go a little on; `leaves` as for leave(). */
 static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message) {
     const int heading = heading_of(l, l->way);
     saltus_status status = SALTUS_OK;
     bool found = true;
-    if (l->way > 0) { /* back from where the first way ended */
+    if (l->way > 0) { /* return from where the first direction ended */
         l->x.mark = l->first_mark;
         status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
         const saltus_equations *e = l->x.orbits.equations;
@@ -369,7 +368,7 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     return give(l, &l->here, SALTUS_POINT_EP, 0, reason, message);
 }
 
-/* Another curve, from where it meets one that was followed. Where none can be begun one point says why. */
+/* Begin another curve where it meets one that was followed. If that fails, one point says why. */
 static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltus_message *message) {
     saltus_message why = {.text = ""};
     char reason[SALTUS_REASON_MAX];
@@ -388,7 +387,7 @@ static saltus_status switch_to(saltus_locus *l, saltus_locus_start *start, saltu
     return give(l, &first, SALTUS_POINT_EP, 0, reason, message);
 }
 
-/* Why a curve ends at a point of codimension two; in the second row, where its orbits join others there. */
+/* Why a curve ends at a point of codimension two; second row: where its orbits join shorter ones. */
 static const char *const corner_reasons[2][SALTUS_POINT_KINDS] = {
     {[SALTUS_POINT_GR_LP] = "a fold meets grazing",
      [SALTUS_POINT_GR_PD] = "a flip meets grazing",
@@ -407,7 +406,7 @@ static const char *const corner_reasons[2][SALTUS_POINT_KINDS] = {
      [SALTUS_POINT_R2] = "its orbits join those of half the period, which have a double multiplier -1",
      [SALTUS_POINT_R4] = "its orbits join those of a quarter of the period, at a pair at a quarter"}};
 
-/* Whether the places where two impacts graze come ever closer to one another, with a further one. */
+/* Add a place where two impacts graze; whether these places accumulate. */
 static bool accumulate(grazings *g, const double place[2]) {
     enum { enough = 4 };
     const double gap = hypot(place[0] - g->last[0], place[1] - g->last[1]);
@@ -415,8 +414,8 @@ static bool accumulate(grazings *g, const double place[2]) {
     return g->closer >= enough;
 }
 
-/* `trial`, a point of codimension two, is given out; starts that wait there for this curve are done, *closes
- * as saltus_locus_starts_pass has it, and others are added. */
+/* Give out `trial`, a point of codimension two. Starts that wait there for this curve are marked as done,
+ * *closes as for saltus_locus_starts_pass, and starts of other curves are added. */
 static saltus_status give_named(saltus_locus *l, const saltus_locus_test *corner, double ahead, bool *closes,
                                 saltus_message *message) {
     const saltus_trail *t = l->trail;
@@ -430,7 +429,7 @@ static saltus_status give_named(saltus_locus *l, const saltus_locus_test *corner
                : status;
 }
 
-/* `trial` is a corner, at which the curve may end, or go on with other events: *moved. */
+/* Give out the corner at `trial`; there the curve ends, or goes on with other events: *moved. */
 static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, double ahead, bool *moved,
                                  saltus_message *message) {
     bool closes = false;
@@ -442,8 +441,8 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
         return give(l, &l->trial, kind, ahead, "a contact begins, ends or splits", message);
     if (l->x.kind == SALTUS_POINT_NS && corner.ends && !corner.breach) {
         saltus_locus_sharpen(&l->x, &l->here, kind == SALTUS_POINT_R2 ? M_PI : 0, &l->trial, &l->next);
-        /* There the curve of tori turns back: theta goes on beyond 0 or pi, and gives the same orbits again.
-         */
+        /* There the curve of tori turns back: theta goes on beyond 0 or pi and gives the same orbits
+         * again. */
         memset(plane_of(l, l->trial.at.tangent), 0, 2 * sizeof(double));
     }
     status = give_named(l, &corner, ahead, &closes, message);
@@ -463,7 +462,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
     return status;
 }
 
-/* The curve ends at `trial`, where its orbits join others. */
+/* End the curve at `trial`, where its orbits join shorter ones. */
 static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_message *message) {
     const saltus_locus_test corner = {.kind = kind, .joins = true};
     const double ahead = l->trial.at.ahead;
@@ -484,7 +483,7 @@ static const char *why_it_ends(const saltus_solution *at) {
                : "the curve ends: its orbit changes its events or the curve has a corner";
 }
 
-/* The curve ends where it is, as it does not go on. */
+/* End the curve, which does not go on, at `here` or at the special point just ahead. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
     bool contact;
     saltus_point_kind kind = SALTUS_POINT_REGULAR;
@@ -504,8 +503,8 @@ static saltus_status give_end(saltus_locus *l, saltus_message *message) {
                                : status;
 }
 
-/* Whether the step from `here` leads over a place where the orbits join those of half the period, or as near
- * to it that the equations tell little: the curve ends there, or goes on with a step that is *shorter. */
+/* If the step from `here` passes a place where the orbits become those of half the period, or comes so near
+ * that the equations say little, end the curve there; or let it go on with a step that is *shorter. */
 static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message *message) {
     double step;
     saltus_point_kind kind;
@@ -517,7 +516,7 @@ static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message 
         return give_join(l, kind, message);
     if (status != SALTUS_OK)
         return status;
-    /* What lies beyond are no orbits of twice a period. */
+    /* Beyond that place there are no orbits of twice the period. */
     *shorter = step > stride_min && (l->x.kind == SALTUS_POINT_NS ||
                                      saltus_locus_apart(&l->x, &l->here.orbit, NULL) > saltus_alike);
     if (!*shorter)
@@ -526,8 +525,8 @@ static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message 
     return SALTUS_OK;
 }
 
-/* A step onto a sound orbit, halved until there is one, and with the corners on it. *reached as
- * saltus_curve_step has it. The curve may end instead. */
+/* Step to a valid orbit, with smaller and smaller steps until there is one, and locate the corners on the
+ * step. *reached as in saltus_curve_step. The curve may end instead. */
 static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed,
                                saltus_message *message) {
     const int c = l->x.orbits.equations->count;
@@ -562,14 +561,14 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
     }
 }
 
-/* The corner at a zero on the step, if it is one; *moved as there. */
+/* Give out the corner at a zero on the step, if it is one; *moved as for give_corner(). */
 static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero *zero, bool *moved,
                                  saltus_message *message) {
     const int own = zero->corner;
     const double just_before = 1e-7;
     saltus_solution before = {.value = 0};
     l->x.sharp = true;
-    /* At a touch the flow meets the impact or not by chance: the survey is that of an orbit just before. */
+    /* At a touch it is chance whether the flow meets the impact: use the survey of an orbit just before. */
     if (l->next.corners[own].breach && l->x.kind != SALTUS_POINT_GR &&
         saltus_locus_visit(&l->x, &l->here, zero->place - just_before, &l->trial))
         saltus_survey_swap(&before, &l->trial.orbit);
@@ -578,8 +577,8 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
         saltus_survey_swap(&before, &l->trial.orbit);
     saltus_solution_clear(&before);
     l->x.sharp = false;
-    /* Where the orbit becomes one of half the period, or its own mirror image, determinants are rounding; and
-     * two real multipliers whose product is 1 are no pair on the unit circle. */
+    /* Where the orbit closes after half the period, or is its own mirror image, determinants are rounding.
+     * And two real multipliers with the product 1 are no pair on the unit circle. */
     const saltus_locus_test corner = l->trial.corners[own];
     const bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
     return !found || real || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
@@ -587,7 +586,7 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
                : give_corner(l, corner, zero->place, moved, message);
 }
 
-/* One step along the curve under way, with the corners on it. */
+/* One step along the current curve, with the corners on it. */
 static saltus_status advance(saltus_locus *l, saltus_message *message) {
     int reached;
     bool moved = false;
@@ -613,7 +612,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
                : give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
 }
 
-/* The other way from the first point, or the next curve. *more is false when all is done. */
+/* Begin the other direction from the first point, or the next curve. *more is false when all is done. */
 static saltus_status begin_next(saltus_locus *l, bool *more, saltus_message *message) {
     saltus_locus_starts *starts = &l->starts;
     if (l->way < l->way_count)
@@ -637,7 +636,7 @@ bool saltus_locus_rests(const saltus_locus *l) {
     return l->trail->number >= 0;
 }
 
-/* The orbit at `here`, and the equations' own vectors and derivative there. */
+/* The orbit at `here`, and the extended equations' borders and derivative there. */
 static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_message *message) {
     saltus_extended *x = &l->x;
     x->mark = (int)saltus_archive_whole(a, x->mark, 0, SALTUS_MARKS_MAX - 1);
@@ -670,7 +669,7 @@ static void archive_close(saltus_archive *a, saltus_close *close) {
     saltus_archive_finite(a, close->im, (size_t)close->count);
 }
 
-/* The functions whose zeros are corners, as far as the next step compares them. */
+/* The functions whose zeros are corners, as far as the next step compares with them. */
 static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->here.corner_count = (int)saltus_archive_whole(a, l->here.corner_count, 0, SALTUS_CORNERS_MAX);
     for (int k = 0; k < l->here.corner_count; k++) {
@@ -705,7 +704,7 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail,
     trail->number = number;
     saltus_locus_starts_archive(a, &l->starts);
     saltus_archive_orbits(a, &l->x.orbits);
-    /* The start of the curve under way, and the ways that lead from there. */
+    /* The start of the current curve, and the directions from there. */
     const saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);
     const bool mirrored = saltus_archive_flag(a, l->x.mirrored);
     if (a->reading)
@@ -716,7 +715,7 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail,
     l->way = (int)saltus_archive_whole(a, l->way, 1, l->way_count);
     for (int k = 0; k < l->way_count; k++)
         saltus_archive_whole(a, heading_of(l, k), -1, 1);
-    /* Its first point: sequence, unknowns, the place in the plane among them, and the way from there. */
+    /* Its first point: sequence, unknowns, place in the plane, and the direction in which the curve left. */
     saltus_archive_sequence(a, &l->first);
     l->first_mark = (int)saltus_archive_whole(a, l->first_mark, 0, SALTUS_MARKS_MAX - 1);
     a->sound = a->sound && (kind != SALTUS_POINT_GR || l->first_mark < l->first.count);

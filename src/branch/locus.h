@@ -7,19 +7,19 @@
 
 typedef struct saltus_locus saltus_locus;
 
-/* A locus through a special point of a branch in the first parameter from `spec`, whose points go to the
- * trail, the caller's. At grazing `beyond` is the sequence on the other side, otherwise NULL. Errors:
- * SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+/* A locus through a special point of a branch in the first parameter; its points go to the trail, the
+ * caller's. At grazing `beyond` is the sequence on the other side, otherwise NULL. Errors: SALTUS_NO_MEMORY,
+ * SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, const saltus_solution *at,
                                const saltus_sequence *beyond, saltus_locus **locus, saltus_message *message);
 /* NULL is accepted. */
 void saltus_locus_free(saltus_locus *locus);
-/* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
+/* One step, which may give out points; *more is false when all curves are done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_step(saltus_locus *locus, bool *more, saltus_message *message);
-/* Whether there is more to come that saltus_locus_archive tells of. */
+/* Whether a curve was begun, so that saltus_locus_archive has something to write. */
 bool saltus_locus_rests(const saltus_locus *locus);
-/* All that later steps depend on, but for the trail. Reading, the locus is made; what is out of bounds is
- * told by the archive. Errors: SALTUS_NO_MEMORY, those of saltus_locus_new. */
+/* Everything, except the trail, on which later steps depend. Reading creates the locus; numbers out of bounds
+ * are reported by the archive. Errors: SALTUS_NO_MEMORY, those of saltus_locus_new. */
 saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail, saltus_locus **locus,
                                    saltus_archive *archive, saltus_message *message);
 

@@ -1,10 +1,10 @@
 /* The points of codimension two on a step along a locus.
  *
- * Each is the zero of a function that is known at both ends of the step. Its sign there tells one zero from
- * none; two of them, or a zero beside a place where a multiplier runs through infinity, leave the signs as
- * they are. So the functions are asked between as well, where they bend towards zero, where multipliers have
- * moved so far that they may have crossed the unit circle and come back, and, as long as it takes, where more
- * or fewer of them are inside it than the zeros that are known account for.
+ * Each is a zero of a function whose value is known at both ends of the step. A change of sign shows one
+ * zero, but two zeros, or one next to a place where a multiplier passes through infinity, leave the sign
+ * unchanged. So the functions are evaluated in between as well: where they bend towards zero, where
+ * multipliers have moved so far that they may have crossed the unit circle and come back, and, repeatedly,
+ * where the number of multipliers inside the circle does not agree with the known zeros.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus_corners.h"
 
@@ -18,16 +18,16 @@ typedef struct sample {
     saltus_locus_test corners[SALTUS_CORNERS_MAX];
 } sample;
 
-/* A step under way. */
+/* The search on one step. */
 typedef struct search {
     saltus_extended *x;
-    const saltus_locus_point *here, *next; /* its ends */
-    saltus_locus_point *out;               /* the place that has been asked for last */
+    const saltus_locus_point *here, *next; /* ends of the step */
+    saltus_locus_point *out;               /* the point last visited */
     sample *samples;
     int count, room;
-    /* The zero under way. */
+    /* The zero that is being located. */
     int corner, asked;
-    double clear; /* what a function that is smooth has fallen far below when it has been asked often */
+    double clear; /* a smooth function is below this after many evaluations */
 } search;
 
 static sample sample_of(const saltus_locus_point *p, double place) {
@@ -52,8 +52,8 @@ static bool append(search *s, const sample *own) {
     return true;
 }
 
-/* Whether a function may cross zero between the last two of three places and come back: by the parabola
- * through them it falls towards zero there, below that share of what it is there, and rises again. */
+/* Whether a function may cross zero between the last two of three places and come back: the parabola through
+ * the three values has its minimum (for positive values) there, below a fraction `deep` of the values. */
 static bool may_dip(const double place[3], const double value[3], double deep) {
     const double first = (value[1] - value[0]) / (place[1] - place[0]),
                  second = (value[2] - value[1]) / (place[2] - place[1]),
@@ -63,16 +63,16 @@ static bool may_dip(const double place[3], const double value[3], double deep) {
     return turns && side * value[1] - (second - reach) * (second - reach) / (4 * fabs(bend)) < deep * least;
 }
 
-/* Whether a function is rounding at both ends of the step. Between them it may fall below that where it has a
- * zero. */
+/* Whether a function is only rounding at both ends of the step; in between a zero may make it fall below
+ * that. */
 static bool is_quiet(const search *s, int k) {
     const saltus_locus_test *from = &s->here->corners[k], *to = &s->next->corners[k];
     return from->quiet != 0 && from->value.exponent < from->quiet && to->value.exponent < to->quiet;
 }
 
-/* Whether functions at the last sample and another place, and before them, let expect more zeros between than
- * their signs tell; `sure`: whether a parabola has them. Where one on a curve of grazing has a zero a
- * multiplier may run through infinity there, past 1, -1 and the other ones. */
+/* Whether there may be more zeros between the last sample and `end` than signs tell, also from the values
+ * before; `sure`: only if a parabola has them. Where a function on a curve of grazing has a zero, a
+ * multiplier may pass through infinity nearby, and on the way 1, -1 and other multipliers. */
 static bool may_hide(const search *s, const sample *end, bool sure) {
     const saltus_locus_point *here = s->here;
     const sample *begin = &s->samples[s->count - 1], *last = s->count > 1 ? begin - 1 : NULL;
@@ -95,8 +95,8 @@ static bool may_hide(const search *s, const sample *end, bool sure) {
 
 enum { halvings = 5, halvings_most = 28, samples_most = 400 };
 
-/* Append the end of an interval to the samples; before it, where functions may have more zeros within than
- * their signs tell, or multipliers prove that they have, places between. False without memory. */
+/* Append the end of an interval to the samples, preceded by samples in between if functions may have more
+ * zeros there than signs tell, or multipliers prove it. False without memory. */
 static bool append_until(search *s, const sample *end, int depth) {
     const sample *begin = &s->samples[s->count - 1];
     const double finest = 4e-3, near = 1e-5;
@@ -112,9 +112,9 @@ static bool append_until(search *s, const sample *end, int depth) {
     return append_until(s, &between, depth + 1) && append_until(s, end, depth + 1);
 }
 
-/* Put the places that were found among the samples. Where a fold or flip meets grazing a multiplier runs
- * through infinity nearby, and its product with another one through 1: the test for pairs on the unit circle,
- * which changes its sign there as it does at GR-NS, is asked between them. False without memory. */
+/* Add the zeros found so far to the samples. Where a fold or flip meets grazing, a multiplier passes through
+ * infinity nearby and its product with another one passes through 1. There the test for pairs changes sign as
+ * at GR-NS, so it must be evaluated in between. False without memory. */
 static bool add_samples(search *s, const saltus_locus_zeros *found) {
     search fresh = *s;
     fresh.samples = NULL;
@@ -142,12 +142,12 @@ static bool corner_at(void *context, double ahead, double *value) {
     return ++s->asked < often || !(fabs(*value) > s->clear);
 }
 
-/* So far from a crossing the equations are solved well. */
+/* At this distance from a crossing the equations are solved well. */
 static const double near_crossing = 3e-3;
 
-/* Near a zero at which another curve of the same equations crosses they are singular, and solved by chance,
- * or on the other curve: the point there is interpolated from both sides, from as near as they are told
- * apart. */
+/* A zero at which another curve of the same equations crosses: nearby the equations are singular and Newton's
+ * method may end on either curve. The point is interpolated from both sides, from as close as the curves can
+ * be told apart. */
 static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, int corner, double ahead,
                            saltus_locus_point *out) {
     enum { samples = 6, passes = 4 };
@@ -208,7 +208,7 @@ static bool find_zero(search *s, int k, const sample *a, const sample *b, struct
     const double ends[] = {a->place, b->place},
                  values[] = {saltus_scaled_in(near, exponent), saltus_scaled_in(far, exponent)};
     const double linear = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
-    /* A breach that is nothing all the time is that of another face, which the orbit touches all along. */
+    /* A breach that is always zero belongs to another face, which the orbit touches all along the curve. */
     const double nothing = 1e-12;
     const bool loud = k == 0 ? fmax(fabs(values[0]), fabs(values[1])) > nothing : !is_quiet(s, k);
     const bool pairs = a->corners[k].kind == SALTUS_POINT_GR_NS && !a->corners[k].breach;
@@ -216,26 +216,26 @@ static bool find_zero(search *s, int k, const sample *a, const sample *b, struct
     *zero = (struct saltus_locus_zero){.corner = k, .place = linear};
     if (!(values[0] * values[1] < 0))
         return false;
-    /* Multipliers that are told badly make their products jump. */
+    /* Inaccurate multipliers make their products jump: then the function stays large near its sign change. */
     s->corner = k;
     s->asked = 0;
     s->clear = pairs ? 1e-2 * fmin(fabs(values[0]), fabs(values[1])) : INFINITY;
     if (x->kind == SALTUS_POINT_GR && loud && !pairs && k > 0 && a->crossing * b->crossing < 0 &&
         visit_crossing(s->x, s->here, k, linear, s->out)) {
         zero->place = s->out->at.ahead;
-        /* Where the ends are near to it they are themselves not told better. */
+        /* If an end is close to the crossing its own values are not better known. */
         zero->crosses = zero->place > ends[0] - near_crossing && zero->place < ends[1] + near_crossing;
     }
     if (zero->crosses || (loud && saltus_curve_zero_between(x->orbits.solver, corner_at, s, ends, values,
                                                             &zero->place, &width)))
         return true;
-    /* Where a pair of multipliers meets the equations are singular, and solved near there by chance; the
-     * place is had from others (saltus_locus_sharpen). */
+    /* Where a pair of multipliers meets, the equations are singular and solved by chance nearby;
+     * saltus_locus_sharpen will find the place from other points. */
     zero->place = linear;
     return x->kind == SALTUS_POINT_NS && k > 0 && s->here->corners[k].ends;
 }
 
-/* Put a corner in its place among those found. False: there are too many. */
+/* Insert a corner in order. False: there are too many. */
 static bool insert(saltus_locus_zeros *found, const struct saltus_locus_zero *zero) {
     int at = found->count;
     if (at == SALTUS_CROSSINGS_MAX)
@@ -266,7 +266,7 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
             struct saltus_locus_zero zero;
             double value;
             const bool located = find_zero(&s, k, from, to, &zero);
-            /* The first function is the breach, which may begin with a jump, where a maximum of the gap
+            /* The first function is the breach, which may begin with a jump where a maximum of the gap
              * appears. */
             if (k == 0 && (located || to->corners[k].value.mantissa > 1e-9))
                 sound = located && corner_at(&s, zero.place, &value) && fabs(value) < jump &&

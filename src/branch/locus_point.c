@@ -94,8 +94,8 @@ saltus_status saltus_locus_find_near(saltus_extended *x, saltus_locus_point *her
     return status;
 }
 
-/* Halfway around an orbit, cut there: how the state that is unknown i differs from what it is on orbits of
- * half the period, or on ones that are their own mirror images. */
+/* For an orbit cut halfway: the deviation, in state entry i of the vector u of unknowns, from orbits of half
+ * the period or, with `mirrored`, from those that are their own mirror images. */
 static double half_apart(const saltus_extended *x, const double *u, int i, bool mirrored) {
     return u[x->orbits.n + i] + (mirrored ? u[i] : -u[i]);
 }
@@ -146,7 +146,7 @@ saltus_status saltus_locus_install(saltus_extended *x, saltus_locus_point *here,
     if (status == SALTUS_OK)
         status = saltus_curve_orient(&x->equations, guide, &here->at, message);
     free(guide);
-    /* The determinants are others now. */
+    /* The determinants have changed. */
     return status == SALTUS_OK ? saltus_locus_see(x, here, message) : status;
 }
 
@@ -220,8 +220,8 @@ bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, c
     return apart < near && !(breach && apart > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
 }
 
-/* Whether two multipliers are e^{i theta} and its conjugate: at folds the equations of tori hold with a
- * single multiplier 1 and theta = 0. */
+/* Whether two multipliers are e^{i theta} and its conjugate: at folds the equations of tori hold with theta =
+ * 0 and a single multiplier 1. */
 static bool has_pair(const saltus_survey *survey, int n, double theta) {
     const double near = 1e-2;
     int first = -1;
@@ -256,7 +256,7 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *p) {
         return false;
     if (x->kind == SALTUS_POINT_GR)
         return breach < -apart || saltus_locus_apart(x, s, NULL) >= apart;
-    /* The flow tells a breach as small as that of the last impacts of a long run. */
+    /* A breach as small as that of the last impacts of a long run is judged by the flow. */
     return s->survey.follows || breach > 0;
 }
 
@@ -301,7 +301,7 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     saltus_locus_test contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
     saltus_status status = SALTUS_OK;
     *found = false;
-    /* A little speed at grazing moves the place by as much. */
+    /* A residual speed at grazing moves the place by as much. */
     x->equations.tolerance = fmin(usual, sharp);
     for (int k = 0; k <= halvings; k++) {
         double middle = k < halvings ? 0.5 * (low + high) : low;

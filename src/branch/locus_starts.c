@@ -1,19 +1,19 @@
 /* Where other curves of special points begin.
  *
- * Where an impact grazes on a curve of folds, flips, tori or branch points, the curve of that grazing goes
- * through, to both sides. Where a curve of grazing has a special orbit, be it with or without the impact,
- * the curve of such orbits begins, to the side where it is admissible. Where two impacts graze, the curve of
- * the other one goes through, the first impact being born there: it comes in two pieces. Where a double
- * multiplier is 1 or -1 on a curve of folds or flips, one of tori begins.
+ * Where an impact grazes on a curve of folds, flips, tori or branch points, the curve of that grazing passes
+ * through, to both sides. Where the orbit on a curve of grazing is special, with or without the grazing
+ * impact, the curve of such special orbits begins, on the side where it is admissible. Where two impacts
+ * graze, the curve of the other one's grazing passes through; the first impact is born there, so it comes in
+ * two pieces. Where a double multiplier is 1 or -1 on a curve of folds or flips, a curve of tori begins.
  *
- * Where a flip meets grazing, orbits of twice the period graze too, one of their two impacts. With the speeds
- * v1 and v2 at the stop, and D by which the two halves differ, v1^2 = n + w D, v2^2 = n - w D in the leading
- * terms. Without impacts D is nothing or free, where the flip is: the larger of the gaps n + w D is zero on a
- * curve that only terms of third order part from that of flips. With both impacts D = g (v2 - v1), so that
- * either v1 = v2 or v1 + v2 = - 2 w g: at the flip both speeds are half of that, at grazing one is all of it.
- * In either case the curves touch. Orbits of twice the period with one impact have their folds at a speed
- * that is not small there: none begins. A branch point of orbits that are their own mirror images is a flip
- * of the map over half a period and the mirror: it is all the same.
+ * Where a flip meets grazing, orbits of twice the period graze too, with one of their two impacts. Let v1 and
+ * v2 be the impact speeds and D the difference of the two halves. To leading order v1^2 = n + w D and v2^2 =
+ * n - w D. Without impacts D is zero, or free where the flip is; the larger of the gaps n + w D is zero on a
+ * curve that differs from that of flips only in third order. With both impacts D = g (v2 - v1), so that
+ * either v1 = v2 or v1 + v2 = - 2 w g: at the flip each speed is half of that, at grazing one of them is all
+ * of it. In both cases the curves touch. Orbits of twice the period with one impact have their folds at
+ * speeds that are not small, so no curve of these begins. A branch point of symmetric orbits is a flip of the
+ * map over half a period followed by the mirror: the same holds.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus_starts.h"
 
@@ -49,8 +49,8 @@ static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_
     return SALTUS_OK;
 }
 
-/* Whether two starts are of one curve: at one place, with as many events, and with the same impact grazing,
- * whichever of the orbit's periods it is in. */
+/* Whether two starts belong to one curve: at the same place, with the same number of events and the same
+ * grazing impact, in whichever period of the orbit. */
 static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
     const double near = 1e-6, near_time = 1e-4;
     if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.periods != b->sequence.periods ||
@@ -76,7 +76,7 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
     return known ? SALTUS_OK : add(starts, x->orbits.n, &own, at, message);
 }
 
-/* The least number of periods after which an orbit is where it was; its own if that cannot be told. */
+/* The least number of periods after which an orbit closes; that of its sequence if it cannot be told. */
 static int least_periods(saltus_orbits *o, const saltus_solution *at) {
     const int periods = at->sequence.periods;
     saltus_lap lap = {.system = o->system, .periods = periods};
@@ -92,7 +92,7 @@ static int least_periods(saltus_orbits *o, const saltus_solution *at) {
     return least;
 }
 
-/* A touch as it is in the first so many periods of an orbit. */
+/* A touch moved into the first `periods` periods of an orbit. */
 static saltus_breach fold_touch(const saltus_sequence *s, int periods, saltus_breach touch) {
     while (touch.time >= s->base + periods)
         touch.time -= periods;
@@ -138,14 +138,14 @@ int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, con
     return found;
 }
 
-/* An orbit's marks without one of them. */
+/* A sequence without one of its marks. */
 static void without_mark(const saltus_sequence *old, int mark, saltus_sequence *fresh) {
     const saltus_breach dead = {.kind = SALTUS_BREACH_SPEED, .mark = mark};
     int order[SALTUS_MARKS_MAX];
     saltus_sequence_graze(old, &dead, 1, fresh, order);
 }
 
-/* The impact of a sequence on a face at a time of its orbit; -1: there is none. */
+/* The mark of a sequence on a face at a time of its orbit; -1: none. */
 static int mark_at(const saltus_sequence *s, int face, double time) {
     const double near = 1e-4;
     for (int k = 0; k < s->count; k++)
@@ -154,7 +154,7 @@ static int mark_at(const saltus_sequence *s, int face, double time) {
     return -1;
 }
 
-/* The curve of an impact's grazing in two pieces, with another impact that grazes too and without it. */
+/* The curve of an impact's grazing in two pieces: with and without another impact that grazes too. */
 static int pieces(const saltus_sequence *both, int mark, int other, saltus_locus_start *starts) {
     starts[0].sequence = *both;
     without_mark(both, other, &starts[1].sequence);
@@ -166,7 +166,7 @@ static int pieces(const saltus_sequence *both, int mark, int other, saltus_locus
     return 2;
 }
 
-/* The curves of the other impact's grazing, with the first impact and without it. */
+/* The curves of the other impact's grazing, with and without the first impact. */
 static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_locus_start *starts) {
     const saltus_breach *touch = saltus_corner_touch(x, at);
     const saltus_mark *first = &at->sequence.mark[x->mark];
@@ -176,7 +176,7 @@ static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_l
     return own < 0 || both.periods != at->sequence.periods ? 0 : pieces(&both, other, own, starts);
 }
 
-/* The impact half an orbit from one; -1: there is none. `mirrored`: on another face. */
+/* The mark half an orbit away from a mark, `mirrored` on another face; -1: none. */
 static int counterpart(const saltus_sequence *s, int mark, bool mirrored) {
     int found = -1;
     for (int f = 0; f < SALTUS_FACES_MAX && found < 0; f++)
@@ -185,9 +185,9 @@ static int counterpart(const saltus_sequence *s, int mark, bool mirrored) {
     return found;
 }
 
-/* The curve of grazing of the orbits that branch off at a flip or branch point: from the sequence of those
- * that they branch off from, and the impact in it that grazes. `without`: they branch off where it is not yet
- * born. False: it cannot be had. */
+/* The curve of grazing of the orbits that branch off at a flip or branch point, from the sequence `whole` of
+ * the orbit there and the mark in it that grazes. `without`: they branch off on the side without that impact.
+ * False if it fails. */
 static bool grazing_of_broken(const saltus_sequence *whole, int mark, bool mirrored, bool without,
                               saltus_locus_start *start) {
     start->kind = SALTUS_POINT_GR;
@@ -205,9 +205,9 @@ static bool grazing_of_broken(const saltus_sequence *whole, int mark, bool mirro
     return other >= 0;
 }
 
-/* Where orbits join those of half the period, or those that are their own mirror images: the curve of these
- * orbits' grazing, and that of their flips or branch points. Where two impacts of theirs graze there are four
- * pieces of curves of grazing, each of one impact with the other or without it. */
+/* Where orbits join those of half the period, or symmetric ones: the curve of grazing of these, and that of
+ * their flips or branch points. If two impacts of theirs graze there are four pieces of curves of grazing:
+ * each impact's, with and without the other. */
 static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
                          saltus_locus_start *starts) {
     const saltus_mark *own = &at->sequence.mark[x->mark];
@@ -239,7 +239,8 @@ static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, co
     return 2;
 }
 
-/* The curves that meet a curve of grazing of special orbits, or one of special orbits that grazing ends. */
+/* The curves that meet a curve of grazing at a special orbit, or one of special orbits where it ends by
+ * grazing. */
 static int special_curves(saltus_extended *x, const saltus_locus_test *corner, saltus_point_kind special,
                           const saltus_solution *at, saltus_locus_start *starts) {
     const saltus_breach *touch = saltus_corner_touch(x, at);
@@ -253,7 +254,7 @@ static int special_curves(saltus_extended *x, const saltus_locus_test *corner, s
     starts[0].one_way = grazes;
     starts[0].mark = grazes ? 0 : mark;
     starts[0].sequence = grazes && without ? saltus_corner_without(x, at) : whole;
-    /* Of orbits that close after fewer periods there it is not the flip. */
+    /* If the orbit closes after fewer periods the flip is not that of the shorter orbit. */
     bool breaks = whole.periods == at->sequence.periods &&
                   (special == SALTUS_POINT_PD || (special == SALTUS_POINT_BP && x->mirrored));
     return 1 + (breaks && grazing_of_broken(&whole, mark, x->mirrored, without, &starts[1]));
@@ -269,7 +270,7 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
     if (corner->joins && x->kind == SALTUS_POINT_GR)
         return joined_curves(x, corner, at, starts);
     if (corner->joins) {
-        /* The flips of the shorter orbits, and tori of theirs at a double multiplier. */
+        /* The flips of the shorter orbits and, at a double multiplier, their tori. */
         starts[0].kind = SALTUS_POINT_PD;
         starts[1].kind = SALTUS_POINT_NS;
         starts[0].sequence = starts[1].sequence = saltus_sequence_first_half(&at->sequence);
@@ -320,7 +321,7 @@ saltus_point_kind saltus_locus_start_kind(saltus_archive *a, saltus_point_kind k
 }
 
 void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts) {
-    enum { numbers_min = 16 }; /* of a start */
+    enum { numbers_min = 16 }; /* per start */
     if (a->reading)
         saltus_locus_starts_clear(starts);
     starts->start = saltus_archive_list(a, starts->start, &starts->count, sizeof *starts->start, numbers_min);

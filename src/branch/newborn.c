@@ -1,10 +1,10 @@
-/* Cycles that motions settle on where an equilibrium has met a stop.
+/* Cycles on which motions settle near an equilibrium that has met a stop.
  *
- * A little beyond, all that is born has the size of the distance d between the equilibrium and the stop: the
- * flow is that of the Jacobian and the impact that of a linear law, up to parts of order d. So the scene
- * itself is followed from a few states of that size, on both sides. A motion that settles on a cycle is
- * polished by Newton's method; the same cycle, shrunk, must be there at an eighth of the distance, with the
- * same events, impacts an eighth as fast, and nearly the same period. That tells what is born from what was
+ * A little beyond the contact, everything that is born has the size of the distance d between equilibrium and
+ * stop: up to order d, the flow is that of the Jacobian and the impact law linear. So the scene itself is
+ * followed from a few states of that size, on both sides. A motion that settles on a cycle is polished by
+ * Newton's method. At an eighth of the distance the shrunken cycle must exist too, with the same events,
+ * impacts an eighth as fast and nearly the same period. This distinguishes what is born from cycles that were
  * there before, whose size does not change.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/newborn.h"
@@ -23,18 +23,18 @@ typedef struct newborn {
     saltus_rests *rests;
     saltus_orbit_options options;
     const saltus_rest *at;
-    int face;              /* that it touches */
-    double parameter;      /* beyond, */
-    saltus_system *system; /* and the system there, by its own clock; */
+    int face;              /* face that is touched */
+    double parameter;      /* parameter a little beyond */
+    saltus_system *system; /* system at `parameter` */
     saltus_flow *flow;
     double size; /* scaled distance of the equilibrium there from `at` */
-    /* The last part of a motion: its contact events, with the states after them. */
+    /* The last part of a motion: its contact events and the states after them. */
     int count;
     saltus_event event[contacts_max];
     double *state; /* contacts_max x n */
 } newborn;
 
-/* A cycle, by its own clock. */
+/* A cycle, with `clocked` the system whose period is that of the cycle. */
 typedef struct found {
     saltus_orbit orbit;
     saltus_system *clocked;
@@ -53,7 +53,7 @@ static double apart(const newborn *b, const double *p, const double *q) {
     return saltus_system_distance(b->rests->first, p, q);
 }
 
-/* A state of the size of the distance from the equilibrium beyond, which `rest` is. */
+/* A starting state for a trial: displaced from the equilibrium `rest` by about `size`. */
 static void begin_aside(const newborn *b, const saltus_rest *rest, int trial, double *state) {
     static const double reach[] = {1, 0.3, 3};
     const int n = b->rests->n, count = rest->rate_count;
@@ -73,8 +73,8 @@ static void begin_aside(const newborn *b, const saltus_rest *rest, int trial, do
     saltus_state_admit(b->system, state);
 }
 
-/* Follow a motion until it has met many contacts, and note them. Few are noted where it rests or leaves the
- * neighbourhood. Errors: those of the flow. */
+/* Follow a motion until it has met many contacts, and record these. Few are recorded if it comes to rest or
+ * leaves the neighbourhood. Errors: those of the flow. */
 static saltus_status follow(newborn *b, const saltus_rest *rest, double *state) {
     const double far = 1e3, turns = 3000;
     const size_t n = (size_t)b->rests->n;
@@ -94,7 +94,7 @@ static saltus_status follow(newborn *b, const saltus_rest *rest, double *state) 
             break;
         if (event.face != b->face)
             continue;
-        /* Of the impacts before a contact with which chatter completes, any number, the first stays. */
+        /* If chatter completes, keep only the first of its impacts, whose number is arbitrary. */
         int kept = b->count;
         while (event.kind == SALTUS_STICK && kept > 0 && b->event[kept - 1].kind == SALTUS_IMPACT)
             kept--;
@@ -106,7 +106,7 @@ static saltus_status follow(newborn *b, const saltus_rest *rest, double *state) 
     return status;
 }
 
-/* Whether the last `count` of the chosen events repeat those `period` before. */
+/* Whether the last `count` of the chosen events repeat those `period` events before. */
 static bool repeats(const newborn *b, const int *chosen, int last, int period, int count) {
     const double near = 1e-4;
     for (int k = last; k > last - count; k--) {
@@ -119,9 +119,8 @@ static bool repeats(const newborn *b, const int *chosen, int last, int period, i
     return true;
 }
 
-/* The period that the motion has settled on, and a `state` amid its longest flight, to begin at: 0 where it
- * has not. Where chatter completes only the contacts after it are counted, as there are any number of impacts
- * before. */
+/* The period on which the motion has settled, and as `state` a point in the middle of its longest flight; 0
+ * if it has not settled. If chatter completes only the contacts after it count, not its impacts. */
 static double settled(newborn *b, double *state) {
     int chosen[contacts_max], count = 0, sticks = 0, period = 1;
     for (int k = b->count / 2; k < b->count; k++)
@@ -154,7 +153,7 @@ static double settled(newborn *b, double *state) {
     return status == SALTUS_OK ? time * unit : 0;
 }
 
-/* The cycle of about a period through about a state. */
+/* Find the cycle near this period and state by Newton's method. */
 static saltus_status polish(const newborn *b, const saltus_system *system, double period, const double *state,
                             found *f) {
     saltus_system *clocked = NULL;
@@ -171,7 +170,7 @@ static saltus_status polish(const newborn *b, const saltus_system *system, doubl
     return status;
 }
 
-/* The system a little beyond; `rest` is the equilibrium there. */
+/* The system at `parameter`, and `rest`, the equilibrium there. */
 static saltus_status tune(saltus_rests *r, const saltus_rest *at, double parameter, saltus_rest *rest,
                           saltus_system **system) {
     saltus_message ignored;
@@ -183,8 +182,8 @@ static saltus_status tune(saltus_rests *r, const saltus_rest *at, double paramet
     return status;
 }
 
-/* A cycle that was settled on: whether it is there, shrunk, nearer to the stop. `out` becomes its beginning.
- */
+/* *does: whether the cycle also exists, shrunken, nearer to the stop. `out` becomes the start of its
+ * branch. */
 static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, saltus_branch_start *out,
                              bool *does) {
     const double part = 0.125, slack = 0.1;
@@ -214,7 +213,7 @@ static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, salt
         status = saltus_flow_single(less.clocked, 0, &b->options.flow, &flow, &ignored);
     if (*does && status == SALTUS_OK)
         status = saltus_sequence_make(flow, 1, true, less.orbit.state, &lap, &out->sequence, &ignored);
-    /* What is left of order d is taken out of the period, not of the state: it is what is told. */
+    /* Extrapolate the period, which is reported, to d = 0, but not the state. */
     out->sequence.omega = 2 * M_PI / (shorter - part * (period - shorter) / (1 - part));
     for (int i = 0; i < n && *does; i++)
         out->tangent[i] =
@@ -226,7 +225,7 @@ static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, salt
     return status;
 }
 
-/* Whether a cycle is among those that are known: on the same side, of the same period. */
+/* Whether a cycle is known already: on the same side, with the same period. */
 static bool is_known(const saltus_starts *starts, const saltus_branch_start *start) {
     const double alike = 1e-3;
     for (int k = 0; k < starts->count; k++) {
@@ -238,7 +237,7 @@ static bool is_known(const saltus_starts *starts, const saltus_branch_start *sta
     return false;
 }
 
-/* One motion on one side, where `rest` is the equilibrium. */
+/* Try one motion on one side, where `rest` is the equilibrium. */
 static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_branch_start *like,
                          saltus_starts *starts, saltus_message *message) {
     double state[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2] = {0};

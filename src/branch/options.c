@@ -62,7 +62,7 @@ static saltus_status check_range(const saltus_branch_options *o, int k, double v
     return SALTUS_OK;
 }
 
-/* What a locus needs beside the first parameter. */
+/* Check what a locus needs besides the first parameter. */
 static saltus_status check_locus(const saltus_branch_options *o, const saltus_spec *spec,
                                  saltus_message *message) {
     saltus_direction first, second;

@@ -82,7 +82,7 @@ saltus_status saltus_branch_point_copy(const saltus_branch_point *point, saltus_
     return SALTUS_OK;
 }
 
-/* Event times from section phase 0 of the orbit, in order. */
+/* Shift event times into one orbit from section phase 0, and sort the events. */
 static void fold_events(saltus_event *events, int count, int periods) {
     for (int k = 0; k < count; k++)
         events[k].time.cycle = ((events[k].time.cycle % periods) + periods) % periods;
@@ -95,7 +95,7 @@ static void fold_events(saltus_event *events, int count, int periods) {
         }
 }
 
-/* Whether an event of the flow is in a stretch whose events the marks leave to it. */
+/* Whether an event of the flow lies in a stretch that the marks leave to the flow. */
 static bool is_left_to_flow(const saltus_sequence *s, const saltus_event *event) {
     const double close = 1e-6 * s->periods, time = saltus_time_periods(event->time);
     const bool release = event->kind == SALTUS_RELEASE;
@@ -110,9 +110,9 @@ static bool is_left_to_flow(const saltus_sequence *s, const saltus_event *event)
     return driven;
 }
 
-/* The events that the marks prescribe, an impact without speed among them, which the flow would see by
- * chance, and those that they leave to the flow. Where it does not go around, a contact that they lead to is
- * chatter. */
+/* The events that the marks prescribe, including impacts of zero speed, which the flow sees only by chance,
+ * and those that the marks leave to the flow. If the flow fails to go around, a contact to which these lead
+ * counts as chatter. */
 static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, saltus_branch_point *point) {
     const saltus_survey *survey = &s->survey;
     double speed[SALTUS_MARKS_MAX];
@@ -148,8 +148,8 @@ static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, 
     saltus_orbit_label(point->impacts, s->sequence.periods, point->label);
 }
 
-/* An orbit of a period of its own is told as it is from its highest maximum on. Where the flow does not
- * follow it, it stays as it is prescribed. */
+/* An orbit whose period is an unknown is reported from its highest maximum on. If the flow does not follow
+ * it, it is reported as prescribed. */
 static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
                                   saltus_branch_point *point, int *returns, saltus_message *message) {
     saltus_lap lap = {.keeps_events = true};
@@ -174,7 +174,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     const int seen = survey->lap.event_count, periods = s->sequence.periods;
     const bool found = survey->follows && !prescribed;
     const double section = ceil(s->sequence.base / periods) * periods;
-    /* What the parameter's rounding leaves to the solution's value, as on a border of the range. */
+    /* The rounding error of the parameter, which the solution's value lacks, as on a border. */
     const double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
     const saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
     const size_t state_bytes = (size_t)o->n * sizeof *point->state;
@@ -200,8 +200,8 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     for (int k = 0; k < o->n; k++)
         point->multipliers[k] =
             k < point->multiplier_count ? survey->multipliers[k] : (saltus_multiplier){0, 0, NAN};
-    /* Where chatter is left to the flow the prescribed way may not lead there: then as the flow saw it
-     * nearby. */
+    /* If chatter is left to the flow the prescribed path may not lead to the section: then take the flow's
+     * state nearby. */
     if (found || saltus_solution_state_at(o, s, section, point->state, &ignored) != SALTUS_OK)
         memcpy(point->state, survey->lap.points, state_bytes);
     if (saltus_solution_contact_force(o, s, &point->contact_force, &ignored) == SALTUS_NO_MEMORY) {

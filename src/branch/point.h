@@ -10,17 +10,17 @@
 /* "regular", "LP", ... */
 extern const saltus_word saltus_point_words[];
 
-/* Room for the arrays of a point of so many states and events; what need not be known is NAN. Cleared where
- * memory is lacking. */
+/* Allocate a point for `dimension` states and this number of events; values that may stay unknown are NAN.
+ * Cleared if memory is lacking. */
 saltus_status saltus_point_open(saltus_branch_point *point, int dimension, int events,
                                 saltus_message *message);
-/* All that a surveyed solution tells of a point. Where events change the flow sees one side or the other by
- * chance: there events and state are those `prescribed`. `*returns`: of a cycle to its section, -1 where they
- * are not known. The point owns its arrays: saltus_branch_point_clear. Errors: SALTUS_NO_MEMORY, those of the
+/* Fill a point with what a surveyed solution tells. At changes of events it is chance which side the flow
+ * sees: there take the `prescribed` events and state. *returns: the returns of a cycle to its section, -1 if
+ * unknown. The point owns its arrays (saltus_branch_point_clear). Errors: SALTUS_NO_MEMORY, those of the
  * flow. */
 saltus_status saltus_point_make(saltus_orbits *orbits, const saltus_solution *solution, bool prescribed,
                                 saltus_branch_point *point, int *returns, saltus_message *message);
-/* The touch at grazing is that of a breach. */
+/* Record a breach as the touch at grazing. */
 void saltus_point_mark_grazing(const saltus_orbits *orbits, const saltus_breach *breach,
                                saltus_branch_point *point);
 

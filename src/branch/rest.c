@@ -8,17 +8,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The flow that tells the vector field, what it has last told, and scratch. */
+/* The flow that evaluates the vector field, its last results, and scratch. */
 typedef struct saltus_rest_work {
-    saltus_arena arena, shape_arena; /* for good, and for the contacts that the equations are of */
+    saltus_arena arena, shape_arena; /* permanent, and for the present contacts */
     saltus_flow *flow;
-    double at[2]; /* the parameters that the system has */
+    double at[2]; /* parameters of the system */
     saltus_variation varied[2];
     double *state, *field, *jacobian; /* n, n; n + parameters columns of n */
     double *basis, *matrix, *product; /* n x n each; rows of the basis: coordinates of the motion */
-    int held, face[SALTUS_FACES_MAX]; /* of the contacts */
-    double *aside;                    /* room for the bordered Jacobian, */
-    saltus_dense_lu lu;               /* and its factors */
+    int held, face[SALTUS_FACES_MAX]; /* faces of the contacts */
+    double *aside;                    /* bordered Jacobian */
+    saltus_dense_lu lu;               /* its factors */
 } work;
 
 saltus_status saltus_rests_noted(saltus_rests *r, saltus_status status) {
@@ -93,7 +93,7 @@ void saltus_rests_close(saltus_rests *r) {
     *r = (saltus_rests){.n = 0};
 }
 
-/* The system becomes that of parameters; the first one stays. */
+/* Set the system to these parameters; the first one is kept. */
 static saltus_status tune(saltus_rests *r, const double *parameters, saltus_message *message) {
     saltus_system *tuned = r->system == r->first ? NULL : r->system;
     bool same = true;
@@ -108,7 +108,7 @@ static saltus_status tune(saltus_rests *r, const double *parameters, saltus_mess
     return status;
 }
 
-/* The unknown of a state's entry: its displacement or its further state; that of a velocity is none. */
+/* The entry of the state that is an unknown: displacements and further states are, velocities are not. */
 static int state_of(const saltus_rests *r, int unknown) {
     return unknown < r->dof ? unknown : unknown + r->dof;
 }
@@ -120,8 +120,8 @@ static void take_state(const saltus_rests *r, const double *parameters, const do
     memcpy(u + r->size, parameters, (size_t)r->family.parameters * sizeof *parameters);
 }
 
-/* The work's state becomes that of unknowns, aside by `by` times a vector (n; NULL: none), and its field and
- * Jacobian those there, with contacts that hold. */
+/* Evaluate field and Jacobian, with these contacts, at the state of the unknowns displaced by `by` times a
+ * vector (n; NULL: none). */
 static saltus_status place(saltus_rests *r, const double *u, const double *aside, double by,
                            unsigned contacts, saltus_message *message) {
     work *w = r->work;
@@ -145,7 +145,7 @@ static saltus_status place(saltus_rests *r, const double *u, const double *aside
     return SALTUS_OK;
 }
 
-/* The row of a face's gap, in units of the displacements' scale. */
+/* The equation that a face's gap is zero, in units of the displacements' scale. */
 static void fill_gap(const saltus_rests *r, int face, double *residual, double *row) {
     const saltus_face f = r->system->faces[face];
     const double length = r->state_scale[0];
@@ -161,7 +161,7 @@ static void fill_gap(const saltus_rests *r, int face, double *residual, double *
     }
 }
 
-/* The rows of the equilibrium itself at u. */
+/* The equations of the equilibrium at u, without the special one. */
 static saltus_status fill_rows(saltus_rests *r, const double *u, saltus_message *message) {
     saltus_equations *e = &r->equations;
     work *w = r->work;
@@ -226,7 +226,7 @@ double saltus_rests_pair(saltus_rests *r, const double *u, double near, double *
     for (int i = 0; i < count; i++)
         for (int j = 0; j < i; j++) {
             const double sum = re[i] + re[j], product = re[i] * re[j] - im[i] * im[j];
-            /* Two of which neither is the other's conjugate are no pair. */
+            /* Two eigenvalues are a pair only if both are real or they are conjugate. */
             const bool pair = im[i] + im[j] == 0 && (im[i] != 0 || im[j] == 0);
             const double apart = fabs(sum) * sqrt(fabs(near)) + fabs(product - near);
             if (pair && apart < best) {
@@ -238,8 +238,8 @@ double saltus_rests_pair(saltus_rests *r, const double *u, double near, double *
     return half;
 }
 
-/* What makes the equilibrium special, at u: of a fold the last number of the bordered Jacobian's solution,
- * zero where the Jacobian is singular. */
+/* The value at u that makes the equilibrium special, for HB or LP. For a fold it is the last entry of the
+ * bordered Jacobian's solution: zero where the Jacobian is singular. */
 static double special(saltus_rests *r, const double *u) {
     const saltus_rest_special *s = r->special;
     const int size = r->size, order = size + 1;
@@ -264,7 +264,7 @@ static double special(saltus_rests *r, const double *u) {
     return a[size];
 }
 
-/* The last row, by central differences where it is no gap; rows before it are filled in afterwards. */
+/* The special equation of HB or LP, its gradient by central differences; these overwrite the other rows. */
 static saltus_status fill_special(saltus_rests *r, const double *u, saltus_message *message) {
     const double apart = 1e-5;
     saltus_equations *e = &r->equations;
@@ -336,7 +336,7 @@ saltus_status saltus_rests_shape(saltus_rests *r, unsigned contacts, const doubl
     for (int i = 0; i < r->width; i++)
         r->row_scale[i] = 1;
     saltus_status status = fill_rows(r, r->equations.trial, message);
-    /* At a fold or a branch point a row may be zero: then the scales of the states tell its size. */
+    /* At a fold or branch point a row may be zero: then the scales of the states give its size. */
     for (int i = 0; i < r->width && status == SALTUS_OK; i++) {
         double largest = r->state_scale[r->dof + i] * r->rate_scale;
         for (int j = 0; j < unknowns; j++)
@@ -395,7 +395,7 @@ void saltus_rest_clear(saltus_rest *s) {
     *s = (saltus_rest){.rate_count = 0};
 }
 
-/* The product of the sums of all two eigenvalues: zero where a pair is purely imaginary. */
+/* The product of the sums of all pairs of eigenvalues: zero where a pair is purely imaginary. */
 static saltus_scaled product_of_pairs(const saltus_eigenvalue *rates, int count) {
     double re = 1, im = 0, exponent = 0;
     for (int i = 0; i < count; i++)
@@ -479,7 +479,7 @@ saltus_status saltus_rest_place(saltus_rests *r, unsigned contacts, const double
         status = saltus_equations_evaluate(e, at->u, message);
     if (status == SALTUS_OK && tangent) {
         memcpy(at->tangent, tangent, (size_t)at->unknowns * sizeof *tangent);
-        at->crossing.mantissa = NAN; /* zero but for rounding */
+        at->crossing.mantissa = NAN; /* zero to rounding */
         at->residual = e->size;
     } else if (status == SALTUS_OK) {
         status = saltus_curve_orient(e, NULL, at, message);

@@ -16,17 +16,17 @@ enum { tests_max = 2 };
 /* A function along the curve whose zero is a point of codimension two. */
 typedef struct test {
     saltus_point_kind kind;
-    bool ends; /* the curve does */
+    bool ends; /* the curve ends there */
     double value;
 } test;
 
-/* A curve of Hopf points or folds through a place where two eigenvalues are zero (BT). */
+/* A curve of Hopf points or folds through a point where two eigenvalues are zero (BT). */
 typedef struct passage {
     saltus_point_kind kind;
     unsigned contacts;
     double parameter[2], *state;
-    int parent, depth; /* of the curve that comes upon it */
-    bool done;         /* it has been followed there */
+    int parent, depth; /* of the curve that has met it */
+    bool done;         /* it has been followed */
 } passage;
 
 /* A point of the curve, and its tests. */
@@ -39,17 +39,17 @@ struct saltus_rest_locus {
     saltus_trail *trail; /* the caller's */
     passage *passages;
     int passage_count;
-    bool switched; /* the curve under way begins at such a place */
+    bool switched; /* the current curve begins at a BT point */
     saltus_rests rests;
-    saltus_rest_special special; /* what the equilibria are, renewed from point to point */
+    saltus_rest_special special; /* what makes the equilibria special, renewed from point to point */
     spot here, next, trial;
-    double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point, */
+    double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point */
     double first_square;
     double border[2][2]; /* of both parameter unknowns: low, high */
     int ways[2], way_count, way;
 };
 
-/* The sum over the eigenvalues of the product of all others: zero where two of them are. */
+/* The sum over the eigenvalues of the product of all others: zero where two eigenvalues are zero. */
 static double product_of_others(const saltus_rest *s) {
     double sum = 0;
     for (int k = 0; k < s->rate_count; k++) {
@@ -64,7 +64,7 @@ static double product_of_others(const saltus_rest *s) {
     return sum;
 }
 
-/* The tests at a point that the equations have just been evaluated at. Errors: SALTUS_NO_MEMORY. */
+/* The tests at a point at which the equations were just evaluated. Errors: SALTUS_NO_MEMORY. */
 static saltus_status measure(saltus_rest_locus *l, spot *s, saltus_message *message) {
     saltus_rests *r = &l->rests;
     const saltus_equations *e = &r->equations;
@@ -87,8 +87,8 @@ static saltus_status measure(saltus_rest_locus *l, spot *s, saltus_message *mess
     return SALTUS_OK;
 }
 
-/* What the equations tell the special point by follows the curve, too. Where the left null vector turns
- * round, so does the sign of the test for cusps. */
+/* Renew what identifies the special point in the equations. If the left null vector is reversed, so is the
+ * sign of the test for cusps. */
 static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_rest_special *special = &l->special;
@@ -217,7 +217,7 @@ static saltus_status give(saltus_rest_locus *l, const spot *at, saltus_point_kin
     return saltus_trail_give(l->trail, r->system, &what, message);
 }
 
-/* The locus goes off from its first point in the next of its ways. */
+/* Begin the next direction from the first point. */
 static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.rest.at;
@@ -237,15 +237,15 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
         status = saltus_rest_see(r, &l->here.rest, message);
     if (status == SALTUS_OK)
         status = measure(l, &l->here, message);
-    /* In the very place their signs mean nothing. */
+    /* At the BT point itself their signs mean nothing. */
     for (int k = 0; k < tests_max && l->switched; k++)
         l->here.tests[k].value = NAN;
     at->residual = r->equations.size;
     return status == SALTUS_OK ? give(l, &l->here, l->special.kind, 0, "", message) : status;
 }
 
-/* A curve through a place where two eigenvalues are zero is known from now on; `done`: it is the one under
- * way. */
+/* Note a curve through a point where two eigenvalues are zero, unless it is known; `done`: it is the current
+ * one. */
 static saltus_status note(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at, bool done,
                           saltus_message *message) {
     const double near = 1e-6;
@@ -277,7 +277,7 @@ static saltus_status note(saltus_rest_locus *l, saltus_point_kind kind, const sa
     return SALTUS_OK;
 }
 
-/* Where two eigenvalues are zero the curve of folds goes through, and that of Hopf points ends. */
+/* Where two eigenvalues are zero, the curve of folds passes through, and that of Hopf points ends. */
 static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
     const saltus_point_kind own = l->special.kind,
                             other = own == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
@@ -289,7 +289,7 @@ static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_me
                : status;
 }
 
-/* The way along a curve of Hopf points from where two eigenvalues are zero on which these are a pair. */
+/* The direction along a curve of Hopf points, from a BT point, in which the two eigenvalues are imaginary. */
 static int way_of_pairs(saltus_rest_locus *l) {
     const double apart = 1e-3;
     saltus_rest *aside = &l->trial.rest;
@@ -303,9 +303,9 @@ static int way_of_pairs(saltus_rest_locus *l) {
                : -1;
 }
 
-/* The other curve through a place where two eigenvalues are zero, from there. */
+/* Begin the other curve through a point where two eigenvalues are zero. */
 static saltus_status switch_to(saltus_rest_locus *l, passage *p, saltus_message *message) {
-    const double little = 1e-6; /* of the pair's frequency: it tells the two from others */
+    const double little = 1e-6; /* relative to rate_scale squared; identifies the two eigenvalues */
     saltus_message why = {.text = ""};
     p->done = l->switched = true;
     l->special.kind = p->kind;
@@ -345,7 +345,7 @@ static bool value_ahead(void *context, double ahead, double *value) {
     return isfinite(*value);
 }
 
-/* The points of codimension two between `here` and `next`, in order. */
+/* Give out the points of codimension two between `here` and `next`, in order. */
 static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message) {
     double place[tests_max];
     int order[tests_max], count = 0;
@@ -394,7 +394,7 @@ static bool is_closed(const saltus_rest_locus *l) {
            apart < 2 * next->ahead;
 }
 
-/* A face that the equilibrium may not be beyond, or whose contact pulls; -1: none. */
+/* A face that the equilibrium has crossed or whose contact pulls; -1: none. */
 static int find_breach(const saltus_rest_locus *l) {
     const double near = 1e-9;
     for (int f = 0; f < l->rests.system->face_count; f++)
@@ -403,7 +403,7 @@ static int find_breach(const saltus_rest_locus *l) {
     return -1;
 }
 
-/* One step along the curve under way. */
+/* One step along the current curve. */
 static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_trail *trail = l->trail;
@@ -435,7 +435,7 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
                                             : "the equilibrium meets a stop",
                     message);
     if (is_closed(l)) {
-        l->way = l->way_count; /* the other way leads around the same curve */
+        l->way = l->way_count; /* the other direction leads around the same curve */
         return give(l, &l->next, SALTUS_POINT_EP, ahead, "the curve is closed: it has come back", message);
     }
     if (reached >= 0) {
@@ -475,7 +475,7 @@ static saltus_point_kind archive_kind(saltus_archive *a, saltus_point_kind kind)
 }
 
 static void archive_passages(saltus_rest_locus *l, saltus_archive *a) {
-    enum { numbers_min = 7 }; /* of one */
+    enum { numbers_min = 7 }; /* per passage */
     if (a->reading)
         clear_passages(l);
     l->passages = saltus_archive_list(a, l->passages, &l->passage_count, sizeof *l->passages, numbers_min);

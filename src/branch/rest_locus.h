@@ -12,13 +12,13 @@ typedef struct saltus_rest_locus saltus_rest_locus;
 typedef struct saltus_rest_start {
     unsigned contacts;
     const double *state;
-    double parameter; /* unknown */
-    int face;         /* that is touched (BE); -1: none */
-    double square;    /* of the pair's frequency (HB) */
+    double parameter; /* the parameter unknown */
+    int face;         /* BE: the face that is touched; -1: none */
+    double square;    /* HB: square of the pair's frequency */
 } saltus_rest_start;
 
-/* Through such a place, from a specification on; NULL: none, for reading back what saltus_rest_locus_archive
- * has written. Points go to the trail, the caller's. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
+/* A locus through such an equilibrium; NULL: none, if saltus_rest_locus_archive is to read it. Points go to
+ * the trail, the caller's. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail,
                                     const saltus_rest_start *place, saltus_rest_locus **locus,
                                     saltus_message *message);
@@ -26,8 +26,8 @@ saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail
 void saltus_rest_locus_free(saltus_rest_locus *locus);
 /* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_rest_locus_step(saltus_rest_locus *locus, bool *more, saltus_message *message);
-/* All that later steps depend on, but for the trail, written, or read into what saltus_rest_locus_new has
- * made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
+/* Everything, except the trail, on which later steps depend: written, or read into what saltus_rest_locus_new
+ * has made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *locus, saltus_archive *archive,
                                         saltus_message *message);
 

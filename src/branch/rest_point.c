@@ -17,7 +17,7 @@ const char *saltus_rest_label(unsigned contacts) {
 saltus_status saltus_rest_point(const saltus_rests *r, const saltus_rest *s, saltus_branch_point *point,
                                 saltus_message *message) {
     const saltus_spec spec = saltus_family_spec(&r->family, s->parameter, 0);
-    /* What the parameter's rounding leaves to the equilibrium's value, as on a border of the range. */
+    /* The rounding error of the parameter, which the equilibrium's value lacks, as on a border. */
     const double rest = s->value[0] - (r->origin[0] + r->family.unit[0] * s->parameter[0]);
     saltus_status status = saltus_point_open(point, r->n, 0, message);
     if (status != SALTUS_OK)
@@ -74,7 +74,7 @@ double saltus_rest_value(saltus_rest_asked asked, const saltus_rest *s, const sa
     }
 }
 
-/* A zero under way. */
+/* A zero that is being located. */
 typedef struct sought {
     saltus_rests *rests;
     saltus_rest_asked asked;
@@ -91,7 +91,7 @@ static bool value_ahead(void *context, double ahead, double *value) {
     return true;
 }
 
-/* How far along the curve the zero may be off by rounding: what points beside it scatter by. */
+/* The possible rounding error of the zero in arclength, from the scatter of points beside it. */
 static double scatter(sought *s, double ahead) {
     const double apart = 1e-7;
     double value[3];

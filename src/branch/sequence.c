@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Breaches this near to zero change together, as they do on orbits that are their own mirror images. */
+/* Breaches this close to zero change together, as on orbits that are their own mirror images. */
 static const double together = 1e-7;
 
 const char *saltus_sequence_graze(const saltus_sequence *old, const saltus_breach *breaches, int count,
@@ -111,7 +111,7 @@ static void find_held(const saltus_sequence *s, unsigned *held) {
     }
 }
 
-/* Those of the contacts that do not last all the time. */
+/* The contacts that do not last all the time. */
 static unsigned passing(const saltus_sequence *s, unsigned contacts) {
     unsigned met = 0;
     for (int k = 0; k < s->count; k++)
@@ -119,7 +119,7 @@ static unsigned passing(const saltus_sequence *s, unsigned contacts) {
     return contacts & met;
 }
 
-/* Whether a face has begun to hold, or the flow finds its own events, just after each mark. */
+/* Whether, just after each mark, a temporary contact holds or events are left to the flow. */
 static void find_bound(const saltus_sequence *s, bool *bound) {
     unsigned held[SALTUS_MARKS_MAX];
     find_held(s, held);
@@ -214,7 +214,7 @@ static bool trim_runs(saltus_sequence *s, const double *old_speed, int *order) {
     return kept < count;
 }
 
-/* Whether an event comes near a cut, over which it cannot pass. */
+/* Whether an event comes close to a cut, which it cannot pass. */
 static bool cuts_are_tight(const saltus_sequence *s) {
     const double share_min = 0.05;
     for (int j = 1; j < s->cuts; j++) {
@@ -264,7 +264,7 @@ void saltus_sequence_carry(const saltus_sequence *old, const double *vector, con
         for (int i = 0; i < n; i++)
             out[j * n + i] = same ? vector[j * n + i] : 0;
     }
-    /* From another base of an orbit that forgets when it is, all times may be later alike. */
+    /* If the base of an orbit of unknown period moves, all times may be shifted: subtract the mean. */
     const bool adrift = fresh->omega > 0 && old->base != fresh->base;
     double later = 0;
     for (int k = 0; k < fresh->count && adrift; k++)

@@ -274,8 +274,7 @@ static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solutio
 /* Two flows, or a few points, may by chance differ by less than their errors. */
 static const double cautious = 4;
 
-/* Orbits of a flow of another tolerance, at a solution that has the shooting's sequence. Close both in any
- * case. */
+/* Orbits of a flow of another tolerance, at a solution of the shooting's sequence. Close both in any case. */
 static saltus_status open_other(const saltus_orbits *o, const saltus_solution *at, saltus_orbits *other,
                                 saltus_solution *there) {
     saltus_message ignored;

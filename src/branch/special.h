@@ -44,8 +44,8 @@ saltus_status saltus_special_visit(saltus_orbits *orbits, const saltus_solution 
  * of the test. INFINITY if that flow finds no such point. */
 double saltus_special_doubt(saltus_orbits *orbits, saltus_test test, const saltus_solution *at);
 
-/* Whether a step has led from orbits that do not close after half the period (or are not their own mirror
- * images then) to orbits that do: the step was too long to see that the branch meets theirs and turns back
+/* Whether a step has led from orbits that do not close (or are not their own mirror images) after half the
+ * period to orbits that do: the step was too long to see that the branch meets theirs and turns back
  * there. */
 bool saltus_special_strays(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next);
 

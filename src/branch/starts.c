@@ -62,9 +62,8 @@ void saltus_starts_clear(saltus_starts *starts) {
     *starts = (saltus_starts){.count = 0};
 }
 
-/* The unit vector in the null plane along which the new branch leaves. At flips and pitchforks it has no
- * component in the parameter and is the tangent of the new branch; otherwise it is orthogonal to the old
- * tangent. */
+/* The unit vector in the null plane along which the new branch leaves: at flips and pitchforks the new
+ * branch's tangent, along which the parameter is constant; otherwise orthogonal to the old tangent. */
 static void leaving(const double *plane, const double *old, int m, bool pitchfork, double *out) {
     const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, old, m);
     const double c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, old, m);

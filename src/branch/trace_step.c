@@ -205,8 +205,7 @@ static saltus_notice notice_of(const saltus_change *change, double ahead, double
                            .change = true};
 }
 
-/* Give out the change at `trial`, unless it is REGULAR; `spare`, this far along the branch, becomes
- * `here`. */
+/* Give out the change at `trial`, unless it is REGULAR; `spare`, this far along, becomes `here`. */
 static saltus_status go_over(saltus_trace *t, saltus_notice what, double distance, saltus_message *message) {
     saltus_status status = SALTUS_OK;
     if (what.kind != SALTUS_POINT_REGULAR)
@@ -337,9 +336,8 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                : status;
 }
 
-/* Accept a step without breach. Changes of contacts in the part of the sequence that is left to the flow are
- * located; of the many impacts in the tail of a long run, which come and go all the time, only the number is
- * given. */
+/* Accept a step without breach. Changes of contacts where the sequence is left to the flow are located; of
+ * the many impacts in the tail of a long run, which come and go all the time, only the number is given. */
 static saltus_status settle(saltus_trace *t, saltus_message *message) {
     const saltus_survey *before = &t->here->survey, *after = &t->next->survey;
     bool known = before->label[0], same = !known || strcmp(before->label, after->label) == 0;
@@ -534,8 +532,8 @@ static double longest_step(const saltus_trace *t, const saltus_solution *s) {
 }
 
 /* A step along the curve, to `next`. Newton's effort sets the next step's length; at the greatest length
- * Jacobians are saved instead. Most such points are regular and will be surveyed, so their cocycle is
- * collected on the way. */
+ * Jacobians are saved instead. Most such points are regular and surveyed, so their cocycle is collected on
+ * the way. */
 static saltus_status step_ahead(saltus_trace *t, const saltus_curve_bound *bound, int *reached,
                                 saltus_message *message) {
     saltus_orbits *o = &t->orbits;

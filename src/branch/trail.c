@@ -117,9 +117,9 @@ static saltus_status remember(saltus_trail *t, const saltus_branch_point *point,
     return SALTUS_OK;
 }
 
-/* Sets of kinds. At `marginal` points a multiplier is on the unit circle to rounding, or an eigenvalue on the
- * imaginary axis. Branches of orbits, or of equilibria, end at such points of the other sets that were
- * visited. */
+/* Sets of kinds. At `marginal` ones a multiplier is on the unit circle to rounding, or an eigenvalue on the
+ * imaginary axis. Branches of orbits, or of equilibria, end where they meet a point of the other sets that
+ * was visited. */
 static const unsigned marginal = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_BP |
                                  1u << SALTUS_POINT_NS | 1u << SALTUS_POINT_HB,
                       orbits_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
