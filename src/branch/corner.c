@@ -124,7 +124,7 @@ enum { of_fold, of_flip, of_pair, of_orbit };
  * mu_i mu_j - 1 over all pairs of finite multipliers. The last is zero where a pair is on the unit circle or
  * two real multipliers have the product 1, and as smooth as the equations. False without memory. */
 static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test tests[of_orbit]) {
-    const double on = 1e-6, infinite = 1e6; /* finite only by the residual speed at grazing */
+    const double on = 1e-6, infinite = 1e6; /* larger: infinite, but for the residual speed at grazing */
     const saltus_equations *e = saltus_shooting_equations(shooting);
     const int c = e->count, row = saltus_shooting_closing_row(shooting);
     saltus_locus_test *pair = &tests[of_pair];

@@ -248,7 +248,7 @@ double saltus_curve_next_step(double step, int iterations, double largest) {
 typedef struct search {
     saltus_curve_function *function;
     void *context;
-    const double *ends, *values; /* there, the values */
+    const double *ends, *values; /* ends of the first bracket, and the values there */
     double value;                /* the last value computed */
     bool failed;
 } search;

@@ -131,7 +131,7 @@ static double coefficient_of(saltus_rests *r, const expansion *x, double omega, 
     return creal(sum) / (2 * omega);
 }
 
-/* From differences over several widths; the two that agree best are the best. */
+/* Try differences over several widths; keep the result at which two successive ones agree best. */
 static saltus_status find_coefficient(saltus_rests *r, const saltus_rest *at, expansion *x,
                                       const double complex *left, const double complex *right,
                                       saltus_hopf *hopf, saltus_message *message) {

@@ -174,7 +174,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     const int seen = survey->lap.event_count, periods = s->sequence.periods;
     const bool found = survey->follows && !prescribed;
     const double section = ceil(s->sequence.base / periods) * periods;
-    /* The rounding error of the parameter, which the solution's value lacks, as on a border. */
+    /* What the rounded unknown lacks to the solution's value, which is exact on a border of the range. */
     const double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
     const saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
     const size_t state_bytes = (size_t)o->n * sizeof *point->state;

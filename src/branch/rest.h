@@ -71,10 +71,11 @@ typedef struct saltus_rest {
 saltus_status saltus_rests_open(saltus_rests *rests, saltus_message *message);
 void saltus_rests_close(saltus_rests *rests);
 /* Shape the equations for these contacts; rows are scaled by the Jacobian at a state and parameters. Errors:
- * SALTUS_NO_MEMORY, SALTUS_STALLED if the contacts cannot hold together. */
+ * SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_rests_shape(saltus_rests *rests, unsigned contacts, const double *state,
                                  const double *parameters, saltus_message *message);
-/* The unknowns at a state and parameters, and the forces that follow. Errors: those of the evaluation. */
+/* The unknowns at a state and parameters, with the contact forces that follow. Errors: those of the
+ * evaluation, SALTUS_STALLED if the contacts cannot hold together. */
 saltus_status saltus_rests_fill(saltus_rests *rests, const double *parameters, const double *state, double *u,
                                 saltus_message *message);
 /* The Jacobian's null vectors at u, `size` numbers each. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */

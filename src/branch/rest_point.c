@@ -17,7 +17,7 @@ const char *saltus_rest_label(unsigned contacts) {
 saltus_status saltus_rest_point(const saltus_rests *r, const saltus_rest *s, saltus_branch_point *point,
                                 saltus_message *message) {
     const saltus_spec spec = saltus_family_spec(&r->family, s->parameter, 0);
-    /* The rounding error of the parameter, which the equilibrium's value lacks, as on a border. */
+    /* What the rounded unknown lacks to the equilibrium's value, which is exact on a border of the range. */
     const double rest = s->value[0] - (r->origin[0] + r->family.unit[0] * s->parameter[0]);
     saltus_status status = saltus_point_open(point, r->n, 0, message);
     if (status != SALTUS_OK)

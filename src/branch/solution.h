@@ -39,14 +39,14 @@ typedef struct saltus_solution {
     double growth;        /* greatest growth of perturbations over a segment */
     saltus_breach *breaches;
     int breach_count, breach_room;
-    saltus_breach worst; /* the greatest; value -1 if there is none above */
+    saltus_breach worst; /* the greatest; value -1 if none is greater */
     saltus_survey survey;
 } saltus_solution;
 
 /* The orbits of a family, with all that is needed to compute them. */
 typedef struct saltus_orbits {
     saltus_family family;
-    double origin; /* value of the first parameter at 0 */
+    double origin; /* value of the first parameter where its unknown is 0 */
     saltus_orbit_options options;
     saltus_shooting *shooting;
     saltus_equations *equations; /* the shooting's */

@@ -72,7 +72,7 @@ typedef struct saltus_starts {
 saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
                                 saltus_message *message);
 /* Append both directions along a branch or, if `direction` is not 0, one: with that heading, or with the
- * tangent as it is (1) or reversed (-1). The tangent is left reversed. */
+ * tangent as it is (1) or reversed (-1). start->tangent is left reversed. */
 saltus_status saltus_starts_add_ways(saltus_starts *starts, int n, saltus_branch_start *start, int direction,
                                      saltus_message *message);
 /* Take out the first start; the caller clears it. */

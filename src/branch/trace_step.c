@@ -379,8 +379,8 @@ static double hidden_breach(saltus_trace *t) {
     return 0;
 }
 
-/* If the period changes along a branch of cycles while the parameter stands still, as at a homoclinic orbit,
- * or the branch was lost in such a place, end it at `at`; *ended tells. */
+/* End the branch of cycles at `at`, and set *ended, if the period changes while the parameter stands still,
+ * as at a homoclinic orbit, or if the branch was `lost` in such a place. */
 static saltus_status end_at_saddle(saltus_trace *t, const saltus_solution *at, double ahead, bool lost,
                                    bool *ended, saltus_message *message) {
     char reason[SALTUS_REASON_MAX];

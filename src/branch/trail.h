@@ -11,8 +11,8 @@ extern const char saltus_range_ends[]; /* a reason for a branch to end */
 typedef struct saltus_trail {
     const saltus_branch_options *options;
     int number, parent, depth; /* of the branch under way */
-    int regular;               /* of them, the regular ones */
-    int made;                  /* points of this branch */
+    int regular;               /* regular points of it so far */
+    int made;                  /* all points of it so far */
     double arclength, shown;   /* present position; that of the last regular point */
     double step;
     bool fresh;     /* no step made since the branch was switched to */
