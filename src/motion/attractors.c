@@ -5,8 +5,8 @@
 
 #include <stdlib.h>
 
-/* Periods that the next initial state may measure: its share of what is left for all, but as many as it takes
- * to assert chaos. */
+/* Periods over which the next initial state may be measured: its share of what is left, but at least what it
+ * takes to assert chaos, and at most options->measure. */
 static long long share_of(const saltus_classify_options *options, long long left, int seeds) {
     long long share = left / seeds, least = 4 * options->lifetime;
     share = share > least ? share : least;
@@ -41,14 +41,14 @@ static void order_by_share(saltus_attractors *found) {
         }
 }
 
-/* Progress of one classification, as a part of that of all. */
+/* Turns the progress of one classification into that of all initial states. */
 typedef struct seeds_told {
     saltus_progress to;
     double before, all;
 } seeds_told;
 
 static void show_part(void *context, double done, double all) {
-    static const double nearly = 0.99; /* it is done when it has been sorted in */
+    static const double nearly = 0.99; /* the rest follows when the motion is sorted in */
     const seeds_told *told = context;
     saltus_progress_show(told->to, told->before + nearly * done / all, told->all);
 }
@@ -86,7 +86,7 @@ saltus_status saltus_attractors_find(const saltus_system *system, int seeds, uns
             attractors->seeds = k + saltus_verdict_settled(motion.verdict);
         if (status == SALTUS_INTERRUPTED)
             status = SALTUS_OK;
-        /* A classification that was stopped before it settled says nothing of an attractor. */
+        /* A classification that was stopped before it settled tells nothing about the attractor. */
         if (status == SALTUS_OK && k < attractors->seeds)
             sort_in(system, attractors, &motion);
         else

@@ -1,5 +1,5 @@
-/* Classification of a motion (model.md, section 4): what its trajectory settles on, or else what it is
- * without a period.
+/* Classification of a motion (model.md, section 4): what its trajectory settles on, or what kind of motion
+ * without a period it is.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/effort.h"
 #include "motion/options.h"
@@ -9,10 +9,10 @@
 #include <stdio.h>
 
 enum {
-    patience = 10 /* a motion without a period is judged after this part of the time it may take to settle */
+    patience = 10 /* a motion without a period is judged after a tenth of the time it may take to settle */
 };
 
-/* Put what has been found in the motion's place, if it is settled. */
+/* Replace the motion by the one found, if that is settled; otherwise clear the latter. */
 static void take(saltus_motion *motion, saltus_motion *found) {
     long long before = motion->transient;
     if (!saltus_verdict_settled(found->verdict)) {
@@ -24,7 +24,7 @@ static void take(saltus_motion *motion, saltus_motion *found) {
     motion->transient += before;
 }
 
-/* Nothing irregular goes on in the motion: look for longer periods than were asked for. */
+/* The motion is regular: look for longer periods than were asked for. */
 static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     saltus_classify_options options = *s->options;
     saltus_motion found = {0};
@@ -43,14 +43,14 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     if (status != SALTUS_OK || !forced || motion->lyapunov != -INFINITY ||
         motion->verdict != SALTUS_UNDECIDED)
         return status;
-    /* Every difference dies in lasting contacts. */
+    /* Lasting contacts wipe out all differences. */
     status = saltus_motion_find_contact(s->system, s->options, motion, &found, message);
     take(motion, &found);
     return status;
 }
 
-/* No period so far: judge the motion; if it should settle, give it the rest of the time. Without forcing its
- * periods are the mean time between returns. */
+/* No period so far: judge the motion, and if it should settle, give it the rest of the time. Without forcing
+ * periods are counted by the mean time between returns. */
 static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
     const bool forced = saltus_system_forced(s->system);
@@ -67,7 +67,7 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     status = saltus_motion_judge(counted ? counted : s->system, o, motion, &outcome, message);
     saltus_system_free(counted);
     if (status == SALTUS_OK && motion->verdict == SALTUS_QUASIPERIODIC && forced) {
-        /* A torus is only one if the motion is not locked. */
+        /* The motion is a torus only if it is not locked. */
         saltus_motion found = {0};
         status = saltus_motion_find_locked(s->system, o, motion->state, &found, message);
         take(motion, &found);
@@ -89,7 +89,7 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     return status;
 }
 
-/* What is said besides of scenes without forcing: that nothing attracts, or that the section is not met. */
+/* Add to the reason of an unforced motion that nothing attracts, or that the section is not met. */
 static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
     const bool settled = saltus_verdict_settled(motion->verdict);
     const double missed =
@@ -133,7 +133,7 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     if (open && options->measure)
         status = judge(&s, motion, message);
     if (open && saltus_stop_asked(options->flow.stop) && !saltus_verdict_settled(motion->verdict)) {
-        /* Flows that are being stopped prove nothing. */
+        /* Results of flows that were stopped prove nothing. */
         saltus_motion_forget_evidence(motion);
         motion->verdict = SALTUS_UNDECIDED;
         motion->lyapunov = motion->lyapunov_error = NAN;
@@ -145,7 +145,7 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
         status = saltus_motion_survey(system, s.flow, motion, message);
     else if (status == SALTUS_OK && !(saltus_verdict_settled(motion->verdict) && motion->multiplier_count))
         status = saltus_search_conclude(&s, motion, message);
-    /* The extremes of a motion without a period are measured without a verdict, too. */
+    /* A motion that was not judged is irregular; its extremes are measured too. */
     if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped) {
         motion->verdict = SALTUS_IRREGULAR;
         status = saltus_motion_survey(system, s.flow, motion, message);
@@ -154,7 +154,7 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
         explain_unforced(&s, motion);
     *stopped = s.stopped;
     saltus_search_close(&s);
-    /* What was given up on the way may have been what would have decided. */
+    /* If an attempt ran out of steps, it might have been the one to decide. */
     if (status == SALTUS_OK && !*stopped)
         status = saltus_effort_check(own.flow.effort, system, message);
     if (status != SALTUS_OK)

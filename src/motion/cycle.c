@@ -1,4 +1,4 @@
-/* Orbits of scenes without forcing, whose periods are their own, found from a guess.
+/* Orbits of scenes without forcing, whose period is unknown, found from a guess.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
 #include "orbit/poincare.h"

@@ -1,5 +1,5 @@
-/* What is said of an orbit or a rest: its contact events, section points and extremes once around, its label,
- * its symmetry.
+/* The description of an orbit or a rest: its contact events, section points and extremes over one lap, its
+ * label, its symmetry.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/effort.h"
 #include "motion/motion.h"
@@ -9,12 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Relative to the system's scales. A rest that Newton's method moves further is another one. */
+/* Relative to the system's scales. If Newton's method moves a rest further, it has found another one. */
 static const double same_rest = 3e-3;
 static const double same_image = 1e-7; /* a mirror image that is the orbit itself */
 
-/* Whether q(t + pT/2) = -q(t). With forcing half the orbit's period must be a shift that the symmetry allows:
- * whole forcing periods, or an odd number of half ones. */
+/* Whether q(t + pT/2) = -q(t). With forcing the symmetry must allow a shift by half the orbit's period: by
+ * whole forcing periods, or by an odd number of half ones. */
 static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow, bool cycle,
                                  saltus_motion *motion, saltus_message *message) {
     bool shift, symmetric = saltus_system_mirror_symmetric(system, &shift);
@@ -158,8 +158,8 @@ saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flo
     return status;
 }
 
-/* A rest with the contacts that hold there, if it is isolated. Of a continuum of rests the state stays as
- * found and is not called stable. */
+/* Polish a rest with the contacts that hold there, and take its eigenvalues, if it is isolated. In a
+ * continuum of rests the state stays as found and is not called stable. */
 static saltus_status polish_rest(const saltus_system *system, unsigned contacts, saltus_motion *motion,
                                  saltus_message *message) {
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
@@ -219,6 +219,6 @@ saltus_status saltus_motion_survey(const saltus_system *system, saltus_flow *flo
         motion->counted = periods;
     }
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
-    /* The verdict stands without the last extremes. */
+    /* An interruption costs only the last extremes, not the verdict. */
     return status == SALTUS_INTERRUPTED ? SALTUS_OK : status;
 }

@@ -1,6 +1,6 @@
-/* Several trajectories on one attractor measure its exponents together, in the lanes of a flow. They start
- * from one trajectory at times so far apart that none repeats what another has measured before it has
- * diverged.
+/* Several trajectories on one attractor measure its exponents together, in the lanes of flows. They start
+ * from one trajectory, at times so far apart that each diverges from it before it would repeat what another
+ * has measured.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
 
@@ -15,13 +15,13 @@
 
 enum {
     align_samples = 50,  /* for random directions to turn into those that grow */
-    most_aligned = 1000, /* for neighbouring trajectories to become strangers */
-    report_cycles = 64   /* of the transient, from one report of progress to the next */
+    most_aligned = 1000, /* for members to diverge from the trajectory that they start on */
+    report_cycles = 64   /* of the transient, between reports of progress */
 };
-static const double disturbance = 1e-6, strangers = 17; /* e^17 times it is more than the attractor */
-/* Members whose scatter is less probable than this are not on the same motion. */
+static const double disturbance = 1e-6, strangers = 17; /* e^17 times the disturbance exceeds the attractor */
+/* Members whose scatter has a smaller probability are not on the same motion. */
 static const double unlikely = 1e-4;
-static const double bounds_apart = 6; /* the errors of regular motions are bounds, more or less */
+static const double bounds_apart = 6; /* for regular motions, whose errors are roughly bounds */
 
 saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *system,
                                    const saltus_lyapunov_options *options, long long room,
@@ -86,8 +86,8 @@ void saltus_ensemble_close(saltus_ensemble *e) {
     *e = (saltus_ensemble){0};
 }
 
-/* One trajectory runs the transient; the members start from its states at places spread over the last half of
- * that, the first one at the end. */
+/* One trajectory runs the transient. The members start from its states, evenly spaced over the second half;
+ * the first member starts from the end. */
 static saltus_status run_transient(saltus_ensemble *e, const double *initial, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
     const long long spread = o->transient / 2;
@@ -111,14 +111,14 @@ static saltus_status run_transient(saltus_ensemble *e, const double *initial, sa
                 status = saltus_state_bounded(e->system, state, saltus_flow_contacts(flow, 0), now, message);
         }
     }
-    /* A transient that was stopped counts as far as it got. */
+    /* A transient that was stopped counts as far as it went. */
     e->transient = e->stopped ? now : o->transient;
     saltus_flow_free(flow);
     return status;
 }
 
-/* Run until the directions are aligned; and, where neighbours separate, until the members have come apart
- * from the trajectory that they start on, which each would retrace otherwise. */
+/* Run until the tangent vectors are aligned and, if neighbours separate, until the members have diverged
+ * from the trajectory that they start on, which each would otherwise retrace. */
 static saltus_status align(saltus_ensemble *e, saltus_message *message) {
     double least, grown[SALTUS_MEMBERS_MAX] = {0};
     saltus_status status = SALTUS_OK;
@@ -152,7 +152,7 @@ saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, sal
     return status;
 }
 
-/* A member's sample is complete. */
+/* Store a member's complete sample. */
 static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *message) {
     saltus_member *self = &e->member[m];
     for (int c = 0; c < e->columns; c++)
@@ -250,9 +250,9 @@ saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *e, int column, b
     saltus_estimate joint = saltus_estimates_join(each, e->members);
     if (e->members == 1)
         return joint;
-    /* The members' directions are random and independent: errors that their own runs do not show, as near a
-     * resonance where directions turn too slowly to be seen turning, show in the scatter of the members. It
-     * is as lopsided as the directions where it is far beyond what they know of, and then does not average
+    /* The members' initial directions are random and independent. Errors that no single run shows appear in
+     * the scatter of the members, for instance near a resonance, where vectors turn too slowly to be
+     * noticed. A scatter far beyond the known errors is as skewed as the directions and does not average
      * out. */
     static const double far_beyond = 3;
     double square = 0;
@@ -288,10 +288,10 @@ saltus_estimate saltus_ensemble_part(const saltus_ensemble *e, double from, doub
     return saltus_estimates_join(each, e->members);
 }
 
-/* What is added to the error of a negative exponent next to a fold, where distances shrink as slowly as
- * tangent vectors do. What is left of the approach dies at that rate, so that the halves of the run tell how
- * much it is of the whole; and the flow's errors move the orbit far, and its exponent with it. Neither is
- * more than the exponent itself, which is all there is to say of one that is zero. */
+/* Additional error of a negative exponent near a fold, where the orbit is approached as slowly as tangent
+ * vectors shrink. The bias from this approach decays at the rate of the exponent, so the difference of the
+ * run's halves gives the bias of the whole run. The flow's errors also shift the orbit, and with it the
+ * exponent. The sum is limited to the exponent's own size: it adds nothing to an exponent of zero. */
 static double near_fold(const saltus_ensemble *e, double exponent) {
     double period = saltus_system_period(e->system), length = (double)saltus_ensemble_periods(e) / e->members;
     double share = -expm1(0.5 * exponent * period * length);

@@ -1,4 +1,4 @@
-/* Private: several trajectories on one attractor, and the growth of tangent vectors along each.
+/* Private: several trajectories (members) on one attractor, and the growth of tangent vectors along each.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_MOTION_ENSEMBLE_H
 #define SALTUS_MOTION_ENSEMBLE_H
@@ -10,14 +10,14 @@
 enum { SALTUS_MEMBERS_MAX = 64, SALTUS_HISTORY_ROOM = 512 };
 
 typedef struct saltus_member {
-    saltus_flow *flow; /* it runs in this lane of the ensemble's flow */
+    saltus_flow *flow; /* one of the ensemble's flows, in which it runs in `lane` */
     int lane;
     saltus_growth growth;
-    saltus_average *averages; /* one per column: growth per sample; the last one: logarithm of the volume */
-    saltus_flow_info begin;   /* of the flow when the measurement began */
-    double volume;            /* logarithm of what impacts have left of it until the last sample */
-    long long samples;        /* taken */
-    double recent;            /* logarithm of the first vector's growth since the last run began */
+    saltus_average *averages; /* growth per sample of each vector; the last one, of the volume */
+    saltus_flow_info begin;   /* the flow's counters when the measurement began */
+    double volume;            /* the flow's log_volume (the impacts' share) at the last sample */
+    long long samples;        /* since the measurement began */
+    double recent;            /* logarithm of the first vector's growth over the last run */
     double *state;            /* at the last sample */
 } saltus_member;
 
@@ -33,49 +33,50 @@ typedef struct saltus_ensemble {
     saltus_random random;
     long long transient; /* periods before the measurement */
     const volatile sig_atomic_t
-        *stop;    /* looked at in the transient, once a period, beside the flows' own; NULL: not */
-    bool stopped; /* by it */
-    /* The first `room` section points of each member, one member after the other, and the logarithms of the
-     * first vector's growth until each. */
+        *stop;    /* checked once a period during the transient, beside the flows' own; NULL: never */
+    bool stopped; /* `stop` has ended the transient early */
+    /* The first `room` section points of each member, member after member, and the logarithm of the first
+     * vector's growth since the previous point. */
     long long room;
     double *points, *growths;
 } saltus_ensemble;
 
-/* Make its flows, and room for so many section points of each member; the options and the system must outlive
- * it. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
+/* Make the flows, and room for `room` section points of each member. Options and system must outlive the
+ * ensemble. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
 saltus_status saltus_ensemble_open(saltus_ensemble *ensemble, const saltus_system *system,
                                    const saltus_lyapunov_options *options, long long room,
                                    saltus_message *message);
 /* A zeroed one is accepted. */
 void saltus_ensemble_close(saltus_ensemble *ensemble);
-/* Run the transient from a state and place the members along its last half. Errors: those of the flow. */
+/* Run the transient from a state, place the members along its last half, and align their tangent vectors.
+ * Errors: those of the flow. */
 saltus_status saltus_ensemble_place(saltus_ensemble *ensemble, const double *state, saltus_message *message);
-/* Measure so many samples more in each member. Errors: those of the flow, SALTUS_STALLED. */
+/* Measure `samples` more samples of each member. Errors: those of the flow, SALTUS_STALLED. */
 saltus_status saltus_ensemble_run(saltus_ensemble *ensemble, long long samples, saltus_message *message);
-/* What has been measured so far counts as transient. */
+/* Discard all measurements; the time spent counts as transient. */
 void saltus_ensemble_forget(saltus_ensemble *ensemble);
-/* Periods measured by all members together. */
+/* Periods measured, summed over all members. */
 long long saltus_ensemble_periods(const saltus_ensemble *ensemble);
-/* Most directions lost in any member. */
+/* Largest number of directions that contacts have wiped out in any member. */
 int saltus_ensemble_lost(const saltus_ensemble *ensemble);
-/* Whether weighted means serve the largest exponent of all members. They are then used for all exponents:
- * sums of exponents are exact where all have the same kind of mean. */
+/* Whether the largest exponents of all members converge with weighted means. These are then used for all
+ * exponents: sums of exponents are exact only if all have the same kind of mean. */
 bool saltus_ensemble_regular(const saltus_ensemble *ensemble);
-/* An exponent per unit of time, by weighted or plain means, of one member and of all; column `columns` is the
- * growth of volumes, by trace and restitution, where all exponents are measured. */
+/* An exponent per unit of time, by weighted or plain means: of one member, or of all. Column `columns` is
+ * the growth rate of volumes by trace and restitution, if all exponents are measured. */
 saltus_estimate saltus_ensemble_member(const saltus_ensemble *ensemble, int member, int column,
                                        bool weighted);
 saltus_estimate saltus_ensemble_exponent(const saltus_ensemble *ensemble, int column, bool weighted);
-/* The largest exponent, by the means that serve it. */
+/* The largest exponent, by weighted means if saltus_ensemble_regular. */
 saltus_estimate saltus_ensemble_largest(const saltus_ensemble *ensemble);
-/* Add it, as it is now, to a history with room for SALTUS_HISTORY_ROOM entries, if it has an error. Where
- * there is no room every second entry goes. */
+/* Add the estimate `now` to a history with room for SALTUS_HISTORY_ROOM entries, if its error is finite. A
+ * full history is thinned to every second entry. */
 void saltus_ensemble_record(const saltus_ensemble *ensemble, saltus_estimate now,
                             saltus_lyapunov_progress *history, int *count);
 /* The largest exponent over a part of the run, 0 <= from < to <= 1. */
 saltus_estimate saltus_ensemble_part(const saltus_ensemble *ensemble, double from, double to);
-/* Whether the members' largest exponents scatter no more than their standard errors allow, or are within
- * `tolerance` of that of all. */
+/* Whether the members' largest exponents scatter no more than their standard errors allow, or all lie within
+ * `tolerance` of the joint one. */
 bool saltus_ensemble_agrees(const saltus_ensemble *ensemble, double tolerance);
 
 #endif

@@ -11,8 +11,8 @@
 
 enum { least_watched = 500 }; /* periods, whatever the lifetime */
 static const double halves_errors = 2, halves_apart = 4;
-static const double zero_exponent = 2e-3; /* per period: what may be a torus */
-static const double slow_exponent = 1e-5; /* per period: what shrinks no faster may be a torus */
+static const double zero_exponent = 2e-3; /* per period: a larger exponent is not that of a torus */
+static const double slow_exponent = 1e-5; /* per period: slower contraction may still be a torus */
 static const double zero_error = 5e-5;    /* per period: how well the exponent of a torus must be known */
 static const double confidence = 0.95;
 static const double lines_only = 1e-2; /* broadband part of a torus' section points */
@@ -36,7 +36,7 @@ static void observe(const saltus_system *system, const double *points, long long
     }
 }
 
-/* Weak chaos and locking have exponents of some 1e-4 per period. */
+/* Weak chaos and locking have exponents of about 1e-4 per period. */
 bool saltus_exponent_may_be_zero(saltus_estimate exponent, double period) {
     return fabs(exponent.mean) * period < zero_exponent &&
            fabs(exponent.mean) < SALTUS_SIGNIFICANT * exponent.standard_error + slow_exponent / period &&
@@ -56,9 +56,9 @@ saltus_outcome saltus_runs_weigh(const saltus_runs *r) {
         r->all.mean < -SALTUS_SIGNIFICANT * r->all.standard_error && -r->all.mean * r->period > slow_exponent;
     if (r->lost || (shrinks && r->first.mean < 0 && r->second.mean < 0))
         return SALTUS_OUTCOME_REGULAR;
-    /* Chaos: the whole run, both its halves and what came last have a positive exponent, neighbours must have
-     * come apart - before they have, all trajectories may still be near one unstable orbit, which they leave
-     * slowly - and it has been watched for its lifetime. */
+    /* Chaos: the exponent is positive over the whole run, both halves and the last eighth, the halves agree,
+     * the run shows the required lifetime, and neighbours have come apart - before that, all trajectories
+     * may still be near one unstable orbit that they leave slowly. */
     bool grows = positive(&r->all, SALTUS_SIGNIFICANT) && positive(&r->first, halves_errors) &&
                  positive(&r->second, halves_errors) && r->latest > 0;
     bool settled = fabs(r->first.mean - r->second.mean) <
@@ -102,8 +102,8 @@ saltus_status saltus_points_test(const saltus_system *system, const double *valu
     evidence->zero_one_quartiles[1] = chaos.upper;
     evidence->curves = curve.closed ? curve.curves : 0;
     free(series);
-    /* The points of an orbit that is approached slowly have a spectrum of lines and keep their neighbours,
-     * too, but their dimension is zero. */
+    /* An orbit that is approached slowly also has a spectrum of lines and points that keep their neighbours,
+     * but their dimension is zero. */
     if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_TORUS &&
         !(evidence->curves > 0 && evidence->broadband < lines_only && !(evidence->dimension < 0.5)))
         *outcome = SALTUS_OUTCOME_OPEN;

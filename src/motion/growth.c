@@ -2,10 +2,10 @@
  * 9-30).
  *
  * The flow carries the vectors through impacts, chatter, sticking and release. Between two
- * orthonormalisations the fastest growing one must not swamp the others: where the growths differ by more
- * than `too_wide` the interval is halved, where they stay together it is doubled, up to a period. Where a
- * contact has held, two directions for each face are lost for good: the last exponents are then -infinity,
- * and what the factorisation finds there is rounding.
+ * orthonormalisations the fastest growing vector must not swamp the others: the interval is halved if the
+ * growths differ too much, and doubled, up to a period, if they stay close together. A lasting contact wipes
+ * out two directions for each face for good: the last exponents are then -infinity, and what the
+ * factorisation finds there is rounding.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/growth.h"
 
@@ -19,7 +19,7 @@
 #include <string.h>
 
 enum { calm_samples = 8, most_parts = 1 << 20 };
-/* Logarithms of growths. A single vector may grow as far as floating-point numbers reach. */
+/* Logarithms of growths. A single vector may grow up to the range of floating-point numbers. */
 static const double too_wide = 16, narrow = 5, too_long = 300;
 
 void saltus_growth_reserve(saltus_growth *g, saltus_arena *arena, int n, int columns) {
@@ -43,7 +43,7 @@ void saltus_growth_choose(saltus_growth *g, const saltus_system *system, double 
         g->whole = (int)interval;
     else if (interval > 0)
         g->parts = (int)(1 / interval + 0.5);
-    else /* no vector may fade beyond numbers before its growth has been seen */
+    else /* no vector may underflow before its growth has been measured */
         g->parts = (int)fmin(fmax(1, ceil(decay / (g->columns == g->n ? too_wide : too_long))), most_parts);
     g->watch = g->table ? SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT : SALTUS_WATCH_STICK;
     for (int f = 0; f < saltus_system_face_count(system); f++)
@@ -56,7 +56,7 @@ static void open_sample(saltus_growth *g, long long cycle) {
     memset(g->open.logarithms, 0, (size_t)g->columns * sizeof *g->open.logarithms);
 }
 
-/* Hand the vectors to the flow in its own units. */
+/* Hand the vectors to the flow, in unscaled units. */
 static void hand_over(saltus_growth *g, saltus_flow *flow, int lane) {
     const double *scale = saltus_system_scale(saltus_flow_system(flow, lane));
     for (int c = 0; c < g->columns; c++)
@@ -82,7 +82,7 @@ void saltus_growth_aim(const saltus_growth *g, saltus_flow *flow, int lane) {
     saltus_flow_aim(flow, lane, part < g->parts ? within : end, g->watch);
 }
 
-/* Shorter intervals where the growths differ too much, longer ones where they do not. */
+/* Shorten the interval if the growths differ too much, lengthen it if they have not for a while. */
 static void adapt(saltus_growth *g) {
     double widest = g->open.widest;
     g->calm = widest < narrow ? g->calm + 1 : 0;
@@ -94,7 +94,7 @@ static void adapt(saltus_growth *g) {
     }
 }
 
-/* Measure how the vectors have grown, and make them orthonormal again. False where they are no numbers. */
+/* Measure the vectors' growth and orthonormalise them. False if they are not finite. */
 static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
     const double *scale = saltus_system_scale(saltus_flow_system(flow, lane));
     double most = -INFINITY, least = INFINITY;
@@ -114,7 +114,7 @@ static bool orthonormalise(saltus_growth *g, saltus_flow *flow, int lane) {
     }
     if (most >= least)
         g->open.widest = fmax(g->open.widest, g->columns > 1 ? most - least : fabs(most));
-    /* A single vector that has shrunk to nothing is replaced by any other. */
+    /* A single vector that has shrunk to nothing is replaced by an arbitrary one. */
     if (g->columns == 1 && g->length[0] < DBL_MIN)
         for (int i = 0; i < g->n; i++)
             g->vectors[i] = 1 / sqrt(g->n);

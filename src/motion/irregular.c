@@ -1,16 +1,14 @@
-/* The verdict on a motion without a period: quasi-periodic, chaotic, on its way to something else, or
- * undecided.
+/* The verdict on a motion without a period: quasi-periodic, chaotic, a transient, or undecided.
  *
- * Several trajectories on the motion measure its largest exponent together, in runs of which each is as long
- * as all before it. A motion is chaotic if its exponent is positive by three standard errors over the whole
- * run and by two in each half of it, none of the trajectories has come to a regular motion for so long that a
- * transient of less than the lifetime asked for would have ended with a probability of 95 %, and no stable
- * orbit lies amid it: a long transient looks chaotic as long as it lasts. Where a single contact can wipe out
- * all differences, none comes within twenty times as long: after one the motion repeats. Where a trajectory
- * leaves, its tangent vectors begin to shrink; the others are watched on, so that the times of escape give
- * the lifetime. A negative exponent means that nothing irregular goes on and a period will show. An exponent
- * of zero, known well, belongs to a torus if the section points fill closed curves and have a spectrum of
- * lines.
+ * Several trajectories on the motion measure its largest exponent together, in runs each as long as all
+ * before it. A motion is chaotic if its exponent is positive by three standard errors over the whole run and
+ * by two in each half, if no trajectory has come to a regular motion for so long that a transient of less
+ * than the required mean lifetime would have ended with 95 % probability, and if no stable orbit lies amid
+ * it: a long transient looks chaotic while it lasts. If a contact can wipe out all differences, none may
+ * come within twenty times the measured time: after one the motion repeats. The tangent vectors of a
+ * trajectory that leaves begin to shrink; the others are followed further, and the times of escape give the
+ * lifetime. A negative exponent means that the motion is regular and a period will appear. A zero exponent,
+ * known well, belongs to a torus if the section points fill closed curves and have a spectrum of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/ensemble.h"
 #include "motion/evidence.h"
@@ -26,12 +24,12 @@
 
 enum {
     trajectories = 8,
-    spread = 400,    /* periods over which they start */
-    first_run = 500, /* samples; then doubled */
-    chunk = 250,     /* samples between checks whether a trajectory has left */
+    spread = 400,    /* periods of the transient; the trajectories start along its second half */
+    first_run = 500, /* samples; each later run doubles the total */
+    chunk = 250,     /* samples between checks for trajectories that have left */
     least_torus = 1000,
     points_kept = 4096,
-    check_periods = 1000, /* in which a trajectory that seems to have left must show its period */
+    check_periods = 1000, /* within which a trajectory that seems to have left must show its period */
     longest_laminar = 16
 };
 
@@ -39,13 +37,13 @@ typedef struct judge {
     const saltus_classify_options *options;
     saltus_ensemble ensemble;
     saltus_motion *motion;
-    double *returns, *times; /* without forcing: of the first one, to the section, and when they came */
+    double *returns, *times; /* without forcing: the first trajectory's returns to the section, their times */
     long long return_count;
-    bool searched;                   /* for stable orbits */
-    bool sticks;                     /* a contact that wipes out all differences has been met */
-    long long escaped[trajectories]; /* samples of each until it left; 0: it has not */
-    /* Sticking makes tangent vectors shrink now and then without any escape: a look that found none is not
-     * repeated before twice as many samples. */
+    bool searched;                   /* stable orbits have been searched for */
+    bool sticks;                     /* a contact that wipes out all differences was met */
+    long long escaped[trajectories]; /* samples of each trajectory until it left; 0: it has not */
+    /* Sticking may shrink tangent vectors without any escape: after a check in vain a trajectory is not
+     * checked again before its samples have doubled. */
     long long next_look[trajectories];
 } judge;
 
@@ -67,7 +65,7 @@ static saltus_runs runs_of(const judge *j) {
                          .lost = j->sticks || saltus_ensemble_lost(e) >= e->n};
 }
 
-/* The exponent, and how often impacts come. */
+/* Store the exponent, the lengths of the run and the rate of impacts. */
 static void tell_exponent(judge *j) {
     const saltus_ensemble *e = &j->ensemble;
     saltus_evidence *evidence = &j->motion->evidence;
@@ -89,12 +87,12 @@ static void tell_exponent(judge *j) {
         rebounds |= saltus_system_face(e->system, f).r > 0;
     evidence->periods = saltus_ensemble_periods(e);
     evidence->members = trajectories;
-    /* A contact on a face that rebounds is chattered on first. */
+    /* A lasting contact on a face that rebounds follows complete chatter: infinitely many impacts. */
     evidence->impacts_per_period = sticks > 0 && rebounds ? NAN : (double)impacts / (double)evidence->periods;
 }
 
-/* Has a trajectory come to a regular motion, one whose tangent vectors have shrunk while those of the others
- * grow? */
+/* Find trajectories that have come to a regular motion, among those whose tangent vectors have shrunk while
+ * the others' grow. */
 static saltus_status look_who_left(judge *j, saltus_message *message) {
     saltus_evidence *evidence = &j->motion->evidence;
     saltus_classify_options options = *j->options;
@@ -123,7 +121,7 @@ static saltus_status look_who_left(judge *j, saltus_message *message) {
     return status;
 }
 
-/* Periods that have been watched on the motion, until trajectories left it. */
+/* Periods watched, summed over all trajectories, each until it left. */
 static double periods_watched(const judge *j) {
     double samples = 0;
     for (int m = 0; m < trajectories; m++)
@@ -131,8 +129,8 @@ static double periods_watched(const judge *j) {
     return samples * j->ensemble.member[0].growth.whole;
 }
 
-/* One run more. Now and then it is checked whether a trajectory has left. Once one has, half of them, or the
- * time in which chaos would have been asserted, tell the lifetime. */
+/* Measure one more run, checking after each chunk for trajectories that have left. Once one has, stop when
+ * half of them have, or when chaos could have been asserted by the time: this suffices for the lifetime. */
 static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome, saltus_message *message) {
     const saltus_classify_options *o = j->options;
     saltus_ensemble *e = &j->ensemble;
@@ -154,7 +152,7 @@ static saltus_status run_on(judge *j, long long samples, saltus_outcome *outcome
     return status;
 }
 
-/* Whether a stable orbit lies amid the motion; looked for once, where there can be one. */
+/* Look for a stable orbit amid the motion, once, unless the system conserves volume. */
 static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     const saltus_ensemble *e = &j->ensemble;
     saltus_track tracks[trajectories];
@@ -176,8 +174,8 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
     return status;
 }
 
-/* Chaos with a contact that wipes out all differences amid it is a superstable orbit. Without tangent vectors
- * it is watched for at little cost. */
+/* Watch for a contact that wipes out all differences: the motion is then superstable, not chaotic. Without
+ * tangent vectors watching is cheap. */
 static saltus_status look_for_contact(judge *j, saltus_message *message) {
     saltus_ensemble *e = &j->ensemble;
     const double *states[trajectories];
@@ -192,8 +190,9 @@ static saltus_status look_for_contact(judge *j, saltus_message *message) {
     return status;
 }
 
-/* Ask the section points: of all trajectories at phase 0, without forcing the returns of one. Without forcing
- * a torus has, beside that of time itself, a second exponent of zero; an orbit of any period has one. */
+/* Test the section points: the first trajectory's points at phase 0, or without forcing its returns. Without
+ * forcing a torus has a second zero exponent besides the one along the flow; a periodic orbit has only that
+ * one. */
 static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_message *message) {
     const saltus_ensemble *e = &j->ensemble;
     const bool forced = saltus_system_forced(e->system);
@@ -230,8 +229,8 @@ static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_messag
     return status;
 }
 
-/* What the runs so far say. With a stable orbit among its points chaos is a transient that has not ended yet:
- * it is followed for as long as allowed, to see when it ends. */
+/* Decide by the runs so far. If a stable orbit lies amid the chaos, it is a transient that has not ended
+ * yet: go on for as long as allowed, to see when it ends. */
 static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *message) {
     const saltus_evidence *evidence = &j->motion->evidence;
     saltus_runs runs = runs_of(j);
@@ -254,7 +253,7 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     return status;
 }
 
-/* Runs, each as long as all before it, until there is an outcome or no time is left. */
+/* Make runs, each as long as all before it, until there is an outcome or no time is left. */
 static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message *message) {
     saltus_ensemble *e = &j->ensemble;
     const saltus_member *first = &e->member[0];
@@ -276,12 +275,12 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
     else if (saltus_runs_weigh(&runs) == SALTUS_OUTCOME_SHORT)
         *outcome = SALTUS_OUTCOME_SHORT;
     else if (points_there(e) >= SALTUS_SERIES_LEAST)
-        /* What the points say is part of the evidence even where it does not decide. */
+        /* The tests of the points belong to the evidence even if they decide nothing. */
         status = ask_points(j, outcome, message);
     return status;
 }
 
-/* A motion is intermittent if it stays near a periodic one for much longer than the time in which neighbours
+/* A motion is intermittent if it stays near a periodic one for much longer than neighbours take to
  * separate. */
 static void find_intermittency(judge *j) {
     const saltus_ensemble *e = &j->ensemble;
@@ -301,7 +300,7 @@ static void find_intermittency(judge *j) {
     evidence->longest_phase = phases.longest;
 }
 
-/* Add to the reason. */
+/* Append to the reason. */
 __attribute__((format(printf, 2, 3))) static void say(saltus_motion *motion, const char *format, ...) {
     size_t used = strlen(motion->reason);
     va_list arguments;
@@ -310,8 +309,8 @@ __attribute__((format(printf, 2, 3))) static void say(saltus_motion *motion, con
     va_end(arguments);
 }
 
-/* Why it is undecided, and how long a run would decide: standard errors fall with the square root of the
- * time. */
+/* Why the motion is undecided, and how long a run would decide: standard errors fall with the square root of
+ * the time. */
 static void tell_undecided(saltus_motion *m, double period) {
     const saltus_evidence *e = &m->evidence;
     double exponent = m->lyapunov, error = m->lyapunov_error, rate = exponent * period;
@@ -331,7 +330,7 @@ static void tell_undecided(saltus_motion *m, double period) {
     say(m, "; measuring some %.1e periods would tell (--measure)", needed);
 }
 
-/* Chaos that ends. */
+/* Transient chaos. */
 static void tell_transient(saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
     say(m, "a chaotic transient: exponent %.4g +- %.1g per unit of time while it lasts", m->lyapunov,
@@ -365,7 +364,7 @@ static void tell_chaos(saltus_motion *m, long long without_contact) {
             100 * e->laminar, e->laminar_period, e->longest_phase);
 }
 
-/* Verdict and reason, where an outcome has them, and what is known besides. */
+/* Set verdict, reason, exponent and lifetime according to the outcome. */
 static void tell(judge *j, saltus_outcome outcome) {
     const saltus_system *system = j->ensemble.system;
     saltus_motion *m = j->motion;

@@ -1,13 +1,12 @@
-/* Long periods: of motions that lock, and of those that stick.
+/* Long periods of motions that lock, and of motions that stick.
  *
  * A motion near a torus may be locked to an orbit of hundreds of periods, which it approaches too slowly for
- * iteration to show it. The times after which it has come closest to where it was, each closer than all
- * before, are the guesses for Newton's method.
+ * iteration to show it. The times after which it comes closest to an earlier point, each closer than after
+ * all shorter times, are guesses for Newton's method.
  *
- * A contact that wipes out all differences makes the motion superstable: it goes on from there as it did the
- * last time that it came to the same contact, however long ago. Where neighbours separate between two such
- * contacts beyond all numbers, the time from one to the next is decided by rounding: a run with another
- * tolerance finds another one.
+ * A contact that wipes out all differences makes the motion superstable: it continues as it did after the
+ * last time it met the same contact, however long ago. If neighbours separate without bound between two such
+ * contacts, rounding decides the time between them: a run with another tolerance finds another time.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
 #include "base/simd.h"
@@ -23,18 +22,19 @@
 enum {
     longest = 1024, /* period of a locked motion */
     followed = 4 * longest,
-    tries = 6,     /* of the closest returns */
-    costly = 3000, /* impacts of an orbit: it is not tried */
-    few_steps = 8, /* of Newton's method, which an orbit so near converges in; on a torus it never does */
-    contacts_watched = 8, /* that wipe out all differences */
-    rare = 20,    /* times as long as chaos has been measured it is watched for a contact that ends it */
-    patience = 10 /* times as long as a motion may take to settle, until such a contact */
+    tries = 6,            /* number of closest returns that are tried */
+    costly = 3000,        /* orbits of more impacts are not tried */
+    few_steps = 8,        /* of Newton's method: enough for so near an orbit; on a torus it never converges */
+    contacts_watched = 8, /* contacts that wipe out all differences, at most */
+    rare = 20,            /* chaos is watched for such a contact this many times as long as it was measured */
+    patience = 10         /* such a contact is awaited this many times as long as a motion may settle */
 };
 static const double near_return = 0.05; /* relative to the system's scales */
 static const double same_contact = 1e-8;
 
-/* The closest returns to where a trajectory ends, each closer than all that are shorter: their periods, the
- * closest first. Errors: those of the flow. */
+/* Follow a trajectory and find its closest returns to its last point, each closer than all shorter ones:
+ * their periods, the closest first, 0 at the end. `state` becomes the last point, *impacts the mean number
+ * of impacts per period. Errors: those of the flow, SALTUS_NO_MEMORY. */
 static saltus_status find_returns(const saltus_system *system, const saltus_classify_options *options,
                                   double *state, int periods[tries], double *impacts,
                                   saltus_message *message) {
@@ -93,14 +93,14 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
     return status;
 }
 
-/* A contact that wipes out all differences: when it began, with the state then, and the next section point.
- */
+/* A contact that wipes out all differences: its time, the state then, and the next section point. */
 typedef struct contact {
     saltus_time time;
     double state[SALTUS_STATE_MAX], section[SALTUS_STATE_MAX];
 } contact;
 
-/* The next of these. *found is false where none comes within so many periods. */
+/* Follow the flow to the next such contact and on to the next section point. *found is false if none comes
+ * within `periods`. */
 static saltus_status next_contact(const saltus_system *system, saltus_flow *flow, long long periods,
                                   contact *c, bool *found, saltus_message *message) {
     const int n = saltus_system_dimension(system);
@@ -121,9 +121,9 @@ static saltus_status next_contact(const saltus_system *system, saltus_flow *flow
     return status;
 }
 
-/* Periods from a contact that wipes out all differences until the motion is at the same one again, twice
- * alike; 0: it is not within so many; -1: not even to another one. `begin` is the contact, its section point
- * the orbit's. */
+/* Periods from one contact that wipes out all differences to a later one that is the same, `begin`; 0: none
+ * of the first few is the same as an earlier one, or the next does not come within `patient` periods; -1:
+ * not even a first one comes. */
 static saltus_status return_to_contact(const saltus_system *system, const saltus_flow_options *options,
                                        const double *state, long long patient, contact *begin,
                                        long long *periods, saltus_message *message) {
@@ -188,23 +188,22 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
     return status;
 }
 
-/* The first contact of these in several trajectories: in which one, and the section point after it, when and
- * where. */
+/* The earliest such contact in several trajectories: in which one, and the section point after it. */
 typedef struct first_contact {
     int trajectory; /* -1: none yet */
     long long cycle;
     double *state;
 } first_contact;
 
-/* What a lane runs to: not far, as another one may meet the contact meanwhile. */
+/* Aim a lane not far ahead: another lane may meet the contact first. */
 static void aim(saltus_flow *flow, int lane, long long last) {
     enum { stretch = 64 };
     const long long next = saltus_flow_time(flow, lane).cycle + stretch;
     saltus_flow_aim(flow, lane, (saltus_time){next < last ? next : last, 0}, SALTUS_WATCH_STICK);
 }
 
-/* All lanes of a flow side by side, of which the first one is this trajectory, as long as one of them can
- * still be the first to meet such a contact. Which one it is does not hang on how many lanes there are. */
+/* Run all lanes of a flow, the first of which is number `trajectory`, while any of them can still be the
+ * first to meet such a contact. The result does not depend on the number of lanes. */
 static saltus_status run_to_contact(saltus_flow *flow, int lanes, int trajectory, first_contact *first,
                                     saltus_message *message) {
     const int n = saltus_system_dimension(saltus_flow_system(flow, 0));
@@ -243,7 +242,7 @@ long long saltus_contact_watch(const saltus_system *system, long long measured) 
         int stop = saltus_system_face(system, f).stop;
         stops = stop >= stops ? stop + 1 : stops;
     }
-    /* Contacts at all stops at once must leave no direction in which neighbours can differ. */
+    /* Simultaneous contact with all stops must leave no direction in which neighbours can differ. */
     return 2 * stops >= saltus_system_dimension(system) ? rare * measured : 0;
 }
 

@@ -1,5 +1,5 @@
-/* Lyapunov exponents: how long several trajectories measure, and what becomes of it; those of periodic
- * orbits.
+/* Lyapunov exponents: measured by several trajectories until they are precise enough, or taken from the
+ * multipliers of a periodic orbit.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "saltus/lyapunov.h"
 
@@ -15,8 +15,8 @@
 
 enum { least_samples = 200, shortest_chunk = 25, longest_chunk = 5000, chunks_per_run = 20 };
 static const double precise_enough = 1e-6; /* standard error per period */
-static const double halves_apart = 4;      /* standard errors: the exponent is still drifting */
-static const double halves_agree = 3;      /* no end before they do */
+static const double halves_apart = 4;      /* standard errors between a run's halves: it drifts above, ... */
+static const double halves_agree = 3;      /* ... and may end below */
 
 static saltus_status check(const saltus_system *system, const saltus_lyapunov_options *o,
                            saltus_message *message) {
@@ -61,7 +61,7 @@ void saltus_lyapunov_clear(saltus_lyapunov *l) {
     *l = (saltus_lyapunov){0};
 }
 
-/* How far the two halves of the run are apart, and how many standard errors that is. */
+/* Difference between the exponents of the run's halves; *errors: in standard errors. */
 static double drift(const saltus_ensemble *e, double *errors) {
     saltus_estimate first = saltus_ensemble_part(e, 0, 0.5), second = saltus_ensemble_part(e, 0.5, 1);
     double apart = fabs(first.mean - second.mean);
@@ -73,7 +73,7 @@ static bool all_lost(const saltus_ensemble *e) {
     return saltus_ensemble_lost(e) >= e->n;
 }
 
-/* As precise as asked for, by a run whose halves and trajectories agree to that precision. */
+/* Whether the exponent is as precise as required, and halves and trajectories agree to that precision. */
 static bool is_precise(const saltus_ensemble *e, const saltus_estimate *now, long long least) {
     double period = saltus_system_period(e->system), errors, apart = drift(e, &errors),
            target = fmax(e->options->precision * fabs(now->mean), precise_enough / period);
@@ -81,19 +81,19 @@ static bool is_precise(const saltus_ensemble *e, const saltus_estimate *now, lon
                            (errors < halves_agree || apart <= target) && saltus_ensemble_agrees(e, target));
 }
 
-/* Run on until all batches of the averages are complete: then all results refer to the same time. */
+/* Complete the averages' batches, so that all results refer to the same time. */
 static saltus_status complete_batches(saltus_ensemble *e, saltus_message *message) {
     const saltus_average *average = &e->member[0].averages[0];
     long long missing = average->open ? average->size - average->open : 0;
     return missing ? saltus_ensemble_run(e, missing, message) : SALTUS_OK;
 }
 
-/* Measure until the largest exponent is known as well as asked for. A run that drifts counts as transient:
- * the measurement begins anew, and lasts as long at least. */
+/* Measure until the largest exponent is as precise as required. A run that still drifts is discarded as
+ * transient; the new measurement lasts at least as long. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
     long long spent = 0, least = least_samples, next_look = least_samples,
-              each = (long long)e->member[0].growth.whole * e->members; /* periods a sample */
+              each = (long long)e->member[0].growth.whole * e->members; /* periods per sample */
     saltus_status status = SALTUS_OK;
     bool stopped = false;
     while (status == SALTUS_OK && !stopped && !l->precise) {
@@ -122,7 +122,7 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
             least = next_look = done;
             l->history_count = 0;
         } else if (is_precise(e, &now, least)) {
-            /* The result, of complete batches, has to be as precise, too. */
+            /* The precision must also hold with complete batches, which are the result. */
             status = complete_batches(e, message);
             spent += (e->member[0].samples - done) * each;
             now = saltus_ensemble_largest(e);
@@ -136,8 +136,7 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
     return status;
 }
 
-/* Larger exponents first, where they differ by more than their errors; the -INFINITY of those that are lost
- * come last. */
+/* Sort exponents by decreasing value if they differ by more than their errors; lost ones come last. */
 static void order(saltus_lyapunov *l) {
     for (int i = 1; i < l->count; i++)
         for (int j = i; j > 0 && l->exponents[j] > l->exponents[j - 1] + hypot(l->standard_errors[j],
@@ -151,8 +150,8 @@ static void order(saltus_lyapunov *l) {
         }
 }
 
-/* Kaplan and Yorke: how many exponents add up to zero, the last one in part. One that is zero within three of
- * its errors counts as zero. */
+/* Kaplan-Yorke dimension: how many exponents add up to zero, the last one counted in part. An exponent
+ * within three of its errors of zero counts as zero. */
 static double kaplan_yorke(const saltus_lyapunov *l) {
     double sum = 0;
     for (int k = 0; k < l->count; k++) {
@@ -186,7 +185,7 @@ static void tell_exponents(const saltus_ensemble *e, saltus_lyapunov *l) {
     l->agree = all || saltus_ensemble_agrees(e, e->options->precision * fabs(l->exponents[0]));
 }
 
-/* Both sides of the sum rule, by the same averages over the same time. */
+/* Both sides of the sum rule, by the same averages over the same time; rates of impacts and sticks. */
 static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
     l->sum = l->sum_rule = NAN;
     for (int m = 0; m < e->members; m++) {
@@ -202,7 +201,7 @@ static void tell_sums(const saltus_ensemble *e, saltus_lyapunov *l) {
     for (int c = 0; c < l->count; c++)
         l->sum += l->exponents[c];
     l->sum_rule = saltus_ensemble_exponent(e, e->columns, saltus_ensemble_regular(e)).mean;
-    /* What the sum lacks the smallest exponent lacks: it is the most difficult one. */
+    /* The difference counts as error of the smallest exponent, which is the most difficult to measure. */
     if (!isnan(l->sum_rule))
         l->standard_errors[l->count - 1] = hypot(l->standard_errors[l->count - 1], l->sum - l->sum_rule);
 }
@@ -216,7 +215,7 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
     *lyapunov = (saltus_lyapunov){0};
     saltus_status status = check(system, options, message);
     how.flow = saltus_effort_begin(&options->flow, system, &effort);
-    how.flow.stop = NULL; /* stretches are measured to their ends, or what was measured could not be told */
+    how.flow.stop = NULL; /* chunks are always completed, so that an interrupted run has a result */
     if (status == SALTUS_OK)
         status = saltus_ensemble_open(&ensemble, system, &how, 0, message);
     ensemble.stop = options->flow.stop;

@@ -1,4 +1,4 @@
-/* A motion: opened, cleared, and what its classification starts from.
+/* Motions: opening, clearing, and the options of shooting for their orbits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
 

@@ -7,11 +7,11 @@
 #include "saltus/motion.h"
 #include "saltus/spectrum.h"
 
-/* The longest that can be looked for, in forcing periods. */
+/* The longest period that can be looked for, in forcing periods. */
 enum { SALTUS_LONGEST_PERIOD = 1024 };
 
-/* Of saltus_classify_options, of saltus_lyapunov_options, and of saltus_spectrum_options but its quantities.
- */
+/* The fields of saltus_classify_options, saltus_lyapunov_options, and saltus_spectrum_options except the
+ * quantities. */
 extern const saltus_option_table saltus_classify_table, saltus_lyapunov_table, saltus_spectrum_table;
 
 #endif

@@ -1,11 +1,11 @@
 /* Searching for what a trajectory settles on: an orbit or a rest.
  *
- * The stroboscopic map is iterated in blocks. After each block the least p is sought for which the last
- * points recur after p periods; a candidate is polished by Newton's method on the p-th iterate, and accepted
- * if the orbit found is stable, lies where the trajectory is, has no shorter period, and the trajectory keeps
- * closing in on it. Everything reported is then measured on the polished orbit, not on the transient. Without
- * forcing a rest may be approached too slowly to wait for: Newton's method finds it, the eigenvalues say how
- * fast the trajectory must come nearer, and two looks show that it does.
+ * The stroboscopic map is iterated in blocks. After each block the least p is determined for which the last
+ * points recur after p periods. Newton's method on the p-th iterate polishes this candidate; the orbit found
+ * is accepted if it is stable, lies where the trajectory is, has no shorter period, and the trajectory keeps
+ * closing in on it. Everything reported is then measured on the polished orbit, not on the transient.
+ * Without forcing a rest may be approached too slowly to wait for: Newton's method finds it, its eigenvalues
+ * predict how fast the trajectory approaches, and two looks confirm that.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/search.h"
 
@@ -20,11 +20,11 @@
 /* Distances in the stroboscopic section are relative to the system's scales. */
 static const double nearby = 3e-3; /* the polished orbit must be this close to the trajectory */
 static const double all_but_reached = 1e-6;
-static const double on_orbit = 1e-7;      /* of a continuum, none of which attracts */
-static const double drift_at_rest = 1e-6; /* of a displacement over a period */
-static const double near_rest = 3e-3;     /* a trajectory that comes to it slowly */
+static const double on_orbit = 1e-7;      /* distance from an orbit of a continuum, none of which attracts */
+static const double drift_at_rest = 1e-6; /* of a displacement, over a period */
+static const double near_rest = 3e-3;     /* distance from a rest that is approached slowly */
 
-/* One more period of the trajectory, without forcing with its returns. */
+/* Advance the trajectory by a period; without forcing collect its returns on the way. */
 static saltus_status advance_period(saltus_search *s, saltus_message *message) {
     double state[SALTUS_STATE_MAX];
     const unsigned watch = saltus_system_forced(s->system) ? 0 : saltus_crossings_watch(s->system);
@@ -48,8 +48,8 @@ static saltus_status advance_period(saltus_search *s, saltus_message *message) {
                                 message);
 }
 
-/* Whether the system is at rest: without forcing, no event and no motion over the last periods, and no
- * displacement that drifts. Accelerations do not count: a fast mode magnifies rounding in them. */
+/* Whether an unforced system is at rest: neither events nor motion over the last periods, and no drift of a
+ * displacement. Accelerations do not count: a fast mode magnifies rounding in them. */
 static bool is_resting(const saltus_search *s) {
     if (saltus_system_forced(s->system) || !saltus_settling_rests(&s->settling))
         return false;
@@ -61,7 +61,7 @@ static bool is_resting(const saltus_search *s) {
     return drift < drift_at_rest;
 }
 
-/* Of the trajectory's last section point. */
+/* Distance of the trajectory's last section point from the orbit. */
 static double distance_from_orbit(const saltus_search *s) {
     double least = INFINITY;
     if (!s->clocked)
@@ -72,13 +72,13 @@ static double distance_from_orbit(const saltus_search *s) {
     return least;
 }
 
-/* The trajectory must go on closing in on the orbit: its distance falls to a fifth or below `near`, or,
- * where the largest multiplier is near the unit circle, at least half as far as that multiplier predicts. */
+/* Confirm that the trajectory keeps closing in on the orbit: its distance falls to a fifth or below `near`,
+ * or, with a multiplier close to the unit circle, by at least half of what that multiplier predicts. */
 static saltus_status confirm(saltus_search *s, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };
     const saltus_orbit *orbit = &s->orbit;
     const double start = distance_from_orbit(s), near = fmax(1e-9, 1e4 * s->options->flow.rtol);
-    /* So many of the trajectory's periods are about one of the orbit. */
+    /* About one period of the orbit, in the trajectory's periods. */
     int periods = s->clocked ? (int)ceil(saltus_system_period(s->clocked) / saltus_system_period(s->system))
                              : orbit->periods;
     s->found = false;
@@ -132,8 +132,8 @@ void saltus_search_close(saltus_search *s) {
     saltus_lap_close(&s->lap);
 }
 
-/* The period to try at present, or 0: of an orbit that is all but reached; else the least that recurs
- * roughly, which near a flip is but half of it. */
+/* The period to try now, or 0: that of an orbit that is all but reached, otherwise the least that roughly
+ * recurs. Near a flip the latter would be only half the orbit's. */
 static int period_to_try(const saltus_settling *settling) {
     bool doubt;
     const int rough = saltus_settling_candidate(settling),
@@ -141,9 +141,9 @@ static int period_to_try(const saltus_settling *settling) {
     return reached ? reached : rough;
 }
 
-/* What Newton's method came to from the trajectory's last point, where it recurred within `recurrence`: the
- * orbit must be where the trajectory is, and stable, but for one of a continuum, which the trajectory must be
- * on. Another one is forgotten. */
+/* Take or drop the orbit that Newton's method found from the trajectory's last point, which recurred within
+ * `recurrence`. The orbit must be stable, near the trajectory, and approached by it; an orbit of a continuum
+ * only has to be the one that the trajectory is on. */
 static saltus_status take_orbit(saltus_search *s, saltus_status polished, double recurrence,
                                 saltus_message *message) {
     const bool continuum = s->clocked && saltus_system_conservative(s->system);
@@ -164,7 +164,7 @@ static saltus_status take_orbit(saltus_search *s, saltus_status polished, double
     return status;
 }
 
-/* Without forcing: try the returns that recur at present, with the time between them. */
+/* Without forcing: try the number of returns that recurs now, with the time between them as period. */
 static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     saltus_system *counted = NULL;
@@ -185,8 +185,8 @@ static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     return take_orbit(s, status, recurrence, message);
 }
 
-/* Try the period that recurs at present. A try at a long orbit of very many impacts may take minutes: only
- * where it is all but reached. */
+/* Try the period that recurs now. A long orbit of very many impacts may take minutes: it is tried only if it
+ * is all but reached. */
 static saltus_status try_period(saltus_search *s, saltus_message *message) {
     enum { most_impacts = 150, few_steps = 4 };
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
@@ -201,13 +201,13 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
         return SALTUS_OK;
     if (costly) {
         s->next_costly = 4 * s->settling.count;
-        shooting.iterations = few_steps; /* so near to an orbit, Newton's method needs no more */
+        shooting.iterations = few_steps; /* enough for Newton's method so near to an orbit */
     }
     saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
     return take_orbit(s, status, recurrence, message);
 }
 
-/* Without forcing: whether the trajectory comes to a stable rest, however slowly. */
+/* Without forcing: whether the trajectory approaches a stable rest, however slowly. */
 static saltus_status try_rest(saltus_search *s, bool *at_rest, saltus_message *message) {
     double place[SALTUS_STATE_MAX], time = (double)s->settling.count * saltus_system_period(s->system);
     if (saltus_flow_contacts(s->flow, 0) || saltus_settling_recurrence(&s->settling, 1) > nearby)
@@ -227,7 +227,7 @@ saltus_status saltus_search_run(saltus_search *s, long long at_most, saltus_moti
             status = advance_period(s, message);
         s->stopped = saltus_stop_asked(o->flow.stop);
         if (s->stopped)
-            status = SALTUS_OK; /* the flow's interruption is no error here */
+            status = SALTUS_OK; /* an interrupted flow is no error here */
         if (status != SALTUS_OK || s->stopped)
             break;
         saltus_progress_show(o->progress, (double)s->settling.count, (double)o->transient);

@@ -1,8 +1,8 @@
-/* Returns of a motion without forcing to its section, and orbits that the closest of them lead to.
+/* Returns of an unforced motion to its section, and orbits found from the closest of them.
  *
- * A chaotic transient comes near the orbit that it ends on long before it does. Close returns lead Newton's
- * method there; of those that lead to unstable orbits there are the more the longer their period, so only a
- * few are tried of each.
+ * A chaotic transient passes near the orbit that it ends on long before it ends. Close returns lead Newton's
+ * method there. Other close returns lead to unstable orbits, the more of them the longer the period, so only
+ * a few are tried for each period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
 
@@ -14,8 +14,8 @@
 #include <string.h>
 
 enum { longest = 16, tries = 4, tries_of_one = 16 };
-static const double beside = 3;        /* times the distance of a return */
-static const double same_return = 0.3; /* of their distance: returns as near to each other lead to the same */
+static const double beside = 3;        /* times the distance of a return: farther orbits are not its own */
+static const double same_return = 0.3; /* of their distance: returns this near lead to the same orbit */
 
 saltus_status saltus_motion_section_points(const saltus_system *system, const saltus_flow_options *options,
                                            const double *start, long long periods, long long room,
@@ -47,7 +47,7 @@ saltus_status saltus_motion_section_points(const saltus_system *system, const sa
     return status;
 }
 
-/* The closest returns among section points after so many, at most `most` of each. */
+/* The closest returns among section points after `shortest` to `last` returns, `most` of each at most. */
 static saltus_status close_returns(const saltus_system *system, const double *points, long long count,
                                    int shortest, int last, int most, saltus_returns **returns,
                                    saltus_message *message) {
@@ -91,7 +91,7 @@ saltus_status saltus_stable_cycle_among(const saltus_system *system, const saltu
 saltus_status saltus_motion_returning(const saltus_system *system, const double *state, int periods,
                                       const saltus_classify_options *options, saltus_motion *motion,
                                       saltus_message *message) {
-    enum { numbers_most = 1 << 24 }; /* of long orbits of large systems fewer returns, but some to each */
+    enum { numbers_most = 1 << 24 }; /* doubles in `points`, unless four orbits need more */
     const int n = saltus_system_dimension(system);
     const long long wanted = 2000 + 100LL * periods,
                     fit = numbers_most / n > 4LL * periods ? numbers_most / n : 4LL * periods,

@@ -1,15 +1,14 @@
 /* Has a trajectory settled, and on which period?
  *
- * Points at phase 0 are compared with those p periods before, for every p up to the longest looked for; all
+ * Points at phase 0 are compared with those p periods earlier, for every p up to the longest looked for; all
  * distances are relative to the system's scales. A period p is reached to within a limit when
  * - the last p + 2 points recur after p periods to better than `recurrence`,
- * - the distance left to the orbit itself is below the limit. It is estimated from how the recurrences shrink
- *   and turn from cycle to cycle: with the multiplier lambda that they show, a recurrence of size s leaves
- *   s |lambda| / |1 - lambda|,
- * - impacts and other contact events are as many in each of the last two cycles.
- * Where a proper part of p recurs too, but does not get closer, the orbit may be one that has just doubled
- * its period, or one that is about to and is approached slowly: iteration cannot tell, and the period is in
- * doubt.
+ * - the remaining distance to the orbit is below the limit. It is estimated from how the recurrences shrink
+ *   and turn from cycle to cycle: if they show the multiplier lambda, a recurrence of size s leaves the
+ *   distance s |lambda| / |1 - lambda|,
+ * - the last two cycles have equally many impacts and equally many other contact events.
+ * If a proper divisor of p recurs too but gets no closer, the orbit may just have doubled its period, or be
+ * about to and be approached slowly: iteration cannot tell which, and the period is in doubt.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/settle.h"
 
@@ -19,11 +18,11 @@
 
 enum { seldom = 8 };
 static const double recurrence = 1e-3;
-static const double rounding = 1e-13; /* recurrences this small say nothing about how they shrink */
+static const double rounding = 1e-13; /* smaller recurrences are noise: their ratios mean nothing */
 static const double slower =
-    10; /* a part of a period farther from its orbit by less than this factor is waited for */
-static const double least_ratio = 0.01; /* no faster shrinking is relied upon, ... */
-static const double worth_a_look = 200; /* ... so that a recurrence leaves more than a 200th of itself */
+    10; /* times the limit: within it a divisor of the period is reached too, beyond it is in doubt */
+static const double least_ratio = 0.01; /* no faster shrinking per cycle is assumed, ... */
+static const double worth_a_look = 200; /* ... so a recurrence above 200 limits leaves more than the limit */
 static const double least_turn = 1e-6;  /* squared sine of the angle between recurrences that turn */
 static const double at_rest = 1e-9;
 
@@ -55,7 +54,7 @@ void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
     memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
 }
 
-/* As fmax, without a call: most of a point's work is comparisons. */
+/* fmax without a function call: comparisons dominate the cost of a point. */
 static inline double larger(double a, double b) {
     return b > a ? b : a;
 }
@@ -84,7 +83,7 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
             distance(s, state, saltus_settling_point(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
 }
 
-/* Largest distance between points p apart, over so many points that end `back` periods ago. */
+/* Largest distance between points p apart, over `points` points the last of which is `back` periods old. */
 static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
     double largest = 0;
     for (int k = 0; k < points; k++)
@@ -93,20 +92,19 @@ static double recurrence_over(const saltus_settling *s, int p, int points, int b
     return largest;
 }
 
-/* An entry of a recurrence: how far the point `back` periods ago is from that p periods before it. */
+/* Entry i, scaled, of a recurrence: the point `back` periods ago minus the one p periods before it. */
 static double recurred(const saltus_settling *s, int p, int back, int i) {
     return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
 }
 
-/* Scalar products of the recurrences of the last cycle (0), the one before it (1) and the one before that
- * (2). */
+/* Scalar products of the recurrences of the last cycle (0) and of the two before it (1, 2). */
 typedef struct products {
     double p00, p01, p02, p11, p12, p22;
 } products;
 
-/* Distance left where recurrences spiral: each is a times the one before it and b times the one before that,
- * so the sum of those to come follows from the last two. 0 where they do not turn enough to tell a and b, or
- * where these do not shrink. */
+/* Remaining distance if the recurrences spiral: fit each as a times the previous one plus b times the one
+ * before that, and sum those to come. 0 if they turn too little to determine a and b, or if the fit does not
+ * shrink. */
 static double spiral_left(const saltus_settling *s, int p, const products *r) {
     double determinant = r->p11 * r->p22 - r->p12 * r->p12, largest = 0;
     if (!(determinant > least_turn * r->p11 * r->p22))
@@ -121,8 +119,8 @@ static double spiral_left(const saltus_settling *s, int p, const products *r) {
     return largest / (1 - a - b);
 }
 
-/* Distance left to the orbit of period p; INFINITY when the recurrences do not shrink and `shrinking` is
- * asked for. */
+/* Estimated distance to the orbit of period p; INFINITY if `shrinking` is required and the recurrences do
+ * not shrink. */
 static double distance_left(const saltus_settling *s, int p, bool shrinking) {
     double now = recurrence_over(s, p, p, 0), before = recurrence_over(s, p, p, p),
            first = recurrence_over(s, p, p, 2 * p);
@@ -150,7 +148,7 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
     return fmax(now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30)), spiral_left(s, p, &r));
 }
 
-/* How much a counter has grown over p periods that end `back` periods ago. */
+/* Growth of a counter over p periods that ended `back` periods ago. */
 static long long difference_over(const saltus_settling *s, const long long *counter, int p, int back) {
     return counter[(s->count - 1 - back) % s->size] - counter[(s->count - 1 - back - p) % s->size];
 }
@@ -158,7 +156,8 @@ static long long difference_over(const saltus_settling *s, const long long *coun
 static bool reached(const saltus_settling *s, int p, double limit) {
     if (s->streak[p] < p + 2 || s->count < 4 * p + 2)
         return false;
-    /* Where a proper part of the period recurs, that one will be reached first: seldom worth the work. */
+    /* If a proper divisor of p recurs, it is usually reached first: then look at p only at every eighth
+     * point. */
     for (int part = 1; part <= p / 2 && s->count % seldom != 0; part++)
         if (p % part == 0 && s->streak[part] >= part + 2)
             return false;
@@ -167,7 +166,7 @@ static bool reached(const saltus_settling *s, int p, double limit) {
            recurrence_over(s, p, p, 0) <= worth_a_look * limit && distance_left(s, p, true) <= limit;
 }
 
-/* What the parts of a period say: +1 none of them recurs, 0 one of them is near its orbit too, -1 doubt. */
+/* Proper divisors of a period: +1 none of them recurs, 0 one of them is near its orbit too, -1 doubt. */
 static int parts_say(const saltus_settling *s, int p, double limit) {
     int verdict = 1;
     for (int part = 1; part <= p / 2; part++)

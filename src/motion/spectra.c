@@ -13,46 +13,47 @@
 
 enum {
     orbits_wanted = 8,
-    orbit_periods_max = 512, /* of long orbits fewer, so that these are not exceeded; two in any case */
+    orbit_periods_max = 512, /* a long orbit is sampled fewer times, to stay below this; at least twice */
     irregular_periods = 2048,
-    segment_part = 16, /* of the periods is the length of a segment */
+    segment_part = 16, /* a segment is this part of the periods */
     pilot_periods = 128,
     pilot_segment = 8,
     pilot_samples_max = 1 << 21, /* of one orbit */
     per_period_min = 256,
-    per_period_exact = 2048, /* of orbits with corners: what third derivatives alias is then below 1e-11 */
+    per_period_exact = 2048, /* of orbits with corners: third derivatives then alias less than 1e-11 */
     per_period_max = 16384,
     irregular_per_period_max = 2048,
-    step_points = 12 /* of Gauss and Legendre, in a step of the integrator */
+    step_points = 12 /* of Gauss-Legendre quadrature, in a step of the integrator */
 };
 
 static const double reach_of_lines = 32, reach_of_density = 16; /* times omega */
 static const double rounding = 1e-12, rest_rounding = 1e-8;     /* of the scale of a quantity */
 
-/* A first-order state, or a sum of positions or of velocities. */
+/* A first-order state, or a weighted sum of positions or of velocities. */
 typedef struct observable {
     bool velocity;
-    int entry; /* of the state; -1: a sum */
+    int entry; /* index in the state of a first-order state; -1: a sum */
     double weight[SALTUS_STATE_MAX];
     double scale;
 } observable;
 
-/* What samples are taken with; nothing of it changes but what the flows are at. */
+/* The tools for sampling; only the flows' positions change. */
 typedef struct sampler {
-    saltus_flow *flow, *probe; /* probe: of what the field was before an event */
+    saltus_flow *flow, *probe; /* probe: evaluates the field just before an event */
     gsl_integration_glfixed_table *table;
     double period;
     int dof, quantities;
     observable quantity[SALTUS_QUANTITIES_MAX];
 } sampler;
 
-/* What has been sampled. */
+/* The samples of all quantities. */
 typedef struct recording {
     int per_period;
     long long count;
-    double *samples; /* quantities x (count, and as many of a velocity's primitive) */
+    double *samples; /* per quantity `count` samples, then as many of a velocity's primitive */
     saltus_list corners[SALTUS_QUANTITIES_MAX];
-    /* Each quantity less what it begins with, and the square of that, integrated over the steps until now. */
+    /* Time so far, and the integrals over it of each quantity minus its initial value, and of the square of
+     * that. */
     double begin[SALTUS_QUANTITIES_MAX], time;
     saltus_sum integral[SALTUS_QUANTITIES_MAX], square[SALTUS_QUANTITIES_MAX];
 } recording;
@@ -72,7 +73,7 @@ saltus_status saltus_quantity_parse(const saltus_system *system, const char *wor
     return SALTUS_OK;
 }
 
-/* The entry of the state that a quantity is, which must not be the observed one. */
+/* The index in the state of a quantity; not for the observed displacement or velocity. */
 static int entry_of(const saltus_system *system, saltus_quantity quantity) {
     const int dof = saltus_system_dof(system), k = quantity.coordinate - 1;
     return quantity.velocity || k >= dof ? k + dof : k;
@@ -91,8 +92,6 @@ void saltus_spectra_clear(saltus_spectra *spectra) {
         saltus_spectrum_clear(&spectra->spectra[k]);
     *spectra = (saltus_spectra){0};
 }
-
-/* Sampling */
 
 static saltus_status open_sampler(sampler *s, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
@@ -132,7 +131,7 @@ static void clear_recording(recording *r) {
         free(r->corners[k].items);
 }
 
-/* Quantity k of positions or velocities. */
+/* The weighted sum of quantity k, of positions or of velocities. */
 static double weigh(const sampler *s, int k, const double *numbers) {
     double value = 0;
     for (int i = 0; i < s->dof; i++)
@@ -155,8 +154,8 @@ static void take_sample(const sampler *s, recording *r, long long number, const 
     }
 }
 
-/* The flow's last step adds to the integrals. Between events everything is smooth, so that jumps do not
- * matter to these as they do to samples. */
+/* Add the flow's last step to the integrals. Steps end at events, so the integrand is smooth and jumps,
+ * which disturb samples, do no harm here. */
 static void integrate(const sampler *s, recording *r) {
     const double length = saltus_flow_step_length(s->flow, 0);
     r->time += length;
@@ -172,8 +171,8 @@ static void integrate(const sampler *s, recording *r) {
     }
 }
 
-/* An event is a corner of every displacement: what velocities and accelerations gain at it, the contacts
- * before it given; and of every first-order state, whose rate gains. */
+/* Record an event as a corner: of displacements by the jumps of velocity and acceleration, of first-order
+ * states by the jump of their rate. `contacts` are those held before the event. */
 static saltus_status take_corner(const sampler *s, recording *r, unsigned contacts, saltus_message *message) {
     const int dof = s->dof;
     saltus_time now = saltus_flow_time(s->flow, 0);
@@ -205,7 +204,7 @@ static saltus_status take_corner(const sampler *s, recording *r, unsigned contac
     return SALTUS_OK;
 }
 
-/* Sample from a state at phase 0, from sample `next` until `end`, which is not taken. */
+/* Take samples `next` to `end` - 1, starting the flow from a state at phase 0. */
 static saltus_status sample_stretch(const sampler *s, recording *r, const double *state, long long next,
                                     long long end, saltus_message *message) {
     enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
@@ -243,8 +242,8 @@ static saltus_status sample_stretch(const sampler *s, recording *r, const double
     return SALTUS_OK;
 }
 
-/* Sample `periods` forcing periods, starting anew from the state after each `stretch` of them; the recording
- * is to be cleared. */
+/* Sample `periods` forcing periods, starting anew from the same state for each `stretch` of them. The
+ * recording is to be cleared. */
 static saltus_status sample(const sampler *s, const double *state, long long periods, long long stretch,
                             int per_period, recording *r, saltus_message *message) {
     *r = (recording){.per_period = per_period, .count = periods * per_period};
@@ -269,8 +268,8 @@ static saltus_signal signal_of(const sampler *s, const recording *r, int k, bool
                            .rounding = s->quantity[k].scale * (resting ? rest_rounding : rounding)};
 }
 
-/* How far the samples of a quantity, thinned out to `per_period`, can be trusted; INFINITY where nothing
- * moves. `samples` is overwritten. */
+/* The frequency up to which a quantity's spectrum is trustworthy with only `per_period` samples; INFINITY if
+ * the quantity is constant. `samples` is scratch. */
 static saltus_status trust(saltus_signal signal, double *samples, int per_period, int orbit, double *upto,
                            saltus_message *message) {
     saltus_spectrum spectrum = {0};
@@ -282,8 +281,8 @@ static saltus_status trust(saltus_signal signal, double *samples, int per_period
     return status;
 }
 
-/* As few samples a period as make the spectra trustworthy up to the wanted frequency, from one orbit or a few
- * periods with many samples. */
+/* Choose the smallest number of samples per period with spectra that are trustworthy up to the wanted
+ * frequency, by trial on a densely sampled pilot: one orbit, or some periods of a motion without one. */
 static saltus_status choose_samples(const sampler *s, const double *state, int orbit,
                                     const saltus_spectrum_options *options, int *per_period,
                                     saltus_message *message) {
@@ -310,8 +309,6 @@ static saltus_status choose_samples(const sampler *s, const double *state, int o
     clear_recording(&pilot);
     return status;
 }
-
-/* Checks and lengths */
 
 static saltus_status check_options(const saltus_system *system, int periods, const saltus_spectrum_options *o,
                                    saltus_message *message) {

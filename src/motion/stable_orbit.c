@@ -1,13 +1,13 @@
 /* Stable orbits among points that look chaotic.
  *
- * In a window of periodic motion chaos is a transient, which may last for hundreds of thousands of periods.
- * The orbit that it ends on is there all the time: Newton's method from close returns finds it long before
- * the trajectory does. Mostly it finds the unstable orbit that was born together with the stable one and
- * bounds its basin, as trajectories come near this one more often: what leaves an unstable orbit on either
- * side along its unstable direction is followed, and comes to the stable one. Returns over which tangent
- * vectors have grown much belong to other orbits, of which there are the more the longer their period: they
- * are passed over without any work. Plain steps on the stroboscopic map, given up as soon as they do not
- * converge, try what is left; what is found is confirmed by saltus_orbit_find.
+ * In a window of periodic motion chaos is a transient that may last for hundreds of thousands of periods.
+ * The orbit that it ends on exists all the time: Newton's method from close returns finds it long before the
+ * trajectory does. Mostly it first finds the unstable orbit that was born together with the stable one and
+ * bounds its basin, because trajectories come near that one more often. From an unstable orbit, trajectories
+ * are therefore followed to both sides along the unstable direction; one of them leads to the stable orbit.
+ * Returns over which tangent vectors have grown much belong to other unstable orbits, whose number grows
+ * with the period: they are skipped at once. The remaining returns are tried with plain Newton steps on the
+ * stroboscopic map, given up as soon as they do not converge; saltus_orbit_find confirms what they find.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
 #include "motion/motion.h"
@@ -21,26 +21,26 @@
 
 enum {
     longest = 64,
-    most = 200,   /* returns of period 1 that are tried, fewer of longer periods, ... */
-    fewest = 5,   /* ... but so many at least */
-    kept = 100,   /* returns of each period, of which those to orbits that have been tried are passed over */
-    steps = 8,    /* of Newton's method */
-    turns = 12,   /* by which the unstable direction is found */
-    leaving = 40, /* cycles in which what leaves an unstable orbit comes to a stable one */
-    bisections = 6, /* on the way from an orbit to the points */
-    probes = 64,    /* points that stand for all */
+    most = 200,     /* returns of period 1 that are tried; of period p this over p, ... */
+    fewest = 5,     /* ... but at least this many */
+    kept = 100,     /* returns kept for each period; those to orbits tried before are skipped */
+    steps = 8,      /* of Newton's method */
+    turns = 12,     /* power iterations for the unstable direction */
+    leaving = 40,   /* cycles to get from an unstable orbit to a stable one */
+    bisections = 6, /* for the edge of the basin between an orbit and the points */
+    probes = 64,    /* points that are enough for the extent of all */
     neighbours = 16,
-    wait_most = 200, /* periods, or so many of the orbit's where these are more: */
-    wait_cycles = 12,
-    remembered = 1024 /* points of orbits that have been tried, the last ones */
+    wait_most = 200,  /* periods to wait for capture at most, ... */
+    wait_cycles = 12, /* ... or cycles, if these take longer */
+    remembered = 1024 /* latest points of orbits that have been tried */
 };
-static const double same_orbit = 1e-5; /* of orbits that have been found */
-static const double near_return = 0.2; /* of the points' extent: no return is farther */
-static const double same_return = 0.3; /* of their distance: returns as near to each other lead to the same */
-static const double may_shrink = 8;    /* logarithm of a growth: beside a greater one no orbit is stable */
-static const double step_aside = 1e-3; /* from an unstable orbit, relative to the system's scales */
-/* An orbit counts if its basin comes as near to the points as so many times what the point nearest to it has
- * to its neighbour of that number. */
+static const double same_orbit = 1e-5; /* in scales: orbits this near are the same */
+static const double near_return = 0.2; /* of the points' extent: farther returns do not count */
+static const double same_return = 0.3; /* of their distance: returns this near lead to the same orbit */
+static const double may_shrink = 8;    /* logarithm of a growth: above it no orbit nearby is stable */
+static const double step_aside = 1e-3; /* from an unstable orbit, in scales */
+/* An orbit counts if its basin comes as near to the points as this many times the distance of the point
+ * nearest to it from that point's 16th neighbour. */
 static const double spacings = 12;
 
 typedef struct search {
@@ -48,20 +48,20 @@ typedef struct search {
     const saltus_flow_options *flow;
     const saltus_track *tracks;
     int track_count, n;
-    double extent;      /* of the points */
+    double extent;      /* extent of the points */
     saltus_flow *plain; /* without columns */
-    double *tried;      /* points of orbits that have been tried, `remembered` x n, and their periods */
+    double *tried;      /* ring buffer of points of orbits that have been tried, and their periods */
     int tried_periods[remembered];
     long long tried_count;
 } search;
 
-/* One more period, or several, from a state at phase 0. */
+/* Advance a state at phase 0 by whole periods. False if the flow fails. */
 static bool advance(const search *s, int periods, double *state) {
     return saltus_state_carry(s->plain, (saltus_time){0, 0}, (saltus_time){periods, 0}, state, NULL) ==
            SALTUS_OK;
 }
 
-/* Whether a state lies on an orbit that has been tried, to within a distance. */
+/* Whether a state lies within `distance` of an orbit that has been tried, whose period divides p. */
 static bool was_tried(const search *s, int p, const double *state, double distance) {
     for (long long k = 0; k < s->tried_count && k < remembered; k++)
         if (p % s->tried_periods[k] == 0 &&
@@ -83,7 +83,7 @@ static void remember(search *s, int p, const double *on_orbit) {
     }
 }
 
-/* The direction in which the map's derivative grows most, in the system's scales, of length 1. */
+/* The direction in which the map's derivative grows most, in the system's scales, with largest entry 1. */
 static void unstable_direction(const search *s, const saltus_fixed_point *f, double *direction) {
     double image[SALTUS_STATE_MAX];
     for (int i = 0; i < s->n; i++)
@@ -101,8 +101,8 @@ static void unstable_direction(const search *s, const saltus_fixed_point *f, dou
     }
 }
 
-/* Follow what leaves an unstable orbit, by a step along a direction; the periods of the stable orbit that it
- * comes to, its own or twice as many, and the state there; 0: it goes elsewhere. */
+/* Follow a trajectory from beside an unstable orbit, displaced by `step` along a direction. Returns the
+ * period of the stable orbit that it comes to, p or 2 p, with a state on that; 0 if it goes elsewhere. */
 static int follow_away(const search *s, const saltus_fixed_point *f, int p, const double *direction,
                        double step, double *state) {
     double last[2][SALTUS_STATE_MAX];
@@ -124,7 +124,7 @@ static int follow_away(const search *s, const saltus_fixed_point *f, int p, cons
     return 0;
 }
 
-/* The nearest of all tracks' points, nearer than *distance, which becomes its own; NULL: there is none. */
+/* The nearest of all tracks' points, if nearer than *distance, which is then updated; otherwise NULL. */
 static const double *nearest(const search *s, const double *point, double *distance) {
     const double *place = NULL;
     for (int t = 0; t < s->track_count; t++)
@@ -139,7 +139,7 @@ static const double *nearest(const search *s, const double *point, double *dista
     return place;
 }
 
-/* Distance of a point to its neighbour of number `neighbours` among all tracks' points. */
+/* Distance of a point of a track to its 16th neighbour among all tracks' points. */
 static double spacing_at(const search *s, const double *point) {
     double nearest_ones[neighbours + 1]; /* the point itself is the first */
     int used = 0;
@@ -157,8 +157,8 @@ static double spacing_at(const search *s, const double *point) {
     return nearest_ones[used - 1];
 }
 
-/* Whether a state comes to the orbit: to a tenth of its distance, in the time which that takes by the orbit's
- * multipliers. */
+/* Whether a state at a distance from the orbit comes to a tenth of it, in the time in which the orbit's
+ * largest multiplier shrinks it twentyfold and 20 cycles more, within a limit. */
 static bool captured(const search *s, const saltus_motion *orbit, const double *from, double distance) {
     double cycles = log(0.05) / fmin(orbit->multipliers[0].log_modulus, -1e-3), end[SALTUS_STATE_MAX];
     int wait = orbit->periods * (20 + (int)cycles), limit = wait_cycles * orbit->periods;
@@ -168,7 +168,7 @@ static bool captured(const search *s, const saltus_motion *orbit, const double *
            saltus_orbit_passes(s->system, orbit->section_states, orbit->periods, end, 0.1 * distance);
 }
 
-/* Whether the orbit's basin reaches near the points, on the way from the orbit to the nearest of them. */
+/* Whether the orbit's basin reaches near the points: bisect the line from the orbit to the nearest point. */
 static bool lies_amid(const search *s, const saltus_motion *orbit) {
     double least = INFINITY, low = 0, high = 1, state[SALTUS_STATE_MAX];
     const double *from = NULL, *to = NULL;
@@ -187,8 +187,7 @@ static bool lies_amid(const search *s, const saltus_motion *orbit) {
     return (1 - low) * least < spacings * spacing_at(s, to);
 }
 
-/* Newton's method from a return: the stable orbit that it finds, or that lies beside the one that it finds.
- */
+/* Newton's method from a return: find a stable orbit, or an unstable one with a stable one beside it. */
 static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const double *point,
                                 saltus_motion *motion, bool *found, saltus_message *message) {
     saltus_classify_options options = saltus_classify_defaults();

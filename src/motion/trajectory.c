@@ -10,15 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A record under way. */
+/* A recording in progress. */
 typedef struct recorder {
     saltus_trajectory *record;
     const saltus_system *system;
     const saltus_trajectory_plan *plan;
     saltus_flow *flow;
     long long rows_room, events_room;
-    long long next, last; /* sample to be taken next, last sample */
-    long long told;       /* the period that was told of last */
+    long long next, last; /* numbers of the next and of the last sample */
+    long long told;       /* the period last shown as progress */
 } recorder;
 
 void saltus_trajectory_clear(saltus_trajectory *record) {
@@ -32,7 +32,7 @@ void saltus_trajectory_clear(saltus_trajectory *record) {
     *record = (saltus_trajectory){0};
 }
 
-/* Grow one array; the old one stays valid when there is no memory. */
+/* Resize one array; the old one stays valid if there is no memory. */
 static bool grow(void *array, long long count, size_t size) {
     void *old, *grown;
     memcpy(&old, array, sizeof old);
@@ -79,14 +79,13 @@ static void add_strobe(recorder *self, const double *state) {
         memcpy(r->strobe_states + r->strobes++ * r->dimension, state, (size_t)r->dimension * sizeof *state);
 }
 
-/* Time of sample k; the phase is a quotient, so no error builds up. */
+/* Time of sample k; the phase is a quotient, so that errors do not accumulate. */
 static saltus_time sample_time(const recorder *self, long long k) {
     const int per_period = self->plan->per_period;
     return (saltus_time){k / per_period, (double)(k % per_period) / per_period};
 }
 
-/* The samples that fall into the flow's last step. The end of the step is included unless there is an event.
- */
+/* Take the samples within the flow's last step, and at its end unless an event ends it. */
 static bool take_samples(recorder *self, bool event) {
     double state[SALTUS_STATE_MAX];
     for (; self->next <= self->last; self->next++) {
@@ -103,8 +102,8 @@ static bool take_samples(recorder *self, bool event) {
     return true;
 }
 
-/* An event: the row before it, the row after it, and the event itself. A sample of the same time is the row
- * before. */
+/* Record an event, with a row of the state before it and, unless it is a release, one of the state after it.
+ * The row before also stands for a sample at the same time. */
 static bool take_event(recorder *self, const saltus_event *event) {
     saltus_trajectory *r = self->record;
     saltus_time now = saltus_flow_time(self->flow, 0);
@@ -137,7 +136,7 @@ static bool take_event(recorder *self, const saltus_event *event) {
     return true;
 }
 
-/* Tell of a new period. */
+/* Show progress when a new period begins. */
 static void tell(recorder *self) {
     const saltus_trajectory_plan *plan = self->plan;
     long long cycle = saltus_flow_time(self->flow, 0).cycle;
@@ -147,7 +146,7 @@ static void tell(recorder *self) {
     self->told = cycle;
 }
 
-/* From a state at the begin of a period to a later one, with samples and events. */
+/* Record samples and events from the flow's state, at phase 0, until a later period begins. */
 static saltus_status record_stretch(recorder *self, long long until, saltus_message *message) {
     enum { watch = SALTUS_WATCH_STEP | SALTUS_WATCH_CONTACT };
     saltus_event event = {.kind = SALTUS_STEP};
@@ -164,7 +163,7 @@ static saltus_status record_stretch(recorder *self, long long until, saltus_mess
     return room ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the record");
 }
 
-/* All of it: along an orbit from point to point, otherwise after the transient. */
+/* Record everything: along an orbit from one section point to the next, otherwise after the transient. */
 static saltus_status run(recorder *self, const double *state, saltus_message *message) {
     const saltus_trajectory_plan *plan = self->plan;
     saltus_status status = SALTUS_OK;

@@ -1,4 +1,4 @@
-/* Returns of a trajectory without forcing to its section.
+/* Returns of an unforced trajectory to its section.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/visits.h"
 

@@ -1,4 +1,4 @@
-/* Private: returns of a trajectory without forcing to its section, and how they recur.
+/* Private: returns of an unforced trajectory to its section, and how they recur.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_MOTION_VISITS_H
 #define SALTUS_MOTION_VISITS_H
@@ -7,30 +7,30 @@
 #include "orbit/poincare.h"
 
 typedef struct saltus_visits {
-    saltus_settling settling; /* of the section points */
+    saltus_settling settling; /* how the section points recur */
     saltus_crossings returns;
     saltus_flow_info done;
-    double *times; /* when these came, in the system's periods, as many as points are kept */
+    double *times; /* times of the points kept by `settling`, in the system's periods */
 } saltus_visits;
 
 /* As saltus_settling_open. False without memory. */
 bool saltus_visits_open(saltus_visits *visits, int dimension, int longest);
 void saltus_visits_close(saltus_visits *visits);
-/* No return has been seen yet. */
+/* Start with no return. */
 void saltus_visits_reset(saltus_visits *visits, const saltus_system *system);
-/* An event of a lane, a target reached included, after which it is at `state`; until then so much has been
- * done. */
+/* Take an event of a lane, a reached target included, after which the lane is at `state`; `done` are the
+ * trajectory's counters until then. */
 void saltus_visits_take(saltus_visits *visits, const saltus_flow *flow, int lane, const saltus_event *event,
                         const double *state, saltus_flow_info done);
-/* The next return that the event taken last tells of, in the place of `state`, which is as above; false:
- * there is none any more. None is counted where chatter may be under way. */
+/* Read the next return that the last event has brought into `state`, which at first holds the lane's state.
+ * False if there is none left. No return is counted while chatter may be in progress. */
 bool saltus_visits_next(saltus_visits *visits, const saltus_flow *flow, int lane, double *state);
-/* When the last return came, in the system's periods. */
+/* Time of the last return, in the system's periods. */
 double saltus_visits_last(const saltus_visits *visits);
-/* Time that the last so many returns have taken, in the system's periods. */
+/* Duration of the last `returns` returns, in the system's periods. */
 double saltus_visits_taken(const saltus_visits *visits, int returns);
-/* A system that counts by the mean time between the last returns, the caller's; NULL where there are few
- * returns. Errors: SALTUS_NO_MEMORY. */
+/* A system whose period is the mean time between the last returns, to be freed by the caller; NULL if there
+ * are too few returns. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_visits_count(const saltus_visits *visits, const saltus_system *system,
                                   saltus_system **counted, saltus_message *message);
 
