@@ -1,8 +1,8 @@
 /* Attractors over a plane of initial states, told apart by their orbits.
  *
- * A row that has settled belongs to the attractor one of whose section points its last state is. Where there
- * is none so near, Newton's method finds the row's own orbit to full accuracy, and this is compared with
- * those known; so neither slow convergence nor neighbouring attractors can mix up what belongs together.
+ * A settled row belongs to the attractor that has a section point at the row's last state. If no known
+ * attractor does, Newton's method finds the row's own orbit to full accuracy, and this is compared with the
+ * known ones. So neither slow convergence nor neighbouring attractors can cause a mix-up.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -46,7 +46,7 @@ void saltus_basins_free(saltus_basins *basins) {
     free(basins);
 }
 
-/* The known motion that a trajectory has ended on; -1 where there is none. */
+/* Index of the known motion that a trajectory has ended on, or -1. */
 static int find(const saltus_basins *basins, saltus_ending ending, double distance) {
     for (int k = 0; k < basins->motions.count; k++) {
         saltus_ending known = saltus_motion_ending(saltus_basins_motion(basins, k));

@@ -1,9 +1,9 @@
 /* The largest exponent of a trajectory that has settled.
  *
- * Newton's method confirms the orbit at the state that has been reached: where a step of it moves the state
- * next to nothing, the derivative around the orbit that the step needs has the multipliers too. Where
- * rounding hides the largest multiplier in that derivative, or a step is not small, shooting
- * (saltus_orbit_find) finds it, which takes five times as long, and much longer where there are many impacts.
+ * Newton steps confirm the orbit at the state reached. If a step hardly moves the state, the derivative
+ * around the orbit, which the step needs anyway, also gives the multipliers. If rounding hides the largest
+ * multiplier in that derivative, or the steps stay large, shooting (saltus_orbit_find) computes it, which
+ * takes five times as long, and much longer with many impacts.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -14,10 +14,10 @@
 
 enum {
     steps_max = 3,
-    shooting_impacts = 100 /* where an orbit has more of them, the exponent is sooner measured */
+    shooting_impacts = 100 /* for an orbit with more, measuring the exponent is faster */
 };
 static const double own_orbit = 1e-6; /* the orbit is no farther away, relative to the system's scales */
-static const double on_orbit = 1e-9;  /* a step as small as this is not taken */
+static const double on_orbit = 1e-9;  /* a step this small ends the iteration */
 
 static double by_steps(saltus_sweep_trajectory *t, int periods) {
     saltus_flow_options options = saltus_flow_defaults();

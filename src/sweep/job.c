@@ -1,5 +1,5 @@
-/* The tasks under way in one thread: the outcomes of their trajectories, kept until all seeds of a place are
- * there.
+/* The tasks in progress in one thread: the results of their trajectories, kept until all seeds of a place
+ * are there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -68,7 +68,7 @@ static saltus_ending ending_of(const saltus_cell *cell) {
     return (saltus_ending){(saltus_verdict)cell->row.verdict, cell->row.periods, cell->state, cell->orbit};
 }
 
-/* A seed's attractor has the number of the first seed that has ended on it. */
+/* Number the attractors in the order in which seeds first ended on them; -1 for a failed seed. */
 static void number_attractors(saltus_cell *cells, int seeds, const saltus_system *system) {
     int found = 0;
     for (int s = 0; s < seeds; s++) {
@@ -84,8 +84,7 @@ static void number_attractors(saltus_cell *cells, int seeds, const saltus_system
     }
 }
 
-/* One of the clouds of all seeds, one after the other; how many entries each has goes to `counts`. NULL
- * without memory. */
+/* Concatenate a cloud of all seeds; `counts` receives their numbers of entries. NULL without memory. */
 static void *gather(const saltus_cell *cells, int seeds, int which, int n, long long *counts) {
     size_t size = saltus_cloud_entry(which, n), total = 0, at = 0;
     for (int s = 0; s < seeds; s++)

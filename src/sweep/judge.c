@@ -1,12 +1,11 @@
 /* Whether a trajectory of a sweep has settled, and on what.
  *
- * On the way, once it is near its orbit, the trajectory is disturbed by a small random vector. Only a stable
- * orbit draws it back to where it was: not an unstable one, nor one of a continuum. Where iteration cannot
- * tell the period, or the way back is slow, Newton's method and the multipliers decide, from the point that
- * has been reached, as they always do in classification (motion/search.c). To ask them for every orbit would
- * take a sweep almost three times as long: the disturbed trajectory stays in its lane beside the others,
- * whereas Newton's method stops all of them for one that it follows alone, with a tangent vector for each
- * entry of the state.
+ * Once a trajectory is near its orbit it is disturbed by a small random vector. Only a stable orbit draws it
+ * back to where it was: neither an unstable orbit nor one of a continuum does. If iteration cannot tell the
+ * period, or the way back is slow, Newton's method and the multipliers decide, from the point reached, as
+ * they always do in classification (motion/search.c). Using them for every orbit would make a sweep almost
+ * three times as long: the disturbed trajectory stays in its lane beside the others, whereas Newton's method
+ * stops all of them for a single trajectory with a tangent vector for each entry of the state.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -16,20 +15,20 @@
 #include <string.h>
 
 enum {
-    look_periods = 32,        /* between two looks at how the recurrences shrink */
-    patience_periods = 200,   /* until Newton's method is asked, ... */
-    patience_per_period = 20, /* ... and for each period of what recurs */
-    first_patience = 64,  /* without forcing: periods between two questions to Newton's method at first, */
-    patience_most = 1024, /* and at most */
-    polish_periods = 320, /* that classification may run */
-    polish_impacts = 100  /* an orbit of more of them costs Newton's method more than all the iteration */
+    look_periods = 32,        /* between looks at whether the recurrences shrink */
+    patience_periods = 200,   /* before Newton's method is tried, ... */
+    patience_per_period = 20, /* ... and more for each period of the orbit that recurs */
+    first_patience = 64,      /* without forcing: periods between two tries of Newton's method at first, */
+    patience_most = 1024,     /* and at most */
+    polish_periods = 320,     /* periods that classification from the point reached may run */
+    polish_impacts = 100      /* for orbits with more, Newton's method costs more than the iteration */
 };
-static const double approach = 1e-6;    /* distance left to the orbit when it is disturbed, ... */
-static const double disturbance = 1e-5; /* ... by this, relative to the system's scales, ... */
-static const double returned = 3e-6;    /* ... and to which it must come back */
-static const double same_orbit = 1e-3;  /* an orbit of Newton's method this near is the trajectory's own */
-static const double on_orbit = 1e-7;    /* the same where none attracts */
-static const double shrinking = 0.98;   /* of recurrences from one look to the next, at most */
+static const double approach = 1e-6;    /* a trajectory this near to its orbit is disturbed ... */
+static const double disturbance = 1e-5; /* ... by this, relative to the system's scales, */
+static const double returned = 3e-6;    /* and must come back to within this */
+static const double same_orbit = 1e-3;  /* an orbit found this near is the trajectory's own */
+static const double on_orbit = 1e-7;    /* the same in a conservative system, where none attracts */
+static const double shrinking = 0.98;   /* recurrences must shrink by this factor from look to look */
 
 static const saltus_judgement goes_on = {SALTUS_PENDING, 0, 0};
 static const saltus_judgement failed = {SALTUS_FAILED, 0, 0};
@@ -41,13 +40,13 @@ void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *t) {
     t->proof.patience = saltus_system_forced(t->system) ? patience_periods : first_patience;
 }
 
-/* Remaining distance from the orbit that is small enough. */
+/* The remaining distance from the orbit at which it counts as reached. */
 static double near_enough(const saltus_sweep_trajectory *t) {
     return fmax(1e-10, 10 * t->sweep->options.flow.rtol);
 }
 
-/* Newton's method from the present state: the stable orbit of this period or a part of it, or, of no period,
- * what classification finds from there. What it finds the trajectory goes on from. */
+/* Newton's method from the present state: find the stable orbit of this period or a divisor, or, if `period`
+ * is 0, what classification finds from there. The trajectory continues from what was found. */
 static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_judgement judgement = goes_on;
@@ -74,7 +73,7 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
 }
 
 bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *t, bool *counts) {
-    static const double overdue = 4; /* mean times between returns */
+    static const double overdue = 4; /* mean times without a return: none is expected any more */
     const double now = saltus_time_periods(saltus_flow_time(t->flow, t->lane));
     saltus_system *counted = NULL;
     saltus_status status = saltus_visits_count(&t->proof.visits, t->system, &counted, NULL);
@@ -89,7 +88,7 @@ bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *t, bool *cou
                                             t->state);
 }
 
-/* Where an orbit with a period of its own is between two events, and the time since its section point. */
+/* Move a state on an unforced orbit from its section point to between two events, in the time *later. */
 static saltus_status leave_section(const saltus_sweep_trajectory *t, double period, double *state,
                                    double *later) {
     saltus_flow_options options = saltus_flow_defaults();
@@ -106,8 +105,8 @@ static saltus_status leave_section(const saltus_sweep_trajectory *t, double peri
     return status;
 }
 
-/* On to a stable orbit with a period of its own: the trajectory then counts by its returns, and goes around
- * it from between two events, so that each is met once. */
+/* Move the trajectory onto an unforced orbit: count time by its returns, and start the lap between two
+ * events, so that each is met once. */
 static saltus_judgement go_around(saltus_sweep_trajectory *t, const saltus_motion *motion) {
     const double period = motion->period / motion->periods;
     const size_t size = (size_t)t->sweep->dimension * sizeof *motion->state;
@@ -124,7 +123,7 @@ static saltus_judgement go_around(saltus_sweep_trajectory *t, const saltus_motio
     return (saltus_judgement){SALTUS_PERIODIC, motion->periods, 0};
 }
 
-/* Newton's method with unknown period from the last return, where so many of them recur. */
+/* Newton's method with unknown period from the last return, given that every `recurs`-th return recurs. */
 static saltus_judgement ask_for_cycle(saltus_sweep_trajectory *t, int recurs) {
     const saltus_visits *v = &t->proof.visits;
     const double *last = saltus_settling_point(&v->settling, 0);
@@ -135,7 +134,7 @@ static saltus_judgement ask_for_cycle(saltus_sweep_trajectory *t, int recurs) {
     saltus_status status =
         saltus_motion_cycle_after(t->system, saltus_visits_taken(v, recurs), last, &options, &motion, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
-    /* No orbit of a conservative scene attracts: only the one that the trajectory is on is its own. */
+    /* In a conservative scene no orbit attracts: only the one that the trajectory is on is its own. */
     const bool kept = saltus_system_conservative(t->system);
     if (status == SALTUS_OK && (kept || motion.stable) && motion.periods <= t->sweep->options.longest &&
         saltus_orbit_passes(t->system, motion.section_states, motion.periods, last,
@@ -145,9 +144,9 @@ static saltus_judgement ask_for_cycle(saltus_sweep_trajectory *t, int recurs) {
     return judgement;
 }
 
-/* Whether it is time to ask Newton's method for the period that recurs, as iteration is slow: each time after
- * twice as long, and where the recurrences have shrunk whenever they were looked at. In a small chaotic
- * attractor something recurs for long, but no better. */
+/* Whether iteration is so slow that it is time for Newton's method: after a wait that doubles each time, and
+ * only if the recurrences have shrunk at every look. In a small chaotic attractor something recurs for long,
+ * but gets no closer. */
 static bool is_slow(saltus_sweep_trajectory *t, int recurs) {
     saltus_proof *p = &t->proof;
     if (recurs != p->recurring) {
@@ -166,9 +165,9 @@ static bool is_slow(saltus_sweep_trajectory *t, int recurs) {
            saltus_settling_impacts(&p->settling, recurs) <= polish_impacts;
 }
 
-/* A period has been reached to within `approach`, or, after the disturbance, to within what makes it certain:
- * disturb the trajectory, or see whether the points of the last period come by where it was before, at the
- * same time of the orbit. One that has come to another place is disturbed there anew. */
+/* A period has been reached. To within `approach`: disturb the trajectory. After the disturbance, to within
+ * near_enough: check that the last period's points pass where it was, at the same phase of the orbit; if it
+ * has come to another place, disturb it again there. */
 static saltus_judgement prove(saltus_sweep_trajectory *t, int period, saltus_verdict verdict) {
     saltus_proof *p = &t->proof;
     int back = (int)((saltus_sweep_trajectory_cycle(t) - p->disturbed_at) % period);
@@ -187,8 +186,8 @@ static saltus_judgement prove(saltus_sweep_trajectory *t, int period, saltus_ver
     return saltus_sweep_trajectory_continue(t, moved) ? goes_on : failed;
 }
 
-/* Sticking makes an orbit superstable, and whether a chatter is complete may hang on the tolerance: an orbit
- * that sticks must close with the tightest one too. */
+/* Sticking makes an orbit superstable, and the tolerance may decide whether a chatter is complete: an orbit
+ * that sticks must also close with the tightest tolerance. */
 static bool closes_tightly(saltus_sweep_trajectory *t, int periods) {
     saltus_flow_options options = saltus_flow_defaults();
     double end[SALTUS_STATE_MAX];
@@ -200,7 +199,7 @@ static bool closes_tightly(saltus_sweep_trajectory *t, int periods) {
            saltus_system_distance(t->system, end, t->state) < fmax(returned, 100 * near_enough(t));
 }
 
-/* The orbit of a period that has been reached, once it is proven. */
+/* The orbit of a period that has been reached, if it is proven. */
 static saltus_judgement judge_orbit(saltus_sweep_trajectory *t, int period) {
     saltus_proof *p = &t->proof;
     saltus_judgement judgement = prove(t, period, SALTUS_PERIODIC);
@@ -217,7 +216,7 @@ static saltus_judgement judge_orbit(saltus_sweep_trajectory *t, int period) {
     return judgement;
 }
 
-/* A stable rest that the trajectory comes to slowly: it goes on from there. */
+/* If the trajectory approaches a stable rest slowly, move it there. */
 static saltus_judgement ask_for_rest(saltus_sweep_trajectory *t) {
     double place[SALTUS_STATE_MAX],
         time = (double)saltus_sweep_trajectory_cycle(t) * saltus_system_period(t->system);
@@ -230,8 +229,7 @@ static saltus_judgement ask_for_rest(saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_continue(t, place) ? (saltus_judgement){SALTUS_EQUILIBRIUM, 0, 0} : failed;
 }
 
-/* Without forcing: a rest, or returns to the section that recur, which Newton's method is asked about at
- * growing intervals. */
+/* Without forcing: a rest, or returns that recur, for which Newton's method is tried ever less often. */
 static saltus_judgement judge_unforced(saltus_sweep_trajectory *t) {
     saltus_proof *p = &t->proof;
     const long long cycle = saltus_sweep_trajectory_cycle(t);

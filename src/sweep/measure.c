@@ -1,11 +1,11 @@
 /* What a motion without a period is, by its largest exponent.
  *
- * A tangent vector is carried along in runs that are doubled; after each the exponent is weighed as
- * classification does (motion/evidence.h), but from one trajectory. Where chaos has not been watched for long
- * enough to be asserted the row is irregular. A negative exponent means that a period must show: the
- * trajectory is given at most the time that it had to settle once more. An exponent of zero may belong to a
- * torus: then the section points are asked. Chaos that a contact ends which wipes out all differences is
- * superstable: its exponent is -infinity.
+ * A tangent vector is carried along in runs each as long as all before it. After each run the exponent is
+ * judged as in classification (motion/evidence.h), but from one trajectory. Apparent chaos that has not been
+ * watched for long enough makes the row irregular. A negative exponent means that a period must appear: the
+ * trajectory is given at most as long again as it had to settle. An exponent of zero may belong to a torus:
+ * then the section points decide. Chaos that ends at a contact which wipes out all differences is a
+ * superstable motion: its exponent is -infinity.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -17,20 +17,20 @@
 #include <string.h>
 
 enum {
-    align = 50,        /* periods in which the vector turns into the direction that grows */
-    first_run = 250,   /* then doubled */
-    least_given = 500, /* where nothing but the exponent is lacking, and this part of what may be measured */
-    part_given = 8,
-    least_points = 1500, /* that tell a torus, */
-    most_points = 4096,  /* and so many at most */
-    least_room = 4096,   /* for section points: between these, and within so many numbers */
+    align = 50,          /* periods for the vector to turn into the direction that grows */
+    first_run = 250,     /* periods; each later run doubles the total */
+    least_given = 500,   /* if only the exponent is lacking: at least these periods, ... */
+    part_given = 8,      /* ... and this part of `measure` */
+    least_points = 1500, /* needed to identify a torus, */
+    most_points = 4096,  /* and the latest of them that are used */
+    least_room = 4096,   /* of section points: `numbers` doubles, but between these bounds */
     most_room = 32768,
     numbers = 1 << 19,
-    patience = 400,        /* for a period that must show, where times are fixed */
-    tangent_seed = 1 << 20 /* of random numbers: no seed of a sweep is as large */
+    patience = 400,        /* periods in which one must appear at most, in a sweep with fixed times */
+    tangent_seed = 1 << 20 /* seeds of random directions: above all seeds of a sweep */
 };
 
-static const double nothing_left = 40; /* logarithm of a contraction */
+static const double nothing_left = 40; /* logarithm of the contraction after which no distance is left */
 
 static long long steps_of(const saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_information(t).steps;
@@ -40,14 +40,14 @@ static long long at_most(const saltus_sweep_trajectory *t) {
     return t->sweep->options.measure;
 }
 
-/* Section points that are kept. */
+/* Number of section points that are kept. */
 static long long room_of(const saltus_sweep_trajectory *t) {
     long long room = numbers / t->measuring.growth.n;
     room = room < most_room ? room : most_room;
     return room > least_room ? room : least_room;
 }
 
-/* Room for section points, the first time that they are wanted. */
+/* Allocate the section points when they are first wanted. */
 static bool open_track(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     size_t room = (size_t)room_of(t);
@@ -79,8 +79,7 @@ bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *t, saltus_flow *fl
     return true;
 }
 
-/* A section point, if there is room for it, and beside it how much the vector has grown since the last one,
- * or without forcing when it came. */
+/* Keep a section point, if there is room, with the growth since the previous one or, unforced, its time. */
 static void keep_point(saltus_sweep_trajectory *t, const double *state, double number) {
     saltus_measuring *m = &t->measuring;
     if (m->given || m->samples < 0 || m->count == room_of(t))
@@ -128,7 +127,7 @@ static saltus_runs runs_of(const saltus_sweep_trajectory *t) {
                          .lost = m->growth.lost >= m->growth.n};
 }
 
-/* The verdict, and the exponent as it is known now. */
+/* End with a verdict and the present estimate of the exponent. */
 static saltus_next end(saltus_sweep_trajectory *t, saltus_verdict verdict, const saltus_runs *runs) {
     if (!t->measuring.given)
         saltus_sweep_trajectory_settle(t, verdict, 0);
@@ -139,16 +138,16 @@ static saltus_next end(saltus_sweep_trajectory *t, saltus_verdict verdict, const
     return SALTUS_NEXT_DONE;
 }
 
-/* A torus is suspected: ask its section points, where there are more of them than last time. */
+/* A torus is suspected: test the section points, if there are twice as many as at the last test. */
 static saltus_outcome ask_points(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
-    saltus_evidence evidence = {.dimension = NAN}; /* not asked for */
+    saltus_evidence evidence = {.dimension = NAN}; /* not computed for a forced system */
     saltus_outcome outcome = SALTUS_OUTCOME_TORUS;
     if (m->count < least_points || m->count < 2 * m->asked)
         return SALTUS_OUTCOME_OPEN;
     m->asked = m->count;
     long long count = m->count < most_points ? m->count : most_points;
-    /* Without forcing the exponent of every orbit is zero: the dimension tells one of a long period. */
+    /* Without forcing the largest exponent of any stable orbit is zero: the dimension exposes it. */
     saltus_point_tests tests = saltus_system_forced(t->system) ? SALTUS_TESTS_TORUS : SALTUS_TESTS_ALL;
     saltus_status status = saltus_points_test(t->system, m->points + (m->count - count) * m->growth.n, count,
                                               tests, &evidence, &outcome, NULL);
@@ -156,7 +155,7 @@ static saltus_outcome ask_points(saltus_sweep_trajectory *t) {
     return status == SALTUS_OK ? outcome : SALTUS_OUTCOME_OPEN;
 }
 
-/* Whether a stable orbit lies amid the motion, as far as its section points have been kept. */
+/* Whether a stable orbit lies amid the section points kept. */
 static bool has_stable_orbit(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     const bool forced = saltus_system_forced(t->system);
@@ -171,7 +170,7 @@ static bool has_stable_orbit(saltus_sweep_trajectory *t) {
     return found;
 }
 
-/* Whether a contact that is met seldom ends the chaos: the trajectory then goes on from there. */
+/* Whether a rare contact that wipes out all differences ends the chaos; if so, continue from there. */
 static bool meets_contact(saltus_sweep_trajectory *t) {
     saltus_measuring *m = &t->measuring;
     enum { trajectories = 8 };
@@ -191,16 +190,16 @@ static bool meets_contact(saltus_sweep_trajectory *t) {
     return true;
 }
 
-/* The next run: as long as all before it, within what may be measured, and beyond for a period that must
- * show. */
+/* Plan the next run, as long as all before it, within what may be measured; beyond that only while a period
+ * must appear. False if there is none. */
 static bool run_on(saltus_measuring *m, long long most) {
     if (m->samples < most)
         m->run_end = 2 * m->samples < most ? 2 * m->samples : most;
     return m->samples < most || m->deadline > 0;
 }
 
-/* Periods in which a period must show: together with those measured, so many as contract any distance to
- * nothing, and some more to look at them. */
+/* Periods in which a period must appear: as many as, with those measured, contract any distance to nothing,
+ * and some more to see it. */
 static long long longest_wait(const saltus_sweep_trajectory *t, const saltus_runs *runs) {
     const saltus_sweep_options *o = &t->sweep->options;
     long long most = o->adaptive ? o->transient : patience;

@@ -6,7 +6,7 @@
 #include "base/field.h"
 #include "saltus/sweep.h"
 
-/* Of saltus_sweep_options. */
+/* The fields of saltus_sweep_options. */
 extern const saltus_option_table saltus_sweep_table;
 extern const saltus_word saltus_pass_words[], saltus_spacing_words[];
 

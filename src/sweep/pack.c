@@ -5,8 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* What stands at the block's begin; rows, states, counts and clouds follow, all of them aligned to 8 bytes.
- */
+/* The head of the block; rows, states, counts and clouds follow, all aligned to 8 bytes. */
 typedef struct head {
     long long place, seeds, dimension, entries[SALTUS_CLOUDS];
 } head;
@@ -23,7 +22,7 @@ static head head_of(const saltus_sweep *sweep, const saltus_sweep_result *result
     return h;
 }
 
-/* Where the parts begin, and the whole size behind them. */
+/* Offsets of the parts, and the total size as the last one. */
 static void place_parts(const head *h, size_t offset[parts + 1]) {
     size_t seeds = (size_t)h->seeds,
            size[parts] = {[part_head] = sizeof *h,
@@ -50,8 +49,7 @@ static unsigned char *put(unsigned char *to, const void *from, size_t bytes) {
     return to + bytes;
 }
 
-/* Of rows and impacts the bytes of padding, behind their last int, are zeroed: the same result is always the
- * same block. */
+/* Padding of rows and impacts, after their last int, is zeroed: equal results give equal blocks. */
 void saltus_sweep_pack(const saltus_sweep *sweep, const saltus_sweep_result *result, void *bytes) {
     enum {
         integers = offsetof(saltus_sweep_row, attractor) + sizeof(int),
@@ -78,7 +76,7 @@ void saltus_sweep_pack(const saltus_sweep *sweep, const saltus_sweep_result *res
     put(to, result->strobes, (size_t)h.entries[SALTUS_CLOUD_STROBES] * n * sizeof(double));
 }
 
-/* Whether verdicts and periods are possible, and the counts of the seeds add up to those of the head. */
+/* Whether verdicts and periods are valid, and the seeds' counts add up to those of the head. */
 static bool is_sound(const head *h, const saltus_sweep_row *rows, const long long *counts, int longest) {
     bool sound = true;
     for (long long s = 0; s < h->seeds; s++)
@@ -103,7 +101,7 @@ bool saltus_sweep_unpack(const saltus_sweep *sweep, const void *bytes, size_t si
     if (size < sizeof h)
         return false;
     memcpy(&h, bytes, sizeof h);
-    /* What could not fit the block is refused before sizes are computed with it, which might overflow. */
+    /* Refuse counts that cannot fit the block before computing sizes with them, which might overflow. */
     const long long most = (long long)(size / sizeof(double)) + 1;
     bool fits = h.place >= 0 && h.place < sweep->pass_count * sweep->points &&
                 h.seeds == sweep->options.seeds && h.dimension == sweep->dimension;

@@ -1,10 +1,10 @@
-/* What a trajectory of a sweep goes through, from its start to its row.
+/* The stages of a trajectory of a sweep, from its start to its row.
  *
- * Adaptive: it settles until its period is certain and is then recorded once around the orbit, or, where no
- * period is certain in the time given, for a number of periods. Fixed: it runs and is recorded for given
- * numbers of periods; then it settles, if anything recurs, and goes once around its orbit to be counted.
- * Where exponents are asked for, an orbit's comes last, from its multipliers, and a motion without a period
- * is then measured (measure.c).
+ * Adaptive: it settles until its period is certain and is then recorded once around the orbit, or, if no
+ * period is certain in the given time, for a number of periods. Fixed: it runs and is recorded for given
+ * numbers of periods; then it settles, if anything recurs, and goes once around its orbit to be counted. If
+ * exponents are wanted, that of an orbit is computed last, from its multipliers, and a motion without a
+ * period is then measured (measure.c).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -17,14 +17,14 @@ static bool stage_ends(const saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_cycle(t) >= t->stage_end;
 }
 
-/* Events that are looked at on the way. */
+/* Events to watch in the present stage. */
 static unsigned watched(const saltus_sweep_trajectory *t) {
     const unsigned section = saltus_system_forced(t->system) ? 0 : saltus_crossings_watch(t->system);
     return t->active ? SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | section : section;
 }
 
-/* To the next section point, or where the tangent vector is looked at; in a transient that nobody looks at by
- * many periods; around an orbit with a period of its own to its end. */
+/* Aim the lane at the next section point or orthonormalisation; in an unobserved transient many periods
+ * ahead; on an unforced orbit at the end of the lap. */
 static void aim(saltus_sweep_trajectory *t) {
     if (t->stage == SALTUS_STAGE_MEASURING) {
         saltus_growth_aim(&t->measuring.growth, t->flow, t->lane);
@@ -55,7 +55,7 @@ static void begin_watch(saltus_sweep_trajectory *t, saltus_watch *watch, long lo
                        saltus_sweep_trajectory_information(t).square);
 }
 
-/* What is not an orbit is recorded from now on. */
+/* Start to record a motion that is not an orbit. */
 static saltus_next begin_recording(saltus_sweep_trajectory *t) {
     const bool rests = t->row.verdict == SALTUS_EQUILIBRIUM || t->row.verdict == SALTUS_HELD;
     bool counts = false;
@@ -100,7 +100,7 @@ void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *t) {
     t->row.periods = 0;
 }
 
-/* The state to begin a place with: that of its seed, or the one it has where it is carried on. */
+/* The initial state at a place: the seed's, or, if `carried`, the present one, back within the stops. */
 static saltus_status find_start(saltus_sweep_trajectory *t, bool carried) {
     const saltus_sweep *sweep = t->sweep;
     if (carried) {
@@ -149,7 +149,7 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     return true;
 }
 
-/* The row is filled but for its exponent. */
+/* The row is filled but for its exponent: compute that, or have it measured. */
 static saltus_next end_place(saltus_sweep_trajectory *t) {
     const saltus_sweep_options *o = &t->sweep->options;
     bool settled = saltus_verdict_settled(t->row.verdict);
@@ -159,8 +159,7 @@ static saltus_next end_place(saltus_sweep_trajectory *t) {
     return o->measure > 0 ? SALTUS_NEXT_MEASURE : SALTUS_NEXT_DONE;
 }
 
-/* It has settled, or will not: an orbit is gone around once, anything else is recorded now, or over where it
- * has been recorded. */
+/* Act on a verdict: go once around an orbit; record anything else now, or end if it has been recorded. */
 static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement) {
     const bool adaptive = t->sweep->options.adaptive;
     if (judgement.verdict == SALTUS_FAILED) {
@@ -182,8 +181,8 @@ static long long points_seen(const saltus_sweep_trajectory *t) {
     return saltus_system_forced(t->system) ? p->settling.count : p->visits.settling.count;
 }
 
-/* The next section point of a trajectory that settles. Beyond a fixed time, what does not recur at once is
- * not waited for. */
+/* Judge a settling trajectory at a section point. In a sweep with fixed times a motion that does not recur
+ * soon is not waited for. */
 static saltus_next settling_on(saltus_sweep_trajectory *t) {
     saltus_judgement judgement = saltus_sweep_trajectory_judge(t);
     bool hopeless = stage_ends(t) || (!t->sweep->options.adaptive && judgement.recurs == 0 &&
@@ -200,7 +199,7 @@ static void measure(saltus_sweep_trajectory *t) {
                          saltus_sweep_trajectory_information(t).square, &t->row);
 }
 
-/* The orbit has been gone around. */
+/* The lap around the orbit is complete. */
 static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
     lap->contacts = saltus_flow_contacts(t->flow, t->lane);
@@ -214,7 +213,7 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
         measure(t);
     if (t->row.periods > 0)
         t->row.period = t->row.periods * saltus_system_period(t->system);
-    if (!saltus_system_forced(t->system)) { /* on the section */
+    if (!saltus_system_forced(t->system)) { /* back onto the section */
         memcpy(t->state, t->proof.orbit, (size_t)t->sweep->dimension * sizeof *t->state);
         if (t->row.periods > 0)
             saltus_watch_orbit(t->active, t->proof.orbit, t->row.periods);
@@ -230,8 +229,9 @@ static saltus_next recorded(saltus_sweep_trajectory *t) {
     return settling_on(t);
 }
 
-/* What ends a classification, too: a state without bounds, a pre-load that is too much, far more steps than
- * the periods gone through may take. A transient that nobody looks at is not seen after eight periods. */
+/* Whether to give up, as a classification would: unbounded state, excessive pre-load, far too many steps.
+ * saltus_state_bounded checks the load only after eight periods, where an unobserved transient does not
+ * stop. */
 static bool gives_up(const saltus_sweep_trajectory *t) {
     const long long cycle = saltus_sweep_trajectory_cycle(t);
     const unsigned contacts = saltus_flow_contacts(t->flow, t->lane);
@@ -242,7 +242,7 @@ static bool gives_up(const saltus_sweep_trajectory *t) {
            saltus_sweep_trajectory_information(t).steps - SALTUS_EFFORT_USUAL * cycle > SALTUS_EFFORT_MOST;
 }
 
-/* A section point has been reached. */
+/* Process a section point, according to the stage. */
 static saltus_next at_section(saltus_sweep_trajectory *t) {
     const bool ends = stage_ends(t);
     saltus_flow_state(t->flow, t->lane, t->state);
@@ -262,7 +262,7 @@ static saltus_next at_section(saltus_sweep_trajectory *t) {
     case SALTUS_STAGE_RECORDING:
         return ends ? recorded(t) : SALTUS_NEXT_GO_ON;
     case SALTUS_STAGE_MEASURING: {
-        /* It may settle yet. */
+        /* It may still settle. */
         saltus_judgement judgement = {.verdict = SALTUS_PENDING};
         if (!t->measuring.given)
             judgement = saltus_sweep_trajectory_judge(t);
@@ -273,7 +273,7 @@ static saltus_next at_section(saltus_sweep_trajectory *t) {
     }
 }
 
-/* An event on the way, a target reached included. */
+/* Pass an event, a reached target included, to whatever observes it. */
 static void pass_event(saltus_sweep_trajectory *t, const saltus_event *event) {
     const bool forced = saltus_system_forced(t->system), reached = event->kind == SALTUS_REACHED;
     if (!forced || (!reached && event->kind != SALTUS_TURNING))

@@ -1,4 +1,4 @@
-/* A sweep: its grid, checked, and the numbering of its places, rows and tasks.
+/* A sweep: checking its grid and options, and numbering its places, rows and tasks.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 #include "sweep/options.h"
@@ -17,7 +17,7 @@ const char *saltus_pass_word(saltus_pass pass) {
     return saltus_word_of(saltus_pass_words, 1 << pass);
 }
 
-/* Whether a key is an entry of the initial state: x or x' of a text, or q, v or z with any number. */
+/* Whether a key names an entry of the initial state: x or x' of a text model, or a numbered q, v or z. */
 static bool is_start_key(const saltus_spec *spec, const char *key) {
     int number = 0;
     for (int k = 0; k < 3 && number == 0 && saltus_model_parameter_index(spec->model, key) < 0; k++)
@@ -31,7 +31,7 @@ static saltus_status set_value(saltus_scene *scene, const saltus_axis *axis, int
     return saltus_scene_set(scene, setting, message);
 }
 
-/* Every value of an axis is one that the scene accepts, and leaves the number of unknowns alone. */
+/* Check that the scene accepts every value of an axis, and that none changes the number of unknowns. */
 static saltus_status check_axis(saltus_sweep *sweep, int axis, saltus_message *message) {
     const saltus_axis *a = &sweep->axes[axis];
     saltus_direction direction;
@@ -74,8 +74,8 @@ static saltus_status take_axes(saltus_sweep *sweep, const saltus_axis *axes, int
     return SALTUS_OK;
 }
 
-/* Look at the system of one point: how stiff the stiffest one is; the one with the most terms stands for all
- * of them. */
+/* Check the system of one point. *fitting: the integrator for the stiffest system so far; sweep->system: the
+ * one with the most terms, which stands for all. */
 static saltus_status check_point(saltus_sweep *sweep, long long point, saltus_integrator *fitting,
                                  saltus_message *message) {
     saltus_system *system = NULL;
@@ -94,8 +94,8 @@ static saltus_status check_point(saltus_sweep *sweep, long long point, saltus_in
     return SALTUS_OK;
 }
 
-/* The systems at the ends of the axes, and at each entry of a list. Where some are stiff all trajectories use
- * one integrator, so that the choice does not depend on what runs beside what. */
+/* Check the systems at the ends of the axes and at each entry of a list. If some are stiff all trajectories
+ * use one integrator, so that it does not depend on which ones run side by side. */
 static saltus_status check_corners(saltus_sweep *sweep, saltus_message *message) {
     const saltus_axis *across = &sweep->axes[0];
     const int rows = sweep->axis_count > 1 ? sweep->axes[1].count : 1;
@@ -152,7 +152,7 @@ saltus_status saltus_sweep_new(const saltus_scene *scene, const saltus_axis *axe
     if (status == SALTUS_OK)
         status = check_starts(made, message);
     if (status == SALTUS_OK) {
-        /* The options of the flow are good if a flow can be made with them. */
+        /* The flow's options are valid if a flow can be made with them. */
         const saltus_system *system = made->system;
         saltus_flow *flow = NULL;
         status = saltus_flow_new(&system, 1, &made->options.flow, &flow, message);
@@ -221,7 +221,7 @@ saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, sa
     return status == SALTUS_OK ? saltus_system_new(&scene.spec, system, message) : status;
 }
 
-/* Tasks of the k-th pass: points where every one starts anew, otherwise lines along the first axis. */
+/* Number of tasks of the k-th pass: points if each starts anew, otherwise lines along the first axis. */
 static long long pass_tasks(const saltus_sweep *sweep, int k) {
     return sweep->passes[k] == SALTUS_PASS_RESET ? sweep->points : sweep->points / sweep->axes[0].count;
 }

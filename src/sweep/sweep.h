@@ -1,4 +1,4 @@
-/* Private: what the parts of the sweep's engine share.
+/* Private: what the files of this folder share.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_SWEEP_PRIVATE_H
 #define SALTUS_SWEEP_PRIVATE_H
@@ -20,17 +20,16 @@ struct saltus_sweep {
     saltus_pass passes[SALTUS_PASSES];
     int pass_count, dimension;
     long long points;
-    bool moves_start;      /* an axis is an entry of the initial state */
-    saltus_system *system; /* of the point with the most terms */
+    bool moves_start;      /* an axis varies an entry of the initial state */
+    saltus_system *system; /* the system with the most terms among the points */
 };
 
-/* sweep.c */
-/* The system at a point. Errors: those of saltus_system_new. */
+/* The system at a point of the grid, to be freed by the caller. Errors: those of saltus_system_new. */
 saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, saltus_system **system,
                                   saltus_message *message);
 
-/* watch.c: what a trajectory does while it is recorded. */
-/* Clouds of points, in the order of their bits SALTUS_KEEP_... and of a packed result. */
+/* watch.c: what a trajectory does while it is recorded */
+/* Clouds of points, in the order of the bits SALTUS_KEEP_... and of a packed result. */
 enum { SALTUS_CLOUD_TURNING, SALTUS_CLOUD_IMPACTS, SALTUS_CLOUD_STROBES, SALTUS_CLOUDS };
 
 typedef struct saltus_cloud {
@@ -38,207 +37,206 @@ typedef struct saltus_cloud {
     size_t count, room;
 } saltus_cloud;
 
-/* Bytes of one entry of a cloud, for states of so many numbers. */
+/* Size in bytes of an entry of a cloud, for states of `dimension` numbers. */
 size_t saltus_cloud_entry(int which, int dimension);
 
 typedef struct saltus_watch {
     saltus_lap lap; /* counts, extremes, mean square */
-    unsigned keep;  /* of SALTUS_KEEP_... */
+    unsigned keep;  /* bits SALTUS_KEEP_... */
     saltus_time begin, touched;
     bool touching;
-    int heading;    /* sign of the observed velocity */
-    double contact; /* periods in contact */
-    bool counts;    /* its returns are the section points, not what is at phase 0 */
+    int heading;    /* sign of the observed velocity after the last event */
+    double contact; /* time in contact, in periods, but for the contact that holds since `touched` */
+    bool counts;    /* section points are the returns to the section, not the states at phase 0 */
     saltus_crossings returns;
     double largest_speed;
     saltus_cloud clouds[SALTUS_CLOUDS];
-    bool sound; /* no cloud has run out of memory */
+    bool sound; /* false: a cloud has run out of memory */
 } saltus_watch;
 
-/* Begin at a section point, or where returns to the section are counted; `square`: the flow's integral of the
- * observed displacement's square there. Clouds keep their memory. */
+/* Begin a recording, at a section point or where returns to the section are counted. `square` is the flow's
+ * integral of the squared observed displacement at that time. Clouds are emptied but keep their memory. */
 void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsigned keep, bool counts,
                         saltus_time time, const double *state, bool touching, double square);
-/* `state` is that of now, for the events of contacts. */
+/* Take an event, turning points included; `state` is the present one and must be set at contact events. */
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching);
-/* Returns to the section of the lane that is watched, after an event, a target reached included. */
+/* Add the returns to the section that an event of the watched lane brings, a reached target included. */
 void saltus_watch_returns(saltus_watch *watch, const saltus_flow *flow, int lane, const saltus_event *event,
                           const double *state);
-/* A section point; not the last one of the recording, which would be counted twice. */
+/* Add a section point; not the one that ends the recording, which would be counted twice. */
 void saltus_watch_section(saltus_watch *watch, const double *state);
-/* The section points are those of an orbit, which has been gone around, the one at its begin last. */
+/* Replace the section points by those of the orbit that was gone around, the first one last. */
 void saltus_watch_orbit(saltus_watch *watch, const double *points, int periods);
-/* The measures of the recording, from its begin to `end`, where it is at `state`; `square` as at the begin.
- */
+/* Fill the row with the measures of the recording from its beginning to `end`, where the state is `state`;
+ * `square` as in saltus_watch_begin. */
 void saltus_watch_measure(saltus_watch *watch, saltus_time end, const double *state, double square,
                           saltus_sweep_row *row);
 void saltus_watch_close(saltus_watch *watch);
 
-/* job.c: the tasks under way in one thread, and what comes out of them. */
+/* job.c: the tasks in progress in one thread, and their results */
 typedef struct saltus_cell {
     saltus_sweep_row row;
-    double *state; /* at the end, n */
-    double *orbit; /* periodic, with several seeds: section points, periods x n */
+    double *state; /* at the end, n numbers */
+    double *orbit; /* section points, periods x n, of a periodic row with several seeds; otherwise NULL */
     saltus_cloud clouds[SALTUS_CLOUDS];
 } saltus_cell;
 
 typedef struct saltus_job {
     const saltus_sweep *sweep;
     long long task;
-    int length, seeds, assigned; /* seeds handed to lanes */
-    int finished;                /* seeds whose whole line is done */
-    int holders;                 /* trajectories, and the worker as long as it hands its seeds out */
-    int *missing;                /* per place: seeds still to come */
-    saltus_cell *cells;          /* [place][seed] */
+    int length, seeds, assigned; /* `assigned`: seeds that trajectories have taken */
+    int finished;                /* seeds that have passed all places */
+    int holders;        /* references: by trajectories, and by the worker until all seeds are assigned */
+    int *missing;       /* per place: seeds without a result yet */
+    saltus_cell *cells; /* [place][seed] */
 } saltus_job;
 
 saltus_job *saltus_job_open(const saltus_sweep *sweep, long long task);
 void saltus_job_free(saltus_job *job);
-/* Put a trajectory's outcome into its cell, which takes the watch's clouds over; true when the place is
- * complete, to be handed out with saltus_job_emit. False in *sound when there is no memory. */
+/* Store a trajectory's result in its cell, which takes over the watch's clouds. Returns true when all seeds
+ * of the place are there and saltus_job_emit is due. *sound is false without memory. */
 bool saltus_job_put(saltus_job *job, int place, int seed, const saltus_sweep_row *row, const double *state,
                     const double *orbit, saltus_watch *watch, bool *sound);
-/* Tell distinct attractors apart, hand the place out and free its cells. */
+/* Number the distinct attractors at a place, pass the result to the feed and free the cells. */
 saltus_status saltus_job_emit(saltus_job *job, int place, const saltus_system *system,
                               const saltus_sweep_feed *feed, saltus_message *message);
 
-/* trajectory.c: one seed in a lane, on its way along the places of a task. */
+/* trajectory.c: one seed in a lane, on its way along the places of a task */
 typedef enum saltus_stage {
-    SALTUS_STAGE_TRANSIENT, /* not looked at */
+    SALTUS_STAGE_TRANSIENT, /* runs unobserved */
     SALTUS_STAGE_SETTLING,
     SALTUS_STAGE_RECORDING,
     SALTUS_STAGE_ORBIT,    /* once around a periodic orbit */
-    SALTUS_STAGE_MEASURING /* its exponent, with a tangent vector */
+    SALTUS_STAGE_MEASURING /* its exponent is measured with a tangent vector */
 } saltus_stage;
 
-/* How it goes on. */
+/* What the worker has to do next with a trajectory. */
 typedef enum saltus_next {
     SALTUS_NEXT_GO_ON,
-    SALTUS_NEXT_MEASURE, /* its exponent is wanted: it needs a lane with a tangent vector */
-    SALTUS_NEXT_DONE     /* this place is over, the row being filled */
+    SALTUS_NEXT_MEASURE, /* move it to a lane with a tangent vector, to measure its exponent */
+    SALTUS_NEXT_DONE     /* this place is finished and the row filled */
 } saltus_next;
 
-/* Whether it has settled. */
+/* The evidence that a trajectory has settled. */
 typedef struct saltus_proof {
     saltus_settling settling;
-    bool disturbed;         /* to prove stability, ... */
+    bool disturbed;         /* it has been disturbed, to prove stability, ... */
     double *undisturbed;    /* ... from this state ... */
     long long disturbed_at; /* ... at this cycle */
-    int recurring;          /* the period that recurs, ... */
-    long long waited;       /* ... for so many periods */
-    double trend[2];        /* how well it recurred when last looked at, and before */
-    long long patience;     /* periods until Newton's method is asked */
-    long long ask_again;    /* not before this cycle, where iteration cannot tell the period */
-    double *orbit;          /* section points of the settled orbit, longest x n */
-    saltus_visits visits;   /* without forcing: returns to the section */
-    saltus_rest_look rest;  /* whether it comes to a rest, however slowly */
-    double exponent;        /* the largest of the orbit that Newton's method has found without forcing */
+    int recurring;          /* the period that roughly recurs, ... */
+    long long waited;       /* ... and the periods since it began to */
+    double trend[2];        /* its recurrence at the last look and at the one before */
+    long long patience;     /* periods to wait before Newton's method is tried */
+    long long ask_again;    /* cycle before which Newton's method is not tried again */
+    double *orbit;          /* section points of the settled orbit; room for longest x n */
+    saltus_visits visits;   /* without forcing: its returns to the section */
+    saltus_rest_look rest;  /* without forcing: its last look for a rest */
+    double exponent;        /* without forcing: largest exponent of the orbit that Newton's method found */
 } saltus_proof;
 
-/* The exponent under way. */
+/* A measurement of the exponent. */
 typedef struct saltus_measuring {
     saltus_arena arena;
     saltus_growth growth;
     saltus_average average; /* of the growth per period */
-    long long samples;      /* periods measured; below zero the vector still turns into what grows */
-    long long run_end;      /* samples at which they are weighed next */
-    long long deadline;     /* cycle by which a period must have shown; 0: there need not be one */
-    long long steps;        /* of the flow until the first sample */
-    bool given;             /* the verdict is there: nothing but the exponent is lacking */
-    double *points;         /* section points, `count` of them, n each; behind their room the growths,
-                            or without forcing the times when they came */
-    long long count, asked; /* `asked`: of how many last told whether it is one */
+    long long samples;      /* periods measured; below zero while the vector is still aligning */
+    long long run_end;      /* number of samples at which the exponent is judged next */
+    long long deadline;     /* cycle by which a period must have appeared; 0: none need appear */
+    long long steps;        /* the flow's steps before the first sample */
+    bool given;             /* the verdict is known; only the exponent is lacking */
+    double *points; /* `count` section points, n numbers each; after the room for them one number for each:
+                       the vector's growth since the previous point, or without forcing the time */
+    long long count, asked; /* `asked`: number of points at the last test for a torus */
 } saltus_measuring;
 
 typedef struct saltus_sweep_trajectory {
     const saltus_sweep *sweep;
-    saltus_job *job; /* NULL: the lane rests */
+    saltus_job *job; /* NULL: idle */
     int seed, place;
     saltus_system *system;
     saltus_flow *flow;
     int lane;
-    saltus_flow_info before; /* of the flow before it was last started anew */
-    saltus_effort effort;    /* of what Newton's method is asked on the way */
-    double *state;           /* now */
+    saltus_flow_info before; /* counters up to the last restart of the flow */
+    saltus_effort effort;    /* steps spent by Newton's method on the way */
+    double *state;           /* current state */
     saltus_random random;
     saltus_stage stage;
     long long stage_end; /* cycle at which the stage ends */
     saltus_proof proof;
-    saltus_watch watch, round;  /* what is recorded; once around the orbit where that comes later */
-    saltus_watch *active;       /* of these, or NULL */
-    saltus_measuring measuring; /* with SALTUS_KEEP_LYAPUNOV */
+    saltus_watch watch, round;  /* the recording; the lap around an orbit that is found after it */
+    saltus_watch *active;       /* the one of these being filled, or NULL */
+    saltus_measuring measuring; /* only with SALTUS_KEEP_LYAPUNOV */
     saltus_sweep_row row;
     bool starved; /* out of memory */
 } saltus_sweep_trajectory;
 
 bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *trajectory, const saltus_sweep *sweep);
 void saltus_sweep_trajectory_close(saltus_sweep_trajectory *trajectory);
-/* The grid's point at which it is. */
+/* The point of the grid where the trajectory is. */
 long long saltus_sweep_trajectory_point(const saltus_sweep_trajectory *trajectory);
-/* Periods since it began. */
+/* Periods since the trajectory began this place. */
 long long saltus_sweep_trajectory_cycle(const saltus_sweep_trajectory *trajectory);
-/* Its steps, impacts and other contact events since it began. */
+/* Steps, impacts and other contact events since the trajectory began this place. */
 saltus_flow_info saltus_sweep_trajectory_information(const saltus_sweep_trajectory *trajectory);
-/* Seed its random numbers by the sweep's seed, the point and `which` alone, whatever else runs. */
+/* Seed the random numbers by the sweep's seed, the point and `which`, and by nothing else. */
 void saltus_sweep_trajectory_seed(saltus_sweep_trajectory *trajectory, int which);
-/* Go on from another state at the same time. False when the flow cannot. */
+/* Continue from another state at the same time. False if the flow cannot. */
 bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *trajectory, const double *state);
-/* Go on from another state and time of a system without forcing that counts by another time. False when the
- * flow cannot. */
+/* Without forcing: count by another period, and continue from another state and time. False if it cannot. */
 bool saltus_sweep_trajectory_count_by(saltus_sweep_trajectory *trajectory, double period, saltus_time time,
                                       const double *state);
-/* Go on in another lane. False when the flow cannot. */
+/* Continue in another lane. False if the flow cannot. */
 bool saltus_sweep_trajectory_move(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
-/* A verdict has been reached, or none will be. */
+/* Store a verdict, or that there will be none, in the row, with the time and the impacts so far. */
 void saltus_sweep_trajectory_settle(saltus_sweep_trajectory *trajectory, saltus_verdict verdict, int periods);
-/* In a lane with a tangent vector, set it to the one last normalised: a start takes it away, and it must not
- * grow for ever. */
+/* In a lane with a tangent vector, set it to the last normalised one: a restart of the flow removes it, and
+ * unchecked it would overflow. */
 void saltus_sweep_trajectory_restore_tangent(saltus_sweep_trajectory *trajectory);
 
 /* judge.c */
-/* What a trajectory has settled on; pending: it goes on. */
+/* What a trajectory has settled on; the verdict is pending while it goes on. */
 typedef struct saltus_judgement {
     saltus_verdict verdict;
     int periods;
-    int recurs; /* the least period that recurs roughly, or 0 */
+    int recurs; /* the least period that roughly recurs, or 0 */
 } saltus_judgement;
 
-/* Without forcing: count by the mean time between returns from now on, where these still come; *counts says
- * so. False when the flow cannot go on. */
+/* Without forcing: count time by the mean time between returns from now on, if returns still occur
+ * (*counts). False if the flow cannot continue. */
 bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *trajectory, bool *counts);
-/* A trajectory begins to settle. */
+/* Reset the patience for a trajectory that begins to settle. */
 void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *trajectory);
-/* Judge a trajectory at a section point; the points of an orbit go to proof.orbit. It may be disturbed, and
- * it may be moved onto an orbit that Newton's method has found. */
+/* Judge a trajectory at a section point; the section points of an orbit go to proof.orbit. The trajectory
+ * may be disturbed, or moved onto an orbit that Newton's method has found. */
 saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *trajectory);
 
-/* exponent.c */
-/* The largest exponent of a row that has settled, from the multipliers of the orbit at its state. False where
+/* exponent.c: fill a settled row's exponent from the multipliers of the orbit at its state. False if
  * Newton's method does not find the orbit there. */
 bool saltus_sweep_trajectory_exponent(saltus_sweep_trajectory *trajectory);
 
 /* measure.c */
-/* Measure the exponent, from where the trajectory is, in a lane of a flow with one tangent vector that has
- * been given its system; it may be the lane that it is in. Aims it. False when it cannot go on there: the row
- * stays as it is. */
+/* Start to measure the exponent from the trajectory's present state, in a lane, possibly its own, of a flow
+ * with one tangent vector that has been given its system, and aim the lane. False if it cannot continue
+ * there: the row stays as it is. */
 bool saltus_sweep_trajectory_measure(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
-/* What follows from an event of a trajectory that is measured; *section: at a section point. */
+/* Process an event of a trajectory that is measured; *section: it is at a section point. */
 saltus_next saltus_measuring_follow(saltus_sweep_trajectory *trajectory, const saltus_event *event,
                                     bool *section);
-/* Without forcing: an event on its way, a target reached included, after which the flow is at t->state. */
+/* Without forcing: take an event, a reached target included, after which the lane is at t->state, and
+ * collect the returns. */
 void saltus_sweep_trajectory_take(saltus_sweep_trajectory *trajectory, const saltus_event *event);
-/* One more period. */
+/* Add the sample of one more period, and judge the exponent when a run is complete. */
 saltus_next saltus_measuring_add(saltus_sweep_trajectory *trajectory);
 
-/* stages.c: what it goes through. */
-/* Place it at its task's present place, in a lane of a flow that has been given its system, and aim it. False
- * when it cannot start: the row says so. */
+/* stages.c: the stages of a trajectory */
+/* Start the trajectory at its present place, in a lane of a flow that has been given its system, and aim the
+ * lane. False if it cannot start: the row says so. */
 bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
-/* What follows from an event of its lane; where it goes on, the lane has been aimed again. */
+/* Process an event of its lane; if the trajectory goes on, the lane has been aimed again. */
 saltus_next saltus_sweep_trajectory_follow(saltus_sweep_trajectory *trajectory, const saltus_event *event);
-/* There is no system, or no initial state, at its place: a row that has failed. */
+/* Make a failed row: its place has no system or no initial state. */
 void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *trajectory);
-/* The flow gave up. */
+/* The flow failed: so does the row, unless only the exponent was lacking. */
 void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *trajectory);
 
 #endif

@@ -1,4 +1,4 @@
-/* One seed of a sweep in a lane: where it is, what it has done, moving it on.
+/* One seed of a sweep in a lane: its position and counters, and restarting it elsewhere.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -59,7 +59,7 @@ saltus_flow_info saltus_sweep_trajectory_information(const saltus_sweep_trajecto
     return info;
 }
 
-/* Mix bits until each of the numbers moves all of them (splitmix64's finaliser). */
+/* Mix the bits of a number so that each affects the whole result (splitmix64's finaliser). */
 static unsigned long long mix(unsigned long long x) {
     x += 0x9e3779b97f4a7c15ULL;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;

@@ -14,7 +14,7 @@ size_t saltus_cloud_entry(int which, int dimension) {
                                            : (size_t)dimension * sizeof(double);
 }
 
-/* One more entry of a cloud, if that one is kept. */
+/* Add an entry to a cloud, if that cloud is kept. */
 static void add(saltus_watch *watch, int which, const void *entry) {
     saltus_cloud *cloud = &watch->clouds[which];
     size_t size = saltus_cloud_entry(which, saltus_system_dimension(watch->lap.system));
@@ -58,8 +58,8 @@ void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsign
     saltus_watch_section(watch, state);
 }
 
-/* The observed displacement turns: by itself, or where an impact reverses its velocity. An impact on the
- * observed point's own stop is a turn by definition. */
+/* Note a turning point of the observed displacement: a smooth one, or an impact that reverses its velocity.
+ * An impact on the observed point's own stop always counts as one. */
 static void see_turn(saltus_watch *watch, const saltus_event *event, const double *state) {
     const saltus_system *system = watch->lap.system;
     bool contact = event->kind != SALTUS_TURNING;

@@ -1,11 +1,11 @@
-/* Running a sweep on all cores, one worker per thread: its trajectories run side by side in the lanes of a
- * flow, and of a second one for those whose exponent is measured, with a tangent vector.
+/* Running a sweep on all cores, one worker per thread. Each runs its trajectories side by side in the lanes
+ * of a flow, and those whose exponent is measured in the lanes of a second flow with a tangent vector.
  *
- * A lane whose trajectory has finished its task, or goes on in the other flow, takes the next one at once.
- * The second flow runs when its lanes are full or nothing else is left to run, so that no lane of either is
- * idle as long as there is work; a trajectory that has been measured and has more of its line before it waits
- * for a lane of the first. A system that lacks a term which the others have (an amplitude of zero at the edge
- * of a grid) cannot run beside them: its trajectory runs in a flow of one lane, with the same bits.
+ * A lane whose trajectory has finished its task, or has moved to the other flow, takes the next trajectory
+ * at once. The second flow runs when its lanes are full or nothing else can run, so that no lane of either
+ * idles while there is work. A trajectory that has been measured and has more places to visit waits for a
+ * lane of the first flow. A system that lacks a term of the others (an amplitude of zero at the edge of a
+ * grid) cannot run beside them: its trajectory runs in a flow of one lane, with bitwise equal results.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -22,7 +22,7 @@
 #include <omp.h>
 #endif
 
-/* The feed of a sweep: tasks come from it and results go to it, one thread at a time. */
+/* Access to the feed of a sweep, one thread at a time. */
 typedef struct schedule {
     const saltus_sweep_feed *feed;
     const volatile sig_atomic_t *stop;
@@ -31,7 +31,7 @@ typedef struct schedule {
     pthread_mutex_t lock;
 } schedule;
 
-/* The next task, or -1. */
+/* The next task, or -1 if there is none. */
 static long long next_task(schedule *s) {
     pthread_mutex_lock(&s->lock);
     long long task = s->status == SALTUS_OK ? s->feed->next(s->feed->context) : -1;
@@ -39,7 +39,7 @@ static long long next_task(schedule *s) {
     return task;
 }
 
-/* Hand out a complete place. */
+/* Pass a complete place to the feed. */
 static void emit(schedule *s, saltus_job *job, int place, const saltus_system *system) {
     pthread_mutex_lock(&s->lock);
     if (s->status == SALTUS_OK)
@@ -69,7 +69,7 @@ static bool goes_on(const schedule *s) {
 typedef struct lane_set {
     saltus_flow *flow;
     int lanes, live;
-    saltus_sweep_trajectory *at[SALTUS_LANES_MAX]; /* NULL: the lane rests */
+    saltus_sweep_trajectory *at[SALTUS_LANES_MAX]; /* NULL: idle */
 } lane_set;
 
 typedef struct worker {
@@ -77,19 +77,19 @@ typedef struct worker {
     schedule *schedule;
     saltus_job *job; /* the task whose seeds are being handed out */
     lane_set plain, tangent;
-    saltus_flow *single[2]; /* of one lane, without and with a tangent vector; made when they are needed */
+    saltus_flow *single[2]; /* flows of one lane, without and with a tangent vector; made when needed */
     int size, waiting;
-    saltus_sweep_trajectory *queue[2 * SALTUS_LANES_MAX]; /* that wait for a lane without a tangent vector */
+    saltus_sweep_trajectory *queue[2 * SALTUS_LANES_MAX]; /* waiting for a lane without a tangent vector */
     saltus_sweep_trajectory trajectory[2 * SALTUS_LANES_MAX];
 } worker;
 
-/* A flow for systems with all the terms; a failure ends the run. */
+/* Make a flow for systems with all terms. A failure ends the run. */
 static bool open_flow(const worker *w, int lanes, int columns, saltus_flow **flow) {
     const saltus_system *systems[SALTUS_LANES_MAX];
     saltus_flow_options options = w->sweep->options.flow;
     saltus_message message = {.text = ""};
     options.columns = columns;
-    options.stop = NULL; /* a trajectory that is given up leaves no row */
+    options.stop = NULL; /* an interrupted flow would make a failed row */
     for (int l = 0; l < lanes; l++)
         systems[l] = w->sweep->system;
     saltus_status status = saltus_flow_new(systems, lanes, &options, flow, &message);
@@ -118,7 +118,7 @@ static bool open_worker(worker *w) {
     return true;
 }
 
-/* A job is freed when neither a trajectory nor the worker has it any more. */
+/* Drop a reference to a job; the last one frees it. */
 static void leave_job(saltus_job **job) {
     if (*job && --(*job)->holders == 0)
         saltus_job_free(*job);
@@ -143,7 +143,7 @@ static void close_worker(worker *w) {
     leave_job(&w->job);
 }
 
-/* A lane without a trajectory holds the sweep's own system, which is freed last. */
+/* Idle a lane: it then holds the sweep's own system, which outlives all others. */
 static void rest_lane(const worker *w, lane_set *side, int lane) {
     side->at[lane] = NULL;
     side->live--;
@@ -157,8 +157,8 @@ static int free_lane(const lane_set *side) {
     return lane;
 }
 
-/* The trajectory that has waited longest with a part of its line before it, or an idle one with the next seed
- * of the task at hand or of the next task; NULL when there is nothing more to do. */
+/* The trajectory that has waited longest with more places to visit; otherwise an idle one with the next seed
+ * of the present or the next task; NULL if there is nothing more to do. */
 static saltus_sweep_trajectory *next_trajectory(worker *w) {
     if (w->waiting > 0) {
         saltus_sweep_trajectory *first = w->queue[0];
@@ -189,14 +189,15 @@ static saltus_sweep_trajectory *next_trajectory(worker *w) {
     return idle;
 }
 
-/* The flow of one lane, made when it is first needed; NULL after a failure. */
+/* The flow of one lane, made when first needed; NULL after a failure. */
 static saltus_flow *single_flow(worker *w, int columns) {
     if (!w->single[columns])
         open_flow(w, 1, columns, &w->single[columns]);
     return w->single[columns];
 }
 
-/* Give the trajectory the system of its place; the old one is freed once no flow knows it. */
+/* Give the trajectory the system of its place, and choose its flow and lane: a flow of one lane if the
+ * system lacks terms. The old system is freed once no flow uses it. */
 static saltus_status change_system(worker *w, saltus_sweep_trajectory *t, int lane, saltus_flow **flow,
                                    int *at) {
     saltus_system *system = NULL, *old = t->system;
@@ -219,7 +220,7 @@ static saltus_status change_system(worker *w, saltus_sweep_trajectory *t, int la
     return status;
 }
 
-/* The next event of a flow, and what its trajectory makes of it. */
+/* Run a flow to its next event and let the trajectory of that lane process it. */
 static saltus_next advance(saltus_flow *flow, saltus_sweep_trajectory *const *at, int *lane) {
     saltus_event event;
     saltus_message message;
@@ -229,13 +230,13 @@ static saltus_next advance(saltus_flow *flow, saltus_sweep_trajectory *const *at
     return SALTUS_NEXT_DONE;
 }
 
-/* Begin to measure in a lane; false when that cannot be. */
+/* Start to measure a trajectory in a lane. False if it cannot continue there. */
 static bool measure_in(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
     return saltus_flow_retune(flow, lane, t->system, NULL) == SALTUS_OK &&
            saltus_sweep_trajectory_measure(t, flow, lane);
 }
 
-/* Run a trajectory's place to its end in flows of one lane. */
+/* Run a trajectory in flows of one lane until its place is finished. */
 static void run_single(worker *w, saltus_sweep_trajectory *t) {
     saltus_next next = SALTUS_NEXT_GO_ON;
     while (next != SALTUS_NEXT_DONE) {
@@ -252,7 +253,7 @@ static void run_single(worker *w, saltus_sweep_trajectory *t) {
             saltus_flow_retune(w->single[k], 0, w->sweep->system, NULL);
 }
 
-/* Store what came out of the trajectory's place and hand it out where all seeds are there. */
+/* Store the trajectory's result at its place, and emit the place if all seeds are there. */
 static void finish_place(worker *w, saltus_sweep_trajectory *t) {
     bool sound = true;
     if (saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->proof.orbit, &t->watch, &sound) &&
@@ -263,8 +264,8 @@ static void finish_place(worker *w, saltus_sweep_trajectory *t) {
     t->place++;
 }
 
-/* Start a trajectory's places, one after the other, until one is under way in the lane; false when its line
- * is done. */
+/* Start a trajectory at its next place, and at further ones if that ends at once, until one runs in the
+ * lane. False if there is none left. */
 static bool go_on(worker *w, saltus_sweep_trajectory *t, int lane) {
     while (goes_on(w->schedule) && t->place < t->job->length) {
         saltus_flow *flow = w->plain.flow;
@@ -285,7 +286,7 @@ static bool go_on(worker *w, saltus_sweep_trajectory *t, int lane) {
     return false;
 }
 
-/* Give a lane of the first flow something to do, if there is anything. */
+/* Give an idle lane of the first flow the next trajectory, if there is one. */
 static void fill_lane(worker *w, int lane) {
     saltus_sweep_trajectory *t = NULL;
     bool under_way = false;
@@ -298,7 +299,7 @@ static void fill_lane(worker *w, int lane) {
         saltus_flow_retune(w->plain.flow, lane, w->sweep->system, NULL);
 }
 
-/* An event of the first flow. */
+/* Run the first flow to an event, and refill the lane if it becomes free. */
 static void run_plain(worker *w) {
     lane_set *here = &w->plain, *there = &w->tangent;
     int lane = 0;
@@ -324,7 +325,7 @@ static void run_plain(worker *w) {
     }
 }
 
-/* An event of the second flow. */
+/* Run the second flow to an event; a finished trajectory waits for the first flow or is done. */
 static void run_tangent(worker *w) {
     lane_set *here = &w->tangent;
     int lane = 0;
@@ -344,8 +345,8 @@ static void run_tangent(worker *w) {
         fill_lane(w, free_lane(&w->plain));
 }
 
-/* The second flow's turn: it is full, or nothing else is to be done, or the first has too little for all its
- * lanes while one that is measured has more of its line before it. */
+/* Whether the second flow should run: it is full, or nothing else can run, or the first has idle lanes while
+ * a measured trajectory has more places to visit. */
 static bool is_tangents_turn(const worker *w) {
     const lane_set *plain = &w->plain, *tangent = &w->tangent;
     bool waits = false;
@@ -384,7 +385,7 @@ saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_fee
     pthread_mutex_init(&s.lock, NULL);
 #ifdef _OPENMP
     const int wanted = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
-    /* No more than there are tasks, and not so many that they only take each other's cores. */
+    /* At most one thread for each task, and not so many that they only compete for the cores. */
     const int crowd = 16 * omp_get_num_procs(), useful = wanted < crowd ? wanted : crowd;
     const long long tasks = saltus_sweep_tasks(sweep);
     const int threads = tasks < useful ? (int)(tasks > 0 ? tasks : 1) : useful;
