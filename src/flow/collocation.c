@@ -63,7 +63,7 @@ static bool find_nodes(double *node) {
     return found == n - 1;
 }
 
-/* The integral of P_k from 0, (P_{k+1} - P_{k-1}) / (4 k + 2), at a point. */
+/* Integrals of P_k from 0 to s, (P_{k+1} - P_{k-1}) / (4 k + 2). */
 static void integral_values(double s, double *values) {
     double p[n + 1];
     saltus_legendre_values(s, n + 1, p);
@@ -82,7 +82,7 @@ static void multiply(double (*a)[n], double (*b)[n], double (*product)[n]) {
         }
 }
 
-/* Eigenvectors of the integration matrix as it acts on columns: real and imaginary parts span the basis. */
+/* Eigenvectors of the integration matrix as it acts on columns; real and imaginary parts form the basis. */
 static bool find_pairs(saltus_collocation *method) {
     double a[n * n], vectors[n * n], re[n], im[n], basis[n][n];
     /* The rows of `integral` are the columns of S, so in LAPACK's order it is S itself. */

@@ -26,28 +26,28 @@ enum {
 /* A 16 x 16 matrix that acts on rows of 16 numbers from the right: out[j] = sum_i in[i] m[i][j]. */
 typedef double saltus_node_matrix[SALTUS_RADAU_NODES][SALTUS_RADAU_NODES];
 
-/* Numbers of the method alone. A complex row of 16 holds eight real parts and then eight imaginary parts. */
+/* Constants of the method. A complex row of 16 holds eight real parts, then eight imaginary parts. */
 typedef struct saltus_collocation {
     saltus_node_matrix
         integral; /* node values -> node values of the integral from the step's start (h = 1) */
-    saltus_node_matrix integral2; /* the same twice */
+    saltus_node_matrix integral2; /* the same for the double integral */
     saltus_node_matrix to_pairs;  /* node values -> complex coordinates in the eigenvectors' basis */
-    saltus_node_matrix to_nodes;  /* and back */
+    saltus_node_matrix to_nodes;  /* and back to node values */
     saltus_node_matrix legendre;  /* node values -> coefficients of Legendre's polynomials on [0, 1] */
-    saltus_node_matrix monomial;  /* these -> coefficients of powers */
+    saltus_node_matrix monomial;  /* Legendre coefficients -> coefficients of powers */
     double node[SALTUS_RADAU_NODES];
     double pair[SALTUS_RADAU_NODES]; /* eigenvalues mu */
 } saltus_collocation;
 
-/* The field's linear part at one place, and the factors that solve with it for one step length. */
+/* The field's linear part at one place, and its factors for one step length. */
 typedef struct saltus_linear_part {
     int order[SALTUS_MODES_MAX]; /* modes in the order of elimination */
-    int uncoupled; /* how many of the first in that order have no linear coupling among themselves */
-    const double *damp, *stiff; /* [mode][mode] */
+    int uncoupled;               /* leading modes in that order without linear coupling among themselves */
+    const double *damp, *stiff;  /* [mode][mode] */
     double *lu; /* factors: [mode][mode][16] complex, in the order of elimination, diagonal inverted */
 } saltus_linear_part;
 
-/* Contacts that hold, and how the linear part answers to their forces. */
+/* Held contacts, and the linear part's response to their forces. */
 typedef struct saltus_linear_contacts {
     int count;
     double *push, *pull; /* [contact][mode] */
@@ -63,7 +63,7 @@ typedef struct saltus_stages {
     double step;
     double *q[SALTUS_RADAU_CHUNKS_MAX],
         *v[SALTUS_RADAU_CHUNKS_MAX];              /* the field's arguments: [column][mode][lane] */
-    const double *field[SALTUS_RADAU_CHUNKS_MAX]; /* and its value, the acceleration */
+    const double *field[SALTUS_RADAU_CHUNKS_MAX]; /* the field's value: accelerations */
     double *q0, *v0;                              /* at the step's start: [column][mode] */
     double *a;                                    /* accelerations: [column][mode][16] */
     double *hat;    /* residual in the eigenvectors' basis, then its correction: [mode][16] complex */
@@ -72,22 +72,22 @@ typedef struct saltus_stages {
     saltus_linear_contacts contact;
 } saltus_stages;
 
-/* The parts that the instruction set matters for. */
+/* The inner loops, compiled per instruction set. */
 typedef struct saltus_collocation_kernel {
     int pack;
     /* Factors of the linear part for the step's length. */
     void (*factor)(saltus_stages *stages);
     /* Responses to contact forces, from the factors. */
     void (*factor_contacts)(saltus_stages *stages);
-    /* Correct the accelerations of one column by what the linear part makes of the residual. */
+    /* Correct the accelerations of one column: solve the linear part for their residual. */
     void (*correct)(saltus_stages *stages, int column);
-    /* Accelerations -> the field's arguments, and how far they moved. */
+    /* Accelerations -> the field's arguments, with their largest changes in `change`. */
     void (*integrate)(saltus_stages *stages, int column);
     /* out = in m for rows of 16; not in place. */
     void (*apply)(const double *in, int rows, const double *m, double *out);
 } saltus_collocation_kernel;
 
-/* The kernel for packs of a width that one of the field's kernels has. */
+/* The kernel for packs of a width, which must be one of the field kernels'. */
 const saltus_collocation_kernel *saltus_collocation_find(int pack);
 
 /* Fill in the method's numbers; false if an eigenvalue problem fails. */

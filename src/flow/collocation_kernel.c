@@ -41,9 +41,9 @@ KERNEL_INLINE complex_pack invert(complex_pack a) {
     return (complex_pack){a.re / size, -a.im / size};
 }
 
-/* LU factors in place without pivoting, inverted pivots on the diagonal; the first `uncoupled` unknowns are
- * not coupled among themselves. The matrices are 1 plus a dissipative part; if a pivot should come out small
- * all the same, the iteration that uses the factors does not converge and the step is halved. */
+/* LU factors in place, without pivoting, diagonal inverted; the first `uncoupled` unknowns are not coupled
+ * among themselves. The matrices are 1 plus a dissipative part. Should a pivot be small nevertheless, the
+ * iteration that uses the factors does not converge and the step is halved. */
 KERNEL_INLINE void decompose(double *matrix, int n, int uncoupled, int p) {
 #define AT(i, j) (matrix + ((i)*n + (j)) * SALTUS_RADAU_NODES)
     for (int k = 0; k < n; k++) {
@@ -61,7 +61,7 @@ KERNEL_INLINE void decompose(double *matrix, int n, int uncoupled, int p) {
 
 #define ROW(x, i) ((x) + (order ? order[i] : (i)) * SALTUS_RADAU_NODES)
 
-/* sum - matrix x over some unknowns. Two chains halve the latency. */
+/* sum - matrix x over unknowns `first` to `end` - 1. Two chains halve the latency. */
 KERNEL_INLINE complex_pack reduce(complex_pack sum, const double *matrix, const double *x, const int *order,
                                   int first, int end, int p) {
     complex_pack other = {{0}, {0}};
@@ -146,8 +146,8 @@ static void factor_contacts(saltus_stages *s) {
     }
 }
 
-/* The contacts' forces are such that the corrected accelerations do not enter the stops. `free` are the rows'
- * products with the residual itself, zero but for rounding and a start that does not satisfy the contact. */
+/* Solve for the contact forces and subtract their effect: the corrected accelerations do not enter the stops.
+ * `force` holds the pull rows times the residual (rounding, or a start off the contact), then the forces. */
 KERNEL_INLINE void hold(const saltus_stages *s, double *x, double *force, int p) {
     int n = s->dof, m = s->contact.count;
     for (int c = 0; c < m; c++) {
@@ -166,7 +166,7 @@ KERNEL_INLINE void hold(const saltus_stages *s, double *x, double *force, int p)
     }
 }
 
-/* `rows` rows of 16 times a matrix, added to the accumulators. */
+/* Add `rows` rows of 16 times a matrix to the sums. */
 KERNEL_INLINE void multiply(const double *in, int rows, const double *m, saltus_pack (*sum)[packs_per_row]) {
     for (int k = 0; k < SALTUS_RADAU_NODES; k++) {
         const saltus_pack *line = (const saltus_pack *)(const void *)(m + k * SALTUS_RADAU_NODES);
@@ -197,7 +197,7 @@ static void apply(const double *in, int rows, const double *m, double *out) {
         apply_rows(in + r * SALTUS_RADAU_NODES, 1, m, out + r * SALTUS_RADAU_NODES, false);
 }
 
-/* hat = residual of some modes, in the eigenvectors' basis. */
+/* hat = residual (field - accelerations) of some modes in the eigenvectors' basis. */
 KERNEL_INLINE void residual(saltus_stages *s, int column, int mode, int rows) {
     double r[tile * SALTUS_RADAU_NODES] __attribute__((aligned(64)));
     size_t place = ((size_t)column * (size_t)s->dof + (size_t)mode) * SALTUS_RADAU_NODES;
@@ -234,7 +234,7 @@ static void correct(saltus_stages *s, int column) {
                    true);
 }
 
-/* The field's arguments of some modes; the changes are collected. */
+/* The field's arguments for some modes; their largest changes are collected in `change`. */
 KERNEL_INLINE void integrate_rows(saltus_stages *s, int column, int mode, int rows, saltus_pack *change) {
     saltus_pack v[tile][packs_per_row] = {{{0}}}, q[tile][packs_per_row] = {{{0}}};
     size_t place = (size_t)column * (size_t)s->dof + (size_t)mode;

@@ -48,7 +48,7 @@ static double gap_coefficient(const saltus_system *system, const saltus_work *pr
     return f.side * probe->gap[saltus_work_series_place(probe, f.stop, k, 0)];
 }
 
-/* What rounding may make of that coefficient. */
+/* A bound on the rounding error of that coefficient. */
 static double rounding_of_gap(const saltus_system *system, const saltus_work *probe, int face, int k) {
     const double *normal = system->stop_normal[system->faces[face].stop];
     double size = 0;
@@ -57,8 +57,8 @@ static double rounding_of_gap(const saltus_system *system, const saltus_work *pr
     return 1e-12 * size;
 }
 
-/* Whether a face touched with zero velocity is pressed: the sign of the first coefficient of its gap's
- * series, from the second order on, that stands out of rounding. */
+/* Whether a face touched with zero normal velocity is pressed: the sign of the first coefficient, from order
+ * 2 on, of its gap's series that exceeds rounding. */
 static bool pressed(const saltus_system *system, const saltus_work *probe, int face, int order) {
     for (int k = 2; k <= order; k++) {
         double value = gap_coefficient(system, probe, face, k);
@@ -68,8 +68,7 @@ static bool pressed(const saltus_system *system, const saltus_work *probe, int f
     return true;
 }
 
-/* The subset of `resting` whose contacts hold: all of its contact forces push, no other resting face closes.
- */
+/* The subset of `resting` that holds: all its contact forces push and no other resting face closes. */
 static unsigned holding_subset(saltus_flow *flow, int lane, unsigned resting) {
     enum { order = 5 };
     const saltus_lane *self = &flow->lane[lane];
@@ -101,7 +100,7 @@ void saltus_contacts_rest(saltus_flow *flow, int lane, unsigned resting) {
     saltus_contacts_publish(flow, lane);
 }
 
-/* Faces that a state touches: held ones, the one being hit, and others whose gap is zero to rounding. */
+/* Touched faces: held ones, the one being hit, and others whose gap is zero to rounding. */
 static unsigned touched_faces(const saltus_lane *self, const double *state, int hit) {
     unsigned touched = self->hold.faces | 1u << hit;
     for (int f = 0; f < self->system->face_count; f++)
@@ -110,8 +109,7 @@ static unsigned touched_faces(const saltus_lane *self, const double *state, int 
     return touched;
 }
 
-/* Touched faces that the velocity closes: these rebound. The others, held or receding, at most keep from
- * closing. */
+/* Touched faces that close and so rebound. The others, held or receding, are only kept from closing. */
 static unsigned closing_faces(const saltus_lane *self, const double *velocity, int hit, unsigned touched) {
     unsigned closing = 1u << hit;
     for (int f = 0; f < self->system->face_count; f++)
@@ -121,8 +119,8 @@ static unsigned closing_faces(const saltus_lane *self, const double *velocity, i
 }
 
 /* Newton's law at the touched faces: the smallest set of impulses, among them one at the hit face, that all
- * push and leave no touched face closing. `forced`: the one at the hit face need not push. The map is left in
- * `map`; false when there is none. */
+ * push and leave no touched face closing. With `forced` the one at the hit face may pull. The result is in
+ * `map`; false if there is none. */
 static bool impact_map(const saltus_system *system, int hit, bool forced, unsigned touched, unsigned closing,
                        const double *velocity, saltus_contact_map *map) {
     double after[SALTUS_MODES_MAX];
@@ -144,9 +142,8 @@ static bool impact_map(const saltus_system *system, int hit, bool forced, unsign
     }
 }
 
-/* The impact of the touched faces. Where several close at once the push at one may be all that it takes to
- * open the one that was found: then `hit` becomes that face. A hit face that rounding makes recede is hit all
- * the same. */
+/* The impact of the touched faces. If several close at once, the impulse at another face may open the hit
+ * one: then *hit becomes that face. A hit face that recedes by rounding is hit nevertheless. */
 static bool solve_impact(const saltus_system *system, int *hit, unsigned touched, unsigned closing,
                          const double *velocity, saltus_contact_map *map) {
     if (impact_map(system, *hit, false, touched, closing, velocity, map))
@@ -159,8 +156,8 @@ static bool solve_impact(const saltus_system *system, int *hit, unsigned touched
     return impact_map(system, *hit, true, touched, closing, velocity, map);
 }
 
-/* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector, with f- in flow->before,
- * which is lost, and f+ in flow->after. `velocity` is the trajectory's before the impact. */
+/* S delta = DP delta + (f+ - DP f-) (n.delta_q) / (n.q'-) for every tangent vector, with f- in flow->before
+ * (overwritten) and f+ in flow->after. `velocity` is the trajectory's before the impact. */
 static void saltate(saltus_flow *flow, int lane, int face, double speed, const saltus_contact_map *map,
                     unsigned elastic, const double *velocity) {
     int n = flow->dof, dimension = flow->dimension;
@@ -179,7 +176,7 @@ static void saltate(saltus_flow *flow, int lane, int face, double speed, const s
     }
 }
 
-/* Whether impulses at the faces of a map do not meet: none changes the velocity at another. */
+/* Whether the faces of a map are independent: no impulse changes the normal velocity at another face. */
 static bool apart(const saltus_contact_map *map) {
     for (int k = 0; k < map->count; k++)
         for (int j = 0; j < map->count; j++)
@@ -188,9 +185,8 @@ static bool apart(const saltus_contact_map *map) {
     return true;
 }
 
-/* Impacts in one instant that do not meet: each has a delay of its own, and a tangent vector passes one after
- * the other, the hit face's last, whose delay is the event's. `map` is their common map, all of them rebound.
- */
+/* Simultaneous impacts on independent faces, each with its own delay: a tangent vector passes them one by
+ * one, the hit face last, whose delay is the event's. `map` is their common map; all rebound. */
 static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_contact_map *map,
                           const double *velocity) {
     const saltus_lane *self = &flow->lane[lane];
@@ -221,13 +217,13 @@ static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_con
         }
 }
 
-/* How far a stop's coordinate moves when the modes move by 1, at most 1: much less near a support. */
+/* How far a stop's coordinate moves when the modes move by 1, at most 1; near a support much less. */
 static double reach_of(const saltus_system *system, int face) {
     const double *normal = system->stop_normal[system->faces[face].stop];
     return fmin(1, sqrt(saltus_dot(normal, normal, system->dof)));
 }
 
-/* The size of a lane's state: displacements, and velocities in their units. */
+/* The size of a lane's state: largest displacement, or velocity over its unit. */
 static double state_size(const saltus_flow *flow, int lane) {
     const double unit = flow->work.lane->omega_unit[lane];
     double size = 0;
@@ -239,13 +235,13 @@ static double state_size(const saltus_flow *flow, int lane) {
     return size;
 }
 
-/* The displacement at a face that counts as nothing beside a state of a size. */
+/* The displacement at a face that is negligible for a state of a size. */
 static double displacement_tolerance(const saltus_flow *flow, int lane, int face, double size) {
     return 0.1 * reach_of(flow->lane[lane].system, face) * (flow->options.atol + flow->options.rtol * size);
 }
 
-/* Held faces that an impact at another lets go: they recede, and would rise further than the tolerance. A
- * contact cannot pull. `probe` is the series of the state with the contacts held. */
+/* Held faces released by an impact on another: they recede and would rise beyond the tolerance. A contact
+ * cannot pull. `probe` is the series of the state with the contacts held. */
 static unsigned leaving_faces(const saltus_flow *flow, int lane, double size, const saltus_work *probe) {
     const saltus_lane *self = &flow->lane[lane];
     unsigned leaving = 0;
@@ -259,21 +255,21 @@ static unsigned leaving_faces(const saltus_flow *flow, int lane, double size, co
     return leaving;
 }
 
-/* Where a chatter may be cut short. */
+/* Whether and how a chatter may be ended. */
 typedef struct chatter_end {
-    double remainder; /* time left to the accumulation point; negative: it may not be cut short */
+    double remainder; /* time left to the accumulation point; negative: it goes on */
     unsigned leaving; /* held faces that do not keep their normal velocity at zero */
 } chatter_end;
 
-/* Whether the chatter that begins with this rebound may be cut short here; flow->trial receives the state
- * with the normal velocity removed. */
+/* Whether the chatter that begins with this rebound may be ended here; flow->trial receives the state with
+ * the normal velocity removed. */
 static chatter_end end_of_chatter(saltus_flow *flow, int lane, int face, double rebound, double pressure) {
     const saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
     const double size = state_size(flow, lane), r = system->faces[face].r;
     const double tolerance = displacement_tolerance(flow, lane, face, size), slack = r < 1 ? 1 - r : 2;
     chatter_end end = {-1, 0};
-    /* A bound on accelerations alone saves the closer look at every ordinary impact. */
+    /* A bound on the acceleration rules this out for ordinary impacts without a closer look. */
     const double bound =
         fmin(flow->dof * system->rate * (system->rate + flow->work.lane->omega_unit[lane]) * size, pressure);
     if (!(rebound * rebound <= tolerance * bound * slack))
@@ -312,8 +308,8 @@ static saltus_event impact_event(const saltus_lane *self, int face, double speed
                           .displacement = f.side * f.d};
 }
 
-/* Every closing face that receives an impulse is an impact of its own; those beside the hit one, whose event
- * is returned, are queued. */
+/* Each closing face that receives an impulse has its own impact event. The hit face's is returned, the others
+ * are queued. */
 static saltus_event record_impacts(saltus_lane *self, int hit, unsigned rebounding, const double *velocity) {
     saltus_event event = {0};
     self->queued = 0;
@@ -334,7 +330,7 @@ static saltus_event record_impacts(saltus_lane *self, int hit, unsigned reboundi
     return event;
 }
 
-/* Take the impact without rebound if its chatter ends here; then decide which touched faces hold. */
+/* Remove the rebound if its chatter ends here; then decide which touched faces hold. */
 static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched,
                                         double rebound, double pressure) {
     saltus_lane *self = &flow->lane[lane];
@@ -347,7 +343,7 @@ static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, u
         tiny *= 16;
         resting = 1u << face;
     }
-    /* Touched faces rest where no normal velocity stands out of rounding. */
+    /* Touched faces rest if their normal velocity is zero to rounding. */
     for (int f = 0; f < self->system->face_count; f++)
         if (touched >> f & 1) {
             if (fabs(saltus_face_normal(self->system, f, velocity)) <= tiny * reach_of(self->system, f))
@@ -356,14 +352,14 @@ static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, u
         }
     saltus_contacts_rest(flow, lane, resting);
     saltus_contact_map_settle(self->system, &self->hold, flow->state);
-    /* All velocities are new: what is known of gaps' rates from the step before must follow. */
+    /* The velocities have changed, so the gap rates carried from the last step must follow. */
     for (int f = 0; f < self->system->face_count; f++)
         if (self->face[f].shadow)
             self->face[f].rate = saltus_face_normal(self->system, f, velocity);
     return end;
 }
 
-/* Whether the restitutions of an impact are some, from 0 to 1; otherwise the lane's `why` tells. */
+/* Whether the restitutions of an impact are between 0 and 1; otherwise sets the lane's `why`. */
 static bool sound_rebounds(saltus_lane *self, const saltus_contact_map *map) {
     for (int k = 0; k < map->count; k++)
         if (!(map->r[k] >= 0 && map->r[k] <= 1)) {
@@ -378,8 +374,8 @@ static bool sound_rebounds(saltus_lane *self, const saltus_contact_map *map) {
     return true;
 }
 
-/* A bound on the acceleration towards a face once an impact of a speed on it alone has taken the normal
- * velocity away, from that before the impact. The field is smooth, so for small speeds these are close. */
+/* A bound on the acceleration towards a face after an impact on it alone has removed the normal velocity
+ * `speed`, from the acceleration `before`. The field is smooth, so both are close for small speeds. */
 static double pressure_bound(const saltus_flow *flow, int lane, int face, double before, double speed) {
     const saltus_system *system = flow->lane[lane].system;
     const int n = flow->dof, stop = system->faces[face].stop;
@@ -456,7 +452,7 @@ bool saltus_contacts_set(saltus_flow *flow, int lane, unsigned contacts) {
     return built;
 }
 
-/* Whether a step is too short for the state to change by more than rounding. */
+/* Whether the step was too short to change the state by more than rounding. */
 static bool stands_still(saltus_flow *flow, int lane) {
     const saltus_lane *self = &flow->lane[lane];
     const double *scale = saltus_system_scale(self->system);
@@ -468,11 +464,10 @@ static bool stands_still(saltus_flow *flow, int lane) {
     return true;
 }
 
-/* The force's zero is found on the step's polynomial, as exact as the tolerance; whether the contact lets go
- * is decided by the acceleration at the state itself, so that the gap that follows begins as the flow will.
- * Where the state cannot move on what still presses is rounding: then the contact holds until its force pulls
- * by several times as much.
- */
+/* The force's zero comes from the step's polynomial and is exact to the tolerance; the acceleration at the
+ * state itself decides the release, so that the gap begins as the flow will continue it. If the step was too
+ * short to change the state, a remaining pressure is rounding: then the contact holds until its force pulls
+ * by several times as much. */
 bool saltus_contacts_release(saltus_flow *flow, int lane, int face) {
     const double distinct = 4;
     saltus_lane *self = &flow->lane[lane];

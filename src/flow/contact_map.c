@@ -1,4 +1,4 @@
-/* Contact maps: what impulses or holding forces at a set of faces do to velocities and accelerations.
+/* Contact maps: the effect of impulses or contact forces at a set of faces on velocities and accelerations.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 

@@ -1,4 +1,4 @@
-/* Columns of a flow beside differences of whole runs: what `saltus check --derivatives` tells.
+/* Columns of a flow compared with differences of whole runs, for `saltus check --derivatives`.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
@@ -9,17 +9,17 @@
 enum { levels = 3, attempts = 4 };
 static const double first_step = 1e-3, tolerance = 1e-6, rounding = 1e-12;
 
-/* Runs that are compared: all from phase 0 on, over the same time. */
+/* What the compared runs share: they begin at phase 0 and last equally long. */
 typedef struct comparison {
     const saltus_system *system;
     const double *state;
     double end;            /* periods */
-    saltus_flow_info info; /* of the run itself */
+    saltus_flow_info info; /* of the undisturbed run */
 } comparison;
 
-/* What a column is the derivative by: an entry of the state, or a direction of the specification. */
+/* The variable of a column: an entry of the state, or a direction of the specification. */
 typedef struct variable {
-    int entry; /* -1: none */
+    int entry; /* -1: a direction */
     saltus_direction direction;
     double unit; /* first step of the differences */
 } variable;
@@ -32,7 +32,7 @@ static saltus_flow_options options_of(int columns, int directions) {
     return options;
 }
 
-/* Where the run ends. */
+/* Set the common end: shortly after the first contact; run up to it once. */
 static saltus_status find_end(comparison *c, saltus_message *message) {
     static const double short_run = 0.25, longest = 10, beyond = 0.02;
     const saltus_flow_options options = options_of(0, 0);
@@ -54,7 +54,7 @@ static saltus_status find_end(comparison *c, saltus_message *message) {
     return status;
 }
 
-/* The end of a run of a system, or with `column` its derivative; false where it passes other events. */
+/* The state at the end of a run, or its derivative by `column`; false if the run passes other events. */
 static bool run(const comparison *c, const saltus_system *system, const double *state, const variable *column,
                 double *result) {
     const bool directed = column && column->entry < 0;
@@ -99,8 +99,8 @@ static bool run_shifted(const comparison *c, const variable *v, double amount, d
     return good;
 }
 
-/* Differences at steps h, h/2, h/4, extrapolated; forward ones where one side is not possible. How far the
- * last two extrapolations lie apart, in the system's scales; infinite where a run is not possible. */
+/* Extrapolated differences with steps h, h/2, h/4; one-sided if one side is impossible. Returns how far the
+ * last two extrapolations lie apart, in the system's scales; infinite if a run is impossible. */
 static double differentiate(const comparison *c, const variable *v, double h, double *derivative) {
     double table[levels][SALTUS_STATE_MAX], above[SALTUS_STATE_MAX], below[SALTUS_STATE_MAX], apart = 0;
     const int n = c->system->dimension;
@@ -126,8 +126,8 @@ static double differentiate(const comparison *c, const variable *v, double h, do
     return apart;
 }
 
-/* Of differences with several steps those count that are most certain of themselves: large steps leave the
- * linear range, small ones are lost in rounding. */
+/* Compare with the differences that are most certain of themselves: large steps leave the linear range, small
+ * ones drown in rounding. */
 static void compare(const comparison *c, const variable *v, saltus_column_check *check) {
     double column[SALTUS_STATE_MAX], trial[SALTUS_STATE_MAX], expected[SALTUS_STATE_MAX], least = INFINITY,
                                                                                           off = 0, size = 0;

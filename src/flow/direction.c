@@ -1,11 +1,11 @@
-/* Parameter columns: derivatives of the state with respect to a number that the system depends on.
+/* Parameter columns: derivatives of the state with respect to a number on which the system depends.
  *
- * A parameter column holds y = dx / d lambda at fixed phase. Within a step the kernel integrates
- * y' = Df y + df / d lambda at fixed time since the step's begin. The forcing's frequency changes how long a
- * step of fixed phase lasts, h ~ 1 / omega, which adds -(h / omega) f d omega at its end. At an event the
- * derivatives of the gap and of the velocity law join those along the column: with them the saltation of
- * contact.c holds as it stands. A contact that holds keeps y on the constraint's own derivative,
- * n dq + dn q - dd = 0 and n dv + dn v = 0.
+ * A parameter column holds y = dx / d lambda at fixed phase. Within a step the kernel integrates y' = Df y +
+ * df / d lambda at fixed time since the step's begin. A step of fixed phase lasts h ~ 1 / omega, so a change
+ * of the forcing's frequency adds -(h / omega) f d omega at its end. At an event the derivatives of the gap
+ * and of the velocity law along lambda are added to those along the column; then the saltation of contact.c
+ * applies unchanged. A held contact keeps y on the derivative of its constraint, n dq + dn q - dd = 0 and n
+ * dv + dn v = 0.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
@@ -13,7 +13,7 @@
 
 #include <math.h>
 
-/* The parameter that a column belongs to; NULL for an ordinary tangent vector. */
+/* A column's parameter; NULL for an ordinary tangent vector. */
 static const saltus_parameter_column *parameter_of(const saltus_flow *flow, int column) {
     int direction = column - (flow->options.columns - flow->options.directions);
     return direction >= 0 ? &flow->parameter[direction] : NULL;

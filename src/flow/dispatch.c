@@ -1,4 +1,4 @@
-/* Which kernel serves a model on this processor.
+/* Choose the kernel for a model on this processor; open works for it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/kernel.h"
 #include "flow/kernel_list.h"
@@ -35,7 +35,7 @@ static const char *const isa_names[] = {
     [isa_base] = "x86-64", [isa_v3] = "x86-64-v3", [isa_v4] = "x86-64-v4"};
 enum { isa_count = sizeof isa_names / sizeof isa_names[0] };
 
-/* What SALTUS_ISA names: a level, or isa_count where it names none. */
+/* The level named by SALTUS_ISA, or isa_count if it names none. */
 static int forced_level(const char *forced) {
     int level = 0;
     while (level < isa_count && strcmp(forced, isa_names[level]) != 0)
@@ -55,7 +55,7 @@ const saltus_kernel *saltus_kernel_find(const char *model, int lanes) {
     const char *forced = getenv("SALTUS_ISA");
     const int level = processor_level(), cap = forced ? forced_level(forced) : level;
     const saltus_kernel *best = NULL;
-    /* The build lists a model's kernels from the lowest instruction set up. */
+    /* A model's kernels are listed from the lowest instruction set up. */
     for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
         const saltus_kernel *kernel = kernels[k].kernel;
         const int isa = kernels[k].isa;
@@ -74,7 +74,7 @@ saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, c
                           .columns = columns,
                           .directions = directions,
                           .tolerance = tolerance,
-                          .stops = system->spec.stop_count + 1, /* and the observed displacement */
+                          .stops = system->spec.stop_count + 1, /* one more row: the observed displacement */
                           .loaded.tape = system->tape,
                           .hold.count = system->face_count};
     kernel->reserve(work);

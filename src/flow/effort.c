@@ -45,7 +45,7 @@ const char *saltus_effort_cause(const saltus_system *system, char cause[SALTUS_C
     double most = log(far);
     for (int k = 0; k < count; k++) {
         const double value = spec->parameters[k], usual = p[k].fallback;
-        /* What is usually not there is only ever too great. */
+        /* A parameter whose default is 0 can only be too great. */
         const double away = usual == 0 ? log(fabs(value)) : fabs(log(fabs(value / usual)));
         if (!p[k].integer && value != 0 && away > most) {
             farthest = k;

@@ -1,5 +1,5 @@
-# Puts the kernel for systems from text and all headers of ours that it includes into one C text, and that into an array of
-# characters.
+# Joins the kernel for systems from text and all headers of this project that it includes into one C text, and writes that as an
+# array of characters.
 #   cmake -DSOURCES=<top folder> -DOUTPUT=<file.c> -P embed.cmake
 # SPDX-License-Identifier: GPL-3.0-or-later
 

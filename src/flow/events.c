@@ -12,7 +12,7 @@ static int degree_of(const saltus_flow *flow, int lane) {
     return (int)flow->work.lane->degree[lane];
 }
 
-/* c_k = factor * series_k step^k, of the gap series of a stop or the force series of a contact. */
+/* c_k = factor * series_k step^k, for the gap series of a stop or the force series of a contact. */
 static void scaled_series(const saltus_flow *flow, int lane, const double *all, int which, int first,
                           double factor, int degree, double step, double *c) {
     const double *series = all + saltus_work_series_place(&flow->work, which, first, lane);
@@ -22,7 +22,7 @@ static void scaled_series(const saltus_flow *flow, int lane, const double *all, 
     }
 }
 
-/* The gap of a face over the step, in the variable s = t / step. Known zeros at the start are exact. */
+/* The gap of a face over the step, in s = t / step. Known zeros at the start are set exactly. */
 static void gap_polynomial(const saltus_flow *flow, int lane, int face, double step, double *c) {
     const saltus_face f = flow->lane[lane].system->faces[face];
     const saltus_face_state *known = &flow->lane[lane].face[face];
@@ -41,9 +41,9 @@ static void force_polynomial(const saltus_flow *flow, int lane, int contact, dou
     scaled_series(flow, lane, flow->work.hold.force, contact, 0, -1, degree_of(flow, lane) - 2, step, c);
 }
 
-/* First rise of c through zero on (0, 1], the first `touch` coefficients being zeros at the start and not
- * counted. Where c falls from a start above zero by rounding, its rise is sought after that fall; otherwise
- * such a start is a rise at once. */
+/* First rise of c through zero on (0, 1]; the first `touch` coefficients, zeros at the start, are divided
+ * out. A start above zero is a rise at once, unless c falls from there: then rounding has lifted it, and the
+ * rise after the fall is sought. */
 static bool first_rise(const double *c, int degree, int touch, double *root) {
     while (touch < degree && c[touch] == 0)
         touch++;
@@ -51,7 +51,7 @@ static bool first_rise(const double *c, int degree, int touch, double *root) {
         *root = 0;
         return true;
     }
-    /* Most polynomials stay negative even if all that can lift them comes at once. */
+    /* Most polynomials stay negative even with all positive terms at their largest. */
     double bound = c[touch];
     for (int k = touch + 1; k <= degree; k++)
         bound += c[k] > 0 ? c[k] : 0;
@@ -60,8 +60,8 @@ static bool first_rise(const double *c, int degree, int touch, double *root) {
     return saltus_isolate_rise(c + touch, degree - touch, root);
 }
 
-/* The zero of a polynomial of degree 4 that rises after a start below zero or at one, by Newton's method from
- * the zero of its parabola; infinite where that has none. */
+/* The rise through zero of a polynomial of degree 4 that starts at or below zero, by Newton's method from its
+ * parabola's zero; infinite if the parabola has none. */
 static double rise_of_quartic(const double *c) {
     enum { rounds = 2 };
     const double inside = c[1] * c[1] - 4 * c[2] * c[0];
@@ -87,7 +87,7 @@ double saltus_events_forecast(const saltus_flow *flow, int lane) {
     return soonest;
 }
 
-/* The earliest wins; of two at one time that which was proposed first. */
+/* The earliest event wins; of two at the same time, the one proposed first. */
 static void propose(saltus_first_event *first, saltus_event_kind kind, int face, double time) {
     if (!(time > first->time || (time == first->time && first->kind != SALTUS_STEP)))
         *first = (saltus_first_event){time, kind, face};
@@ -118,8 +118,8 @@ static void search_forces(const saltus_flow *flow, int lane, double step, saltus
     }
 }
 
-/* Whether the contacts that hold keep the observed displacement, too: accelerations with them, a - push (pull
- * . a), do not move it. */
+/* Whether the held contacts also fix the observed displacement: accelerations a - push (pull . a) leave it
+ * unchanged. */
 static bool observer_held(const saltus_lane *self) {
     const saltus_contact_map *hold = &self->hold;
     const double *observer = self->system->observer.row;
@@ -137,7 +137,7 @@ static bool observer_held(const saltus_lane *self) {
     return left <= 1e-12 * size;
 }
 
-/* Zeros of the observed velocity, of either direction. */
+/* Zeros of the observed velocity, rising or falling. */
 static void search_turning(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
     const saltus_lane *self = &flow->lane[lane];
     int degree = degree_of(flow, lane) - 1, touch = 0;
@@ -149,8 +149,8 @@ static void search_turning(const saltus_flow *flow, int lane, double step, saltu
         c[k] *= k + 1;
         size += fabs(c[k]);
     }
-    /* Where other contacts keep the observed point from moving, what is left is rounding. After a turning
-     * point, an impact without rebound or a release the first coefficients are zero, but for rounding. */
+    /* If contacts fix the observed point only rounding is left. After a turning point, an impact without
+     * rebound or a release, the first coefficients are zero up to rounding. */
     if (size <= 1e-12 * self->system->scale[self->system->dof])
         return;
     while (touch < 3 && (fabs(c[touch]) <= 1e-13 * size || (touch == 0 && self->turned)))
@@ -162,8 +162,7 @@ static void search_turning(const saltus_flow *flow, int lane, double step, saltu
         propose(first, SALTUS_TURNING, -1, root * step);
 }
 
-/* Shift a polynomial's origin to `root`, an odd zero of it, and rescale what is left of [0, 1] to the whole.
- */
+/* Shift the origin of a polynomial to its zero `root`, of odd order, and rescale [root, 1] to [0, 1]. */
 static void restart_at_zero(double *c, int degree, double root) {
     double factor = 1;
     for (int k = 0; k < degree; k++)
@@ -194,8 +193,8 @@ static void raise_extreme(const saltus_lane *self, const double *c, int degree, 
     }
 }
 
-/* Raise `extreme` by the local maxima on (0, 1) of the polynomial c. Where another step follows, a maximum at
- * the end counts, too: rounding may hide it from both steps. */
+/* Raise `extreme` to the local maxima of c on (0, 1). If another step follows, a maximum at the end counts
+ * too: rounding may hide it from both steps. */
 static void collect_maxima(const saltus_lane *self, const double *c, int degree, double step, bool last,
                            saltus_extreme *extreme) {
     double slope[SALTUS_DEGREE_MAX + 1], begin = 0, end = 0, size = 0, root;
@@ -225,7 +224,7 @@ static void collect_maxima(const saltus_lane *self, const double *c, int degree,
     }
 }
 
-/* Raise the lane's extremes by the local maxima of gaps and of minus the holding forces within the step. */
+/* Raise the lane's extremes to the local maxima of gaps and of minus the contact forces within the step. */
 static void collect_extremes(const saltus_flow *flow, int lane, double step) {
     const saltus_lane *self = &flow->lane[lane];
     const int degree = degree_of(flow, lane);
@@ -258,8 +257,8 @@ saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step)
     return first;
 }
 
-/* The term of a row's series beyond the polynomial that velocities have and displacements have not: Taylor's
- * series are of the same order for both. Without it the rate carried on would differ from the state's. */
+/* The highest term of a row's velocity: Taylor series of velocities and displacements have one degree, so the
+ * gap's derivative lacks it. Without it the carried rate would differ from the state's. */
 static double velocity_term(const saltus_flow *flow, int lane, const double *row) {
     const saltus_work *w = &flow->work;
     double sum = 0;

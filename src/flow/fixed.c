@@ -5,10 +5,10 @@
 #include <stdlib.h>
 
 enum {
-    rows_max = 64,    /* of a tape with tangent vectors: the compiler takes a tenth of a second for each, or
-                       * more; twice as many without */
-    delay = 50,       /* ms that every run does without a compiler, or, with many rows, ... */
-    delay_a_row = 10, /* ... so many for each */
+    rows_max = 64,    /* of a tape compiled with tangent vectors: the compiler takes a tenth of a second for
+                         each, or more; twice as many without */
+    delay = 50,       /* ms that a run asks before the compiler starts: at least this ... */
+    delay_a_row = 10, /* ... and at least this per row */
     steps_between = 64
 };
 
@@ -31,7 +31,7 @@ static void put_row(FILE *out, const saltus_tape_row *s) {
             s->sparse, s->first, s->terms, s->numbers, s->spread_terms, s->weight[0], s->weight[1]);
 }
 
-/* Row terms that any row has. */
+/* How many row terms the tape's rows use. */
 static int count_terms(const saltus_tape *tape) {
     int most = 0;
     for (const saltus_tape_row *s = tape->rows; s < tape->rows + tape->row_count; s++) {
@@ -45,14 +45,14 @@ static int own_elements(const saltus_tape_row *row) {
     return row->code == SALTUS_TAPE_TOTAL ? 1 : row->count;
 }
 
-/* Whether an operand of `count` elements takes of a row's. */
+/* Whether an operand of `count` elements may read any element of a row, packs' ends included. */
 static bool touches(const saltus_tape_row *row, const saltus_tape_operand *x, int count) {
     return x->place[0] < row->out.place[0] + own_elements(row) + SALTUS_PACK_MAX &&
            x->place[0] + (x->spread ? 1 : count + SALTUS_PACK_MAX) > row->out.place[0];
 }
 
-/* Whether a row is taken by sums and as an acceleration only, and element by element: its coefficients serve
- * their own order. Sums of pieces that stand aslant reach over their rows' ends. */
+/* Whether a row's coefficients are needed at their own order only: it is a sum that only accelerations and
+ * other sums read, element by element. A term that begins elsewhere may reach over the row's ends. */
 static bool passes(const saltus_tape *tape, const saltus_tape_row *row) {
     bool alone = row->code == SALTUS_TAPE_COMBINE || row->code == SALTUS_TAPE_TOTAL;
     for (const saltus_tape_row *s = tape->rows; s < tape->rows + tape->row_count && alone; s++) {
@@ -77,7 +77,7 @@ static void put_passing(FILE *out, const saltus_tape *tape) {
     fputs("}; ", out);
 }
 
-/* The tape as definitions of constants: one line. */
+/* The tape as C constants, on one line. */
 static void put_tape(FILE *out, const saltus_tape *tape) {
     const saltus_tape_operand none = {.place = {0, 0}};
     fputs("#define SALTUS_FIXED_TAPE static const saltus_tape_row_term fixed_terms[] = {", out);
@@ -116,7 +116,7 @@ static void put_rows(FILE *out, const char *name, const saltus_tape *tape, int f
     fputc('\n', out);
 }
 
-/* The text of a saltus_compile_source. */
+/* A saltus_compile_source; also NULL for tapes that are too long to compile. */
 static char *make_source(const void *from, const saltus_compile_shape *shape) {
     const saltus_system *system = from;
     const saltus_tape *tape = system->tape;

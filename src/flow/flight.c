@@ -1,23 +1,23 @@
 /* How many orders a step's series need.
  *
- * Most steps end where their series of full degree do. A flight between the impacts of a chatter ends long
- * before, and so does the last step to a target that is near: there a few orders do. How long it will last is
- * told by the first orders of the gap's series, which are expanded first; how many more it takes follows from
- * them and from a bound on the linear part's rate, and is checked as any step is: the event must come in the
- * first half of what the tolerance allows. Otherwise the expansion goes on to the full degree. Only a lane's
- * own state decides, so its bits do not depend on its neighbours.
+ * Most steps use their series' full degree. A flight between the impacts of a chatter, or the last step to a
+ * near target, ends much earlier, and a few orders suffice. The first orders are expanded first; the gap's
+ * series then tells how long the flight will last. How many more orders that takes follows from these and
+ * from a bound on the linear part's rate, and is checked: the event must come in the first half of the step
+ * that the tolerance allows. Otherwise the expansion goes on to the full degree. Only a lane's own state
+ * decides, so its bits do not depend on its neighbours.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
 #include <math.h>
 
 enum { first_orders = 4 };
-/* Of the step that the tolerance allows a series, this is left unused. */
+/* A step that the tolerance allows must be this many times as long as the way ahead. */
 static const double margin = 2;
-/* Periods; a step of this length moves the time on in spite of rounding. */
+/* In periods; a step of this length advances time in spite of rounding. */
 static const double clock = 1e-12;
 
-/* Steps of lower orders are stable to shorter lengths, at worst in proportion. */
+/* The longest stable step of a lower degree, which at worst falls in proportion to it. */
 static double stable_step(const saltus_flow *flow, int lane, int degree) {
     return flow->work.lane->limit[lane] * degree / flow->lane[lane].degree;
 }
@@ -27,8 +27,8 @@ double saltus_flow_brief(const saltus_system *system, int degree, double rtol) {
     return exp((log(rtol) + lgamma(less + 1)) / less) / (margin * system->rate);
 }
 
-/* The degree at which the way ahead is within the tolerance, from what the first orders allow: each further
- * order adds a factor of at most rate * time / order. At most the lane's own. */
+/* The degree whose step covers the way ahead, estimated from the first orders: each further order adds a
+ * factor of at most rate * time / order. At most the lane's own. */
 static int degree_for(const saltus_flow *flow, int lane, double ahead) {
     const double reached = margin * ahead, turn = reached * flow->lane[lane].system->rate;
     const double part = reached / flow->work.lane->step[lane];
@@ -57,7 +57,7 @@ static void expand(saltus_flow *flow, int from, int to) {
     saltus_fixed_expand(&flow->fixed, flow->kernel, flow->lane[0].system, &flow->work, from, to);
 }
 
-/* After the first orders: degrees of the lanes that are `hasty`, a bit each; the way ahead of these. */
+/* After the first orders: choose the degrees of the lanes in the set `hasty`, store their ways ahead. */
 static void choose_degrees(saltus_flow *flow, unsigned hasty, double *ahead) {
     saltus_work *w = &flow->work;
     for (int l = 0; l < flow->lanes; l++)
@@ -78,7 +78,7 @@ static bool is_short(const saltus_flow *flow, int lane) {
     return flow->work.lane->degree[lane] < flow->lane[lane].degree;
 }
 
-/* Full degrees for the lanes whose series do not reach as far as they should; whether there are any. */
+/* Restore full degrees in lanes whose series do not reach far enough; whether there are any. */
 static bool raise_degrees(saltus_flow *flow, const double *ahead) {
     saltus_work *w = &flow->work;
     bool missed = false;
@@ -91,9 +91,9 @@ static bool raise_degrees(saltus_flow *flow, const double *ahead) {
     return missed;
 }
 
-/* The degree that a lane's next step has. Tangent vectors that have just been set, or an impact has changed,
- * hold motions that die away soon, for which a high degree reaches farthest. Once stability bounds the steps
- * of a lower one, too, more orders are of no use. */
+/* Set the degree of each lane's next step. Tangent vectors that have just been set, or that an impact has
+ * changed, hold transients that soon die away, for which a high degree reaches farthest. Once stability
+ * bounds the steps of a lower degree too, more orders are of no use. */
 static void choose_pace(saltus_flow *flow) {
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
@@ -104,7 +104,7 @@ static void choose_pace(saltus_flow *flow) {
     }
 }
 
-/* Whether transients have gone: by how far the step just expanded reaches, or would with the lower degree. */
+/* Whether transients have died away: by the step just expanded, or that of the lower degree. */
 static void judge_pace(saltus_flow *flow) {
     const double settled = 0.8, unsettled = 0.6; /* of the longest stable step */
     saltus_work *w = &flow->work;

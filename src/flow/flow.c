@@ -31,11 +31,10 @@
 #include <string.h>
 
 enum { idle_events_max = 100000, impacts_per_period_max = 1000000 };
-/* So many steps show how many a period takes. */
+/* After this many steps in a period it is clear how many the whole period takes. */
 static const double first_steps = 100000;
 
-/* Faces the state touches, sorted by what it does there: hit, leave, rest. Impacts at the start are applied.
- */
+/* Resolve contacts at the start: of the touched faces, approaching ones are hit, resting ones may hold. */
 static saltus_status resolve_start(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
@@ -114,14 +113,14 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
     saltus_lane *self = &flow->lane[lane];
     saltus_status status = saltus_time_check(until, &self->why);
     self->target.aimed = true;
-    if (status != SALTUS_OK) { /* told by the next run */
+    if (status != SALTUS_OK) { /* reported by the next run */
         self->failure = status;
         self->ended = true;
         return;
     }
     self->target.until = saltus_time_after(until, 0);
     self->target.watch = watch;
-    /* A displacement that is no stop's coordinate has a row of the gap series only where it is watched. */
+    /* An observed displacement that is no stop's coordinate has a row of the gap series while watched. */
     bool apart = false;
     for (int l = 0; l < flow->lanes; l++)
         apart |= flow->lane[l].target.aimed && flow->lane[l].target.watch & SALTUS_WATCH_TURNING &&
@@ -129,7 +128,7 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
     flow->work.stops = self->system->spec.stop_count + apart;
 }
 
-/* A lane cannot go on from where it is: what in the equations has no value there is told, too. */
+/* Fail a lane that cannot go on: add to *why which part of the equations has no value there, if any. */
 static saltus_status fail_here(saltus_flow *flow, int lane, saltus_message *why) {
     const saltus_lane *self = &flow->lane[lane];
     saltus_message what = {.text = ""};
@@ -141,23 +140,23 @@ static saltus_status fail_here(saltus_flow *flow, int lane, saltus_message *why)
     return SALTUS_STALLED;
 }
 
-/* The same on the way, of a lane that has said why: it stays where it is. */
+/* The same within a run, for a lane that has set its `why`; the lane stays where it is. */
 static void give_up(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     self->failure = fail_here(flow, lane, &self->why);
     flow->work.lane->advance[lane] = flow->work.lane->passing[lane] = 0;
 }
 
-/* Steps that a period of a lane may take; of one that is counted by another time than the effort as much as
- * in that. */
+/* How many steps a period of the lane may take: more if it is longer than the period to which the effort's
+ * step counts refer. */
 static double steps_most(const saltus_flow *flow, const saltus_lane *self) {
     const saltus_effort *effort = flow->options.effort;
     const double own = self->system->period;
     return flow->period_steps_max * (effort ? fmax(1, own / saltus_effort_period(effort, own)) : 1);
 }
 
-/* The state of a lane at a time within its step, from the step's series; at its begin also where these have
- * no value. */
+/* A lane's state at a time within its step, from the step's series; at the begin from order 0 alone, because
+ * higher orders may not be finite. */
 static void state_since(const saltus_flow *flow, int lane, double since, double *state) {
     const saltus_work *w = &flow->work;
     saltus_flow_dense(flow, lane, since, state);
@@ -169,7 +168,7 @@ static void state_since(const saltus_flow *flow, int lane, double since, double 
         state[2 * flow->dof + i] = w->jet.e[saltus_work_extra_place(w, 0, 0, i, lane)];
 }
 
-/* Whether the equations have a value at a time within the step, from its begin. */
+/* Whether the equations have a value at a time since the step's begin. */
 static bool defined_since(saltus_flow *flow, int lane, double since) {
     const saltus_lane *self = &flow->lane[lane];
     double size = 0;
@@ -180,8 +179,7 @@ static bool defined_since(saltus_flow *flow, int lane, double since) {
            saltus_system_defined(self->system, flow->trial, self->now.phase + since / self->system->period);
 }
 
-/* The step leads to where the equations have no value: find when it left where they have one, and say what
- * has none. */
+/* The step leaves the domain of the equations: find when, by bisection, and say what has no value there. */
 static saltus_status fail_undefined(saltus_flow *flow, int lane, double step) {
     enum { halvings = 60 };
     saltus_lane *self = &flow->lane[lane];
@@ -206,7 +204,8 @@ static bool watches_turning(const saltus_lane *self) {
     return self->target.aimed && self->target.watch & SALTUS_WATCH_TURNING;
 }
 
-/* Ask the kernel about each row of the gap series that lanes observe whose turning points are watched. */
+/* For each row of the gap series in which a lane watches turning points: run `ask` on the row, then give each
+ * such lane its answer. */
 static void observe(saltus_flow *flow, void (*ask)(saltus_work *work, int row),
                     void (*take)(saltus_lane *lane, double answer), const double *answers) {
     for (int row = 0; row < flow->work.stops; row++) {
@@ -232,7 +231,7 @@ static void take_square(saltus_lane *self, double square) {
         self->info.square += square / self->system->period;
 }
 
-/* Whether a lane surely has no event in the planned step: most lanes in most steps. */
+/* Whether a lane surely has no event in the planned step, as most lanes in most steps. */
 static bool nothing_near(saltus_lane *self, double near) {
     bool close = self->hold.faces != 0 || self->target.coasting;
     for (int f = 0; f < self->system->face_count; f++)
@@ -241,15 +240,15 @@ static bool nothing_near(saltus_lane *self, double near) {
     return self->step.calm && near < 0 && !(self->target.watch & SALTUS_WATCH_TURNING && self->step.turns);
 }
 
-/* Whether a planned step leads on: where a period or the whole question would take too many, or time does not
- * pass, the lane fails where it is. */
+/* Whether a lane may take the planned step. If a period or the whole question would take too many steps, or
+ * time does not advance, the lane fails where it is. */
 static bool leads_on(saltus_flow *flow, int lane, double planned) {
     saltus_lane *self = &flow->lane[lane];
     const saltus_work *w = &flow->work;
     const saltus_effort *effort = flow->options.effort;
     const bool spent = effort && effort->spent > SALTUS_EFFORT_MOST,
                moves = planned > 0 && self->now.phase + w->lane->passing[lane] != self->now.phase;
-    /* Most steps: `steps_most` is never less than this. */
+    /* Most steps end here; `steps_most` is never below `period_steps_max`. */
     if (self->cycle_steps < first_steps && self->cycle_steps < flow->period_steps_max && !spent && moves)
         return true;
     const double gone = self->now.phase - self->cycle_from, most = steps_most(flow, self);
@@ -335,7 +334,7 @@ static void apply_turning(saltus_flow *flow, int lane) {
             saltus_events_acceleration(flow, lane, self->system->observer.first, observer, self->step.length);
         return;
     }
-    /* Delays are as accurate as the state: the field there, not the polynomial's second derivative. */
+    /* Delays need the state's accuracy, so use the field there, not the polynomial's second derivative. */
     saltus_field_at(flow, lane, flow->state, self->now.phase, &self->hold, flow->before);
     for (int i = 0; i < flow->dof; i++)
         event->velocity_before = fma(observer[i], field[i], event->velocity_before);
@@ -378,7 +377,7 @@ void saltus_flow_keep_contacts(saltus_flow *flow, int lane) {
         saltus_column_settle(flow, lane, c);
 }
 
-/* Move a lane's clock to the end of its step. */
+/* Advance a lane's time and counters to the end of its step. */
 static void pass_time(saltus_flow *flow, int lane, bool contact_event) {
     saltus_lane *self = &flow->lane[lane];
     const double phase = self->now.phase + flow->work.lane->passing[lane];
@@ -408,7 +407,7 @@ static void pass_time(saltus_flow *flow, int lane, bool contact_event) {
     self->cycle_events = self->now.cycle == begin.cycle ? self->cycle_events + contact_event : 0;
 }
 
-/* Move a lane's clock and contact knowledge to the end of its step and apply the event there. */
+/* Advance a lane's time and what is known of its contacts to the end of its step, and apply the event. */
 static saltus_status conclude(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
     const double step = flow->work.lane->advance[lane];
@@ -451,7 +450,7 @@ static saltus_event plain_event(saltus_event_kind kind, saltus_time time) {
     return (saltus_event){.kind = kind, .face = -1, .time = time};
 }
 
-/* Whether a lane's run ends here, with the event to be reported. */
+/* Whether a lane's run ends here; then `pending` is the event to report. */
 static bool finished(saltus_lane *self) {
     const unsigned watch = self->target.watch;
     bool watched = self->pending.kind != SALTUS_STEP && watch >> self->pending.kind & 1;
@@ -464,7 +463,7 @@ static bool finished(saltus_lane *self) {
     return reached || watch & SALTUS_WATCH_STEP;
 }
 
-/* A lane that is aimed and has nothing left to do before its target, or whose event waits to be fetched. */
+/* An aimed lane that is at its target or has an event to report; -1: none. */
 static int waiting_lane(const saltus_flow *flow) {
     for (int l = 0; l < flow->lanes; l++)
         if (flow->lane[l].target.aimed && (flow->lane[l].ended || remaining(&flow->lane[l]) <= 0))
@@ -472,8 +471,7 @@ static int waiting_lane(const saltus_flow *flow) {
     return -1;
 }
 
-/* The next impact that happened in the same instant as one already reported; dropped where impacts are not
- * watched. */
+/* Report the next impact of the same instant as one already reported; dropped if impacts are not watched. */
 static bool next_queued(saltus_flow *flow, int *lane, saltus_event *event) {
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];

@@ -124,8 +124,8 @@ static double bracketed_zero(const double *c, int degree, int derivative, double
     return s;
 }
 
-/* Whether p is positive just after a zero: the first Taylor coefficient there that stands out of rounding is.
- */
+/* Whether p is positive just after its zero s: the sign of the first Taylor coefficient there that exceeds
+ * rounding. */
 static bool positive_after(const double *c, int degree, double s) {
     double shifted[SALTUS_DEGREE_MAX + 1], size = 0;
     memcpy(shifted, c, (size_t)(degree + 1) * sizeof *c);
@@ -140,13 +140,13 @@ static bool positive_after(const double *c, int degree, double s) {
     return false;
 }
 
-/* A number of p's sign: its value, compensated where `noise` may hide the sign. */
+/* p(s), evaluated with compensation if `noise` may hide its sign. */
 static double signed_value(const double *c, int degree, double noise, double s) {
     double value = s > 0 ? horner(c, degree, 0, s) : c[0];
     return s > 0 && !(fabs(value) > noise) ? saltus_compensated(c, degree, s) : value;
 }
 
-/* p does not fall on the piece: is there a zero in (lo, hi] at which it rises? */
+/* p does not fall on [lo, hi]: find a zero in (lo, hi] at which it rises. */
 static bool rise_between(const double *c, int degree, double noise, double lo, double hi, double *root) {
     double at_lo = signed_value(c, degree, noise, lo), at_hi = signed_value(c, degree, noise, hi);
     if (!(at_lo < 0) || !(at_hi >= 0) || (at_hi == 0 && !positive_after(c, degree, hi)))
@@ -155,7 +155,7 @@ static bool rise_between(const double *c, int degree, double noise, double lo, d
     return *root > 0;
 }
 
-/* p is convex on the piece: from below, or from above through a minimum below zero. */
+/* p is convex on the piece: the rise from a negative start, or after a minimum below zero. */
 static bool rise_from_minimum(const double *c, int degree, double noise, double lo, double hi, double *root) {
     double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
     if (at_lo < 0 && at_hi > 0 && !(signed_value(c, degree, noise, lo) < 0))
@@ -163,7 +163,7 @@ static bool rise_from_minimum(const double *c, int degree, double noise, double 
     return rise_between(c, degree, noise, lo, hi, root);
 }
 
-/* p is concave on the piece: a single maximum decides. */
+/* p is concave on the piece: the sign of its single maximum decides. */
 static bool rise_to_maximum(const double *c, int degree, double noise, double lo, double hi, double *root) {
     double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
     double top = at_hi >= 0 ? hi : at_lo <= 0 ? lo : bracketed_zero(c, degree, 1, lo, hi);
@@ -172,8 +172,8 @@ static bool rise_to_maximum(const double *c, int degree, double noise, double lo
     return rise_between(c, degree, noise, lo, top, root);
 }
 
-/* By the signs of p' and p'' on a piece, 0 where they are not known. 1: a rise was found, -1: there is none
- * on the piece, 0: the signs do not decide. */
+/* Decide by the signs of p' and p'' on a piece (0: unknown). 1: a rise was found, -1: there is none, 0: the
+ * signs do not suffice. */
 static int decide(const double *c, int degree, double noise, int slope, int curvature, double lo, double hi,
                   double *root) {
     if (slope < 0)
@@ -186,7 +186,7 @@ static int decide(const double *c, int degree, double noise, int slope, int curv
     return found ? 1 : -1;
 }
 
-/* Signs of p' and p'' on [0, 1] where the sizes of the coefficients alone settle them. */
+/* Signs of p' and p'' on [0, 1] as far as the coefficients' positive and negative parts settle them. */
 static void plain_signs(const double *c, int degree, int *slope, int *curvature) {
     double low[2] = {c[1], 2 * c[2]}, high[2] = {c[1], 2 * c[2]};
     for (int k = 2; k <= degree; k++) {
@@ -201,8 +201,8 @@ static void plain_signs(const double *c, int degree, int *slope, int *curvature)
     *curvature = low[1] >= 0 ? 1 : high[1] <= 0 ? -1 : 0;
 }
 
-/* The upper bound that Bernstein coefficients of degree 6 give, the rest of the series counted by its
- * positive part. */
+/* An upper bound on [0, 1]: the largest Bernstein coefficient of the part of degree 6, plus the positive
+ * coefficients of the rest. */
 static double upper_bound(const double *c, int degree) {
     static const double weight[7][7] = {{1},
                                         {1, 1.0 / 6},
@@ -252,7 +252,7 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
         slope = degree > 0 ? common_sign(s->p[1], degree - 1) : 1;
         curvature = degree > 1 ? common_sign(s->p[2], degree - 2) : 1;
         if (slope == 0 && depth[top] >= depth_max)
-            slope = 1; /* shorter than rounding tells */
+            slope = 1; /* the piece is too short to tell */
         verdict = highest < -noise ? -1 : decide(c, degree, noise, slope, curvature, s->lo, s->hi, root);
         if (verdict > 0)
             return true;

@@ -15,17 +15,16 @@
 #define PACKS(place) ((saltus_pack *)(void *)(place))
 #define NUMBERS(place) ((lane_t *)(void *)(place))
 
-/* What expanding a step needs of a work, by value: a store through a pack may alias the work itself, whose
- * members the compiler would have to read again after every store. Sizes become constants where the common
- * case is compiled on its own. */
+/* What expanding a step needs of a work, by value: a store through a pack may alias the work, whose members
+ * the compiler would have to reload after every store. In the common cases sizes are constants. */
 typedef struct frame {
     unsigned terms;
     int packs;      /* per row */
-    int block;      /* of these, worked on side by side */
+    int block;      /* packs worked on side by side */
     int columns;    /* tangent vectors */
-    int directions; /* the last of these: parameter columns */
+    int directions; /* the last of the columns: parameter columns */
     int dof, extra, forcing;
-    bool single; /* order 0 alone, the field itself: nothing is begun for the next one */
+    bool single; /* only the field itself: nothing is prepared for the next order */
     long orders, order_span;
     saltus_pack *q, *v; /* jets */
     lane_t *e;
@@ -34,7 +33,7 @@ typedef struct frame {
     saltus_holding hold;
     saltus_varied vary;
     const lane_t *phase, *elapsed;
-    lane_t *passing; /* of a text: what serves its own order alone */
+    lane_t *passing; /* for tapes: what is needed at its own order only */
 } frame;
 
 #define ORDER_STRIDE ((long)(1 + f.columns) * f.packs)
@@ -103,8 +102,7 @@ static void reserve(saltus_work *w) {
     w->vary.force = saltus_arena_doubles(a, directions * contacts * LANES);
 }
 
-/* Orders of sin(omega t)'s series, and of its square's, that count beside the tolerance at the largest step.
- */
+/* How many orders of the series of sin(omega t) and its square matter beside the tolerance at the limit. */
 static int count_orders(const saltus_work *w, int lane, const saltus_system *system) {
     const double rtol = w->tolerance.relative, angle = w->lane->limit[lane] * system->omega;
     const double small = fmax(1e-19, rtol * fmin(1e-3, 1e7 * rtol));
@@ -117,13 +115,13 @@ static int count_orders(const saltus_work *w, int lane, const saltus_system *sys
     return order;
 }
 
-/* A system's row of numbers into one lane of a row. */
+/* Copy a system's row of numbers into one lane of a row. */
 static void load_row(const saltus_work *w, double *row, int lane, const double *values) {
     for (int i = 0; i < w->dof; i++)
         row[i * LANES + lane] = values[i];
 }
 
-/* The numbers of a system from text where its rows want them. */
+/* Copy the numbers of a system from text to where its tape's rows expect them. */
 static void load_weights(const saltus_work *w, double *weights, int lane, const double *slots) {
     const saltus_tape *tape = w->loaded.tape;
     for (int k = 0; tape && k < tape->weights[SALTUS_WIDE]; k++) {
@@ -163,7 +161,7 @@ static void load(saltus_work *w, int lane, const saltus_system *system, int degr
     to->lane_orders[lane] = count_orders(w, lane, system);
     for (int l = 0; l < LANES; l++)
         most = to->lane_orders[l] > most ? to->lane_orders[l] : most;
-    /* Orders that no longer matter are not computed again: they must be zero in the drives. */
+    /* The drives must be zero at orders that no longer matter, because these are not computed any more. */
     if (most < to->forcing_orders)
         memset(w->model.drive, 0, w->model.drive_size * sizeof *w->model.drive);
     to->forcing_orders = most;
@@ -186,7 +184,7 @@ static void vary(saltus_work *w, int lane, int direction, const saltus_variation
 
 enum { sign_shift = 63, exponent_shift = 52, exponent_bias = 1023 }; /* of a double's bits */
 
-/* A number whose sum with a small one holds the small one's nearest whole number in its last bits. */
+/* Adding it to a small number rounds that number to an integer, held in the sum's last bits. */
 static const double rounder = 6755399441055744.0;
 
 /* Sum of c_k x^k, k < 8, by Estrin's scheme: three products deep. */
@@ -227,7 +225,7 @@ KERNEL_INLINE void turn(lane_t phase, lane_t *sine, lane_t *cosine) {
     *cosine = lane_value(lane_bits(b) ^ change ^ ((quarter + 1) >> 1 << sign_shift));
 }
 
-/* Contacts that hold: q'' = f - b (pull . f), the force's series kept for the release. `velocity` is the
+/* Held contacts: q'' = f - b (pull . f), with the force's series kept to find the release. `velocity` is the
  * coefficient k + 1 of q', that is q'' / (k + 1). */
 KERNEL_INLINE void hold_contacts(frame f, int k, int c, saltus_pack *velocity) {
     saltus_pack force[SALTUS_FACES_MAX];
@@ -241,8 +239,8 @@ KERNEL_INLINE void hold_contacts(frame f, int k, int c, saltus_pack *velocity) {
             velocity[p] = saltus_pack_fnma(PUSH(m)[p], force[m], velocity[p]);
 }
 
-/* The projection that contacts apply changes with their places and the masses: what that does to a parameter
- * column follows from the trajectory's acceleration before the projection, kept when c = 0. */
+/* Contact projections may depend on parameters (places of stops, masses). Their effect on a parameter column
+ * follows from the trajectory's acceleration before the projection, kept when c = 0. */
 KERNEL_INLINE void keep_forces(frame f, const saltus_pack *velocity) {
     for (int m = 0; m < f.directions * f.hold.count; m++)
         *VARY_FORCE(m) = lane_of(row_dot(VARY_PULL(m), velocity, f.dof, f.packs));
@@ -325,7 +323,7 @@ KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, 
     return f;
 }
 
-/* The forcing, of as many orders as the step may come to need, and order 0 of the jets. */
+/* The forcing's series up to `order`, which the step may come to need, and order 0 of the jets. */
 KERNEL_INLINE void begin_jets(frame f, const saltus_work *w, int order) {
     lane_t sine, cosine;
     turn(*NUMBERS(w->lane->phase), &sine, &cosine);
@@ -342,9 +340,9 @@ KERNEL_INLINE void begin_jets(frame f, const saltus_work *w, int order) {
         model_start(f, c);
 }
 
-/* Wide columns that follow from the trajectory alone are expanded one after the other: all coefficients of
- * one fit into the nearest cache. Narrow ones take turns, because the orders of one wait for each other. What
- * a tilting contact does is kept for one order only. */
+/* In the wide kernel, columns that depend only on the trajectory are expanded one after the other, so that
+ * all coefficients of one fit into the nearest cache. Narrow ones take turns, because each order waits for
+ * the one before. The effect of tilting contacts is kept for one order only. */
 KERNEL_INLINE void expand_columns(frame f, int from, int to) {
     if (SALTUS_WIDE && model_columns_apart && !(f.vary.tilts && f.hold.count))
         for (int c = 0; c <= f.columns; c++)
@@ -365,11 +363,11 @@ KERNEL_INLINE void expand_frame(frame f, const saltus_work *w, int from, int to)
 
 #ifdef SALTUS_FIXED_TAPE
 
-/* Sizes are those of the one flow that this is compiled for. */
+/* Sizes are constants of the one flow for which this is compiled. */
 _Static_assert(SALTUS_PACK == SALTUS_FIXED_PACK && sizeof(saltus_work) == SALTUS_FIXED_WORK,
                "compiled otherwise than the library");
 __attribute__((visibility("default"))) void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to);
-/* What is kept for later orders, what is not, and the jets have no element in common. */
+/* No element is accessed through two of these pointers, although `kept` and `passing` are one array. */
 static __attribute__((noinline)) void expand_fixed(const saltus_work *w, int from, int to,
                                                    double *restrict kept, lane_t *restrict passing,
                                                    double *restrict q, double *restrict v) {
@@ -392,7 +390,7 @@ void SALTUS_KERNEL_NAME(saltus_work *w, int from, int to) {
 
 #else
 
-/* The scene's terms and shape are settled here, once per step; the common cases have loops of their own. */
+/* Terms and shape become constants here, once per step; the common cases have loops of their own. */
 KERNEL_INLINE void expand_rows(const saltus_work *w, int from, int to, int packs, unsigned terms) {
     const int block = row_block(packs);
     if (w->columns == 0 && w->hold.count == 0)
@@ -447,7 +445,7 @@ static void expand(saltus_work *w, int from, int to) {
     }
 }
 
-/* x^(1/k) to about one percent, from the exponent and a parabola; x > 0. A step size needs no more. */
+/* x^inverse, x > 0, to about one percent, from the exponent and a parabola; enough for a step size. */
 KERNEL_INLINE lane_t approximate_root(lane_t x, double inverse) {
     const lane_word mantissa = (1ULL << exponent_shift) - 1 + (lane_bits(lane_constant(0))),
                     one = lane_bits(lane_constant(1.0)), two52 = lane_bits(lane_constant(4503599627370496.0));
@@ -479,8 +477,8 @@ KERNEL_INLINE lane_t column_norm(const saltus_work *w, int k, int c) {
     return lane_largest(saltus_pack_max_size(displacement, velocity * lane_spread(slowness)));
 }
 
-/* What a coefficient may be by the tolerance, relative to what it is: large where it is too small to tell, or
- * the tolerance is; zero where it has no value. */
+/* The tolerance over a coefficient's norm: `untold` if either is too small to tell, 0 for a norm not
+ * finite. */
 static const double untold = 1e290;
 KERNEL_INLINE lane_t coefficient_room(lane_t norm, lane_t tolerance) {
     const lane_t none = lane_constant(untold), ratio = tolerance / norm;
@@ -489,13 +487,13 @@ KERNEL_INLINE lane_t coefficient_room(lane_t norm, lane_t tolerance) {
     return lane_if_less(norm, lane_constant(1e300), sure, lane_constant(0));
 }
 
-/* The step at which the coefficients of order k, of which one has least room, fall below the tolerance. */
+/* The step at which the coefficient of order k with the least room falls below the tolerance. */
 KERNEL_INLINE lane_t coefficient_step(lane_t room, int k, lane_t limit) {
     const lane_t none = lane_constant(0), step = 0.97 * approximate_root(room, 1.0 / k);
     return lane_if_less(none, room, lane_if_less(room, lane_constant(untold), step, limit), none);
 }
 
-/* Zero where all of a state is finite, otherwise not a number. */
+/* Zero if the whole state is finite, otherwise not a number. */
 KERNEL_INLINE lane_t finite_sum(const saltus_work *w) {
     const saltus_pack *q = PACKS(w->jet.q), *v = PACKS(w->jet.v);
     const int packs = row_packs(w->dof);
@@ -505,7 +503,7 @@ KERNEL_INLINE lane_t finite_sum(const saltus_work *w) {
     return lane_total(sum);
 }
 
-/* A lane's step where a coefficient of order k is one of the last two of its series, else the limit. */
+/* `step` if order k is one of the last two of the lane's series, else the limit. */
 KERNEL_INLINE lane_t step_of_last(const saltus_work *w, lane_t step, int k, lane_t limit) {
     if (w->degree_least == w->degree_most)
         return step;
@@ -514,7 +512,7 @@ KERNEL_INLINE lane_t step_of_last(const saltus_work *w, lane_t step, int k, lane
 }
 
 /* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
- * 3), and where contacts hold those of their forces: where contacts hold all there is to move, nothing else
+ * 3). Where contacts hold also those of their forces: if they fix everything that could move, nothing else
  * tells how far the series reach. */
 static void measure(saltus_work *w) {
     const int steady = w->columns - w->directions, first = w->degree_least - 1;
@@ -526,9 +524,9 @@ static void measure(saltus_work *w) {
     for (int c = 0; c <= w->columns; c++) {
         const lane_t change = limit * column_norm(w, 1, c);
         lane_t size = column_norm(w, 0, c);
-        /* A parameter column starts at zero, so what its rate makes of it in a step counts as size, too. A
-         * state at rest in the origin has no size either: there a millionth of that change stands for it,
-         * which is too small to matter for any other state. */
+        /* A parameter column starts at zero, so its growth within a step counts as size too. A state at rest
+         * in the origin has no size either: a millionth of that growth replaces it, too little to matter for
+         * any other state. */
         if (c > steady)
             size += change;
         else
@@ -551,15 +549,15 @@ static void measure(saltus_work *w) {
     *NUMBERS(w->lane->step) = lane_if_less(finite_sum(w), lane_constant(1), step, lane_constant(0));
 }
 
-/* A coefficient of order k where the lane's series have one, else `beyond`. */
+/* The coefficient of order k if the lane's series has one, else `beyond`. */
 KERNEL_INLINE lane_t series_term(const saltus_work *w, lane_t coefficient, int k, double beyond) {
     return k <= w->degree_least ? coefficient
                                 : lane_if_less(lane_constant(k - 0.5), *NUMBERS(w->lane->degree), coefficient,
                                                lane_constant(beyond));
 }
 
-/* A bound on a gap over the step, from its start and all that can lift it, in two chains of Horner's rule.
- * Most faces of most steps need no closer look. */
+/* A bound on a gap over the step: its start plus all positive terms, in two chains of Horner's rule. Most
+ * faces in most steps need no closer look. */
 KERNEL_INLINE lane_t gap_margin(const saltus_work *w, int face, lane_t step) {
     const lane_t *gap = NUMBERS(w->gap) + w->loaded.face[face].stop * (w->order + 2);
     const lane_t square = step * step, none = lane_constant(0);
@@ -575,8 +573,8 @@ KERNEL_INLINE lane_t gap_margin(const saltus_work *w, int face, lane_t step) {
     return lane_fma(odd, step, start) + lane_fma(even, square, 1e-14 * lane_size(start));
 }
 
-/* A bound on how far a row's velocity may come towards zero and beyond, from its start and all that can turn
- * it; not below zero where the start itself is near zero beside the rest. */
+/* A bound on how far a row's velocity moves towards zero and beyond, from its start and all terms against it;
+ * not negative if the start is near zero compared with the other terms. */
 static void bound_velocity(saltus_work *w, int row) {
     const lane_t *series = NUMBERS(w->gap) + row * (w->order + 2);
     const lane_t step = *NUMBERS(w->lane->advance), none = lane_constant(0);
@@ -592,8 +590,7 @@ static void bound_velocity(saltus_work *w, int row) {
     *NUMBERS(w->lane->turning) = lane_if_less(1e-12 * along * step, start, margin + 1e-12 * start, none);
 }
 
-/* The step a lane takes: its own, or what is left to the target, or half of that when a sliver would remain.
- */
+/* The step of a lane: its own, or what is left to the target, or half of that if a sliver would remain. */
 static void plan(saltus_work *w) {
     const lane_t left = *NUMBERS(w->lane->left), step = *NUMBERS(w->lane->step);
     const lane_t advance = lane_if_less(step, left, lane_smaller(step, 0.5 * left), left);
@@ -608,7 +605,7 @@ static void plan(saltus_work *w) {
     *NUMBERS(w->lane->near) = near;
 }
 
-/* Even and odd coefficients in two chains: half the latency of Horner's rule. */
+/* Even and odd coefficients in two chains, which halves the latency of Horner's rule. */
 KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, long stride, int order, saltus_pack time,
                                      saltus_pack square) {
     saltus_pack high = newest[0], low = newest[-stride];
@@ -622,8 +619,7 @@ KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, long stride, int
     return saltus_pack_fma(low, time, saltus_pack_fma(high, square, newest[-2 * stride]));
 }
 
-/* Where lanes have series of different degrees, what is beyond a lane's is taken for -0, which leaves the
- * bits of what is added to it as they are. */
+/* If degrees differ, set coefficients beyond a lane's degree to -0, which changes no bit of a sum. */
 static void cut_series(const saltus_work *w, saltus_pack *series, long stride) {
     for (int k = w->degree_least + 1; k <= w->degree_most; k++)
         for (long p = 0; p < stride; p++)
@@ -654,7 +650,7 @@ static void evaluate(saltus_work *w) {
     }
 }
 
-/* The sum of c_i c_j / (i + j + 1) over all i and j, rows i of this matrix side by side. */
+/* The integral of a series' square: the sum of c_i c_j / (i + j + 1) over all i and j, in blocks of i. */
 static void integrate_square(saltus_work *w, int row) {
     enum { block = 8, most = (SALTUS_ORDER_MAX / block + 1) * block };
     const int degree = w->degree_most, rows = (degree / block + 1) * block;

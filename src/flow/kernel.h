@@ -21,62 +21,62 @@ enum { SALTUS_LANES_MAX = SALTUS_PACK_MAX };
 
 typedef struct saltus_kernel saltus_kernel;
 
-/* What the error of a step is measured by: relative to the state's norm, absolute in displacements, and
- * relative to a tangent vector's norm. */
+/* Tolerances of a step's error: relative to the state's norm, absolute in displacements, and relative to a
+ * tangent vector's norm. */
 typedef struct saltus_tolerance {
     double relative, absolute, tangent;
 } saltus_tolerance;
 
 /* Displacements, velocities and extra states of the trajectory (column 0) and of its tangent vectors. A row
- * holds one value per mode and lane, element i of lane l at i * lanes + l, in the narrow kernel filled up to
- * whole packs. States are [column][row], jets [order][column][row]. */
+ * holds one value per mode and lane, element i of lane l at i * lanes + l; the narrow kernel pads rows of q
+ * and v to whole packs. States are [column][row], jets [order][column][row]. */
 typedef struct saltus_state_rows {
     double *q, *v, *e;
 } saltus_state_rows;
 
-/* One number per lane. Every array is as long as the longest pack, so that all of them are aligned. */
+/* One number per lane. Every array has the length of the longest pack, so that all are aligned. */
 typedef struct saltus_lane_numbers {
     /* of the lane's system */
     double period[SALTUS_LANES_MAX];     /* of the forcing */
     double degree[SALTUS_LANES_MAX];     /* of its series; at most the work's `order` */
     double limit[SALTUS_LANES_MAX];      /* largest step */
-    double omega_unit[SALTUS_LANES_MAX]; /* frequency that makes velocities comparable with displacements */
+    double omega_unit[SALTUS_LANES_MAX]; /* velocities divided by it compare with displacements */
     double clearance[SALTUS_FACES_MAX][SALTUS_LANES_MAX];
-    /* of the point expanded from */
+    /* of the point of expansion */
     double phase[SALTUS_LANES_MAX];   /* in [0,1) */
     double elapsed[SALTUS_LANES_MAX]; /* time since the step's begin */
-    double left[SALTUS_LANES_MAX];    /* time left to the target; zero where a lane rests */
+    double left[SALTUS_LANES_MAX];    /* time left to the target; zero if the lane is not under way */
     /* of the step */
-    double step[SALTUS_LANES_MAX];                     /* that keeps the tolerance */
+    double step[SALTUS_LANES_MAX];                     /* longest within the tolerance */
     double advance[SALTUS_LANES_MAX];                  /* where to evaluate */
     double passing[SALTUS_LANES_MAX];                  /* the planned `advance` in periods */
     double margin[SALTUS_FACES_MAX][SALTUS_LANES_MAX]; /* negative: the face surely stays open */
-    double near[SALTUS_LANES_MAX];                     /* negative: all faces do */
+    double near[SALTUS_LANES_MAX];                     /* negative: all faces surely stay open */
     double turning[SALTUS_LANES_MAX]; /* negative: an observed velocity surely has no zero in the step */
     double square[SALTUS_LANES_MAX];  /* integral of an observed displacement's square over `advance` */
 } saltus_lane_numbers;
 
-/* What the loaded systems are to the kernel. */
+/* The loaded systems, in the kernel's layout. */
 typedef struct saltus_loaded {
     unsigned terms;
-    int lane_orders[SALTUS_LANES_MAX]; /* orders of the forcing's series that matter, per lane ... */
-    int forcing_orders;                /* ... and the most of them */
+    int lane_orders[SALTUS_LANES_MAX]; /* orders of the forcing's series that matter */
+    int forcing_orders;                /* their maximum */
     int faces;
-    saltus_face face[SALTUS_FACES_MAX]; /* their stops and sides, common to all lanes */
+    saltus_face face[SALTUS_FACES_MAX]; /* stops and sides, common to all lanes */
     double *normal;                     /* [stop][row] */
     double *scalar;                     /* [scalar][lane] */
     double *rows;                       /* [coefficient row][row] */
     double *coupling[SALTUS_COUPLINGS_MAX];
-    double *table;           /* model's constants per order: [table][order][lane] */
-    const saltus_tape *tape; /* of systems from text, otherwise NULL; that of the first lane stands for all */
-    double *weights;         /* its numbers: [weight][lane] */
-    saltus_operation_function *value; /* of its functions */
+    double *table;                    /* model's constants per order: [table][order][lane] */
+    const saltus_tape *tape;          /* of systems from text, otherwise NULL; equal in all lanes */
+    double *weights;                  /* the tape's numbers: [weight][lane] */
+    saltus_operation_function *value; /* evaluates the tape's functions */
 } saltus_loaded;
 
 /* The model's intermediate series. */
 typedef struct saltus_model_series {
     size_t drive_size;
-    double *drive;  /* those that all columns share: [drive][order][lane] */
+    double *drive;  /* shared by all columns: [drive][order][lane] */
     double *ahead;  /* rows begun for the next order: [ahead][column][row] */
     double *series; /* the others: [series][column][order][lane] */
 } saltus_model_series;
@@ -89,11 +89,10 @@ typedef struct saltus_holding {
     double *force; /* series of contact accelerations: [contact][order][lane] */
 } saltus_holding;
 
-/* For parameter columns: how what a kernel loads changes along each direction (system.h, saltus_variation).
- */
+/* For parameter columns: the derivatives of what a kernel loads along each direction (saltus_variation). */
 typedef struct saltus_varied {
     int orders;      /* orders of the forcing's derivatives that matter */
-    bool tilts;      /* the projections at contacts change */
+    bool tilts;      /* contact projections depend on a direction */
     double *scalar;  /* [direction][scalar][lane] */
     double *rows;    /* [direction][coefficient row][row] */
     double *weights; /* [direction][weight][lane] */
@@ -103,18 +102,18 @@ typedef struct saltus_varied {
     double *force;   /* at the order being expanded: [direction][contact][lane] */
 } saltus_varied;
 
-/* All that one kernel instance works on. */
+/* All data of one kernel instance. */
 typedef struct saltus_work {
     saltus_arena arena;
-    /* Settled when the work is opened. */
+    /* Set when the work is opened. */
     int dof, extra, lanes, columns;
-    int order;      /* of the longest series that there is room for */
-    int directions; /* of the columns, the last ones: parameter columns */
+    int order;      /* of the longest series that fits */
+    int directions; /* the last of the columns: parameter columns */
     int row;        /* doubles in a row of q or v */
     int order_span; /* orders reserved for table and drive: a whole number of packs */
     saltus_tolerance tolerance;
-    /* Settled when systems, directions and contacts are loaded. */
-    int degree_least, degree_most; /* of the lanes' */
+    /* Set when systems, directions and contacts are loaded. */
+    int degree_least, degree_most; /* over the lanes */
     int stops;                     /* rows of the gap series */
     saltus_loaded loaded;
     saltus_holding hold;
@@ -130,21 +129,21 @@ typedef struct saltus_work {
 struct saltus_kernel {
     const char *model;
     int lanes; /* 1 or the width of a pack */
-    /* How the compiler makes code for the same instruction set: its options. */
+    /* Compiler options of its instruction set. */
     const char *flags;
-    /* Reserve all arrays in the work's arena; sizes are already set. */
+    /* Reserve all arrays in the work's arena; the sizes must be set. */
     void (*reserve)(saltus_work *work);
-    /* Put the coefficients of a system into a lane whose series shall have a degree. */
+    /* Load a system's coefficients into a lane; its series will have `degree`, its steps at most `limit`. */
     void (*load)(saltus_work *work, int lane, const saltus_system *system, int degree, double limit);
-    /* Put the derivative of a lane's coefficients along a direction into place. */
+    /* Load the derivative of a lane's coefficients along a direction. */
     void (*vary)(saltus_work *work, int lane, int direction, const saltus_variation *variation);
-    /* States -> jets up to order `to`, gap and force series. Where the orders up to `from`, which is even,
-     * are there already, only the rest of them. */
+    /* States -> jets, gap and force series up to order `to`. `from` must be even: orders up to it are there
+     * already; 0: none are. */
     void (*expand)(saltus_work *work, int from, int to);
     /* Jets of the lanes' degrees -> step of each lane. */
     void (*measure)(saltus_work *work);
-    /* Step and what is left -> `advance`, `passing`, margins and `near`: how far to go, and which lanes may
-     * meet a stop. */
+    /* `step` and `left` -> `advance`, `passing`, `margin` and `near`: how far to go, and which lanes may meet
+     * a stop. */
     void (*plan)(saltus_work *work);
     /* A row of the gap series and `advance` -> `turning`. */
     void (*bound_velocity)(saltus_work *work, int row);
@@ -154,27 +153,26 @@ struct saltus_kernel {
     void (*integrate_square)(saltus_work *work, int row);
 };
 
-/* The kernel for a model at width 1 or at this machine's SIMD width (0), chosen from the instruction sets
- * built in and the processor at hand. The environment variable SALTUS_ISA (x86-64, x86-64-v3, x86-64-v4) can
- * force a lower one. NULL when there is none. */
+/* The kernel for a model at width 1, or at this machine's SIMD width (lanes = 0), for the best instruction
+ * set that was built and that the processor has. The environment variable SALTUS_ISA (x86-64, x86-64-v3,
+ * x86-64-v4) can force a lower one. NULL if there is none. */
 const saltus_kernel *saltus_kernel_find(const char *model, int lanes);
-/* Whether SALTUS_ISA, where it is set, names an instruction set. */
+/* SALTUS_BAD_INPUT if SALTUS_ISA is set but names no instruction set. */
 saltus_status saltus_kernel_check(saltus_message *message);
 
-/* Allocate a work for a kernel, with `directions` parameter columns among the columns and series up to
- * `order`. Sizes come from the systems' common shape. */
+/* Allocate a work for a kernel, with series up to `order`; the last `directions` of the columns are parameter
+ * columns. Sizes come from the system's shape. */
 saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, const saltus_system *system,
                                int order, int columns, int directions, saltus_tolerance tolerance);
-/* Forget which terms and orders of the forcing the loaded systems have, before they are loaded anew, and with
- * them the directions. */
+/* Forget the loaded systems' terms and orders of the forcing, and the directions, before systems are loaded
+ * anew. */
 void saltus_work_forget(saltus_work *work);
-/* Zero the states, and with them what fills up packs: a trajectory that has overflowed leaves nothing behind.
- */
+/* Zero the states with their padding, so that nothing remains of a trajectory that has overflowed. */
 void saltus_work_clear_states(saltus_work *work);
 void saltus_work_close(saltus_work *work);
 
-/* Where element i of a column's row stands, at one order of a jet, and the same of extra states. A state is
- * like order 0. */
+/* The place of element i of a column's row at one order of a jet; below, the same for extra states. A state
+ * is like order 0. */
 static inline size_t saltus_work_place(const saltus_work *work, int order, int column, int i, int lane) {
     return ((size_t)order * (size_t)(1 + work->columns) + (size_t)column) * (size_t)work->row +
            (size_t)(i * work->lanes + lane);
@@ -188,7 +186,7 @@ static inline size_t saltus_work_extra_place(const saltus_work *work, int order,
            (size_t)lane;
 }
 
-/* After the degrees of lanes have changed. */
+/* To be called when lanes' degrees have changed. */
 static inline void saltus_work_settle_degrees(saltus_work *work) {
     double least = work->lane->degree[0], most = least;
     for (int l = 1; l < work->lanes; l++) {
@@ -200,7 +198,7 @@ static inline void saltus_work_settle_degrees(saltus_work *work) {
     work->degree_most = (int)most;
 }
 
-/* Where the gap series of a stop or the force series of a contact has its coefficient of an order. */
+/* The place of a coefficient in the gap series of a stop or in the force series of a contact. */
 static inline size_t saltus_work_series_place(const saltus_work *work, int which, int order, int lane) {
     return ((size_t)which * (size_t)(work->order + 2) + (size_t)order) * (size_t)work->lanes + (size_t)lane;
 }

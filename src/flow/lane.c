@@ -1,4 +1,4 @@
-/* What a flow tells about its lanes: states and tangent vectors in plain layout, dense output.
+/* Access to a flow's lanes: states and tangent vectors in plain layout, dense output.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 

@@ -69,7 +69,7 @@ KERNEL_INLINE void set_row_element(saltus_pack *row, int i, lane_t value) {
     row[i] = value;
 }
 
-/* With 8 for the widest pack: terms i, i + 8, i + 16, ... first, then pairs four, two and one apart. */
+/* With 8 in the widest pack: first terms i, i + 8, i + 16, ..., then pairs four, two and one apart. */
 KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {
     (void)packs;
     lane_t t[SALTUS_PACK_MAX];
@@ -96,7 +96,7 @@ KERNEL_INLINE lane_t row_total(const saltus_pack *row, int n, int packs) {
     return t[0];
 }
 
-/* Rows i, i + 2, ..., `rows` of them, whose sums do not wait for one another. */
+/* Rows i, i + 2, ... (`rows` of them), whose sums do not wait for one another. */
 KERNEL_INLINE void row_couple_part(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                    const saltus_pack *in, const saltus_pack *in2, int n, int i,
                                    const int rows) {
@@ -230,8 +230,8 @@ KERNEL_INLINE lane_t row_total(const saltus_pack *row, int n, int packs) {
     return n > 1 ? t[0] + t[1] : t[0];
 }
 
-/* Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode is coupled to one parity
- * only; the order of each mode's sum is that of the wide kernel. */
+/* Columns 2 j and 2 j + 1 of the coupling share a row of packs, because each mode couples to one parity only.
+ * Each mode's sum has the same order as in the wide kernel. */
 KERNEL_INLINE void row_couple_two(saltus_pack *out, saltus_pack *out2, const double *coupling,
                                   const saltus_pack *in, const saltus_pack *in2, int n, int packs) {
     const saltus_pack *column = (const saltus_pack *)(const void *)coupling;
@@ -278,8 +278,8 @@ KERNEL_INLINE int row_block(int packs) {
                                                  : 2;
 }
 
-/* A statement for all packs of a row, a block of them at a time: first .. first + count - 1. The count is a
- * constant where the frame's block is. */
+/* Run a statement for all packs of a row, a block at a time: packs first .. first + count - 1. The count is a
+ * constant if the frame's block is. */
 #define FOR_ROW_BLOCKS(f, first, count, statement)                                                           \
     do {                                                                                                     \
         int first = 0;                                                                                       \

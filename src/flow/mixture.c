@@ -1,10 +1,10 @@
 /* Collocation and series in turns.
  *
- * Where a system is stiff, stability keeps series to steps that are far shorter than the motion asks for, and
- * collocation is the cheaper way on; but its steps cost as much as a dozen of the series', whatever their
- * length. Three things make them short: an event that is near, as between the impacts of a chatter; a target
- * that is near; and the boundary layers that an impact leaves in the fast modes. There series are cheaper.
- * Only the state and the target decide, so that a run can be repeated bit by bit.
+ * In a stiff system, stability keeps series to steps far shorter than the motion requires, and collocation is
+ * cheaper. But a step of collocation costs as much as a dozen of series, whatever its length, and three
+ * things shorten it: a near event, as between the impacts of a chatter; a near target; and the boundary
+ * layers that an impact leaves in the fast modes. There series are cheaper. Only state and target decide, so
+ * that a run can be repeated bit by bit.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
@@ -33,7 +33,7 @@ saltus_status saltus_flow_mix(saltus_flow *flow) {
     }
     w->lane->degree[0] = SALTUS_RADAU_DEGREE;
     saltus_work_settle_degrees(w);
-    flow->shortened = true; /* series have a degree of their own */
+    flow->shortened = true; /* series need their own degree again */
     return saltus_radau_step(flow->radau, w, &flow->lane[0].info.field_evaluations);
 }
 

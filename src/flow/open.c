@@ -1,4 +1,4 @@
-/* Flows are built here: all memory they will ever use, all decisions that a scene settles.
+/* Opening flows: all memory is allocated and all choices that depend on the scene are made here.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 #include "flow/options.h"
@@ -23,24 +23,24 @@ saltus_flow_options saltus_flow_defaults(void) {
     return options;
 }
 
-/* A period of more steps than this is not followed to its end. A run of branches, whose effort has no period
- * of its own, tries what may come behind an event at any price. */
+/* Steps after which a period is given up. Continuation, whose effort has no period of its own, has no
+ * practical limit: it must try what may lie behind an event at any price. */
 static double steps_usual(const saltus_flow_options *options) {
     return options->effort && options->effort->period > 0 ? SALTUS_EFFORT_IN_PERIOD : 1e8;
 }
 
-/* Where the tolerance bounds the steps, near the fastest by measurement on reference orbits alone and on
- * sweeps side by side: about six orders for five digits. At tight tolerances what a higher order costs buys a
- * margin in accuracy. */
+/* The order if the tolerance bounds the steps: about six orders for five digits, near the fastest as measured
+ * on single reference orbits and on sweeps in lanes. At tight tolerances a higher order buys a margin in
+ * accuracy. */
 static int order_by_tolerance(double digits) {
     const double margin = 0.35 * gsl_pow_2(fmax(0, digits - 12));
     int order = 2 * (int)lround(0.6 * digits + 1.45 + margin);
     return order < SALTUS_ORDER_MIN ? SALTUS_ORDER_MIN : order;
 }
 
-/* Where stability bounds the steps, a lower order that reaches as far within the tolerance is faster. How far
- * it does is judged by the fastest modes that ring; what impacts excite beyond these wants four orders for
- * five digits (measured on pipes of 8, 10 and 12 modes). */
+/* If stability bounds the steps, a lower order that reaches as far within the tolerance is faster. Whether
+ * one does is judged by the fastest lightly damped modes; what impacts excite beyond these needs four orders
+ * for five digits (measured on pipes of 8, 10 and 12 modes). */
 static int degree_for(const saltus_system *system, const saltus_eigenvalues *eigenvalues, double rtol) {
     const double digits = -log10(rtol);
     const int most = order_by_tolerance(digits);
@@ -52,15 +52,15 @@ static int degree_for(const saltus_system *system, const saltus_eigenvalues *eig
     return order < most ? order : most;
 }
 
-/* Whether two systems have one vector field but for its numbers. Of texts the steps decide, because the first
- * lane's stand for all: whole parameters may have made others of the same text. */
+/* Whether two systems have the same vector field up to its numbers. Systems from text need equal tapes,
+ * because one tape serves all lanes: integer parameters can give the same text different tapes. */
 static bool same_field(const saltus_system *a, const saltus_system *b) {
     if (a->tape && b->tape)
         return a->tape == b->tape || saltus_tape_equal(a->tape, b->tape);
     return saltus_model_same(a->spec.model, b->spec.model);
 }
 
-/* Whether a system's flow looks the same from outside: states, faces. */
+/* Whether two systems have the same field, states and faces. */
 static bool same_shape(const saltus_system *a, const saltus_system *b) {
     bool same = same_field(a, b) && a->dof == b->dof && a->extra == b->extra &&
                 a->face_count == b->face_count && a->spec.stop_count == b->spec.stop_count;
@@ -70,7 +70,7 @@ static bool same_shape(const saltus_system *a, const saltus_system *b) {
 }
 
 /* Whether a flow uses collocation, which runs one trajectory at a time. Where several could run side by side,
- * series keep up with it longer. */
+ * series remain faster up to a higher stiffness. */
 static bool collocates(const saltus_system *system, int lanes, saltus_integrator integrator) {
     const double gain = lanes > 1 ? 2 : 1;
     return integrator == SALTUS_AUTOMATIC ? system->stiffness_ratio > gain : integrator != SALTUS_TAYLOR;
@@ -129,7 +129,7 @@ static void reserve(saltus_flow *flow) {
         saltus_variation_reserve(&flow->parameter[d].variation, flow->lane[0].system, arena);
 }
 
-/* Behind the stops' rows of the gap series there is one of the observed displacement, for what is no stop's
+/* Load a system and, behind the stops' rows, one for the observed displacement, which need not be a stop's
  * coordinate. */
 static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane, const saltus_system *system,
                         int degree, double limit) {
@@ -142,7 +142,7 @@ static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane
         row[i * work->lanes + lane] = system->observer.row[i];
 }
 
-/* The order of series for accuracy alone. */
+/* The order of series that accuracy alone asks for. */
 static int usual_order(const saltus_flow_options *o) {
     return o->order ? o->order : order_by_tolerance(-log10(o->rtol));
 }
@@ -151,8 +151,8 @@ static int usual_order(const saltus_flow_options *o) {
 static void load_lane(saltus_flow *flow, int lane) {
     saltus_eigenvalues eigenvalues = {.count = 0};
     const saltus_flow_options *o = &flow->options;
-    /* A step of collocation costs as much as so many of the series' (measured on pipes of 10 to 64 modes: it
-     * may be half of that or twice). */
+    /* The cost of a step of collocation in steps of series (measured on pipes of 10 to 64 modes: from half of
+     * that to twice). */
     static const double collocation_cost = 12;
     const bool collocated = o->integrator == SALTUS_RADAU;
     saltus_lane *self = &flow->lane[lane];
@@ -164,7 +164,7 @@ static void load_lane(saltus_flow *flow, int lane) {
                                   : degree_for(system, &eigenvalues, o->rtol),
               degree = flow->transients && !collocated ? usual_order(o) : steady;
     self->degree = degree;
-    /* An order that is asked for is that of every step. */
+    /* A requested order is that of every step. */
     self->brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
     self->first = (saltus_pace){degree, saltus_system_step_limit(system, &eigenvalues, degree)};
     if (flow->radau && !collocated)
@@ -231,7 +231,7 @@ saltus_status saltus_flow_new(const saltus_system *const *systems, int lanes,
                           .lane = lane,
                           .probe = probe,
                           .period_steps_max = steps_usual(options)};
-    /* Lanes beyond those asked for idle at rest with the first lane's system. */
+    /* Lanes beyond the requested ones rest with the first lane's system. */
     for (int l = 0; l < made->lanes; l++)
         lane[l].system = systems[l < lanes ? l : 0];
     reserve(made);
@@ -256,7 +256,7 @@ saltus_status saltus_flow_single(const saltus_system *system, int columns, const
     return saltus_flow_new(&system, 1, &own, flow, message);
 }
 
-/* Everything that the works take from a lane's system and the directions, anew. */
+/* Load the lane's system and the directions into all works anew. */
 static void reload(saltus_flow *flow, int lane) {
     if (flow->lanes == 1)
         saltus_work_forget(&flow->work);

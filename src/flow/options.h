@@ -9,8 +9,8 @@
 
 extern const saltus_word saltus_integrator_words[];
 
-/* The entries of a table for `struct_type`, in which the flow's options are at `path` (such as flow. with its
- * dot, or nothing), with the tolerances that are the default there. */
+/* Entries of an option table for `struct_type` whose member `path` holds the flow's options ("flow." with its
+ * dot, or nothing), with default tolerances. */
 #define SALTUS_FLOW_CHOICES(struct_type, path, usual_rtol, usual_atol)                                       \
     {.field =                                                                                                \
          SALTUS_MEMBER(struct_type, path rtol, "rtol", "1", "relative tolerance of the flow", SALTUS_REAL),  \
@@ -36,7 +36,7 @@ extern const saltus_word saltus_integrator_words[];
         .low = SALTUS_ORDER_MIN, .high = SALTUS_ORDER_MAX, .automatic = true                                 \
     }
 
-/* Of saltus_flow_options itself; what a method sets for itself is not among them. */
+/* The table of saltus_flow_options itself, without columns and directions, which each method sets. */
 extern const saltus_option_table saltus_flow_table;
 
 #endif

@@ -1,10 +1,10 @@
 /* Prescribed events: the flow through a sequence of events that is given, not found.
  *
- * Between prescribed events the stops are no obstacle, so everything here depends smoothly on the state, on
- * the parameters and on the times of the events, through grazing too. An event at time t asks an equation of
- * the state before it (its gap or force is zero there) and acts by its law P; a tangent vector passes it by
- * DP at fixed t, and a delay of t moves the state after it by DP f- - f+. With the equation solved for t
- * these make the saltation matrix of contact.c.
+ * Between prescribed events the stops are ignored, so everything here depends smoothly on the state, the
+ * parameters and the event times, also through grazing. An event at time t requires an equation of the state
+ * before it (gap or force is zero) and acts by its law P. A tangent vector passes it by DP at fixed t, and
+ * delaying t changes the state after it at the rate DP f- - f+. Solving the equation for t turns these into
+ * the saltation matrix of contact.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
@@ -57,8 +57,8 @@ saltus_status saltus_flow_coast(saltus_flow *flow, int lane, saltus_time until, 
     return saltus_flow_coast_by_steps(flow, lane, until, extremes, NULL, NULL, message);
 }
 
-/* The acceleration towards a holding face if it let go, its rate, and how it answers to the columns. The
- * other contacts go on. */
+/* The release equation: the acceleration towards a held face if it were released, its rate, and its gradient
+ * along the columns. The other contacts hold. */
 static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strike *strike) {
     saltus_lane *self = &flow->lane[lane];
     saltus_work *w = &flow->work;
@@ -82,7 +82,7 @@ static bool release_equation(saltus_flow *flow, int lane, int face, saltus_strik
     return saltus_contacts_set(flow, lane, contacts);
 }
 
-/* The event's law on state and tangent vectors; flow->before becomes DP f-. */
+/* Apply the event's law to state and tangent vectors; flow->before becomes DP f-. */
 static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int face) {
     saltus_lane *self = &flow->lane[lane];
     int n = flow->dof;
@@ -105,7 +105,7 @@ static bool apply_law(saltus_flow *flow, int lane, saltus_event_kind kind, int f
         self->face[face].touch = 1;
         return true;
     }
-    /* A stick puts displacements onto the stop, too: DP takes the approach off their rates. */
+    /* A stick also puts displacements onto the stop: DP removes the approach from their rates. */
     memcpy(flow->before, flow->state + n, (size_t)n * sizeof *velocity);
     if (!saltus_contacts_set(flow, lane, self->hold.faces | 1u << face))
         return false;

@@ -1,5 +1,5 @@
-/* The field at single points, by short series in the lanes' narrow works (that of tangent vectors in the
- * stepping work): derivatives and contact forces.
+/* The field and the contact forces at single points, by short series in the lanes' narrow works; that of
+ * tangent vectors in the stepping work.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 

@@ -1,10 +1,10 @@
 /* Step control of the stiff integrator.
  *
  * The unknowns of a step are the accelerations at the nodes. One sweep evaluates the field at all nodes side
- * by side and corrects the accelerations by what the linear part, taken at rest and at the phase of the
- * step's middle, makes of the residual (collocation.h). What is left over is the cubic term and the change of
- * the pulsation within the step: mild couplings, whose error falls like (h L)^k / k! with the number of
- * sweeps. The sweeps end in the collocation solution whatever the linear part was.
+ * by side and corrects the accelerations by solving the linear part for the residual (collocation.h); this
+ * linear part is taken at rest, at the phase of the step's middle. The cubic term and the change of the
+ * pulsation within the step remain: mild couplings, whose error falls like (h L)^k / k! with the number k of
+ * sweeps. The sweeps converge to the collocation solution whatever the linear part is.
  *
  * Dense output is the polynomial of degree 15 through the accelerations, integrated twice exactly. Its last
  * Legendre coefficients tell how well it represents the solution inside the step, where events are located on
@@ -21,36 +21,36 @@
 
 enum { nodes = SALTUS_RADAU_NODES, bins = 8, slots_max = 256, sweeps_max = 40, attempts_max = 60 };
 
-/* The field's linear part at rest in each bin of the phase, and factors of it that have been needed. */
+/* The field's linear part at rest in each bin of the phase, and those of its factors that were needed. */
 typedef struct factor_cache {
     double *damp, *stiff; /* [bin][mode][mode] */
     double *factors;      /* [slot][mode][mode][16] */
     int slots;
-    int held[slots_max]; /* which factors a slot holds: key, from 1 */
+    int held[slots_max]; /* key of the factors in a slot; 0: none */
 } factor_cache;
 
-/* A polynomial that the next step goes on with: its Legendre coefficients, its step's length and start. */
+/* The last step's polynomial, which guesses the next: Legendre coefficients, length and begin of its step. */
 typedef struct last_polynomial {
     double *legendre;
     double step, phase;
     bool known;
 } last_polynomial;
 
-/* What counts in a column. */
+/* What a column's errors are measured by. */
 typedef struct column_scale {
     double size;      /* at the step's start */
     double tolerance; /* in units of displacement */
-    double unit;      /* rounding */
+    double unit;      /* size of rounding errors */
 } column_scale;
 
 struct saltus_radau {
     saltus_arena arena;
-    /* Settled when it is opened or retuned. */
+    /* Set when opened or retuned. */
     const saltus_system *system;
     const saltus_kernel *field;
     const saltus_collocation_kernel *kernel;
-    int all, extra, rows; /* columns with the trajectory; rows of 16 in the arrays below */
-    int steady;           /* columns with the trajectory but without parameter columns */
+    int all, extra, rows; /* columns including the trajectory; rows of 16 in the arrays below */
+    int steady;           /* the columns without parameter columns */
     double omega_unit, shortest;
     saltus_tolerance tolerance;
     /* The step. */
@@ -58,10 +58,10 @@ struct saltus_radau {
     saltus_work work[SALTUS_RADAU_CHUNKS_MAX];
     double *a;                 /* node values: accelerations [column][mode][16], then rates of extra states */
     double *e0;                /* extra states at the start: [column][extra] */
-    double *e;                 /* their node values: [column][extra][16] */
+    double *e;                 /* extra states at the nodes: [column][extra][16] */
     double *legendre, *powers; /* coefficients of this step's polynomial */
     column_scale *column;
-    /* What goes on from step to step. */
+    /* Kept from step to step. */
     factor_cache cache;
     last_polynomial last;
     double proposal;    /* step to try; 0 after a reset */
@@ -99,8 +99,8 @@ static void reserve(saltus_radau *r) {
     s->contact.schur = saltus_arena_doubles(arena, faces * faces * nodes);
 }
 
-/* The field at rest but for one displacement or velocity of the trajectory, in all bins of the phase side by
- * side: value [bin][mode]. */
+/* The field near rest, with one displacement or velocity of the trajectory given, in all bins of the phase
+ * side by side: value [bin][mode]. */
 static void field_near_rest(saltus_radau *r, int mode, double displacement, double velocity, double *value) {
     const int n = r->stages.dof;
     for (int k = 0; k < r->stages.chunks; k++) {
@@ -119,8 +119,8 @@ static void field_near_rest(saltus_radau *r, int mode, double displacement, doub
     }
 }
 
-/* The linear part by differences from rest; it only steers the iteration. Modes that couple to those of the
- * other parity only are eliminated parity by parity, which saves half the work. */
+/* The linear part by differences from rest; it only steers the iteration. If modes couple only to those of
+ * the other parity, they are eliminated parity by parity, which saves half the work. */
 static void find_linear_part(saltus_radau *r) {
     saltus_linear_part *linear = &r->stages.linear;
     int n = r->stages.dof, place = 0;
@@ -237,7 +237,7 @@ void saltus_radau_impact(saltus_radau *radau) {
     radau->bounces++;
 }
 
-/* Rows of the flow's work into all lanes of one of the stages'. */
+/* Copy rows of the flow's work into all lanes of one of the stages' works. */
 static void spread_rows(const saltus_work *work, const double *from, const saltus_work *w, double *to,
                         int rows) {
     for (int m = 0; m < rows; m++)
@@ -265,7 +265,7 @@ void saltus_radau_publish(saltus_radau *radau, const saltus_work *work) {
     }
 }
 
-/* The start of a step from the flow's work, and the tolerances there. */
+/* Take the start of a step from the flow's work, and set the columns' tolerances. */
 static void take_start(saltus_radau *r, const saltus_work *work) {
     saltus_stages *s = &r->stages;
     for (int c = 0; c < r->all; c++) {
@@ -307,9 +307,9 @@ static void find_start_field(saltus_radau *r, double phase) {
     r->field->expand(w, 0, 1);
 }
 
-/* The boundary layer of a mode, in the trajectory or a tangent vector. */
+/* The boundary layer of a mode in the trajectory or a tangent vector. */
 typedef struct boundary_layer {
-    double rate, size; /* of decay; in units of the tolerance, as the acceleration at the start tells */
+    double rate, size; /* rate of decay; size in units of the tolerance, from the acceleration at the start */
 } boundary_layer;
 
 static boundary_layer layer_of(const saltus_radau *r, int c, int i) {
@@ -321,7 +321,7 @@ static boundary_layer layer_of(const saltus_radau *r, int c, int i) {
     return (boundary_layer){.rate = rate, .size = counts ? size : 0};
 }
 
-/* How many times its own length a step may have that resolves it: a layer exp(-z s) is represented on [0, 1]
+/* How many decay times of a layer a step may cover and still resolve it: exp(-z s) is represented on [0, 1]
  * to 1.3e-11 (z / 6)^13 of its size, near z = 6. */
 enum { turns_least = 2, turns_most = 20 };
 static double resolved_turns(double size) {
@@ -358,29 +358,29 @@ double saltus_radau_layers(saltus_radau *radau, const saltus_work *work, double 
     return last;
 }
 
-/* Steps lie on a grid, period 2^(-k / 4), so that factors serve again. */
+/* Step lengths lie on a grid, period * 2^(-k / 4), so that factors can be used again. */
 static double grid_step(const saltus_radau *r, int k) {
     return r->system->period * exp2(-0.25 * k);
 }
 
-/* The longest grid step of at most a length. */
+/* The longest grid step not above `step`. */
 static int grid_below(const saltus_radau *r, double step) {
     return (int)fmax(0, ceil(4 * log2(r->system->period / step) - 1e-9));
 }
 
-/* A step that covers what is left to the target, or half of that so that no sliver remains: the flow cuts it
- * there. */
+/* The grid step to try. If what is left to the target, or half of it, is within the proposal, it is the
+ * shortest that covers that, so that no sliver remains; the flow cuts it at the target. */
 static int fit_step(const saltus_radau *r, double proposal, double left) {
     int k = grid_below(r, fmax(proposal, r->shortest));
     left = fmax(left, r->shortest);
     for (int parts = 1; parts <= 2; parts++)
-        if (grid_step(r, k) * parts >= left) /* the shortest grid step that suffices */
+        if (grid_step(r, k) * parts >= left)
             return (int)fmax(0, floor(4 * log2(r->system->period / (left / parts))));
     return k;
 }
 
-/* Node values of the last step's polynomial, from `start` of its step on. Where it is extrapolated, high
- * orders would only carry noise: each is kept while its terms fall. */
+/* Guess node values from the last step's polynomial, `start` of its length after its begin. High orders only
+ * add noise where it is extrapolated: each is kept while its terms fall. */
 static void guess_stages(saltus_radau *r, double start, double step) {
     _Alignas(64) saltus_node_matrix values; /* of Legendre's polynomials: [k][node] */
     double ratio = step / r->last.step, far[nodes], x[nodes], largest = INFINITY, size[nodes] = {0};
@@ -408,12 +408,12 @@ static void guess_stages(saltus_radau *r, double start, double step) {
     r->kernel->apply(r->last.legendre, r->rows, values[0], r->a);
 }
 
-/* The node values of a column's rates of extra states, behind all accelerations. */
+/* A column's rates of extra states in an array of node values; they follow all accelerations. */
 static double *rates_of(const saltus_radau *r, double *rows, int c) {
     return rows + (size_t)(r->all * r->stages.dof + c * r->extra) * nodes;
 }
 
-/* Extra states: e = e0 + h S E; the largest change of a column's. */
+/* Extra states e = e0 + h S E from their rates E; returns a column's largest change. */
 static double integrate_extra(saltus_radau *r, int c, double step) {
     int lanes = r->stages.lanes;
     double change = 0, *e = r->e + c * r->extra * nodes;
@@ -439,7 +439,7 @@ static void take_rates(saltus_radau *r, int c) {
         }
 }
 
-/* A parameter column starts at zero: its size is what it grows to within the step. */
+/* A parameter column starts at zero, so its size is the largest within the step. */
 static void judge_size(saltus_radau *r, int c) {
     double size = r->column[c].size;
     for (int k = 0; k < r->stages.chunks; k++) {
@@ -454,7 +454,7 @@ static void judge_size(saltus_radau *r, int c) {
     r->column[c].unit = DBL_EPSILON * size;
 }
 
-/* The field's arguments from the node values; the largest change in units of what the columns may be off. */
+/* The field's arguments from the node values; returns their largest change over their column's allowance. */
 static double integrate(saltus_radau *r) {
     double largest = 0;
     for (int c = 0; c < r->all; c++) {
@@ -472,7 +472,7 @@ static double integrate(saltus_radau *r) {
     return largest;
 }
 
-/* Sweeps until the next one would change nothing that matters. */
+/* Sweep until the next sweep would change nothing that matters. */
 static bool converge(saltus_radau *r, long long *evaluations) {
     saltus_stages *s = &r->stages;
     double before = INFINITY;
@@ -497,8 +497,8 @@ static bool converge(saltus_radau *r, long long *evaluations) {
     return false;
 }
 
-/* Largest Legendre coefficients of each order over the modes, as errors of velocities and extra states, in
- * units of the tolerance. */
+/* The largest Legendre coefficients of each order over modes and columns, as errors of velocities and extra
+ * states in units of the tolerance. */
 static void measure(const saltus_radau *r, double *error) {
     const saltus_stages *s = &r->stages;
     memset(error, 0, nodes * sizeof *error);
@@ -519,13 +519,13 @@ static void measure(const saltus_radau *r, double *error) {
     }
 }
 
-/* How far the polynomial is from the solution, in units of the tolerance. */
+/* The polynomial's error in units of the tolerance. */
 static double estimate(const double *error) {
     return larger(error[nodes - 1], 0.2 * error[nodes - 2]);
 }
 
-/* By how much the next step may be longer. Where the last coefficients are lost in rounding they would say
- * too little; then they are judged by the decay of those before. */
+/* The factor by which the next step may be longer. Last coefficients that are lost in rounding are judged by
+ * the decay of those before. */
 static double growth(const double *error) {
     const double goal = 2, noise = 1e-2;
     int last = nodes - 1;
@@ -539,7 +539,7 @@ static double growth(const double *error) {
     return expected > 1e-18 ? fmin(4, pow(goal / expected, 1.0 / nodes)) : 4;
 }
 
-/* One column's jets: the accelerations' powers of time, integrated exactly. */
+/* One column's jets: the accelerations as powers of time, integrated exactly. */
 static void emit_column(const saltus_radau *r, saltus_work *work, int c, const double *scale) {
     const saltus_stages *s = &r->stages;
     const size_t order = saltus_work_place(work, 1, 0, 0, 0);
@@ -600,7 +600,7 @@ static void emit_forces(const saltus_radau *r, saltus_work *work, const double *
     }
 }
 
-/* The step's polynomial into the flow's work. */
+/* Write the step's polynomial into the flow's work. */
 static void emit(saltus_radau *r, saltus_work *work) {
     double scale[nodes], step = r->stages.step;
     scale[0] = 1;
@@ -614,7 +614,7 @@ static void emit(saltus_radau *r, saltus_work *work) {
     work->lane->step[0] = step;
 }
 
-/* Factors of the linear part at the middle of the step. They depend on the two numbers in the key alone. */
+/* Factors of the linear part at the step's middle; they depend only on the two numbers in the key. */
 static void take_factors(saltus_radau *r, double phase, int k) {
     saltus_stages *s = &r->stages;
     factor_cache *cache = &r->cache;
@@ -633,7 +633,7 @@ static void take_factors(saltus_radau *r, double phase, int k) {
         r->kernel->factor_contacts(s);
 }
 
-/* Where in the last step this one starts, if it does: the flow may have cut that one short. */
+/* Where this step starts, in lengths of the last step from its begin: below 1 if the flow cut that short. */
 static double start_in_last(const saltus_radau *r, double phase) {
     double passed = phase - r->last.phase;
     return (passed - floor(passed)) * r->system->period / r->last.step;
@@ -645,8 +645,8 @@ static void keep_as_guess(saltus_radau *r, double phase) {
     r->last = (last_polynomial){.legendre = legendre, .step = r->stages.step, .phase = phase, .known = true};
 }
 
-/* The first step of a new trajectory, or after an impact. Impacts of a chatter come at shorter and shorter
- * times, so there a step need not be longer than the last time between two of them. */
+/* Propose the first step of a new trajectory or after an impact. The intervals between a chatter's impacts
+ * become shorter and shorter, so there it need not be much longer than the last one. */
 static void propose_first(saltus_radau *r, double phase, long long *evaluations) {
     r->proposal = first_step(r, phase);
     *evaluations += r->stages.lanes;
@@ -658,7 +658,7 @@ static void propose_first(saltus_radau *r, double phase, long long *evaluations)
     r->steps = 0;
 }
 
-/* Converge and judge one step; *scale is how much shorter the next attempt should be when this one fails. */
+/* Try one step and judge it. If it fails, *scale is the factor for the next attempt; 0: nothing converged. */
 static bool attempt_step(saltus_radau *r, double phase, int k, bool follows, double *errors, double *scale,
                          long long *evaluations) {
     const double accept = 30;
@@ -688,8 +688,8 @@ static bool attempt_step(saltus_radau *r, double phase, int k, bool follows, dou
     return error <= accept;
 }
 
-/* Whether the step's polynomial holds numbers up to its end. Its coefficients are powers of time and may be
- * too large for that where the nodes are not. */
+/* Whether the step's polynomial is finite at its end. Its coefficients of powers of time may overflow where
+ * the node values do not. */
 static bool ends_finite(const saltus_work *work) {
     double sum = 0;
     for (int i = 0; i < work->dof; i++) {
@@ -714,7 +714,7 @@ saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, long lon
     while (!attempt_step(radau, phase, k, follows, errors, &scale, evaluations)) {
         if (++attempt == attempts_max)
             return SALTUS_STALLED;
-        /* A polynomial that is only too coarse guesses the shorter step well. */
+        /* A polynomial that is merely too coarse is a good guess for the shorter step. */
         follows = scale > 0;
         if (follows)
             keep_as_guess(radau, phase);

@@ -9,7 +9,7 @@ double saltus_time_periods(saltus_time time) {
 }
 
 saltus_status saltus_time_check(saltus_time time, saltus_message *message) {
-    const double phase_max = 1e15; /* whole periods beyond that have no phase */
+    const double phase_max = 1e15; /* larger doubles hold no phase */
     if (fabs(time.phase) <= phase_max)
         return SALTUS_OK;
     return saltus_fail(message, SALTUS_BAD_INPUT,
