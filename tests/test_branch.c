@@ -1,12 +1,13 @@
-/* Branches of periodic orbits: every special point of the closed forms and no other, branch switching, the
- * pipe's branches with each point checked by other means, and the mechanics of a run.
+/* Branches of periodic orbits: all special points of the closed forms and no others, branch switching, the
+ * pipe's branches with each point checked by other means, and how a run works.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "reference.h"
 
 #include <stdlib.h>
 
-/* The long version, on request: every case, everything that trajectories can tell, at its full length. */
+/* Whether the long version is requested: every case, everything that trajectories can check, at full
+ * length. */
 static bool long_version(void) {
     return getenv("SALTUS_LONG_TESTS") != NULL;
 }
@@ -82,7 +83,7 @@ static branch_record run_closed(const closed_oscillator *o, int sheet, const sal
     return branch_run(&spec, o->periods, state, options);
 }
 
-/* Let an orbit with one impact begin a period later. */
+/* Shift an orbit with one impact to begin a period later. */
 static void begin_later(closed_orbit *orbit) {
     const closed_oscillator *o = &orbit->oscillator;
     long double state[2];
@@ -94,8 +95,7 @@ static double apart(const closed_orbit *orbit, const saltus_branch_point *point)
     return hypot(point->state[0] - (double)orbit->state[0], point->state[1] - (double)orbit->state[1]);
 }
 
-/* The closed orbit with that value of the parameter whose state, at the begin of any period, is the nearest.
- */
+/* Of the closed orbits at the point's parameter, begun at any period, the one with the nearest state. */
 static closed_orbit nearest_orbit(closed_oscillator o, const char *key, const saltus_branch_point *point) {
     closed_orbit orbit, nearest = {.impacts = 0};
     double distance = INFINITY;
@@ -119,7 +119,7 @@ static void check_closed_multiplier(const saltus_multiplier *mu, const long doub
     check_near(fabs(mu->im), (double)fabsl(exact[1]), tolerance * (1 + size * size));
 }
 
-/* State, multipliers, name and admissibility of a regular point. */
+/* State, multipliers, label and admissibility of a regular point. */
 static void check_regular(const closed_oscillator *o, const char *key, const saltus_branch_point *point) {
     closed_orbit orbit = nearest_orbit(*o, key, point);
     for (int i = 0; i < 2; i++) {
@@ -140,8 +140,8 @@ static double phase_apart(const closed_oscillator *o, long double t, double peri
     return (double)remainderl(t / closed_period(o) - periods, 1);
 }
 
-/* Whether the touch that a point of grazing tells of is that of the closed orbit: at an impact without speed,
- * or at a turning point between the impacts. Which of its periods the orbit begins with is left open. */
+/* Whether the touch reported at a grazing is that of the closed orbit: at an impact without speed, or at a
+ * turning point between impacts. The orbit may begin with any of its periods. */
 static bool touches_as(const closed_special *expected, const saltus_branch_point *point) {
     const closed_orbit *orbit = &expected->orbit;
     const closed_oscillator *o = &orbit->oscillator;
@@ -157,8 +157,8 @@ static bool touches_as(const closed_special *expected, const saltus_branch_point
     return false;
 }
 
-/* At the touch the displacement has a maximum towards the stop, at the stop: followed from the point's state
- * through the impacts before. */
+/* At the touch the displacement has a maximum at the stop: followed from the point's state through the
+ * earlier impacts. */
 static void check_touch(const closed_oscillator *o, const saltus_branch_point *point) {
     long double x[2] = {point->state[0], point->state[1]}, rate[2], time = 0,
                 end = point->grazing_time * closed_period(o);
@@ -179,7 +179,7 @@ static void check_touch(const closed_oscillator *o, const saltus_branch_point *p
     assert_true(rate[1] * point->grazing_side < 0);
 }
 
-/* Value, multipliers and name of a special point before the first grazing, or that grazing. */
+/* Value, multipliers and label of a special point up to and including the first grazing. */
 static void check_special(const closed_oscillator *o, const saltus_branch_point *point,
                           const closed_special *expected) {
     char label[SALTUS_LABEL_MAX];
@@ -202,7 +202,7 @@ static void check_special(const closed_oscillator *o, const saltus_branch_point 
     check_closed_multiplier(&point->multipliers[1], expected->orbit.multiplier[1], 1e-7);
 }
 
-/* Beyond an orbit's last impact with p = 1 is the free response; the branch ends at the range's end. */
+/* An orbit with p = 1 that loses its last impact becomes the free response, up to the range's end. */
 static void check_free_response(const closed_oscillator *start, const char *key,
                                 const saltus_branch_point *point) {
     closed_oscillator o = *start;
@@ -218,7 +218,7 @@ static void check_free_response(const closed_oscillator *start, const char *key,
     }
 }
 
-/* Grazing: what lies beyond it. */
+/* What lies beyond a grazing. */
 static void check_beyond(const closed_oscillator *o, const char *key, const branch_record *record, int from,
                          const closed_special *grazing) {
     const saltus_branch_point *point = &record->point[from - 1];
@@ -235,7 +235,7 @@ static void check_beyond(const closed_oscillator *o, const char *key, const bran
     }
 }
 
-/* One way along a branch: what the closed form says is found in that order, and nothing else. */
+/* Along one way of a branch, exactly the special points of the closed form are found, in order. */
 static void check_way(const closed_oscillator *o, int sheet, const char *key, const branch_record *record,
                       int branch, const double *range) {
     closed_special expected[closed_specials_max];
@@ -284,7 +284,7 @@ static void points_of_one_stop(void **unused) {
     }
 }
 
-/* Every place where mirrored orbits lose their symmetry among them. */
+/* Also all points where mirrored orbits lose their symmetry. */
 static void points_of_two_stops(void **unused) {
     (void)unused;
     for (size_t i = 0; i < sizeof two_stops / sizeof two_stops[0]; i++) {
@@ -293,7 +293,7 @@ static void points_of_two_stops(void **unused) {
     }
 }
 
-/* The literature's points lie where they are printed, and the branches have all of them. */
+/* Special points lie where the literature has them, and branches pass through all of them. */
 static void literature_points(void **unused) {
     (void)unused;
     static const struct {
@@ -324,8 +324,8 @@ static void literature_points(void **unused) {
     }
 }
 
-/* The mirror image of an oscillator, with another stop that is never met before its own: the touches are at
- * the other side of the second stop, at the same times. */
+/* The mirror image of an oscillator, plus a stop that is never reached before its own: touches are on the
+ * other side of the second stop, at the same times. */
 static void touches_of_the_image(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_two_periods);
@@ -382,7 +382,7 @@ static void demo_of_grazing(void **unused) {
     branch_forget(&record);
 }
 
-/* Budd & Dux: the fold in the place of the stop. */
+/* Budd & Dux: the fold in the stop's place. */
 static void undamped_fold(void **unused) {
     (void)unused;
     for (int n = 1; n <= 2; n++) {
@@ -402,7 +402,7 @@ static void undamped_fold(void **unused) {
     }
 }
 
-/* The ball on the table: orbits of k periods begin at a fold and flip, in the table's acceleration. */
+/* The ball on the table: orbits of k periods begin at a fold and flip as the table's acceleration grows. */
 static void vibrating_table(void **unused) {
     (void)unused;
     for (int k = 1; k <= 2; k++) {
@@ -447,7 +447,7 @@ static const saltus_branch_point *last_of_branch(const branch_record *record, in
     return last;
 }
 
-/* How a branch ends. */
+/* The end point of a branch, and its reason. */
 static void check_ends(const branch_record *record, int branch, const char *why, double value,
                        double tolerance) {
     const saltus_branch_point *last = last_of_branch(record, branch);
@@ -458,7 +458,7 @@ static void check_ends(const branch_record *record, int branch, const char *why,
     check_near(last->value[0], value, tolerance);
 }
 
-/* The number of the branch that leaves at a value of the parameter; -1: none. */
+/* The branch that leaves at a value of the parameter; -1: none. */
 static int branch_from(const branch_record *record, double value) {
     for (int k = 0; k < record->count; k++) {
         const saltus_branch_point *point = &record->point[k];
@@ -485,7 +485,7 @@ static void check_no_return(const branch_record *record, int branch) {
         }
 }
 
-/* A branch of twice the period from one flip to another point where it joins. */
+/* A branch of twice the period leads from one flip to another point, where it joins. */
 static void check_doubled(const branch_record *record, const saltus_branch_point *flip, double end) {
     int number = branch_from(record, flip->value[0]);
     if (number < 0)
@@ -517,7 +517,7 @@ static void check_flips_joined(closed_example example) {
     branch_forget(&record);
 }
 
-/* The orbits of twice the period lead from one flip to the next. */
+/* The branch of twice the period leads from one flip to the next. */
 static void flips_are_joined(void **unused) {
     (void)unused;
     check_flips_joined(closed_two_periods);
@@ -528,8 +528,8 @@ static void flips_are_joined_with_light_damping(void **unused) {
     check_flips_joined(closed_two_periods_light);
 }
 
-/* Orbits beyond a touch, with two impacts in two periods, join those with one impact in one period where
- * these flip, and end there. */
+/* Orbits beyond a touch, with two impacts in two periods, end at a flip of the orbits with one impact in one
+ * period, which they join. */
 static void touched_orbits_join(void **unused) {
     (void)unused;
     for (int light = 0; light < 2; light++) {
@@ -563,8 +563,7 @@ static void flip_near_grazing(void **unused) {
     branch_forget(&record);
 }
 
-/* The state of one of a pair of orbits at the section; `later` half a period on, as its mirror image: the
- * other one. */
+/* How far a point's state is from the nearer one of the pair of asymmetric orbits. */
 static double apart_from_pair(const closed_orbit *pitchfork, const saltus_branch_point *point) {
     double nearest = INFINITY;
     for (int side = -1; side <= 1; side += 2) {
@@ -575,7 +574,7 @@ static double apart_from_pair(const closed_orbit *pitchfork, const saltus_branch
     return nearest;
 }
 
-/* Where the mirror symmetry breaks a branch of asymmetric orbits leaves; it flips, and an impact is born. */
+/* Where the mirror symmetry breaks, a branch of asymmetric orbits leaves; these flip, and gain an impact. */
 static void pair_of_orbits(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_mirrored);
@@ -609,7 +608,7 @@ static void pair_of_orbits(void **unused) {
     branch_forget(&record);
 }
 
-/* The pipe: nothing is known in closed form, so every point is checked by other means. */
+/* The pipe has no closed form, so every point is checked by other means. */
 
 static branch_record run_reference(const char *name, int section, const saltus_branch_options *options) {
     reference r = read_reference(name);
@@ -638,12 +637,12 @@ static void disturb(const saltus_system *system, const double *state, double *di
     }
 }
 
-/* Periods that a disturbed trajectory is given to settle. */
+/* How many periods a disturbed trajectory has to settle. */
 static long long patience(void) {
     return long_version() ? 20000 : 400;
 }
 
-/* What a trajectory from near a state settles on, and how far that is from the state. */
+/* What a trajectory from near a state settles on (its label), and how far that is from the state. */
 static double settle(const saltus_system *system, const double *state, long long transient, char *label) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_message message = {.text = ""};
@@ -651,7 +650,7 @@ static double settle(const saltus_system *system, const double *state, long long
     double start[SALTUS_SCENE_STATE_MAX], nearest = INFINITY;
     disturb(system, state, start);
     options.transient = transient;
-    /* A motion without a period is near no orbit, whatever its exponent, which takes minutes. */
+    /* A motion without a period is near no orbit; its exponent, which takes minutes, is not needed. */
     options.measure = 0;
     check_ok(saltus_classify(system, start, &options, &motion, &message), &message);
     snprintf(label, SALTUS_LABEL_MAX, "%s", motion.label);
@@ -661,7 +660,7 @@ static double settle(const saltus_system *system, const double *state, long long
     return nearest;
 }
 
-/* A stable orbit is what a disturbed trajectory settles on, under the same name. */
+/* A disturbed trajectory settles on the stable orbit, with the same label. */
 static void check_settles(const saltus_branch_point *point) {
     char label[SALTUS_LABEL_MAX];
     saltus_system *system = build(&point->spec);
@@ -671,8 +670,8 @@ static void check_settles(const saltus_branch_point *point) {
     saltus_system_free(system);
 }
 
-/* The same, of the orbit that a search finds at a parameter a little aside. Returns whether there is a stable
- * one near; its name is one of the two that the point has. */
+/* The same for the orbit found at a parameter a little aside. Returns whether there is a stable one nearby;
+ * its label is one of the point's two. */
 static bool settles_beside(const saltus_branch_point *point, const char *key, double aside) {
     saltus_direction direction;
     saltus_message message = {.text = ""};
@@ -699,8 +698,8 @@ static bool settles_beside(const saltus_branch_point *point, const char *key, do
     return stable;
 }
 
-/* Beyond a fold, at the side where the branch is not, a trajectory goes elsewhere; that may be near, to an
- * orbit with other impacts that belongs to another part of the same branch. */
+/* Beyond a fold, where the branch is not, a trajectory goes elsewhere; that may be nearby, to an orbit with
+ * other impacts on another part of the branch. */
 static void check_leaves(const saltus_branch_point *point, const char *key, double aside) {
     saltus_direction direction;
     saltus_message message = {.text = ""};
@@ -714,8 +713,8 @@ static void check_leaves(const saltus_branch_point *point, const char *key, doub
     saltus_system_free(system);
 }
 
-/* The flow sees an impact almost without speed, or a maximum that almost touches, as sharply as the orbit is
- * known. The state's rounding shows in a speed as its root. */
+/* The flow finds an impact almost without speed or a maximum that almost touches, as sharply as the orbit is
+ * known. Rounding of the state appears in a speed as its square root. */
 static void check_grazes(const saltus_branch_point *point) {
     saltus_system *system = build(&point->spec);
     saltus_flow_options options = saltus_flow_defaults();
@@ -751,7 +750,7 @@ static void check_grazes(const saltus_branch_point *point) {
     saltus_system_free(system);
 }
 
-/* The multiplier that makes the point, and how many stable orbits lie at its two sides. */
+/* The critical multiplier of a special point, and the stable orbits on its two sides. */
 static void check_pipe_special(const branch_record *record, int index, const char *key, double aside) {
     const saltus_branch_point *point = &record->point[index];
     const saltus_multiplier *mu = point->multipliers;
@@ -780,7 +779,7 @@ static void check_pipe_special(const branch_record *record, int index, const cha
     }
 }
 
-/* All special points of a run; every so many regular points that are stable. */
+/* Check all special points of a run, and of the regular points each `every`-th if stable. */
 static void check_pipe_branch(const branch_record *record, const char *key, double aside, int every) {
     for (int k = 0; k < record->count; k++) {
         const saltus_branch_point *point = &record->point[k];
@@ -842,7 +841,7 @@ static saltus_motion classified(const saltus_spec *spec) {
     return motion;
 }
 
-/* At d = 0.035 orbits of two periods gain impacts with omega, one at each grazing. */
+/* At d = 0.035 orbits of two periods gain impacts as omega grows, one at each grazing. */
 static void window_of_two_periods(void **unused) {
     (void)unused;
     if (!long_version())
@@ -873,7 +872,7 @@ static void window_of_two_periods(void **unused) {
     free(r.text);
 }
 
-/* Distance from the stop of the free maximum that comes nearest, on the orbit found at a clearance. */
+/* On the orbit at a clearance: the smallest distance of a free maximum from the stop. */
 static double nearest_maximum(const reference *r, double d) {
     saltus_spec spec = r->spec;
     spec.stops[0].d = d;
@@ -897,7 +896,7 @@ static double nearest_maximum(const reference *r, double d) {
     return nearest;
 }
 
-/* Where that distance vanishes: a parabola through three clearances shortly before. */
+/* Where that distance vanishes, by a parabola through three clearances shortly before. */
 static double touching_clearance(const reference *r, double near) {
     const double step = 2e-7;
     double h[3];
@@ -910,8 +909,8 @@ static double touching_clearance(const reference *r, double near) {
     return near + t * step;
 }
 
-/* From the 3/5 of fig7b down in d: at a grazing an impact is born; 4/5 is unstable at first, and stable from
- * its flip on; 7/10 lives between, reached from either end. */
+/* From the 3/5 of fig7b down in d: an impact is born at a grazing; 4/5 is unstable at first, and stable from
+ * its flip on; 7/10 exists between and is reached from either end. */
 static void from_3_5_to_4_5(void **unused) {
     (void)unused;
     if (!long_version())
@@ -952,8 +951,8 @@ static void from_3_5_to_4_5(void **unused) {
     branch_forget(&record);
 }
 
-/* The first of these: where a free maximum of the pipe comes to the stop, and the orbit is stable until then.
- */
+/* The birth of an impact there: a free maximum of the pipe reaches the stop, and the orbit is stable until
+ * then. */
 static void an_impact_of_the_pipe_is_born(void **unused) {
     (void)unused;
     const double values[] = {0.02996};
@@ -982,8 +981,8 @@ static void an_impact_of_the_pipe_is_born(void **unused) {
     branch_forget(&record);
 }
 
-/* A mass that is pressed to a stop leaves it once a period and comes back in complete chatter, until at some
- * clearance the chatter is not complete before it leaves again. */
+/* A mass pressed to a stop leaves it once a period and returns in complete chatter, until at some clearance
+ * it leaves before the chatter is complete. */
 static void chatter_ends(void **unused) {
     (void)unused;
     double value[2];
@@ -1017,7 +1016,7 @@ static void chatter_ends(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* The same on the pipe: as seen by continuation, by classification, and to another tolerance. */
+/* The same on the pipe, by continuation, by classification, and with another tolerance. */
 static void chatter_of_the_pipe_ends(void **unused) {
     (void)unused;
     if (!long_version())
@@ -1051,7 +1050,7 @@ static void chatter_of_the_pipe_ends(void **unused) {
     check_near(value[0], value[1], 1e-8);
 }
 
-/* Mechanics. */
+/* How a run works. */
 
 static saltus_branch_options example_options(closed_oscillator *o) {
     *o = closed_example_of(closed_one_period);
@@ -1059,7 +1058,7 @@ static saltus_branch_options example_options(closed_oscillator *o) {
     return branch_along("omega", 0.6, 1.8);
 }
 
-/* Whichever of its section points an orbit starts from, near it or on it, the branch is the same. */
+/* The branch is the same from any section point of its first orbit, and from near it. */
 static void any_section_point(void **unused) {
     (void)unused;
     saltus_branch_options options = branch_along("omega", 0.78, 1.1);
@@ -1119,7 +1118,7 @@ static void any_step(void **unused) {
     }
 }
 
-/* Points where they are asked for, wherever the branch passes, however many. */
+/* Requested values become points wherever the branch passes them, however many. */
 static void check_values(int count) {
     closed_oscillator o;
     double values[64];
@@ -1138,7 +1137,7 @@ static void check_values(int count) {
                 if (record.point[k].impacts)
                     check_regular(&o, "omega", &record.point[k]);
             }
-    /* Up to the fold, back to the grazing at 1.2186, and on as the free response. */
+    /* The branch goes up to the fold, back to the grazing at 1.2186, and on as the free response. */
     for (int v = 0; v < count; v++)
         assert_int_equal(passed[v], values[v] < 1.2186 ? 1 : 3);
     branch_forget(&record);
@@ -1176,7 +1175,7 @@ static void ends_and_directions(void **unused) {
     branch_forget(&both);
 }
 
-/* Each way along a branch is the same to the last bit whether the other is gone or not. */
+/* Each way along a branch is the same to the last bit, whether or not the other is computed. */
 static void ways_are_independent(void **unused) {
     (void)unused;
     closed_oscillator o;
@@ -1208,7 +1207,7 @@ static void as_many_points_as_asked_for(void **unused) {
         for (int k = 0; k < few.count; k++)
             points += few.point[k].branch == branch;
         assert_int_equal(points, 7);
-        /* The end is one of them, a step on. */
+        /* The end point, one step on, is one of them. */
         const saltus_branch_point *last = last_of_branch(&few, branch);
         assert_true(last->arclength > last[-1].arclength);
         check_ends(&few, branch, "as many points as asked for", 1.1, 0.5);
@@ -1233,7 +1232,7 @@ static void order_of_points(void **unused) {
     branch_forget(&record);
 }
 
-/* Chatter that is left and met again at every step must not go on for ever. */
+/* A branch that leaves chatter and meets it again at every step must end. */
 static void points_are_limited(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 0, 1.025, 1);
@@ -1335,8 +1334,8 @@ static void resumed_anywhere(void **unused) {
     check_resumed(closed_mirrored, 3.6, 2.3, 4, 1, 31 * sparse);
 }
 
-/* The same through complete chatter and where it ends, and on branches of the pipe that are switched to, with
- * values asked for. */
+/* The same through complete chatter and its end, and on switched branches of the pipe, with requested
+ * values. */
 static void resumed_through_chatter_and_switches(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -1357,13 +1356,13 @@ static void resumed_through_chatter_and_switches(void **unused) {
     free(r.text);
 }
 
-/* The same where the branch ends at a flip of orbits of half the period. */
+/* The same if the branch ends at a flip of orbits of half the period. */
 static void resumed_towards_a_join(void **unused) {
     (void)unused;
     check_resumed(closed_two_periods, 0.85, 0.78, 1.1, 0, long_version() ? 7 : 17);
 }
 
-/* Where a branch joins a flip there is that flip and no branch point, whatever the steps that led there. */
+/* Where a branch joins a flip only the flip is reported, no branch point, whatever the steps before. */
 static void joins_are_no_branch_points(void **unused) {
     (void)unused;
     for (int k = 0; k < 12; k += long_version() ? 1 : 4) {
@@ -1382,7 +1381,7 @@ static void joins_are_no_branch_points(void **unused) {
     }
 }
 
-/* What another run would go on from is refused, and so is nothing at all. */
+/* A run cannot be resumed from another run's numbers, or from none. */
 static void resumed_from_another_run(void **unused) {
     (void)unused;
     closed_oscillator o;
@@ -1418,8 +1417,8 @@ static void resumed_from_another_run(void **unused) {
     free(numbers);
 }
 
-/* A longer version, on request: next to every special point, on every pass, the run's own points at these
- * values are what trajectories settle on where they are said to be stable. */
+/* Long version: beside every special point, at each of these values, trajectories settle on the run's own
+ * points where these are said to be stable. */
 static void stable_points_beside(const char *key, double low, double high, double aside) {
     saltus_branch_options options = branch_along(key, low, high);
     branch_record record = run_reference("fig7d", 0, &options);
@@ -1457,9 +1456,9 @@ static void longer_version(void **unused) {
     check_resumed(closed_two_periods, 0.85, 0.78, 0.985, 0, 1);
 }
 
-/* A mass between two walls, down to where it does not rebound. There the orbit of two impacts breaches
- * nothing, but halfway it would pass through the walls: the births of two impacts more are seen in their
- * place, with their touch, and not leapt over. */
+/* A mass between two walls, down to r = 0. There the orbit with two impacts breaches nothing, but on the way
+ * it would pass through the walls: the births of two more impacts are found in place, with their touch, and
+ * not skipped. */
 static void births_before_the_border(void **unused) {
     (void)unused;
     saltus_scene pair;
@@ -1480,7 +1479,7 @@ static void births_before_the_border(void **unused) {
         if (p->kind == SALTUS_POINT_GR)
             assert_true(isfinite(p->grazing_time));
         changes += before->impacts != p->impacts;
-        /* The number of impacts changes at grazing alone, and where chatter begins and ends. */
+        /* The number of impacts changes only at grazing, and where chatter begins and ends. */
         assert_true(before->impacts == p->impacts || before->kind == SALTUS_POINT_GR ||
                     before->kind == SALTUS_POINT_CH || p->value[0] == 0);
     }
@@ -1490,9 +1489,9 @@ static void births_before_the_border(void **unused) {
     saltus_system_free(system);
 }
 
-/* Impacts are born one after the other, ever slower and ever closer in the parameter, and chatter is complete
- * where they accumulate: none of the first is passed over, none is taken for another, how far they are from
- * there is a geometric sequence, and the branch goes on. */
+/* Impacts are born one after the other, ever slower and at ever closer parameters; chatter is complete where
+ * they accumulate. None of the first births is missed or taken for another, their distances from there form a
+ * geometric sequence, and the branch goes on. */
 static void births_lead_to_chatter(void **unused) {
     (void)unused;
     static const struct {
@@ -1546,7 +1545,7 @@ static void births_lead_to_chatter(void **unused) {
     saltus_system_free(system);
 }
 
-/* A scene's orbits along u0, from where its default motion settles. */
+/* A branch of a scene along u0, from the orbit on which its default motion settles. */
 static branch_record chattering_pipe(double u0, int direction, const char *label) {
     static const struct {
         const char *key;
@@ -1574,7 +1573,7 @@ static branch_record chattering_pipe(double u0, int direction, const char *label
     return record;
 }
 
-/* The branch of chattering orbits of twice the period ends on that of the single ones, at its flip. */
+/* The branch of chattering orbits of twice the period ends at the flip of the single ones. */
 static void chatter_doubles(void **unused) {
     (void)unused;
     branch_record doubled = chattering_pipe(4.965, -1, "chatter/2");
@@ -1593,8 +1592,8 @@ static void chatter_doubles(void **unused) {
     branch_forget(&single);
 }
 
-/* A scene without symmetry has no branch points, and what is called a fold or flip has its multiplier or is
- * known to many digits: also where impacts are born by the dozen, in steps over several at once. */
+/* A scene without symmetry has no branch points, and each fold or flip has its multiplier or is known to many
+ * digits, even where impacts are born by the dozen and steps skip several. */
 static void special_points_have_their_multipliers(void **unused) {
     (void)unused;
     skip_where_slow();

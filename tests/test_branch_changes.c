@@ -1,4 +1,4 @@
-/* What branches go on with where orbits meet others or change their events, by rules that hold beyond: which
+/* How branches continue where orbits meet others or change their events, checked by general rules: which
  * orbits they are, in which order they come, and that none is taken for another.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_recount.h"
@@ -15,7 +15,7 @@ static const saltus_branch_point *last_of(const branch_record *record) {
     return &record->point[record->count - 1];
 }
 
-/* The multiplier of the orbit near a state, on the system of a point, that is nearest to a number. */
+/* Of the orbit near a state, in a point's system, the multiplier nearest to a number. */
 static double multiplier_near(const saltus_branch_point *point, int periods, const double *state,
                               double number) {
     saltus_orbit_options options = saltus_orbit_defaults();
@@ -32,7 +32,7 @@ static double multiplier_near(const saltus_branch_point *point, int periods, con
     return nearest;
 }
 
-/* Orbits of two periods stay such until they meet those of one, where these flip, however long the steps. */
+/* Orbits of two periods remain so until they join those of one period at its flip, however long the steps. */
 static void doubled_orbits_end_at_flips(void **unused) {
     (void)unused;
     const double steps[] = {0.005, 0.02, 0.05};
@@ -58,8 +58,8 @@ static void doubled_orbits_end_at_flips(void **unused) {
     }
 }
 
-/* A pipe that has buckled straightens where the straight one has a multiplier 1; the parameter turns back in
- * the very place, which has one name. */
+/* A buckled pipe straightens where the straight one has a multiplier 1. The parameter turns back in the same
+ * place, which is one point of one kind. */
 static void a_pitchfork_has_one_name(void **unused) {
     (void)unused;
     const double sigma[] = {0.1, 0.209, 0.3};
@@ -88,9 +88,9 @@ static saltus_spec chattering_pipe(void) {
     return spec;
 }
 
-/* Orbits that forget all perturbations neither fold nor flip nor turn back where an impact of theirs is born.
- * Where their chatter ceases to complete the branch leads on to ever fewer impacts; the way back, on which
- * they are born one by one, leads to the same place. */
+/* Orbits whose multipliers are all zero neither fold nor flip, nor turn back where an impact is born. Where
+ * their chatter is no longer complete, the branch goes on to ever fewer impacts; the way back, on which they
+ * are born one by one, leads to the same place. */
 static void runs_of_impacts_end_where_they_begin(void **unused) {
     (void)unused;
     saltus_spec spec = chattering_pipe();
@@ -133,8 +133,8 @@ static void runs_of_impacts_end_where_they_begin(void **unused) {
     branch_forget(&record);
 }
 
-/* Of two chatters in one orbit one ceases to complete, and completes again where births of impacts
- * accumulate, while the other one stays. */
+/* An orbit has two chatters: one is no longer complete for a while and completes again where births of
+ * impacts accumulate; the other stays complete. */
 static void one_of_two_chatters_completes(void **unused) {
     (void)unused;
     saltus_spec spec = small_pipe(2, 10.475, 0.004354, 4.5, 0.2);
@@ -159,8 +159,8 @@ static void one_of_two_chatters_completes(void **unused) {
     branch_forget(&record);
 }
 
-/* Where orbits of 42 periods cease to chatter completely, there are others near, of 14 periods, that do: the
- * branch does not go on with them. */
+/* Where orbits of 42 periods no longer chatter completely, orbits of 14 periods nearby still do: the branch
+ * does not switch to these. */
 static void other_branches_are_not_gone_on_with(void **unused) {
     (void)unused;
     saltus_spec spec = small_pipe(1, 41.90829, 0.00579, 3.84031, 0.387);
@@ -187,9 +187,8 @@ static void other_branches_are_not_gone_on_with(void **unused) {
     branch_forget(&record);
 }
 
-/* Where an impact grazes on orbits whose other impacts accumulate, some of which the prescribed sequence
- * leaves to the flow: the curve of grazing counts as the branch does, all impacts or none, and lists what it
- * counts. */
+/* A grazing on orbits whose other impacts accumulate, some of which the prescribed sequence leaves to the
+ * flow: the curve of grazing counts impacts as the branch does, all or none, and lists those it counts. */
 static void curves_of_grazing_count_all_impacts(void **unused) {
     (void)unused;
     static const struct {

@@ -1,5 +1,5 @@
 /* Branch files, starts read from files, descriptions of orbits, and bifurcation diagrams. The points are made
- * up: what is tested is that nothing of them is lost, and that nothing else is taken for them.
+ * up: nothing of them may be lost, and nothing else be taken for them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 #include "foreign_text.h"
@@ -241,7 +241,7 @@ static void points_read_back(void **state) {
     assert_int_equal(folder_files(f->folder, true), 1);
 }
 
-/* Plain names and shapes, as another program finds them. */
+/* Datasets have plain names and shapes, as another program reads them. */
 static void layout_is_plain(void **state) {
     const fixture *f = *state;
     char path[160], names[200] = "";
@@ -280,7 +280,7 @@ static void equal_branches_give_equal_files(void **state) {
     folder_files(f->folder, true);
 }
 
-/* The file is there from the first point on, and a kill leaves it readable with what it had. */
+/* The file exists from the first point on, and remains readable after a kill. */
 static void a_killed_run_leaves_a_readable_file(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -313,7 +313,7 @@ static void a_killed_run_leaves_a_readable_file(void **state) {
     assert_int_equal(folder_files(f->folder, true), 1);
 }
 
-/* A start that fails, or a path that cannot be written, damages nothing. */
+/* A failing start or an unwritable path does not damage an existing file. */
 static void a_good_file_outlives_failures(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -362,7 +362,7 @@ static void refuse_file(const char *path, const char *word) {
     assert_null(file.points);
 }
 
-/* Every changed byte and every missing end is noticed. */
+/* Any changed byte and any truncation is noticed. */
 static void damage_is_noticed(void **state) {
     const fixture *f = *state;
     char path[160];
@@ -405,7 +405,7 @@ static void foreign_files_are_named(void **state) {
     folder_files(f->folder, true);
 }
 
-/* A branch file in which another program has changed something: sound HDF5, but not what it should be. */
+/* Change a branch file as another program might: sound HDF5, but wrong content. */
 static void change_dataset(const char *path, const char *name, bool drop, int value) {
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
     if (drop) {
@@ -458,7 +458,7 @@ static void unsound_contents_are_named(void **state) {
     folder_files(f->folder, true);
 }
 
-/* A touch is at a stop of the scene, on a side that it has, within the orbit; or there is none. */
+/* A touch is at a stop and side of the scene, within the orbit; or there is none. */
 static void touches_are_checked(void **state) {
     fixture *f = *state;
     static const struct {
@@ -492,7 +492,7 @@ static void touches_are_checked(void **state) {
     folder_files(f->folder, true);
 }
 
-/* One number of one point, in place of what it was. */
+/* Replace one number of one point. */
 static void change_number(const char *path, const char *name, int row, double value) {
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), set = H5Dopen2(file, name, H5P_DEFAULT);
     hid_t space = H5Dget_space(set);
@@ -508,7 +508,7 @@ static void change_number(const char *path, const char *name, int row, double va
     H5Fclose(file);
 }
 
-/* What a point is computed from must be numbers; what is told of it may be none. */
+/* Numbers that a point is computed from must be finite; reported ones need not. */
 static void endless_numbers_are_no_points(void **state) {
     static const struct {
         const char *name;
@@ -552,7 +552,7 @@ static saltus_status read_text(const char *path, const char *name, char again[60
     return status;
 }
 
-/* A text is read whole or not at all, however another program stored it. */
+/* A text is read completely or not at all, however another program stored it. */
 static void long_texts_are_not_cut(void **state) {
     static const struct {
         const char *group, *name, *word;
@@ -626,7 +626,7 @@ static void refuse_start(const char *source, const char *word) {
         fail_msg("\"%s\" does not say \"%s\"", message.text, word);
 }
 
-/* Any row of a branch, and the first or a later point of a kind. */
+/* A start can be any row of a branch, or the first or a later point of a kind. */
 static void starts_come_from_branches(void **state) {
     const fixture *f = *state;
     char path[160], source[200];
@@ -689,7 +689,7 @@ static void starts_come_from_json(void **state) {
     folder_files(f->folder, true);
 }
 
-/* One change after the other in a sound file: each gets its sentence. */
+/* Each single change in a sound file has its own message. */
 static void unsound_json_is_named(void **state) {
     const fixture *f = *state;
     static const char *const changes[][3] = {
@@ -935,7 +935,7 @@ static void curves_share_a_plane(void **state) {
     folder_files(f->folder, true);
 }
 
-/* Every special point has its line, none of the others has one, and the next point tells what is beyond. */
+/* Every special point has a line, others have none, and the next point tells what lies beyond. */
 static void special_points_are_listed(void **state) {
     fixture *f = *state;
     saltus_message message = {.text = ""};

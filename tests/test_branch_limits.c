@@ -1,5 +1,5 @@
-/* Where branches and searches stop: refusals of each single thing that is wrong, limits on either side, what
- * an interruption leaves, and places where nothing goes on.
+/* Limits of branches and searches: refusals of each wrong input, limits on either side, what remains after an
+ * interruption, and places where a branch cannot go on.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 
@@ -32,8 +32,7 @@ static void check_refused(const saltus_branch_options *options, const char *sent
     assert_string_equal(message.text, sentence);
 }
 
-/* A refusal names the numbers that it was given, each in its place; what is just within the limits is taken.
- */
+/* A refusal names the offending numbers; values just within the limits are accepted. */
 static void refusals_name_their_numbers(void **unused) {
     (void)unused;
     static double values[1001];
@@ -82,14 +81,14 @@ static void refusals_name_their_numbers(void **unused) {
         assert_null(branch);
         assert_non_null(strstr(message.text, "periods ="));
     }
-    fine.values = values; /* none of them in the range */
+    fine.values = values; /* none in the range */
     fine.value_count = 1000;
     fine.points = 1;
     fine.step = fine.step_max = 1;
     branch_record record = branch_run(&spec, 1, rest, &fine);
-    assert_int_equal(record.count, 2); /* each way its point, which is its end */
+    assert_int_equal(record.count, 2); /* one point each way, its end */
     branch_forget(&record);
-    /* A border of the range may be the start. */
+    /* The start may lie on a border of the range. */
     for (int up = 0; up < 2; up++) {
         saltus_branch_options border = branch_along("omega", up ? 1.2 : 1.3, up ? 1.3 : 1.4);
         saltus_branch_free(open_branch(&spec, &border));
@@ -104,7 +103,7 @@ static void refusals_name_their_numbers(void **unused) {
         assert_string_equal(saltus_point_word((saltus_point_kind)k), words[k]);
 }
 
-/* What is taken where nothing is said. */
+/* The default options. */
 static void branches_have_their_defaults(void **unused) {
     (void)unused;
     saltus_branch_options o = saltus_branch_defaults();
@@ -116,7 +115,7 @@ static void branches_have_their_defaults(void **unused) {
                 o.orbit.flow.rtol == orbit.flow.rtol && o.orbit.segments == 0 && !o.orbit.history);
 }
 
-/* Where all is done it stays done; the caller's specification, state and options were only read. */
+/* A finished branch stays finished; the caller's specification, state and options are not changed. */
 static void what_is_done_stays_done(void **unused) {
     (void)unused;
     saltus_spec spec = free_masses();
@@ -144,8 +143,8 @@ static void what_is_done_stays_done(void **unused) {
     branch_forget(&record);
 }
 
-/* A request to stop is heard between points; when it is taken back the branch goes on as if nothing had
- * happened. It may also come before there is an orbit. */
+/* A request to stop is noticed between points, and also before there is an orbit. When it is withdrawn the
+ * branch goes on as if nothing had happened. */
 static void interrupted_and_gone_on(void **unused) {
     (void)unused;
     volatile sig_atomic_t stop = 0;
@@ -182,7 +181,7 @@ static void interrupted_and_gone_on(void **unused) {
     branch_forget(&whole);
 }
 
-/* The section phase of a search and tangent columns of a flow are not a branch's business. */
+/* A branch ignores the section phase of a search and the tangent columns of a flow. */
 static void options_that_do_not_matter(void **unused) {
     (void)unused;
     saltus_spec spec = free_masses();
@@ -200,8 +199,8 @@ static void options_that_do_not_matter(void **unused) {
     branch_forget(&other);
 }
 
-/* Numbers of which one is another, or cut off anywhere, are refused or taken, and what is taken can be gone
- * on with: nothing that is read leads out of bounds. */
+/* Saved numbers with one changed, or truncated, are refused or accepted. What is accepted can be continued:
+ * no number read leads out of bounds. */
 static void damaged_numbers_are_refused(void **unused) {
     (void)unused;
     static const double wrong[] = {NAN, INFINITY, -1, 0.5, 1e9, 1e300};
@@ -243,8 +242,8 @@ static void damaged_numbers_are_refused(void **unused) {
     free(numbers);
 }
 
-/* Gone on with after any of its points a network of curves has the same next ones to the last bit, those of
- * codimension two on the very next step, too. */
+/* Resumed after any of its points, a network of curves has the same next points to the last bit, also if the
+ * very next one is of codimension two. */
 static void gone_on_with_after_every_point(void **unused) {
     (void)unused;
     enum { points_max = 400, ahead = 3, numbers = 3 };
@@ -307,7 +306,7 @@ static void gone_on_with_after_every_point(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* A value that a step meets exactly is given there, and the rest of the run is as it was. */
+/* A requested value that a step meets exactly is reported there, and the rest of the run is unchanged. */
 static void values_met_exactly(void **unused) {
     (void)unused;
     saltus_spec spec = free_masses();
@@ -334,8 +333,8 @@ static void values_met_exactly(void **unused) {
     branch_forget(&record);
 }
 
-/* However long the steps may be, they follow the curve: they are cut where it turns, and grow where Newton's
- * method is at its ease. */
+/* However long steps may be, they follow the curve: they are cut where it turns, and grow where Newton's
+ * method converges easily. */
 static void long_steps_follow_the_curve(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 0.5);
@@ -357,7 +356,7 @@ static void long_steps_follow_the_curve(void **unused) {
         assert_true(ahead >= 0.96 * sqrt(square));
         if (c->kind != SALTUS_POINT_REGULAR)
             continue;
-        /* But for halvings. */
+        /* Up to halvings. */
         double ratio = log2(next / ahead / (b->iterations <= 3 ? 1.5 : b->iterations > 5 ? 0.6 : 1));
         assert_true(ratio < 1e-9);
         double capped = log2(next / options.step_max);
@@ -367,8 +366,8 @@ static void long_steps_follow_the_curve(void **unused) {
     saltus_system_free(system);
 }
 
-/* A mass without rebound rests on its table until the table falls faster than it; then it flies once a period
- * and comes to rest again, until it lands when the table throws it off; that orbit flips. */
+/* A mass without rebound rests on its table until the table falls faster than the mass. Then it flies once a
+ * period and comes to rest again, until it lands while the table throws it off; that orbit flips. */
 static void a_dead_mass_leaves_its_table(void **unused) {
     (void)unused;
     static const saltus_point_kind kinds[] = {SALTUS_POINT_ST, SALTUS_POINT_ST, SALTUS_POINT_PD};
@@ -388,8 +387,8 @@ static void a_dead_mass_leaves_its_table(void **unused) {
         assert_string_equal(point->label, before[k]);
         assert_string_equal(point->label_after, k < 2 ? "1/1" : "");
         assert_int_equal(point->sticking_intervals, sticks[k]);
-        /* The bracket is halved in arclength, to 1e-12; the accuracy is what that is in the parameter, with
-         * the flow's tolerance and rounding. */
+        /* The bracket is halved in arclength, to 1e-12; the accuracy is that width in the parameter, plus the
+         * flow's tolerance and rounding. */
         double flow = options.orbit.flow.rtol * 3.5 + DBL_EPSILON * values[k];
         double width = (point->accuracy - flow) / fabs(point->heading);
         assert_true(k == 2 || (width > 1e-13 && width < 1.001e-12));
@@ -408,8 +407,8 @@ static void a_dead_mass_leaves_its_table(void **unused) {
     branch_forget(&record);
 }
 
-/* With rebound it comes to rest by complete chatter; where that is complete no longer the impacts die one by
- * one, and the last one's orbits have the fold and the flip of the closed form. */
+/* With rebound it comes to rest by complete chatter. Where that is no longer complete the impacts die one by
+ * one, and orbits with the last one have the fold and the flip of the closed form. */
 static void the_impacts_of_a_table_die_one_by_one(void **unused) {
     (void)unused;
     const long double r = 0.3L;
@@ -450,8 +449,8 @@ static void the_impacts_of_a_table_die_one_by_one(void **unused) {
     branch_forget(&record);
 }
 
-/* A mass that is pulled away from its stop by a steady force, and by nothing held, rests nowhere: from a
- * guess on the stop it is the force that says so, from another the freedom to stand anywhere. */
+/* A mass without a spring that a steady force pulls away from its stop has no equilibrium: from a guess on
+ * the stop the contact force is the reason, from elsewhere that every position is possible. */
 static void nothing_to_rest_on(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 0, 0, 1);
@@ -471,8 +470,8 @@ static void nothing_to_rest_on(void **unused) {
     saltus_system_free(system);
 }
 
-/* The straight pipe whose flow pulsates buckles to either side, though a stop far away on one side makes the
- * scene no mirror image of itself: both ways lead off, to orbits that are each other's image. */
+/* The straight pipe with pulsating flow buckles to either side, even if a stop far away on one side makes the
+ * scene asymmetric: branches leave both ways, to orbits that mirror each other. */
 static void straight_pipe_buckles_both_ways(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(1, 20);
@@ -500,7 +499,7 @@ static void straight_pipe_buckles_both_ways(void **unused) {
             assert_int_equal(p->parent, p->branch ? 0 : -1);
             if (p->branch && p->step == 0) {
                 check_near(p->value[0], crossing->value[0], 1e-9);
-                assert_int_equal(p->iterations, 0); /* it is taken as it is */
+                assert_int_equal(p->iterations, 0); /* no correction is needed */
             }
             if (p->branch == 0)
                 assert_true(p->state[0] == 0 && p->stable == (p->value[0] < crossing->value[0]));

@@ -1,6 +1,6 @@
-/* The metric of branches: arclength is the distance in parameter and state, in units of the parameter's range
- * and of the system's scale; steps are as long as asked for; another unit of length, or of time, changes
- * lengths and times and nothing else; a branch that comes back is closed.
+/* The metric of branches. Arclength is the distance in parameter and state, in units of the parameter's range
+ * and of the system's scale; steps are as long as requested; another unit of length or time changes only
+ * lengths and times; a branch that returns is closed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_recount.h"
 
@@ -42,8 +42,8 @@ static void arclength_is_distance(void **unused) {
             k++;
         assert_true((branch ? -1 : 1) * record.point[k].heading > 0);
     }
-    /* Where Newton's method is at its ease the step grows to the largest, and the record is of that fineness.
-     */
+    /* Where Newton's method converges easily the step grows to the largest, which sets the spacing of
+     * points. */
     int longest = 0;
     for (int k = 1; k < record.count; k++)
         longest += fabs(record.point[k].arclength - record.point[k - 1].arclength - options.step_max) < 1e-12;
@@ -61,14 +61,14 @@ static void arclength_is_distance(void **unused) {
     }
     branch_forget(&record);
     saltus_system_free(system);
-    /* The defaults. */
+    /* With default steps. */
     options = saltus_branch_defaults();
     assert_true(options.step == 0.005 && options.step_max == 0.02 && options.points == 2000);
     assert_true(options.direction == 0 && options.switches == 0 && options.value_count == 0);
     assert_int_equal(options.locus, SALTUS_POINT_REGULAR);
 }
 
-/* The same oscillator in units of length and time that are smaller by powers of two. */
+/* The same oscillator in smaller units of length and time, by powers of two. */
 static closed_oscillator in_other_units(closed_oscillator o, long double length, long double time) {
     o.d *= length;
     o.F *= length / (time * time);
@@ -79,7 +79,7 @@ static closed_oscillator in_other_units(closed_oscillator o, long double length,
     return o;
 }
 
-/* The unit of a parameter in those. */
+/* The factor of a parameter in these units. */
 static double unit_of(const char *key, double length, double time) {
     return strcmp(key, "d") == 0   ? length
            : key[0] == 'F'         ? length / (time * time)
@@ -104,7 +104,7 @@ static branch_record run_units(closed_example example, long double omega, const 
     return branch_run(&spec, o.periods, state, options);
 }
 
-/* In a unit of length that is a power of two all is the same to the last bit. */
+/* In a unit of length that is a power of two everything agrees to rounding. */
 static void check_length(const branch_record *record, const branch_record *other, double length,
                          double unit) {
     assert_int_equal(other->count, record->count);
@@ -126,7 +126,7 @@ static void check_length(const branch_record *record, const branch_record *other
     }
 }
 
-/* In another unit of time Newton's method may need a step more somewhere; special points are the same. */
+/* In another unit of time Newton's method may need one more step; special points are the same. */
 static void check_time(const branch_record *record, const branch_record *other, double length, double time,
                        double unit) {
     for (int branch = 0; branch < 4; branch++)
@@ -162,7 +162,7 @@ static void check_units(closed_example example, long double omega, const char *k
     branch_forget(&record);
 }
 
-/* The stated accuracy too is in the parameter's unit. */
+/* The stated accuracy also has the parameter's unit. */
 static void units_of_length_and_time(void **unused) {
     (void)unused;
     check_units(closed_one_period, 1.1L, "omega", 0.6, 1.8, 0);
@@ -171,8 +171,8 @@ static void units_of_length_and_time(void **unused) {
     check_units(closed_mirrored, 3.6L, "omega", 2.3, 4, 1);
 }
 
-/* The distance of special points from the closed form's is within what is stated and rounding; the bound is
- * no idle one. */
+/* Special points differ from the closed form by no more than the stated accuracy and rounding, and the
+ * accuracy is small. */
 static void accuracy_bounds_the_error(void **unused) {
     (void)unused;
     static const struct {
@@ -214,8 +214,8 @@ static void accuracy_bounds_the_error(void **unused) {
     }
 }
 
-/* Orbits of two periods between two folds, on no branch that leads anywhere else: the branch comes back to
- * its first point, from either section point, and is not gone through the other way. */
+/* Orbits of two periods between two folds form a closed branch that is connected to no other: in any
+ * direction it returns to its first point, and is then not followed the other way. */
 static void an_island_is_closed(void **unused) {
     (void)unused;
     closed_oscillator o = {.c = 0.028L,
@@ -258,7 +258,7 @@ static void an_island_is_closed(void **unused) {
     }
 }
 
-/* A start on the border of the range has nowhere to go one way; a value wanted there is given out. */
+/* A start on the range's border has nowhere to go one way; a value requested there is still reported. */
 static void start_on_the_border(void **unused) {
     (void)unused;
     saltus_spec spec = free_masses();
@@ -279,7 +279,7 @@ static void start_on_the_border(void **unused) {
                 check_near(p->value[0], p->branch ? options.low[0] : options.high[0], 1e-12);
         }
         assert_int_equal(ends, 2);
-        /* The way that is barred: the first point, the value there, the end. */
+        /* The blocked way: the first point, the value there, the end. */
         assert_int_equal(count[up ? 0 : 1], 3);
         assert_true(count[up ? 1 : 0] > 3);
         assert_int_equal(wanted[0][0], 1);
@@ -290,8 +290,8 @@ static void start_on_the_border(void **unused) {
     }
 }
 
-/* A branch that leaves the range ends on its border to the last bit, in the value told and in the parameters.
- */
+/* A branch that leaves the range ends on its border to the last bit, in the reported value and in the
+ * parameters. */
 static void borders_are_met_to_the_last_bit(void **unused) {
     (void)unused;
     enum { ranges = 60 };
@@ -305,7 +305,7 @@ static void borders_are_met_to_the_last_bit(void **unused) {
             number[j] = (double)(seed >> 11) * 0x1p-53;
         }
         double F = saltus_spec_get(&spec, "F");
-        /* Near zero values lie closer together than unknowns do. */
+        /* Near zero, values are more closely spaced than unknowns. */
         saltus_branch_options options = branch_along("F", 1e-3 * F * number[0], F * (1 + number[1]));
         options.step = options.step_max = 0.5;
         branch_record record = branch_run(&spec, 1, start, &options);

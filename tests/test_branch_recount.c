@@ -1,5 +1,5 @@
-/* Branches of many kinds, recounted: impacts on one stop and on two, chatter, sticking, contacts that last,
- * two masses, orbits of twice the period. What branch.h says of each point is found anew by other means.
+/* Branches of many kinds, recounted: impacts on one stop and on two, chatter, sticking, lasting contacts, two
+ * masses, orbits of twice the period. All that branch.h says of a point is computed again by other means.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_recount.h"
 
@@ -27,7 +27,7 @@ static void one_stop_and_doubled_orbits(void **unused) {
     branch_forget(&record);
 }
 
-/* Impacts on both stops; beyond the pitchfork orbits that are not mirrored. */
+/* Impacts on both stops, and asymmetric orbits beyond the pitchfork. */
 static void two_stops_of_one_mass(void **unused) {
     (void)unused;
     saltus_branch_options options = branch_along("omega", 1, 4);
@@ -66,7 +66,7 @@ static void two_masses_and_tori(void **unused) {
         tori += record.point[k].kind == SALTUS_POINT_NS;
     assert_int_equal(tori, 2);
     branch_forget(&record);
-    /* In other parameters too, those of stop, second mass and Maxwell element among them. */
+    /* Also in other parameters, of the stop, the second mass and the Maxwell element. */
     set_parameter(&spec, "kz", 0.1);
     const char *keys[] = {"k2", "c2", "m", "m2", "d", "r", "kz", "tz"};
     for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++) {
@@ -83,8 +83,8 @@ static void two_masses_and_tori(void **unused) {
     }
 }
 
-/* The ball on the table stays for part of each period where the table's acceleration lets it: without
- * rebound, and by complete chatter. */
+/* The ball stays on the table for the part of each period in which the table's acceleration allows it:
+ * without rebound, and by complete chatter. */
 static void contacts_that_begin_and_end(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 0, 1.3, 1);
@@ -99,7 +99,7 @@ static void contacts_that_begin_and_end(void **unused) {
         for (int i = 0; i < 2; i++)
             assert_true(p->multipliers[i].re == 0 && p->multipliers[i].log_modulus == -INFINITY);
         for (int i = 0; i < 2; i++)
-            if (p->events[i].kind == SALTUS_RELEASE) /* F cos t = 1, in falling */
+            if (p->events[i].kind == SALTUS_RELEASE) /* F cos t = 1, falling */
                 check_near(2 * M_PI * p->events[i].time.phase, 2 * M_PI - acos(1 / p->value[0]), 1e-9);
     }
     branch_forget(&record);
@@ -115,15 +115,15 @@ static double parameter_of(const saltus_spec *spec, const char *name) {
     return spec->parameters[saltus_model_parameter_index(spec->model, name)];
 }
 
-/* The force by which a mass on its stop, in a scene of held_until_the_force_vanishes, is least pressed to it:
- * the steady force less the spring's and the forcing's. */
+/* The least force between a mass and its stop in the scenes of held_until_the_force_vanishes: the steady
+ * force less those of the spring and the forcing. */
 static double least_force(const saltus_spec *spec) {
     return parameter_of(spec, "F0") - parameter_of(spec, "k") * spec->stops[0].d -
            fabs(parameter_of(spec, "F"));
 }
 
-/* Points in contact all the time, and no others, tell the least force; it vanishes where the contact lets go.
- * Returns how many there are. */
+/* Only points in permanent contact have a least force; it vanishes where the contact is released. Returns how
+ * many such points there are. */
 static int check_least_forces(const branch_record *record) {
     int held = 0;
     for (int k = 0; k < record->count; k++) {
@@ -138,8 +138,8 @@ static int check_least_forces(const branch_record *record) {
     return held;
 }
 
-/* A mass pressed to its stop stays there until the force has a zero, then leaves it once a period; farther on
- * the chatter is complete no longer, and the impacts die one by one. */
+/* A mass pressed to its stop stays there until the force has a zero, then leaves it once a period. Farther on
+ * the chatter is no longer complete, and the impacts die one by one. */
 static void held_until_the_force_vanishes(void **unused) {
     (void)unused;
     static const struct {
@@ -157,7 +157,7 @@ static void held_until_the_force_vanishes(void **unused) {
         recount_run(&record, &options, 9);
         assert_true(check_least_forces(&record) > 10);
         int from = 0;
-        /* It lets go nowhere, up to where the force does not change at all. */
+        /* It is never released, up to where the force is constant. */
         if (isnan(rows[row].at)) {
             assert_null(branch_next_special(&record, 0, &from));
             branch_forget(&record);
@@ -172,7 +172,7 @@ static void held_until_the_force_vanishes(void **unused) {
     }
 }
 
-/* The way back: flights that shrink to nothing leave a contact that lasts, which the branch goes on with. */
+/* The way back: flights shrink to nothing and leave a permanent contact, with which the branch goes on. */
 static void contacts_that_become_permanent(void **unused) {
     (void)unused;
     static const struct {
@@ -208,7 +208,7 @@ static void contacts_that_become_permanent(void **unused) {
     }
 }
 
-/* Where a parameter's domain ends its last value is reached, be the equations singular there: without a
+/* The last value of a parameter's domain is reached even if the equations are singular there: without a
  * spring to the support nothing holds the masses in place. */
 static void domains_are_reached(void **unused) {
     (void)unused;
@@ -237,8 +237,8 @@ static void domains_are_reached(void **unused) {
         branch_record record = branch_run_settled(&spec, &options, rows[row].label);
         recount_run(&record, &options, 8);
         const saltus_branch_point *last = &record.point[record.count - 1];
-        /* Without a spring between the masses the impact dies in the very place, and orbits without impacts
-         * form a family. */
+        /* Without a spring between the masses the impact dies in this very place, where orbits without
+         * impacts form a family. */
         bool family = strcmp(rows[row].key, "k2") == 0 && strstr(last->reason, "form a family");
         assert_true(family || strcmp(last->reason, "end of the parameter's range") == 0);
         check_near(last->value[0], rows[row].end, family ? 1e-11 : 0);
@@ -251,10 +251,8 @@ static void domains_are_reached(void **unused) {
     }
 }
 
-/* A free mass between two walls. One that leaves the lower wall without speed where the force turns, at
- * omega t = -pi/2, has x = t + pi/2 - d - cos t; its first impact on the upper wall is at `time`, with
- * `speed`.
- */
+/* A free mass between two walls that leaves the lower wall without speed where the force turns, at omega t =
+ * -pi/2: x = t + pi/2 - d - cos t. Its first impact on the upper wall is at `time`, with `speed`. */
 static void first_impact(long double d, long double *time, long double *speed) {
     const long double half = acosl(0);
     long double t = half;
@@ -274,9 +272,9 @@ static long double less_sine(long double s) {
     return sum;
 }
 
-/* Whether the impacts that follow on the first one come to an end before the force turns away from the wall,
- * at a time `left` after each. A flight leaves the wall with speed u, and is back where u s = sin(left) (1 -
- * cos s) - cos(left) (s - sin s), which is once before the turn or not at all. */
+/* Whether the impacts after the first one end before the force turns away from the wall, at a time `left`
+ * after each. A flight that leaves the wall with speed u is back where u s = sin(left) (1 - cos s) -
+ * cos(left) (s - sin s), which happens once before the turn or never. */
 static bool comes_to_rest(long double t, long double speed, long double r) {
     long double left = acosl(0) - t;
     for (long double u = r * speed; u > 1e-30L;) {
@@ -295,7 +293,7 @@ static bool comes_to_rest(long double t, long double speed, long double r) {
     return true;
 }
 
-/* Where they cease to, along r or d; `low` is where they do. */
+/* The value of r or d, between `low` and `high`, at which that ends; at `low` they come to rest. */
 static double end_of_rest(long double *parameter, long double low, long double high, const long double *d,
                           const long double *r) {
     long double time, speed;
@@ -307,9 +305,9 @@ static double end_of_rest(long double *parameter, long double low, long double h
     return (double)low;
 }
 
-/* Where a wall hardly rebounds impacts are born within 1e-5 of a period of one another: chatter completes,
- * and the branch goes on until there is no rebound at all. There and up to that place the mass leaves its
- * wall where the force turns, whatever the restitution. */
+/* On walls with little rebound impacts are born within 1e-5 of a period of one another: chatter completes,
+ * and the branch goes on to r = 0. Up to there the mass leaves its wall where the force turns, whatever the
+ * restitution. */
 static void until_nothing_rebounds(void **unused) {
     (void)unused;
     const long double d = 1.5L;
@@ -341,10 +339,8 @@ static void until_nothing_rebounds(void **unused) {
     branch_forget(&record);
 }
 
-/* Between walls that come ever closer impacts are born one after the other, until the next would be slower
- * than rounding tells: chatter completes where the births accumulate, and the branch goes on until the walls
- * meet.
- */
+/* As the walls approach each other impacts are born one after the other, until rounding hides the next:
+ * chatter completes where the births accumulate, and the branch goes on until the walls meet. */
 static void until_the_walls_meet(void **unused) {
     (void)unused;
     const long double r = 0.8L;
@@ -370,7 +366,7 @@ static void until_the_walls_meet(void **unused) {
     branch_forget(&record);
 }
 
-/* A range may end where the orbits have no derivative by its parameter; that is said. */
+/* A range may end where the orbits have no derivative by the parameter; the reason says so. */
 static void domains_without_a_derivative(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(1, 10);
@@ -385,7 +381,7 @@ static void domains_without_a_derivative(void **unused) {
     branch_forget(&record);
 }
 
-/* Two masses of which one hits two stops: tori and flips come in pairs, within one step, each time an impact
+/* Two masses, one of which hits two stops: tori and flips come in pairs, within one step, each time an impact
  * dies. */
 static void tori_beside_flips(void **unused) {
     (void)unused;
@@ -443,7 +439,7 @@ static void a_branch_leaves_chatter(void **unused) {
     branch_forget(&record);
 }
 
-/* Grazings that follow one another ever closer are not taken for one and the same. */
+/* Ever closer grazings are not taken for the same one. */
 static void grazings_close_together(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -466,7 +462,7 @@ static void grazings_close_together(void **unused) {
     branch_forget(&record);
 }
 
-/* The branch of asymmetric orbits ends where that of symmetric ones has its pitchfork. */
+/* The branch of asymmetric orbits ends at the pitchfork of the symmetric ones. */
 static void pitchforks_from_both_branches(void **unused) {
     (void)unused;
     static const struct {
@@ -495,8 +491,8 @@ static void pitchforks_from_both_branches(void **unused) {
     assert_true(joins >= 1);
 }
 
-/* Chatter that is complete ceases to be so, and impacts that grow in number complete chatter, in one and the
- * same place. */
+/* Chatter stops being complete at the same place where, on the way back, growing numbers of impacts complete
+ * it. */
 static void chatter_ends_where_it_begins(void **unused) {
     (void)unused;
     double value[2];

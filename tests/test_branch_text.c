@@ -1,5 +1,5 @@
-/* The table of a branch's special points for people, from made-up branches: a line for each special point
- * with its numbers, a heading where a branch begins. And a point's JSON, field by field.
+/* The printed table of a branch's special points, from made-up branches: a line with numbers for each, a
+ * heading where a branch begins. Also a point's JSON, field by field.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "json.h"
 #include "text_lines.h"
@@ -94,7 +94,7 @@ static void make(made *m, saltus_point_kind locus) {
     }
 }
 
-/* Numbers of the line in their order, in `list`; how many. */
+/* The numbers of a line in order, in `list`; returns how many. */
 static int numbers_of(const made *m, int k, double *list) {
     const saltus_branch_point *p = &m->point[k];
     bool locus = m->file.options.locus != SALTUS_POINT_REGULAR;
@@ -176,10 +176,8 @@ static void special_points_are_listed(void **state) {
     }
 }
 
-/* The stability beyond a point is that of a regular or an asked-for one; another special point is no place to
- * tell it from. */
-/* Multipliers are listed from the largest on, whole, as many as there is room for; what is left out is told.
- */
+/* The stability beyond a point is that of a regular or requested point, not of another special point. */
+/* Multipliers are listed from the largest on, never cut, as many as fit; omitted ones are indicated. */
 static void many_multipliers_are_cut(void **state) {
     (void)state;
     static made m;
@@ -218,7 +216,7 @@ static void many_multipliers_are_cut(void **state) {
                 kept = (size_t)(dots - at);
             assert_true(kept <= length && strncmp(at, whole, kept) == 0);
             assert_true(whole[kept] == (dots ? ',' : '\0'));
-            /* Another one would not have fitted. */
+            /* One more would not have fitted. */
             assert_true(!dots || kept + 5 + (pairs ? 17 : 8) > 95);
             free(lines.text);
         }

@@ -1,4 +1,4 @@
-/* Impacts, chatter, sticking and release by their invariants: no stored numbers.
+/* Impacts, chatter, sticking and release, checked by invariants, without stored numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -8,7 +8,7 @@
 
 enum { dimension_max = 20 };
 
-/* On every step: no gap beyond its stop by more than rounding, no held contact that pulls. */
+/* In every step: no gap passes its stop by more than rounding, no held contact pulls. */
 static void watch_run(const saltus_system *system, saltus_flow *flow, double periods) {
     double state[dimension_max], forces[SALTUS_FACES_MAX];
     for (;;) {
@@ -77,8 +77,8 @@ static void several_stops(void **unused) {
     saltus_system_free(system);
 }
 
-/* Two coupled stops near each other's contact: an impact at one changes the rate at which the other closes,
- * and one may recede while the other is hit. Nothing is passed, nothing stalls. */
+/* Two coupled stops: an impact at one changes the rate at which the other closes, and one may recede while
+ * the other is hit. No stop is passed, nothing stalls. */
 static void coupled_stops(void **unused) {
     (void)unused;
     static const double rows[][5] = {/* N, omega, d, r, sides */
@@ -131,7 +131,7 @@ static void simultaneous_impacts(void **unused) {
     saltus_system_free(system);
 }
 
-/* r = 1, no damping, no force: a million impacts, and the energy is still there. */
+/* With r = 1, no damping and no force, the energy is the same after a million impacts. */
 static void elastic_impacts_keep_energy(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 0, 1);
@@ -149,8 +149,8 @@ static void elastic_impacts_keep_energy(void **unused) {
     saltus_system_free(system);
 }
 
-/* Start on the stop at rest, with every sign of acceleration: pressed holds, pulled leaves, balanced stays or
- * follows its first derivative that stands out. */
+/* Start at rest on the stop: pressed it holds, pulled it leaves, balanced the first derivative that exceeds
+ * rounding decides. */
 static void starts_on_the_stop(void **unused) {
     (void)unused;
     const double loads[3] = {0.5, -0.5, 0.0};
@@ -213,8 +213,8 @@ static void starts_beyond_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
-/* The chatter's cut-off follows the tolerance, and the state after it hardly depends on it: the error of
- * projecting is of higher order. Looser tolerances against the tightest, over one chatter of the reference
+/* The chatter's cut-off follows the tolerance, and the state after it hardly depends on it: the error of the
+ * projection is of higher order. Looser tolerances against the tightest, over one chatter of the reference
  * scene. */
 static void chatter_cut_off(void **unused) {
     (void)unused;
@@ -247,8 +247,8 @@ static void chatter_cut_off(void **unused) {
     saltus_system_free(system);
 }
 
-/* However early the tolerance lets a ball's chatter be cut short, its end is told where the bounces
- * accumulate: at v / g (1 + 2 r / (1 - r)), v the first speed. */
+/* However early a ball's chatter is cut off, it is reported to end where the bounces accumulate: at v / g (1
+ * + 2 r / (1 - r)), with v the first speed. */
 static void chatter_ends_where_it_accumulates(void **unused) {
     (void)unused;
     const double r = 0.6, g = 2, height = 0.4, speed = sqrt(2 * g * height);
@@ -297,8 +297,7 @@ static void mirror_symmetry(void **unused) {
     saltus_system_free(system);
 }
 
-/* A section at an event or in the middle of a step changes nothing beyond the tolerance: chop the run at
- * will. */
+/* Stopping at sections, at events or in the middle of a step changes nothing beyond the tolerance. */
 static void chopping_changes_nothing(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 42);
@@ -323,7 +322,7 @@ static void chopping_changes_nothing(void **unused) {
     saltus_system_free(system);
 }
 
-/* A million forcing periods end at the section's phase, not near it. */
+/* After a million forcing periods the flow is exactly at the section's phase. */
 static void no_section_drift(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.3, 1, 0.2, 40);
@@ -358,8 +357,7 @@ static saltus_system *two_free_masses(void) {
     return build(&spec);
 }
 
-/* Whether the masses' impacts, one of them a little ahead, are one event, and by how much the other gap is
- * open then. */
+/* Whether the two impacts, one a little ahead, are one event; *sign is that of the other gap at the first. */
 static bool hit_together(const saltus_system *system, double ahead, int *sign) {
     saltus_flow_options options = saltus_flow_defaults();
     double state[4] = {1 - 0x1p-10, 1 - 0x1p-10 + ahead, 1, 1};
@@ -373,8 +371,8 @@ static bool hit_together(const saltus_system *system, double ahead, int *sign) {
     return second.time.phase == first.time.phase;
 }
 
-/* Where a gap is zero to rounding the same holds for all: such a start is accepted, its face is hit at once,
- * and an impact elsewhere takes it along. */
+/* All use one test for a gap that is zero to rounding: such a start is accepted, its face is hit at once, and
+ * an impact at another face includes it. */
 static void a_gap_is_zero_for_all_or_none(void **unused) {
     (void)unused;
     saltus_system *system = two_free_masses();
@@ -405,8 +403,9 @@ static void a_gap_is_zero_for_all_or_none(void **unused) {
     saltus_system_free(system);
 }
 
-/* A force that comes to zero so slowly that the state stands still meanwhile, to rounding, lets go all the
- * same: beside a second stop that holds, from many forces, and with the same motion at another tolerance. */
+/* A contact is released even if its force vanishes so slowly that meanwhile the state stands still to
+ * rounding: beside a second stop that holds, for many forces, and with the same motion at another
+ * tolerance. */
 static void slow_releases_end(void **unused) {
     (void)unused;
     static const char text[] =

@@ -1,5 +1,5 @@
-/* What flow.h promises: defaults and limits, dense output, fields and tangent fields, interruptions, lanes of
- * the oscillator side by side, accuracy in step with the tolerance.
+/* The promises of flow.h: defaults and limits, dense output, fields and tangent fields, interruptions, lanes
+ * of the oscillator side by side, error in proportion to the tolerance.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 #include "stress_field.h"
@@ -15,7 +15,7 @@ static void defaults_are_as_stated(void **unused) {
     saltus_flow_free(NULL);
 }
 
-/* A time's phase is at least 0 and less than 1, however it was given. */
+/* The phase of a time is in [0, 1), however the time was given. */
 static void phases_are_told_within_a_period(void **unused) {
     (void)unused;
     static const struct {
@@ -91,12 +91,12 @@ static void limits_are_as_stated(void **unused) {
     }
     saltus_flow_options o = saltus_flow_defaults();
     o.columns = 1;
-    o.directions = 2; /* more than there are columns */
+    o.directions = 2; /* more directions than columns */
     assert_false(accepted(system, &o, "directions"));
     saltus_system_free(system);
 }
 
-/* The width is that of the instruction set that is used: by name, as far as the processor goes. */
+/* The width is that of the instruction set in use: the one named, or the processor's if that is lower. */
 static void widths_follow_the_instruction_set(void **unused) {
     (void)unused;
 #if defined(__x86_64__)
@@ -140,8 +140,8 @@ static void widths_follow_the_instruction_set(void **unused) {
 #endif
 }
 
-/* Dense output covers the last step: its ends are the states there, its inside the states of a flow that
- * stops there, and its slope is the field. */
+/* Dense output covers the last step: at its ends it gives the states there, inside it the states of a flow
+ * that stops there, and its slope is the field. */
 static void dense_output_is_the_motion(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++)
@@ -194,8 +194,8 @@ static void dense_output_is_the_motion(void **unused) {
         }
 }
 
-/* The field is that of the equations of motion; with the identity's columns the tangent field is its
- * derivative by columns; while a contact holds, both are those with the contact. */
+/* The field is that of the equations of motion, and with the identity as columns the tangent field is its
+ * derivative by columns; while a contact holds, both include the contact. */
 static void fields_and_their_derivatives(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++)
@@ -236,7 +236,7 @@ static void fields_and_their_derivatives(void **unused) {
                         (s.spec.parameters[0] > 0 && name != scene_steady_pipe));
             saltus_flow_tangent_field(flow, 0, jacobian);
             for (int c = 0; c < n; c++) {
-                /* The field's projection stands for every state, on the stop or not. */
+                /* The projection of the field applies to every state, on the stop or not. */
                 double h = 1e-6, y[scene_dimension_max], g[64];
                 memcpy(y, x, sizeof y);
                 y[c] = x[c] + h;
@@ -261,7 +261,7 @@ static void fields_and_their_derivatives(void **unused) {
         }
 }
 
-/* Steps are counted, with their evaluations. */
+/* Steps and field evaluations are counted. */
 static void work_is_counted(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++) {
@@ -295,8 +295,8 @@ static void work_is_counted(void **unused) {
     }
 }
 
-/* The flights of a chatter take fewer orders than an order that is asked for makes them; what comes of it is
- * the same within the tolerance. */
+/* A chatter's flights need fewer orders than with a requested order; the result is the same within the
+ * tolerance. */
 static void short_flights_take_few_orders(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 10);
@@ -327,8 +327,8 @@ static void short_flights_take_few_orders(void **unused) {
     saltus_system_free(system);
 }
 
-/* The order that is chosen from the tolerance costs little more than the best one would, for the pipe that it
- * was measured on: a step of a series of products costs about the square of its order. */
+/* The order chosen from the tolerance costs little more than the best one, for the pipe on which it was
+ * measured. A step of a series of products costs about the square of its order. */
 static void the_order_is_chosen_well(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 20);
@@ -355,8 +355,8 @@ static void the_order_is_chosen_well(void **unused) {
     saltus_system_free(system);
 }
 
-/* Asked to stop, a run returns at its last step, aimed as it was: without the asking it goes on from there,
- * and ends as if nothing had been. */
+/* A run that is asked to stop returns after its last step, still aimed. Without the request it goes on from
+ * there and ends as if never interrupted. */
 static void an_interrupted_run_goes_on(void **unused) {
     (void)unused;
     volatile sig_atomic_t stop = 0;
@@ -392,7 +392,7 @@ static void an_interrupted_run_goes_on(void **unused) {
     saltus_system_free(system);
 }
 
-/* Everything that a lane tells, one after the other. */
+/* Everything that can be asked of a lane, as a list of numbers. */
 static int tell(saltus_flow *flow, int lane, double *out) {
     const saltus_system *system = saltus_flow_system(flow, lane);
     const int n = saltus_system_dimension(system), columns = saltus_flow_columns(flow);
@@ -439,7 +439,7 @@ static scene varied(scene_name name, int k) {
 
 static const unsigned lane_watch = SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING;
 
-/* Lanes of one flow do exactly what flows of their own would, and tell the same of it. */
+/* Lanes of one flow do exactly what single flows would do, and report the same. */
 static void lanes_are_flows_of_their_own(void **unused) {
     (void)unused;
     static lane_log alone[widest], together[widest];
@@ -507,7 +507,7 @@ static void lanes_are_flows_of_their_own(void **unused) {
                             a->velocity_after == b->velocity_after && a->displacement == b->displacement);
             }
         }
-        /* The tangent field of every lane is that of a flow of its own. */
+        /* The tangent field of every lane is that of a single flow. */
         double field[told_max], own[told_max], state[scene_dimension_max], tangents[told_max];
         const int n = saltus_system_dimension(systems[0]);
         for (int l = 0; l < used; l++) {
@@ -578,8 +578,8 @@ static void unlike_lanes_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
-/* A lane whose motion grows beyond all bounds fails by itself; the other one reaches its target as if alone.
- */
+/* A lane whose motion grows without bound fails alone; the other reaches its target as a single flow
+ * would. */
 static void a_failing_lane_leaves_the_others_alone(void **unused) {
     (void)unused;
     saltus_spec spec[2];
@@ -617,7 +617,7 @@ static void a_failing_lane_leaves_the_others_alone(void **unused) {
         }
     }
     assert_true(failed == 1 && reached == 1);
-    /* It stays where it failed, and can be started anew. */
+    /* The failed lane stays where it failed, and can be started anew. */
     saltus_time there = saltus_flow_time(flow, 0);
     assert_true(saltus_time_periods(there) > 0 && saltus_time_periods(there) < 3);
     int lane = -1;
@@ -633,8 +633,8 @@ static void a_failing_lane_leaves_the_others_alone(void **unused) {
     saltus_system_free(systems[1]);
 }
 
-/* A motion without bound ends where numbers end: with either integrator the lane stays at the last time at
- * which its state was one of numbers, however often it is asked to go on, and can be started anew. */
+/* A motion that grows without bound ends before its state overflows: with either integrator the lane stays at
+ * the last time with a finite state, however often it is asked to go on, and can be started anew. */
 static void what_flies_away_stays_where_numbers_end(void **unused) {
     (void)unused;
     static const int modes[] = {1, 3, 12};
@@ -683,8 +683,8 @@ static void what_flies_away_stays_where_numbers_end(void **unused) {
     }
 }
 
-/* A lane that has been told of stays where it is while others run, until it is aimed again; then it goes on
- * as if it had not waited. */
+/* A lane that was reported stays where it is while others run, until it is aimed again; then it goes on as if
+ * it had not waited. */
 static void a_lane_waits_until_it_is_aimed_again(void **unused) {
     (void)unused;
     scene s[2] = {varied(scene_two_sided_mass, 0), varied(scene_two_sided_mass, 1)};
@@ -730,8 +730,8 @@ static void a_lane_waits_until_it_is_aimed_again(void **unused) {
     saltus_system_free(systems[1]);
 }
 
-/* A lane that is started again has done nothing yet: no counts, no contact, no force at any face, tangent
- * vectors of the identity, parameter columns at zero. */
+/* A lane that is started again is reset: no counts, no contact, no force at any face, tangent vectors of the
+ * identity, parameter columns zero. */
 static void a_started_lane_begins_anew(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++) {
@@ -769,8 +769,8 @@ static void a_started_lane_begins_anew(void **unused) {
     }
 }
 
-/* Started on a stop and moving into it, the impact at the start acts on the tangent vectors too: they are the
- * derivatives of later states, in displacements towards the inside. */
+/* At a start on a stop and moving into it, the impact also acts on the tangent vectors: they are the
+ * derivatives of later states by displacements towards the inside. */
 static void an_impact_at_the_start_acts_on_tangents(void **unused) {
     (void)unused;
     const double step = 1e-6, on[2] = {0.3, 0.5};
@@ -790,7 +790,7 @@ static void an_impact_at_the_start_acts_on_tangents(void **unused) {
         for (int c = 0; c < 2; c++) {
             double moved[2] = {on[0], on[1]};
             if (c == 0 && !later)
-                continue; /* no impact yet beside it */
+                continue; /* the disturbed start has no impact yet */
             moved[c] -= step;
             saltus_flow *other = open_flow(system, &options, 0.2, moved);
             if (later)
@@ -805,8 +805,8 @@ static void an_impact_at_the_start_acts_on_tangents(void **unused) {
     saltus_system_free(system);
 }
 
-/* What is no time is refused, at the start and as a target, and the lane stays as it was: it goes on to a
- * target that is one. */
+/* A time that is not a finite number is refused, as a start and as a target. The lane stays as it was and
+ * goes on to a valid target. */
 static void times_are_numbers(void **unused) {
     (void)unused;
     static const double wrong[] = {NAN, INFINITY, -INFINITY, 1e16};
@@ -842,7 +842,7 @@ static void times_are_numbers(void **unused) {
     saltus_system_free(system);
 }
 
-/* A period of more steps than allowed is given up as soon as these show it; one of fewer is not. */
+/* A run is given up once a period is seen to need more steps than allowed, and not otherwise. */
 static void steps_are_limited(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(2, 10);
@@ -866,8 +866,8 @@ static void steps_are_limited(void **unused) {
     saltus_system_free(system);
 }
 
-/* Pressed against a stop that takes nothing away, at a speed at which the bounces no longer move the clock:
- * the flow does not go on for ever, it tells time, gap and speed, and stays there. */
+/* Bounces on a stop with r = 1, too fast to advance time, do not go on for ever: the flow reports time, gap
+ * and speed, and stays there. */
 static void bounces_without_end_are_told(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 0, 0, 0.01);
@@ -890,8 +890,8 @@ static void bounces_without_end_are_told(void **unused) {
     saltus_system_free(system);
 }
 
-/* The flow's error over free flight follows the tolerance: never far above it, and not far below, for then
- * its steps would be shorter than need be. */
+/* The error over free flight follows the tolerance: never far above it, and not far below, which would mean
+ * steps shorter than needed. */
 static void errors_follow_the_tolerance(void **unused) {
     (void)unused;
     static const scene_name names[] = {scene_free_pipe, scene_free_chain, scene_two_sided_mass};
@@ -900,7 +900,7 @@ static void errors_follow_the_tolerance(void **unused) {
             scene s = varied(names[k % 3], k);
             saltus_flow_options options = saltus_flow_defaults();
             if (integrator == SALTUS_RADAU && k % 3 == 1)
-                continue; /* a Maxwell element: too loose there */
+                continue; /* a Maxwell element: this tolerance is too loose for it */
             s.spec.stop_count = 0;
             saltus_system *system = build(&s.spec);
             double exact[scene_dimension_max], state[scene_dimension_max], middle = 0;
@@ -927,7 +927,7 @@ static void errors_follow_the_tolerance(void **unused) {
                     fail_msg("scene %d, integrator %d: error %.3g at rtol %g", k, integrator, error,
                              options.rtol);
             }
-            /* In powers of ten, on the mean. */
+            /* The mean, in powers of ten. */
             assert_true(middle < 0.5 && (integrator == SALTUS_RADAU || middle > -1.9));
             saltus_system_free(system);
         }

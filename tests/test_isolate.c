@@ -45,8 +45,7 @@ static void two_roots_close_together(void **unused) {
     }
 }
 
-/* A maximum that stays below zero by 2^-90 is no root; touching zero is none either; above by as little is
- * one. */
+/* A maximum 2^-90 below zero is no root, nor is one that touches zero; one as little above is a root. */
 static void nearly_double_roots(void **unused) {
     (void)unused;
     const double tiny = ldexp(1, -52);
@@ -72,7 +71,7 @@ static void roots_at_the_ends(void **unused) {
     expect_root(back, 2, 1, 0);
 }
 
-/* A dip below zero followed by a rise, from a start above zero: the rise counts. */
+/* From a start above zero, the rise after a dip below zero counts. */
 static void start_above(void **unused) {
     (void)unused;
     double c[4] = {1}, d[4] = {1};
@@ -94,7 +93,7 @@ static void constants_and_zeros(void **unused) {
     expect_root(line, 1, 0.5, 0);
 }
 
-/* What rounding in the coefficients alone can do to a simple root. */
+/* The uncertainty of a simple root due to rounding of the coefficients. */
 static double conditioning(const double *c, int degree, double root) {
     double slope = 0, size = 0;
     for (int k = degree; k >= 1; k--)
@@ -104,8 +103,8 @@ static double conditioning(const double *c, int degree, double root) {
     return 1e-15 * (degree + 1) * size / fabs(slope);
 }
 
-/* Random products of real roots inside and outside the interval, up to degree 24: the first rise is the least
- * inner root at which the sign changes from negative to positive. Decided against the sorted roots. */
+/* Random products of real roots inside and outside the interval, up to degree 24: the first rise must be the
+ * least inner root at which the sign changes from negative to positive. */
 static void random_products(void **unused) {
     (void)unused;
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
@@ -141,7 +140,7 @@ static void random_products(void **unused) {
 
 static void compensated_values(void **unused) {
     (void)unused;
-    /* (s - 1)^8 near 1: plain evaluation has no digit right there. */
+    /* (s - 1)^8 near 1: plain evaluation has no correct digit there. */
     double c[9] = {1, -8, 28, -56, 70, -56, 28, -8, 1}, s = 1 + ldexp(1, -7);
     check_near(saltus_compensated(c, 8, s), ldexp(1, -56), 1e-15 * ldexp(1, -56));
 }

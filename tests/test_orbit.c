@@ -1,6 +1,6 @@
 /* Orbit finding: Newton's method converges quadratically to the reference orbits from disturbed states, for
- * any section phase, tolerance and number of segments; orbits near grazing where the plain method fails; and
- * failures that say why.
+ * any section phase, tolerance and number of segments; orbits near grazing, where the plain method fails;
+ * failures with their reasons.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
 #include "reference.h"
@@ -15,7 +15,7 @@ typedef struct history {
     int count;
     double residual[history_max];
     int step[history_max];
-    int last; /* the largest number of a step */
+    int last; /* the largest step number */
     bool prescribed;
 } history;
 
@@ -29,7 +29,7 @@ static void remember(void *context, int iteration, double residual, const char *
     }
 }
 
-/* Once small, a residual is at most a constant times the square of the one before it, down to rounding. */
+/* A small residual is at most a constant times the square of the one before, down to rounding. */
 static void check_quadratic(const history *h) {
     const double constant = 500, floor = 1e-13;
     assert_true(h->count >= 2);
@@ -47,7 +47,7 @@ static saltus_orbit find(const saltus_system *system, int periods, const double 
     return orbit;
 }
 
-/* Multipliers against the listed ones of the reference; all of them against the sum rule. */
+/* The multipliers that the reference lists, and all of them by the sum rule. */
 static void check_multipliers(const reference *r, const saltus_orbit *orbit) {
     for (int k = 0; k < r->multiplier_count; k++) {
         double modulus = hypot(r->multipliers[k][0], r->multipliers[k][1]);
@@ -76,7 +76,7 @@ static void disturb(gsl_rng *random, double size, int n, const double *state, do
 static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25"};
 enum { name_count = 4 };
 
-/* From states 1e-3 away at random. */
+/* From random states 1e-3 away. */
 static void quadratic_convergence(void **unused) {
     (void)unused;
     gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
@@ -103,7 +103,7 @@ static void quadratic_convergence(void **unused) {
     gsl_rng_free(random);
 }
 
-/* One search with other options; the orbit found is followed to phase 0 and compared there. */
+/* A search with other options; its orbit is followed to phase 0 and compared there. */
 static void check_variant(const reference *r, gsl_rng *random, const saltus_orbit_options *options,
                           double tolerance) {
     saltus_system *system = build(&r->spec);
@@ -124,7 +124,7 @@ static void check_variant(const reference *r, gsl_rng *random, const saltus_orbi
     saltus_system_free(system);
 }
 
-/* The same orbit whatever the section phase, the tolerance, the number of segments. */
+/* The same orbit for any section phase, tolerance and number of segments. */
 static void same_orbit_any_way(void **unused) {
     (void)unused;
     static const double phases[] = {0.21, 0.5, 0.83};
@@ -175,7 +175,7 @@ static void sticking_orbit(void **unused) {
     free(r.text);
 }
 
-/* Newton's method on the stroboscopic map as it stands in textbooks: whole steps, no more. */
+/* Textbook Newton's method on the stroboscopic map, with full steps only. */
 static bool plain_newton(const saltus_system *system, int periods, const double *guess, double *state) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_message message = {.text = ""};
@@ -196,7 +196,7 @@ static bool plain_newton(const saltus_system *system, int periods, const double 
             residual[i] = after[i] - state[i];
         if (hypot(residual[0], residual[1]) < 1e-12)
             break;
-        /* Columns one after the other: m[0], m[1] is the first one. */
+        /* Stored by columns: m[0], m[1] is the first one. */
         double a = m[0] - 1, b = m[2], c = m[1], d = m[3] - 1, determinant = a * d - b * c;
         state[0] -= (d * residual[0] - b * residual[1]) / determinant;
         state[1] -= (a * residual[1] - c * residual[0]) / determinant;
@@ -208,11 +208,11 @@ static bool plain_newton(const saltus_system *system, int periods, const double 
 typedef struct rough {
     closed_oscillator oscillator;
     long double speed;
-    double size; /* of the disturbance */
-    int lost;    /* the plain method fails from so many starts at least */
+    double size; /* size of the disturbance */
+    int lost;    /* from at least this many starts the plain method fails */
 } rough;
 
-/* Slow impacts, the slower one from starts so rough that the plain method loses its way. */
+/* Slow impacts; for the slower one the starts are so rough that the plain method often fails. */
 static void near_grazing(void **unused) {
     (void)unused;
     enum { starts = 20 };
@@ -291,8 +291,8 @@ static void larger_eigenvalues(const double *matrix, double *modulus) {
     gsl_vector_complex_free(values);
 }
 
-/* Mass 1 in a strong damper, mass 2 on it with a stop: three multipliers are the larger eigenvalues of the
- * monodromy matrix, and all four have the product r^2 for each impact, times exp(-(c + 2 c2) p T). */
+/* Mass 1 on a strong damper, and on it mass 2 with a stop: three multipliers are the larger eigenvalues of
+ * the monodromy matrix, and the product of all four is exp(-(c + 2 c2) p T) times r^2 for each impact. */
 static void small_multipliers_with_impacts(void **unused) {
     (void)unused;
     static const double dampers[] = {4, 8, 16, 24};
@@ -334,7 +334,7 @@ static void check_empty(const saltus_orbit *orbit) {
     assert_true(orbit->dimension == 0 && orbit->periods == 0 && orbit->iterations == 0);
 }
 
-/* A search that must fail, with a status and a sentence that names the cause. */
+/* A search that must fail with a status and a message that names the cause. */
 static void check_fails(const saltus_spec *spec, int periods, double x, double v, saltus_status status,
                         const char *cause) {
     saltus_system *system = build(spec);
@@ -346,7 +346,7 @@ static void check_fails(const saltus_spec *spec, int periods, double x, double v
     options.history = remember;
     options.context = &h;
     saltus_status found = saltus_orbit_find(system, periods, guess, &options, &orbit, &message);
-    /* Each formulation goes on while its steps help; the one that does not is its last. */
+    /* A formulation goes on while its steps lower the residual, and ends with the first that does not. */
     for (int k = 1; k + 1 < h.count; k++)
         if (h.step[k] > 0 && h.step[k + 1] > 0)
             assert_true(h.step[k + 1] == h.step[k] + 1 && h.residual[k] < h.residual[k - 1]);
@@ -380,7 +380,7 @@ static void orbits_not_isolated(void **unused) {
     check_fails(&spec, 1, 3, 3, SALTUS_SINGULAR, "not isolated");
 }
 
-/* Where every state is periodic: refused as not isolated, or found with two multipliers 1. */
+/* If every state is periodic the search is refused as not isolated, or finds two multipliers 1. */
 static void families_of_orbits(void **unused) {
     (void)unused;
     for (int stop = 0; stop < 2; stop++) {
@@ -405,7 +405,7 @@ static void families_of_orbits(void **unused) {
     }
 }
 
-/* Started on an orbit that passes through its stop, where no other is near: the failure says that. */
+/* From an orbit that passes through its stop, with no other nearby: the message says so. */
 static void orbit_passes_through_stop(void **unused) {
     (void)unused;
     static const closed_oscillator rows[] = {{.c = 0.0173L,
@@ -437,8 +437,8 @@ static void orbit_passes_through_stop(void **unused) {
     }
 }
 
-/* Searches at random, from the states of orbits that pass through their stop: what is found closes under the
- * flow, and what is not found is no fault of the input. */
+/* Random searches from states of orbits that pass through their stop: an orbit found closes under the flow,
+ * and a failure never blames the input. */
 static void searches_at_random(void **unused) {
     (void)unused;
     enum { draws = 1500 };
@@ -481,8 +481,8 @@ static void searches_at_random(void **unused) {
     assert_int_equal(blamed, 0);
 }
 
-/* What orbit.h says of a result, found anew: the residual is the distance by which the orbit fails to close,
- * the monodromy matrix is the derivative by differences, from whatever phase. */
+/* The statements of orbit.h about a result, checked anew: the residual is the distance by which the orbit
+ * fails to close, the monodromy matrix is the derivative by differences, at any phase. */
 static void results_found_anew(void **unused) {
     (void)unused;
     const double step = 1e-6;
@@ -534,9 +534,8 @@ static void results_found_anew(void **unused) {
     saltus_system_free(system);
 }
 
-/* Newton's steps are no more than allowed, and each is told with its residual; a search that needs more
- * fails.
- */
+/* Newton's method makes no more steps than allowed, and reports each with its residual; a search that needs
+ * more fails. */
 static void iterations_are_limited(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_one_period);
@@ -580,9 +579,8 @@ static void iterations_are_limited(void **unused) {
     assert_int_equal(options.segments, 0);
 }
 
-/* At the limit of rounding a step may make the residual grow: then it is taken back. What is told is the
- * least residual of the search, and it is the orbit's own, as a search from it that may make no step finds.
- */
+/* At the limit of rounding a step that increases the residual is taken back. The reported residual is the
+ * least of the search and belongs to the orbit: a search from it without steps finds the same. */
 static void a_step_that_does_not_help_is_taken_back(void **unused) {
     (void)unused;
     static const closed_example examples[] = {closed_one_period, closed_two_periods};
@@ -632,14 +630,14 @@ static void a_step_that_does_not_help_is_taken_back(void **unused) {
     gsl_rng_free(random);
 }
 
-/* A request that no search can fulfil is refused by its number, with and without forcing; what is at the
- * border of the ranges is sought. */
+/* A request that no search can fulfil is refused with its number, with and without forcing; values at the
+ * limits are accepted. */
 static void requests_out_of_range_are_refused(void **unused) {
     (void)unused;
     static const struct {
         int periods, iterations;
         double phase;
-        const char *word; /* NULL: it is no bad input */
+        const char *word; /* NULL: valid input */
     } rows[] = {{0, 20, 0, "periods = 0:"},     {-1, 20, 0, "periods = -1:"},
                 {1, -1, 0, "iterations = -1:"}, {1, 20, 1, "phase = 1:"},
                 {1, 20, 1.5, "phase = 1.5:"},   {1, 20, -0.25, "phase = -0.25:"},
@@ -670,7 +668,7 @@ static void requests_out_of_range_are_refused(void **unused) {
     }
 }
 
-/* The period of a forced scene's orbits is no unknown. */
+/* The period of a forced scene's orbits cannot be an unknown. */
 static void forced_periods_are_known(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);

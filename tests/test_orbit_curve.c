@@ -1,5 +1,5 @@
-/* The curve of orbits of one sequence, what is found on it and where it goes on, against oscillators whose
- * orbits are known in closed form; no run of a branch is made.
+/* The curve of orbits with one event sequence, its special points and what follows them, for oscillators with
+ * orbits in closed form; without a run of a branch.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
 
@@ -35,7 +35,7 @@ static int face_of(const saltus_system *system, int side) {
     return f;
 }
 
-/* The state of a closed orbit at a time in periods, at which there is no impact. */
+/* The state of a closed orbit at a time (in periods) without an impact. */
 static void closed_state_at(const closed_orbit *orbit, double periods, long double *x) {
     const closed_oscillator *o = &orbit->oscillator;
     long double length = o->periods * closed_period(o), time = periods * closed_period(o), last = INFINITY,
@@ -52,7 +52,7 @@ static void closed_state_at(const closed_orbit *orbit, double periods, long doub
     closed_flight(o, orbit->impact[from].time, start, orbit->impact[from].time + last, x);
 }
 
-/* A closed orbit as a sequence, cut open a share of its first flight on. */
+/* A closed orbit as a sequence, cut open in its first flight, at a share of it. */
 static saltus_sequence sequence_of(const saltus_orbits *orbits, const closed_orbit *orbit, double share,
                                    double *state) {
     const closed_oscillator *o = &orbit->oscillator;
@@ -79,7 +79,7 @@ static double unknown_of(const saltus_orbits *orbits, double value) {
     return (value - orbits->origin) / orbits->family.unit[0];
 }
 
-/* The orbit at a value of the parameter becomes a solution that heads up or down. */
+/* Make a closed orbit a solution that heads up or down. */
 static void place_closed(family *f, const closed_orbit *orbit, double share, int heading,
                          saltus_solution *out) {
     saltus_message message = {.text = ""};
@@ -91,7 +91,7 @@ static void place_closed(family *f, const closed_orbit *orbit, double share, int
         saltus_curve_turn(&out->at);
 }
 
-/* The closed orbit at a solution's value, on the sheet whose impacts are as fast. */
+/* The closed orbit at a solution's parameter, on the sheet with the same impact speed. */
 static closed_orbit closed_at(const family *f, const saltus_solution *s) {
     closed_oscillator o = f->o;
     closed_orbit orbit, nearest = {.impacts = 0};
@@ -111,7 +111,7 @@ static closed_orbit closed_at(const family *f, const saltus_solution *s) {
     return nearest;
 }
 
-/* State, times, speeds: all that a solution tells of the orbit. */
+/* Compare all that a solution holds of the orbit: state, times, speeds. */
 static void check_solution(const family *f, const saltus_solution *s) {
     closed_orbit orbit = closed_at(f, s);
     double speed[SALTUS_MARKS_MAX];
@@ -134,7 +134,7 @@ static void check_solution(const family *f, const saltus_solution *s) {
         assert_int_equal(s->worst.value < 0, orbit.admissible);
 }
 
-/* Oscillators to begin with. */
+/* Oscillators with a first orbit and a parameter. */
 static const struct {
     closed_example example;
     long double omega;
@@ -154,7 +154,7 @@ static void open_begin(int k, family *f, closed_orbit *orbit) {
     open_family(f, &o, begins[k].key, begins[k].unit);
 }
 
-/* Placed, polished from beside, and visited a little way ahead and back. */
+/* Solutions placed on the closed orbit, corrected from nearby, and visited a little ahead and back. */
 static void solutions_are_the_closed_orbits(void **state) {
     (void)state;
     for (int k = 0; k < begin_count; k++) {
@@ -192,7 +192,8 @@ static void solutions_are_the_closed_orbits(void **state) {
     }
 }
 
-/* The parameter unknown of a border gives it back to the last bit, where one does, and never one beyond. */
+/* The parameter unknown of a border gives the border's value to the last bit, if any unknown does, and never
+ * a value beyond. */
 static void parameters_give_values_back(void **state) {
     (void)state;
     saltus_orbits o = {.origin = 0};
@@ -206,7 +207,7 @@ static void parameters_give_values_back(void **state) {
         }
         o.origin = (k % 2 ? 10 : 0.1) * number[0];
         o.family.unit[0] = 0.1 + 5 * number[1];
-        /* Within the range, whose width is the unit, and larger than the parameter's rounding. */
+        /* Within the range (its width is the unit), and larger than the parameter's rounding. */
         double value = (o.origin + o.family.unit[0] * (number[2] - 0.5)) * (1 + (k % 7) * 0x1p-50);
         double unit = o.family.unit[0], quotient = (value - o.origin) / unit;
         double back = o.origin + unit * saltus_orbits_border(o.origin, unit, value, k % 2), apart = INFINITY;
@@ -214,7 +215,7 @@ static void parameters_give_values_back(void **state) {
             double near = way ? nextafter(quotient, way * INFINITY) : quotient;
             apart = fmin(apart, fabs(o.origin + unit * near - value));
         }
-        /* Where parameters lie wider apart than values there need not be one. */
+        /* Where parameters are more widely spaced than values there may be none. */
         assert_int_equal(back == value, apart == 0);
         assert_true(k % 2 ? back <= value : back >= value);
         given += back == value;
@@ -223,7 +224,7 @@ static void parameters_give_values_back(void **state) {
     assert_true(given > 5000 && beside > 5);
 }
 
-/* The event-driven flow follows an admissible orbit, and its multipliers are the closed ones. */
+/* The event-driven flow follows an admissible orbit, with the multipliers of the closed form. */
 static void surveys_tell_the_multipliers(void **state) {
     (void)state;
     for (int k = 0; k < begin_count; k++) {
@@ -258,7 +259,7 @@ static void surveys_tell_the_multipliers(void **state) {
     }
 }
 
-/* The state at any time of the orbit, before and behind impacts. */
+/* The state at any time of the orbit, before and after impacts. */
 static void states_in_between(void **state) {
     (void)state;
     for (int k = 0; k < begin_count; k++) {
@@ -275,7 +276,7 @@ static void states_in_between(void **state) {
             check_ok(saltus_solution_state_at(&f.orbits, &s, time, x, &message), &message);
             for (int i = 0; i < 2; i++)
                 check_near(x[i], (double)exact[i], 1e-10);
-            /* The shooting is as it was. */
+            /* The shooting is unchanged. */
             assert_int_equal(saltus_shooting_sequence(f.orbits.shooting)->cuts, 1);
         }
         saltus_solution_clear(&s);
@@ -283,7 +284,7 @@ static void states_in_between(void **state) {
     }
 }
 
-/* An orbit gone through twice has half its period, a mirrored one is its own image; others are not. */
+/* An orbit traversed twice has half its period, a mirrored one is its own image; others are neither. */
 static void halves_and_images(void **state) {
     (void)state;
     for (int k = 0; k < begin_count; k++) {
@@ -312,7 +313,7 @@ static void halves_and_images(void **state) {
     }
 }
 
-/* Cut open right behind the impact an orbit is cut elsewhere: the same orbit, heading as before. */
+/* An orbit cut open just after its impact is cut elsewhere: it remains the same, with its heading. */
 static void reframed_orbits_are_the_same(void **state) {
     (void)state;
     for (int k = 0; k < begin_count; k++)
@@ -380,7 +381,7 @@ static void swap(saltus_solution *a, saltus_solution *b) {
     *b = kept;
 }
 
-/* Steps from a known orbit until a test changes its sign between `from` and `to`. */
+/* Step from a known orbit until a test changes sign between `from` and `to`. */
 static void step_over(family *f, const known_point *p, saltus_solution *from, saltus_solution *to) {
     saltus_message message = {.text = ""};
     closed_orbit begin;
@@ -418,7 +419,7 @@ static void zeros_are_the_closed_points(void **state) {
                                                           0.5 * to.at.ahead, to.at.ahead, &at)
                                : saltus_solution_zero(&f.orbits, p->test, 0, &from, &to, &at);
         if (p->test == SALTUS_TEST_CROSSING && !zero.found) {
-            /* The middle was too far aside. */
+            /* The middle of the step was too far away. */
             zero = saltus_solution_zero(&f.orbits, p->test, 0, &from, &to, &at);
             assert_true(zero.found);
             zero = saltus_solution_crossing(&f.orbits, SALTUS_TEST_CROSSING, &from, zero.ahead, to.at.ahead,
@@ -436,7 +437,7 @@ static void zeros_are_the_closed_points(void **state) {
     }
 }
 
-/* A value that is asked for is met to the last digits, in between and at once where it is the end. */
+/* A requested value within a step is met to the last digits; one beyond its end is not found. */
 static void values_are_met(void **state) {
     (void)state;
     family f;
@@ -460,7 +461,7 @@ static void values_are_met(void **state) {
     saltus_orbits_close(&f.orbits);
 }
 
-/* All that is on a step is found in its order: the special point and the values asked for, nothing else. */
+/* All points on a step are found, in order: the special point and the requested values, nothing else. */
 static void all_of_a_step_is_found(void **state) {
     (void)state;
     for (int k = 0; k < known_count; k++) {
@@ -473,7 +474,7 @@ static void all_of_a_step_is_found(void **state) {
             continue;
         step_over(&f, p, &from, &to);
         check_ok(saltus_solution_survey(&f.orbits, &from, &message), &message);
-        /* The shooting has the point seen last. */
+        /* The shooting must hold the point seen last. */
         check_ok(saltus_solution_survey(&f.orbits, &to, &message), &message);
         closed_orbit known = find_known(p, &f.o);
         const double targets[3] = {from.value + 0.6 * (to.value - from.value), from.value + 7,
@@ -506,8 +507,8 @@ static void all_of_a_step_is_found(void **state) {
     }
 }
 
-/* Where branches leave: the tangent of a start is of unit length, the parameter does not change along it, and
- * the equations, of twice the orbit at a flip, do not either. */
+/* Where branches leave, the tangent of a start has unit length; along it neither the parameter nor the
+ * equations, at a flip those of twice the orbit, change. */
 static void branches_leave_along_null_vectors(void **state) {
     (void)state;
     for (int k = 0; k < known_count; k++) {
@@ -559,8 +560,8 @@ static void branches_leave_along_null_vectors(void **state) {
     }
 }
 
-/* Beyond grazing: the same orbit with an impact more or less, and a point further on that the flow follows.
- * Orbits of twice the period may leave there. */
+/* Beyond a grazing the orbit has one impact more or less, and a further point follows the flow. Orbits of
+ * twice the period may leave there. */
 static void grazing_is_passed(void **state) {
     (void)state;
     int passed = 0;
@@ -605,7 +606,7 @@ static void grazing_is_passed(void **state) {
                     !starts.start[0].tangent);
         assert_int_equal(starts.start[0].sequence.periods, 2 * f.o.periods);
         assert_int_equal(starts.start[0].sequence.count, beyond.count + at.sequence.count);
-        /* Where two impacts come at once no such orbits are looked for. */
+        /* No such orbits are sought if two impacts appear at once. */
         at.sequence.count = beyond.count + 2;
         check_ok(saltus_starts_graze(&f.orbits, &at, &beyond, &like, &starts, &message), &message);
         assert_int_equal(starts.count, 1);
@@ -621,8 +622,8 @@ static void grazing_is_passed(void **state) {
     assert_int_equal(passed, 2);
 }
 
-/* The same change without the sequence's help: the last orbit before it is where the closed form has it, and
- * the one beyond has the flow's own events. Where the range ends too soon there is none. */
+/* The same change without a known sequence: the last orbit before it is that of the closed form, and the next
+ * has the events of the flow. If the range ends too soon there is no next one. */
 static void changes_are_leapt_over(void **state) {
     (void)state;
     for (int k = 0; k < known_count; k++)
@@ -662,7 +663,7 @@ static void changes_are_leapt_over(void **state) {
         }
 }
 
-/* Lack of memory is remembered, whatever else is told after it. */
+/* Lack of memory is remembered, whatever status follows. */
 static void lack_of_memory_is_remembered(void **state) {
     (void)state;
     saltus_orbits o = {.n = 0};
@@ -697,7 +698,7 @@ static void starts_are_kept(void **state) {
     memset(values, 0, sizeof values);
     memset(tangent, 0, sizeof tangent);
     for (int k = 0; k < count; k++) {
-        /* Half of them are taken out, in order; the others are looked at where they are. */
+        /* Half of them are taken out, in order; the others are read in place. */
         saltus_branch_start taken = k < count / 2 ? saltus_starts_take(&starts) : (saltus_branch_start){0};
         const saltus_branch_start *start = k < count / 2 ? &taken : &starts.start[k - count / 2];
         assert_int_equal(starts.begun + starts.count, count);
@@ -715,8 +716,8 @@ static void starts_are_kept(void **state) {
     saltus_starts_clear(&starts);
 }
 
-/* Event times that are not within the orbit are no orbit's: they are refused before the flow is led there,
- * which to so late a time would take for ever. */
+/* Event times outside the orbit are refused before the flow runs: to such late times it would take for
+ * ever. */
 static void times_beyond_the_orbit(void **unused) {
     (void)unused;
     const double aside[] = {-1e12, -1e-3, 1e-3, 1e12};

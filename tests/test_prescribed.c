@@ -1,5 +1,5 @@
-/* Prescribed events: what a coast collects against dense sampling, and what a strike says of itself against
- * differences of whole runs.
+/* Prescribed events: the extremes that a coast collects against dense sampling, and the derivatives that a
+ * strike reports against differences of whole runs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 #include "stress_field.h"
@@ -48,7 +48,7 @@ typedef struct tops {
     double force_size;
 } tops;
 
-/* The highest local maxima of a dense sampling, each through the parabola of three samples. */
+/* The highest local maxima of a dense sampling, refined by a parabola through three samples. */
 static tops sample(const scene *s, const saltus_system *system, const saltus_flow_options *options,
                    unsigned contacts, double periods) {
     stress_model m;
@@ -75,7 +75,7 @@ static tops sample(const scene *s, const saltus_system *system, const saltus_flo
     return t;
 }
 
-/* The quantity at a time, by a coast of its own. */
+/* The quantity at a time, by a separate coast. */
 static double quantity_at(const scene *s, const saltus_system *system, const saltus_flow_options *options,
                           unsigned contacts, int face, saltus_time time) {
     stress_model m;
@@ -88,7 +88,7 @@ static double quantity_at(const scene *s, const saltus_system *system, const sal
     return quantity(&m, contacts, face, time.phase, x);
 }
 
-/* A free face whose stop is held on its other side. */
+/* Whether another face of the same stop is held, so that this free face does not move. */
 static bool stands_still(const saltus_system *system, int face, unsigned contacts) {
     bool still = false;
     for (int g = 0; g < saltus_system_face_count(system); g++)
@@ -137,8 +137,8 @@ static int check_extremes(const scene *s, saltus_flow_options options, unsigned 
     return found;
 }
 
-/* Free, and with each face held; both integrators, and steps so long that one has several maxima and minima;
- * coasts so short that there is none. */
+/* Free, and with each face held; with both integrators, and with steps so long that they hold several
+ * extremes; also coasts too short for any. */
 static void a_coast_collects_what_a_dense_sampling_finds(void **unused) {
     (void)unused;
     static const scene_name names[] = {scene_struck_pipe,     scene_two_sided_pipe, scene_chattering_pipe,
@@ -167,7 +167,7 @@ static void a_coast_collects_what_a_dense_sampling_finds(void **unused) {
     assert_true(found > 40);
 }
 
-/* Extremes are only raised; no time passes where none is asked for; time does not run back. */
+/* Extremes are only raised; a coast to the present time does nothing, one to the past is refused. */
 static void a_coast_only_raises_its_extremes(void **unused) {
     (void)unused;
     scene s = scene_of(scene_two_sided_mass);
@@ -191,7 +191,7 @@ static void a_coast_only_raises_its_extremes(void **unused) {
 /* A run of prescribed events: coast and strike in turn, then coast to the end. */
 typedef struct program {
     int strikes;
-    double time[4]; /* of the strikes, periods */
+    double time[4]; /* of the strikes, in periods */
     saltus_event_kind kind[4];
     int face[4];
     double end;
@@ -202,10 +202,10 @@ typedef struct result {
     saltus_strike strike[4];
     double gradient[4][scene_columns_max], shift[4][scene_dimension_max];
     double
-        columns[scene_columns_max * scene_dimension_max]; /* the flow's, or the carried shift in the first */
+        columns[scene_columns_max * scene_dimension_max]; /* the flow's, or in the first the carried shift */
 } result;
 
-/* With `carried` >= 0 the tangent vectors after that strike become the shift it tells. */
+/* Run a program; with `carried` >= 0 the first tangent vector becomes that strike's shift after it. */
 static void perform(const scene *s, const program *p, saltus_integrator integrator,
                     const saltus_direction *directions, int carried, result *r) {
     saltus_system *system = build(&s->spec);
@@ -242,7 +242,7 @@ static void compare(double value, double expected, double size, const char *what
         fail_msg("%s %d: %.12g should be %.12g", what, k, value, expected);
 }
 
-/* Move the stops to where the motion is when it is to stick there: a contact cannot begin at a distance. */
+/* Move each stop to where the motion sticks to it: a contact cannot begin at a distance. */
 static void meet_stops(scene *s, const program *p) {
     static result r;
     program probe = *p;
@@ -258,8 +258,8 @@ static void meet_stops(scene *s, const program *p) {
     }
 }
 
-/* Put a release where the force is zero, if it is anywhere within a period after the strike before: there,
- * and only there, the equation's rate is the same with and without the contact. Later strikes follow. */
+/* Move a release, with all later strikes, to where the force is zero, if that happens within a period after
+ * the strike before. Only there is the equation's rate the same with and without the contact. */
 static bool place_release(const scene *s, program *p, int k) {
     static result r;
     program probe = *p;
@@ -285,7 +285,7 @@ static bool place_release(const scene *s, program *p, int k) {
     return high > from;
 }
 
-/* Differences of the final state and of the strikes' equations, held against a column. */
+/* Compare a column with differences of the final state and of the strikes' equations. */
 static void compare_column(const result *above, const result *below, double h, const result *r,
                            const program *p, int n, int column, double unit) {
     for (int k = 0; k < p->strikes; k++)
@@ -312,7 +312,7 @@ static void check_program(const scene *s, const program *p, saltus_integrator in
         perform(&moved, p, integrator, NULL, -1, &below);
         compare_column(&above, &below, h, &r, p, n, c, unit);
     }
-    /* A change of a strike's own time. */
+    /* Derivatives by a strike's own time. */
     for (int k = 0; k < p->strikes; k++) {
         program late = *p, early = *p;
         const double h = 1e-5;
@@ -348,8 +348,8 @@ static void check_program(const scene *s, const program *p, saltus_integrator in
     saltus_system_free(system);
 }
 
-/* What a strike asks and does at its own instant: the state before and after it, by a flow that stops there.
- */
+/* A strike's equation and its effect at its instant: the states before and after, by a flow that stops
+ * there. */
 static void strikes_follow_their_laws(const scene *s, const program *p) {
     stress_model m;
     saltus_system *system = build(&s->spec);
@@ -430,7 +430,7 @@ static void strikes_answer_as_whole_runs_do(void **unused) {
     assert_true(released >= 4);
 }
 
-/* A strike that cannot be: a release of what does not hold, contacts that exclude each other. */
+/* Impossible strikes: release of a face that is not held, contacts that exclude each other. */
 static void impossible_strikes_are_refused(void **unused) {
     (void)unused;
     scene s = scene_of(scene_two_sided_mass);
@@ -457,8 +457,8 @@ static void impossible_strikes_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
-/* A coast goes forwards: to the present time it does nothing, to an earlier one it is refused, and the lane
- * stays as it was either way. */
+/* A coast goes forwards: to the present time it does nothing, to an earlier one it is refused; in both cases
+ * the lane is unchanged. */
 static void coasts_go_forwards(void **unused) {
     (void)unused;
     scene s = scene_of(scene_two_sided_mass);
@@ -486,8 +486,8 @@ static void coasts_go_forwards(void **unused) {
     saltus_system_free(system);
 }
 
-/* Wherever the stops are a lane can be placed, with its contacts: the state comes onto the faces that hold,
- * and the tangent vectors begin as the identity's columns, parameter columns at zero. */
+/* A lane can be placed anywhere, with contacts: the state is put onto the held faces; tangent vectors begin
+ * as columns of the identity, parameter columns at zero. */
 static void a_placed_lane_begins_anew(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++) {
@@ -500,7 +500,7 @@ static void a_placed_lane_begins_anew(void **unused) {
         saltus_flow *flow = NULL;
         double state[scene_dimension_max], columns[scene_columns_max * scene_dimension_max];
         options.directions = 1;
-        options.columns = n + 3; /* two more than there are columns of the identity */
+        options.columns = n + 3; /* two more than the identity has */
         check_ok(saltus_spec_direction(&s.spec, "omega", &direction, NULL, &message), &message);
         check_ok(saltus_flow_new((const saltus_system *[]){system}, 1, &options, &flow, &message), &message);
         saltus_flow_set_directions(flow, &direction);
