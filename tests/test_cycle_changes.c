@@ -1,4 +1,4 @@
-/* What changes along branches of cycles, and how they go on beyond.
+/* Changes along branches of cycles, and how the branches continue.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 
@@ -13,8 +13,8 @@ static saltus_scene scene_from(const char *text, const char *const *settings, in
     return scene;
 }
 
-/* All points of the branch of cycles through what a scene settles on; *reach (may be NULL): how far that one
- * reaches upwards. */
+/* All points of the branch through the cycle on which a scene settles; *reach (may be NULL): the highest
+ * displacement of that cycle. */
 static branch_record branch_of(saltus_scene *scene, saltus_branch_options options, double *reach) {
     saltus_message message = {.text = ""};
     saltus_classify_options classify = saltus_classify_defaults();
@@ -42,8 +42,8 @@ static int count_special(const branch_record *record) {
     return count;
 }
 
-/* The valve's cycle touches its seat in one place, wherever the branch begins and however long its steps are:
- * also where the orbit is cut open where the lift is smallest. */
+/* The valve's cycle touches its seat at one place, wherever the branch begins and however long its steps;
+ * also if the orbit is cut open where the lift is smallest. */
 static void grazing_is_met_from_everywhere(void **unused) {
     (void)unused;
     static const struct {
@@ -72,8 +72,8 @@ static void grazing_is_met_from_everywhere(void **unused) {
     }
 }
 
-/* Where a cycle touches the seat its one impact counts, be it on this side or that of where the flow sees it:
- * the label says what is counted. */
+/* At a touch of the seat the cycle's one impact counts, on whichever side of it the flow sees the orbit; the
+ * label agrees with the count. */
 static void labels_on_a_curve_of_grazing_say_what_is_counted(void **unused) {
     (void)unused;
     saltus_scene scene;
@@ -99,9 +99,9 @@ static void labels_on_a_curve_of_grazing_say_what_is_counted(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Van der Pol's cycle between stops: it meets them where they are as far as it reaches. Its perturbations die
- * in one direction, in which each impact of no speed takes the factor r^2: so much smaller is the multiplier
- * beyond, and the cycle neither folds nor flips there. */
+/* Van der Pol's cycle meets stops at its amplitude. Its perturbations decay in one direction only, by the
+ * factor r^2 at each impact without speed: by so much the multiplier jumps, and the cycle neither folds nor
+ * flips. */
 static void a_planar_cycle_keeps_stable_through_grazing(void **unused) {
     (void)unused;
     static const char text[] = "model:\n"
@@ -159,7 +159,7 @@ static void symmetric_cycles_pass_grazing(void **unused) {
             const saltus_branch_point *p = &record.point[j];
             if (p->kind != SALTUS_POINT_GR)
                 continue;
-            /* It reaches the stop: its highest point, the state, is there. */
+            /* Its highest point, the state, is at the stop. */
             check_near(p->state[0], 0.8, 1e-9);
             assert_string_equal(p->label, "0/1");
             assert_string_equal(p->label_after, "2/1");
@@ -170,9 +170,9 @@ static void symmetric_cycles_pass_grazing(void **unused) {
     }
 }
 
-/* From the other side, the impacts of van der Pol's cycle at one stop or two lose their speed at once, in
- * steps of any length, where the cycle without them reaches the stops; it goes on as that one, and neither
- * folds nor flips, as its one multiplier is neither 1 nor -1. */
+/* From the other side: the impacts of van der Pol's cycle at one stop or two lose their speed at once, for
+ * steps of any length, where the cycle without them reaches the stops. The branch goes on with that cycle,
+ * and neither folds nor flips, as its one multiplier is neither 1 nor -1. */
 static void impacts_of_planar_cycles_die_together(void **unused) {
     (void)unused;
     static const char text[] = "model:\n"
@@ -212,8 +212,8 @@ static void impacts_of_planar_cycles_die_together(void **unused) {
     }
 }
 
-/* A cycle whose section points are impacts is followed from there, too: once around, the impact that it
- * begins with neither counts twice nor is missed. */
+/* A cycle whose section points are impacts can be followed: in one turn its first impact is neither counted
+ * twice nor missed. */
 static void cycles_begin_at_impacts(void **unused) {
     (void)unused;
     static const char text[] = "model:\n"
@@ -247,8 +247,8 @@ static const char circle[] =
     "    x: -u - 8*a*u*w/s - 2*(x' + w - 2*a*(u^2 - w^2)/s) - 3*(x - u - 2*a*u*w/s)\n"
     "initial: {x: 0.3, u: 0.5}\n";
 
-/* Where the cycle ceases to meet its section, or begins to, is told sharply, once, and the branch goes on:
- * from either side, in short steps and long ones. */
+/* Where the cycle stops or begins to meet its section is located sharply, once, and the branch goes on: from
+ * either side, in short steps and long ones. */
 static void returns_come_and_go(void **unused) {
     (void)unused;
     static const struct {
@@ -291,9 +291,9 @@ static void returns_come_and_go(void **unused) {
     }
 }
 
-/* A cycle around x = s, of which m - 1/2 is the damping's part that grows: it is born at the Hopf point m =
- * 1/2, with the period 2 pi, stable where a < 0, otherwise unstable, until it folds. The scene's third state
- * follows x and dies with e^-gt. */
+/* A cycle around x = s with the net negative damping m - 1/2: it is born at the Hopf point m = 1/2, with the
+ * period 2 pi, stable if a < 0, otherwise unstable until it folds. The scene's third state follows x and
+ * decays like e^-gt. */
 static const char normal[] = "model:\n"
                              "  parameters: {m: 0.8, a: -1, g: 1.5}\n"
                              "  motion:\n"
@@ -302,8 +302,8 @@ static const char normal[] = "model:\n"
                              "  states: {p: (x - 2*m)^2 - g*p}\n"
                              "initial: {x: 1.7}\n";
 
-/* Where cycles shrink to nothing is told by the equilibrium's own equation, to rounding, with the multipliers
- * that they have there, however long the steps are that lead up to it. */
+/* The end of a branch of shrinking cycles is located by the equilibrium's own equation, to rounding, with its
+ * multipliers, however long the last steps are. */
 static void cycles_end_where_they_are_born(void **unused) {
     (void)unused;
     static const char *const kinds[] = {"a=-1", "a=0.6"};
@@ -324,7 +324,7 @@ static void cycles_end_where_they_are_born(void **unused) {
         assert_int_equal(hopf->multiplier_count, 2);
         check_near(hopf->multipliers[0].re, 1, 0);
         check_near(hopf->multipliers[1].re, exp(-1.5 * 2 * M_PI), 1e-15);
-        /* Nothing but cycles lies on the way, of one size or a fold. */
+        /* On the way all orbits are cycles, with the trivial multiplier 1. */
         for (int j = 0; j < record.count - 2; j++)
             assert_true(record.point[j].trivial_multiplier > 0.999);
         branch_forget(&record);
@@ -332,9 +332,9 @@ static void cycles_end_where_they_are_born(void **unused) {
     }
 }
 
-/* Van der Pol's relaxation oscillation pressed aside passes through the explosion of a canard, near a = 1 -
- * 1/(8 mu^2), where the parameter stands still while the cycle shrinks from its full size: perturbations grow
- * and shrink again by 1e10 on the way. Beyond it is the Hopf point a = 1. */
+/* Van der Pol's relaxation oscillation under a constant force passes through a canard explosion near a = 1 -
+ * 1/(8 mu^2), where the cycle shrinks from its full size at almost constant parameter: on the way
+ * perturbations grow and shrink by 1e10. Beyond is the Hopf point a = 1. */
 static void canards_are_passed(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -354,7 +354,7 @@ static void canards_are_passed(void **unused) {
         assert_int_equal(end[-1].kind, SALTUS_POINT_HB);
         assert_int_equal(count_special(&record), 1);
         check_near(end->value[0], 1, 1e-12);
-        /* Periods of both ends of the explosion at one value of the parameter. */
+        /* The periods at both ends of the explosion, at one parameter. */
         for (int j = 0; j < record.count; j++)
             for (int i = 0; i < j; i++)
                 if (fabs(record.point[j].value[0] - record.point[i].value[0]) < 1e-6)
@@ -367,9 +367,9 @@ static void canards_are_passed(void **unused) {
     }
 }
 
-/* FitzHugh and Nagumo's equations as one of the second order. Their cycles are born unstable, fold within the
- * explosion of a canard, and go on as the stable relaxation oscillation: from there, and with any largest
- * step, the fold is the same one, and the Hopf point in which they end is that of the equilibrium. */
+/* FitzHugh and Nagumo's equations as one of second order. Their cycles are born unstable, fold within a
+ * canard explosion, and go on as the stable relaxation oscillation. From there, with any largest step, the
+ * fold is the same, and the final Hopf point is that of the equilibrium. */
 static void folds_within_a_canard_are_found(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -405,8 +405,8 @@ static void folds_within_a_canard_are_found(void **unused) {
     }
 }
 
-/* A mass on a spring that feeds its oscillation, pressed by F against a stop at 1/2, and the same with a
- * further state and a nonlinear spring. */
+/* A mass on a spring with negative damping, pressed by F against a stop at 1/2; the same with another state
+ * and a nonlinear spring. */
 static const char pressed[] = "model:\n"
                               "  parameters: {F: 1, z: 0.05}\n"
                               "  motion: {x: 2*z*x' - x + F}\n"
@@ -419,7 +419,7 @@ static const char delayed[] = "model:\n"
                               "stop: {coordinate: x, d: 0.5, r: 0.6, sides: upper}\n"
                               "initial: {x: 0.5}\n";
 
-/* The branches of equilibria from F = 1 down, and the cycles that begin on them. */
+/* The branches of equilibria from F = 1 down, with the cycles that begin there. */
 static branch_record rests_of(const char *text, const char *setting, double low) {
     saltus_message message = {.text = ""};
     saltus_scene scene = scene_from(text, &setting, 1);
@@ -442,10 +442,10 @@ static const saltus_branch_point *boundary_of(const branch_record *record) {
     return NULL;
 }
 
-/* Counted from the equilibrium at F, the stop being D = 1/2 - F away, the mass leaves it with -r v and is
- * back with v after a time T, in closed form. It loses what it is fed where the cycle is stable; so cycles
- * stand on one side of F = 1/2 or on the other, as r e^(pi z / w) is less than 1 or more, and none where
- * nothing is fed. Their area changes by r^2 e^(2 z T) in a period. */
+/* Measured from the equilibrium at F, with the stop D = 1/2 - F away, the mass leaves the stop with -r v and
+ * is back with v after a time T, in closed form. Impacts balance the negative damping; so cycles exist on one
+ * or the other side of F = 1/2, as r e^(pi z / w) is less than 1 or more, and none without it. Their area
+ * changes by r^2 e^(2 z T) in a period. */
 static void cycles_are_born_at_a_stop(void **unused) {
     (void)unused;
     static const struct {
@@ -478,7 +478,7 @@ static void cycles_are_born_at_a_stop(void **unused) {
     }
 }
 
-/* From the other end the branch of cycles comes to the same place, and ends there. */
+/* From the other end the branch of cycles reaches the same place and ends there. */
 static void cycles_shrink_to_an_equilibrium_on_a_stop(void **unused) {
     (void)unused;
     static const char *const texts[] = {pressed, delayed};
@@ -497,7 +497,7 @@ static void cycles_shrink_to_an_equilibrium_on_a_stop(void **unused) {
             assert_true(meets->accuracy < 1e-8);
             assert_int_equal(record.point[record.count - 1].kind, SALTUS_POINT_EP);
             assert_ptr_equal(meets, &record.point[record.count - 2]);
-            /* The cycle born there on the branch of equilibria is this one. */
+            /* The same cycle is born there on the branch of equilibria. */
             for (int j = 0; j < rests.count; j++)
                 if (rests.point[j].periods) {
                     check_near(rests.point[j].period, meets->period, 1e-2);
@@ -510,8 +510,8 @@ static void cycles_shrink_to_an_equilibrium_on_a_stop(void **unused) {
     }
 }
 
-/* A mass whose oscillation is fed, with a state that lags behind it; and the same beside a second mass that
- * is pressed against a stop of its own all the while, where it does nothing but reach the first. */
+/* A mass with negative damping and a lagging state; the same coupled to a second mass that is always pressed
+ * against its own stop and has no effect on the first. */
 static const char lagging[] = "model:\n"
                               "  parameters: {F: 1, z: 0.05, c: -1.2, b: 0.18}\n"
                               "  states: {w: x - b*w}\n"
@@ -529,7 +529,7 @@ static const char lagging_beside[] =
 typedef struct several {
     const char *text;
     double z, c, b, r;
-    int impacts; /* of the stable cycle that is born; -1: chatter completes */
+    int impacts; /* of the stable cycle born there; -1: complete chatter */
 } several;
 
 static const several born_with_several[] = {
@@ -557,7 +557,7 @@ static saltus_scene scene_of_several(const several *s, double F) {
     return scene_from(s->text, each, 5);
 }
 
-/* The free flow of the mass and what lags behind it, by its power series. */
+/* The free flow of the mass and the lagging state, by its power series. */
 static void coast(const several *s, double F, double time, double *y) {
     const int parts = 64;
     for (int part = 0; part < parts; part++) {
@@ -571,7 +571,7 @@ static void coast(const several *s, double F, double time, double *y) {
     }
 }
 
-/* From each impact the flow leads to the next, and meets the stop in between nowhere. */
+/* From each impact the flow leads to the next and does not meet the stop between. */
 static void check_flights(const several *s, const saltus_branch_point *p) {
     enum { looks = 50 };
     const int n = p->dimension, beside = s->text == lagging_beside;
@@ -592,8 +592,8 @@ static void check_flights(const several *s, const saltus_branch_point *p) {
     check_near(y[2], p->state[n - 1], 1e-10);
 }
 
-/* All cycles that are born on a stop grow in proportion to the distance from there, as these equations are
- * linear: in the same time, with impacts as much faster. */
+/* These equations are linear, so cycles born on a stop grow in proportion to the distance from there, with
+ * the same times and proportional impact speeds. */
 static void cycles_of_several_impacts_are_born_at_a_stop(void **unused) {
     (void)unused;
     for (size_t k = 0; k < sizeof born_with_several / sizeof born_with_several[0]; k++) {
@@ -652,10 +652,9 @@ static void cycles_of_several_impacts_are_born_at_a_stop(void **unused) {
     }
 }
 
-/* On the unit circle of (u, v) the angle turns with m - sin - e cos, around it in the time
- * 2 pi / sqrt(m^2 - 1 - e^2), until two equilibria are born on the way. The mass only follows, and may
- * strike.
- */
+/* On the unit circle of (u, v) the angle moves with the rate m - sin - e cos, and takes the time 2 pi /
+ * sqrt(m^2 - 1 - e^2) around it, until two equilibria are born there. The mass only follows, and may hit the
+ * stop. */
 static void cycles_end_where_equilibria_are_born_on_them(void **unused) {
     (void)unused;
     static const char text[] = "model:\n"

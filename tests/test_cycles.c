@@ -1,5 +1,5 @@
-/* Orbits of scenes without forcing, whose periods are their own: against published and independent numbers,
- * closed asymptotics, and what must hold of every such orbit.
+/* Orbits of unforced scenes, whose period is unknown: against published and independent numbers, closed
+ * asymptotics, and properties of every such orbit.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "json.h"
@@ -8,7 +8,7 @@
 
 #include "saltus/scene.h"
 
-/* A built-in scene with settings; the caller's. */
+/* A built-in scene with settings; the caller clears it. */
 static saltus_scene scene_with(const char *name, const char *const *settings, int count) {
     saltus_scene scene;
     saltus_message message = {.text = ""};
@@ -38,7 +38,7 @@ static saltus_motion motion_of(const char *name, const char *setting) {
     return motion;
 }
 
-/* What holds of every orbit with a period of its own. */
+/* Properties of every orbit with its own period. */
 static void check_cycle(const saltus_motion *m) {
     assert_int_equal(m->verdict, SALTUS_PERIODIC);
     assert_int_equal(m->multiplier_count, m->dimension - 1);
@@ -49,8 +49,8 @@ static void check_cycle(const saltus_motion *m) {
     check_near(m->lyapunov, m->multipliers[0].log_modulus / m->period, 1e-12);
 }
 
-/* Independent programs: flow rate, period, speed of the impact. The valve's one-impact orbits; below the
- * first flip they come back after one maximum. */
+/* Flow rate, period and impact speed of the valve's one-impact orbits from independent programs; below the
+ * first flip they return after one maximum. */
 static void the_valve_agrees_with_independent_programs(void **unused) {
     (void)unused;
     static const struct {
@@ -69,7 +69,7 @@ static void the_valve_agrees_with_independent_programs(void **unused) {
         check_near(m.period, known[k].period, 1.5e-10);
         assert_int_equal(m.event_count, 1);
         check_near(-m.events[0].velocity_before, known[k].speed, 1.5e-10);
-        /* The state is a maximum, the highest: at rest in the lift, and the impact comes later. */
+        /* The state is the highest maximum: the lift is at rest, and the impact comes later. */
         check_near(m.state[1], 0, 1e-9);
         check_near(m.state[0], m.largest, 1e-9);
         double time = saltus_time_periods(m.events[0].time);
@@ -110,7 +110,7 @@ static void van_der_pol_follows_its_asymptotics(void **unused) {
     saltus_motion_clear(&m);
 }
 
-/* The period and the multipliers of an orbit do not depend on what its section is made of. */
+/* Period and multipliers do not depend on the choice of the section. */
 static void sections_do_not_matter(void **unused) {
     (void)unused;
     static const char *const of_what[] = {"observe=q1", "observe=q2", "observe=support"};
@@ -131,7 +131,7 @@ static void sections_do_not_matter(void **unused) {
         saltus_motion_clear(&m[k]);
 }
 
-/* The multipliers but the trivial one are those of differences of the flow over one period. */
+/* The nontrivial multipliers are those of differences of the flow over one period. */
 static void multipliers_agree_with_differences(void **unused) {
     (void)unused;
     const double step = 1e-5;
@@ -167,7 +167,7 @@ static void multipliers_agree_with_differences(void **unused) {
     saltus_motion_clear(&m);
 }
 
-/* All points of the branch in a parameter through what a scene settles on. */
+/* All points of the branch in a parameter through the orbit on which a scene settles. */
 static branch_record branch_of(const char *name, const char *setting, saltus_branch_options options) {
     saltus_scene scene = scene_with(name, &setting, 1);
     saltus_motion m = classified(&scene);
@@ -196,7 +196,7 @@ static const saltus_branch_point *special(const branch_record *record, saltus_po
     return NULL;
 }
 
-/* Independent programs: where the limit cycle of the valve is born and where it grazes its seat. */
+/* From independent programs: where the valve's limit cycle is born and where it grazes its seat. */
 static void the_valves_cycle_is_born_and_grazes(void **unused) {
     (void)unused;
     branch_record record = branch_of("relief-valve", "q=8", branch_along("q", 7.3, 8.6));
@@ -205,7 +205,7 @@ static void the_valves_cycle_is_born_and_grazes(void **unused) {
     check_near(hopf->value[0], 8.491117635183, fmax(hopf->accuracy, 1e-10));
     assert_true(hopf->accuracy < 1e-6);
     check_near(hopf->period, 2 * M_PI / 3.090708847974, 1e-7);
-    check_near(hopf->state[0], 2.410313237687, 1e-3); /* its distance is of the order of the root */
+    check_near(hopf->state[0], 2.410313237687, 1e-3); /* its distance goes as the square root */
     check_near(grazing->value[0], 7.557210971877, 1e-11);
     check_near(grazing->period, 2.656012147475, 1e-11);
     assert_string_equal(grazing->label, "0/1");
@@ -213,8 +213,8 @@ static void the_valves_cycle_is_born_and_grazes(void **unused) {
     branch_forget(&record);
 }
 
-/* Published: the flutter of two modes loses its symmetry and doubles its period again and again; the
- * distances of the flips shrink by Feigenbaum's ratio. */
+/* Published: the flutter of two modes loses its symmetry and doubles its period repeatedly; the distances of
+ * the flips shrink by Feigenbaum's ratio. */
 static void flutter_goes_through_a_cascade(void **unused) {
     (void)unused;
     saltus_branch_options options = branch_along("u", 6.9, 8.03);
@@ -240,8 +240,8 @@ static void flutter_goes_through_a_cascade(void **unused) {
     branch_forget(&record);
 }
 
-/* Downwards the flutter dies at a Hopf point: there the equilibrium has a pair of eigenvalues on the
- * imaginary axis, whose frequency is the cycle's. */
+/* Downwards the flutter dies at a Hopf point: there the equilibrium has a pair of imaginary eigenvalues,
+ * whose frequency is the cycle's. */
 static void a_hopf_point_is_one_of_the_equilibrium(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};
@@ -272,7 +272,7 @@ static void a_hopf_point_is_one_of_the_equilibrium(void **unused) {
     branch_forget(&record);
 }
 
-/* Orbits go from one command to the next in files. */
+/* Commands pass orbits on in files. */
 static void files_keep_the_period(void **state) {
     fixture *f = *state;
     char *text = told(f, "orbit relief-valve --set q=7.05 --periods 1 --json");
@@ -296,7 +296,7 @@ static void files_keep_the_period(void **state) {
     check_near(json_number_at(again, "multipliers.0.0"), -1, 1e-6);
     json_free(again);
     free(text);
-    /* A run that is cut short and goes on gives the same file. */
+    /* An interrupted and resumed run gives the same file. */
     free(told(f, "continue relief-valve --from orbit.json --in q=6:7.1 --points 20 -o cut.h5"));
     free(told(f, "diagnose relief-valve --from orbit.json -o sheet.png"));
     free(told(f, "simulate relief-valve --from orbit.json --periods 3 -o run.csv"));
@@ -304,8 +304,8 @@ static void files_keep_the_period(void **state) {
     json_free(orbit);
 }
 
-/* A mass that strikes, beside another one that rests on its own stop all the while: the same cycle as beside
- * a wall in the place of that one. It is found again from its section point, which lies on the first stop. */
+/* A mass with impacts, beside another that always rests on its own stop: the cycle is the same as beside a
+ * wall in that place. It is found again from its section point, which lies on the first stop. */
 static void what_rests_beside_a_cycle_does_not_matter(void **unused) {
     (void)unused;
     static const char *const texts[] = {

@@ -1,5 +1,5 @@
-/* How many steps a question may take: scenes that are not extreme never come near, extreme ones end soon and
- * say what was too much.
+/* How many steps a question may take: ordinary scenes never come near the limit, extreme ones end soon and
+ * name the cause.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 
@@ -13,7 +13,7 @@ static saltus_scene built_in(const char *name) {
     return scene;
 }
 
-/* What the classification of a scene takes beyond the usual, and how it ends. */
+/* The effort that classifying a scene takes beyond the usual, and its status. */
 static saltus_status classify(const saltus_scene *scene, const saltus_classify_options *options,
                               double *spent, saltus_message *message) {
     saltus_system *system = NULL;
@@ -33,7 +33,7 @@ static saltus_status classify(const saltus_scene *scene, const saltus_classify_o
     return status;
 }
 
-/* The built-in scenes, whatever they come to, leave a hundredth of it at most. */
+/* The built-in scenes use at most a hundredth of it, whatever their verdict. */
 static void healthy_scenes_spend_next_to_nothing(void **state) {
     (void)state;
     saltus_classify_options how = saltus_classify_defaults();
@@ -50,8 +50,8 @@ static void healthy_scenes_spend_next_to_nothing(void **state) {
     }
 }
 
-/* Nor does a relaxation oscillation, whose period is hundreds of units of time, in thousands of stiff steps.
- */
+/* A relaxation oscillation with a period of hundreds of units of time, in thousands of stiff steps, also
+ * stays within it. */
 static void slow_cycles_are_found(void **state) {
     (void)state;
     skip_where_slow();
@@ -65,8 +65,8 @@ static void slow_cycles_are_found(void **state) {
     saltus_scene_clear(&scene);
 }
 
-/* Slower and slower forcing: an answer, or, from some frequency on, the sentence that names it, and never
- * more than the effort. */
+/* For slower and slower forcing there is an answer or, from some frequency on, a message that names it, never
+ * more effort. */
 static void slow_forcing_is_named(void **state) {
     static const char *const names[] = {"pipe", "impact-oscillator", "duffing"};
     (void)state;
@@ -93,7 +93,7 @@ static void slow_forcing_is_named(void **state) {
     }
 }
 
-/* A flow that shares a used-up effort goes no further, whoever used it up; without one it does. */
+/* A flow with an effort that any flow has used up goes no further; without it, it does. */
 static void a_used_up_effort_ends_all_flows(void **state) {
     (void)state;
     saltus_spec spec = oscillator_spec(0.1, 1, 0.5, 1);
@@ -110,7 +110,7 @@ static void a_used_up_effort_ends_all_flows(void **state) {
     assert_int_equal(saltus_motion_settle(system, &options, 1, start, &message), SALTUS_STALLED);
     assert_non_null(strstr(message.text, "given up: "));
     check_ok(saltus_motion_settle(system, &none, 1, start, &message), &message);
-    /* What a step costs: its columns, too, less what its time may take. */
+    /* What a step costs, with columns, less the allowance of its time. */
     effort = (saltus_effort){.period = 2};
     saltus_effort_add(&effort, 0, 0, false);
     check_near(effort.spent, 1, 0);
@@ -124,20 +124,20 @@ static void a_used_up_effort_ends_all_flows(void **state) {
     check_near(effort.spent, 8, 1e-12);
     saltus_effort_add(&effort, 1, 0, false);
     check_near(effort.spent, 0, 0);
-    /* A point of a branch takes off what it may take. */
+    /* Each point of a branch subtracts its allowance. */
     effort.spent = 1.5 * SALTUS_EFFORT_AT_POINT;
     saltus_effort_next_point(&effort);
     check_near(effort.spent, 0.5 * SALTUS_EFFORT_AT_POINT, 0);
     saltus_effort_next_point(&effort);
     check_near(effort.spent, 0, 0);
-    /* Where nobody says by what time steps are counted it is that of each system. */
+    /* If no period is set, step counts refer to each system's own. */
     check_near(saltus_effort_period(&effort, 3), 2, 0);
     effort.period = 0;
     check_near(saltus_effort_period(&effort, 3), 3, 0);
     saltus_system_free(system);
 }
 
-/* Many steps a period, if far fewer than where a period cannot be followed at all, are named, too. */
+/* Many steps per period are reported with their cause, even if a single period could be followed. */
 static void stiff_elements_are_named(void **state) {
     (void)state;
     skip_where_slow();
@@ -152,8 +152,8 @@ static void stiff_elements_are_named(void **state) {
     saltus_scene_clear(&scene);
 }
 
-/* A clearance far below what else is known of a motion's size is no measure of it: the motion is the one with
- * no clearance, and is found as soon. */
+/* A clearance far below the motion's size does not set its scale: the motion is that without clearance, and
+ * is found as quickly. */
 static void tiny_clearances_are_no_scale(void **state) {
     static const char *const cases[][2] = {{"relief-valve", "1e-300"},    {"relief-valve", "1e-6"},
                                            {"relief-valve", "0"},         {"impact-oscillator", "1e-300"},
@@ -169,7 +169,8 @@ static void tiny_clearances_are_no_scale(void **state) {
     }
 }
 
-/* Where the flow keeps volumes no orbit attracts; one is sought amid chaos only where one can be. */
+/* If the flow preserves volumes no orbit attracts; a stable orbit amid chaos is sought only where one can
+ * exist. */
 static void volumes_are_kept_or_not(void **state) {
     static const struct {
         const char *name, *settings[2];
@@ -192,7 +193,7 @@ static void volumes_are_kept_or_not(void **state) {
     }
 }
 
-/* A branch into forcing that is too slow ends there with the sentence that names it; its points are kept. */
+/* A branch into too slow forcing ends there with a message that names it; its points are kept. */
 static void branches_end_where_they_take_too_much(void **state) {
     fixture *f = *state;
     skip_where_slow();
@@ -204,8 +205,7 @@ static void branches_end_where_they_take_too_much(void **state) {
     free(out);
 }
 
-/* Sweeps and basins of which no trajectory could be followed end as classification does; one that could is
- * enough for another ending. */
+/* Sweeps and basins fail as classification does only if all of their trajectories fail. */
 static void sweeps_say_why_all_have_failed(void **state) {
     static const struct {
         const char *line, *part;

@@ -1,5 +1,5 @@
-/* Branches of equilibria of scenes without forcing: folds, branch points, Hopf points and stops where closed
- * forms and independent programs have them, the cycles that leave, loci in two parameters, files.
+/* Branches of equilibria of unforced scenes: folds, branch points, Hopf points and contacts with stops as in
+ * closed forms and independent programs; cycles that leave, loci in two parameters, files.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "json.h"
@@ -8,7 +8,7 @@
 
 #include "saltus/scene.h"
 
-/* A scene of one equation of motion and its parameters; the caller's. */
+/* A scene with one equation of motion and parameters; the caller clears it. */
 static saltus_scene scene_of(const char *parameters, const char *motion, const char *rest) {
     char text[800];
     saltus_scene scene;
@@ -27,7 +27,7 @@ static saltus_scene built_in(const char *name, const char *setting) {
     return scene;
 }
 
-/* The branches through the equilibrium near the scene's initial state, which is released. */
+/* The branches through the equilibrium near the scene's initial state; clears the scene. */
 static branch_record follow(saltus_scene *scene, const saltus_branch_options *options) {
     saltus_message message = {.text = ""};
     saltus_system *system = build(&scene->spec);
@@ -38,8 +38,8 @@ static branch_record follow(saltus_scene *scene, const saltus_branch_options *op
     return record;
 }
 
-/* What holds of every equilibrium of a branch: it is the one that Newton's method finds there, its
- * eigenvalues too, and they add up to the trace. */
+/* Each equilibrium of a branch is the one that Newton's method finds there, with its eigenvalues, which add
+ * up to the trace. */
 static void check_rests(const branch_record *record) {
     saltus_message message = {.text = ""};
     saltus_equilibrium_options how = saltus_equilibrium_defaults();
@@ -171,8 +171,7 @@ static void hopf_points_have_the_coefficient_of_the_normal_form(void **unused) {
         check_near(hopf->lyapunov_coefficient, cubic / (2 * w * (1 + w * w)), 1e-10);
         assert_non_null(strstr(hopf->reason, cubic < 0 ? "supercritical" : "subcritical"));
         assert_false(hopf->stable);
-        /* The cycles born there: on the side, of the amplitude and the stability that the coefficient tells.
-         */
+        /* The cycles born there have the side, amplitude and stability that the coefficient predicts. */
         int cycles = 0;
         for (int i = 0; i < record.count; i++) {
             const saltus_branch_point *p = &record.point[i];
@@ -192,7 +191,7 @@ static void hopf_points_have_the_coefficient_of_the_normal_form(void **unused) {
     }
 }
 
-/* Two oscillators that flutter one after the other within a step. */
+/* Two oscillators that begin to flutter within one step. */
 static void hopf_points_close_together_are_told_apart(void **unused) {
     (void)unused;
     static const char text[] = "model:\n  parameters: {mu: {default: -0.5}}\n  motion:\n"
@@ -215,8 +214,8 @@ static void hopf_points_close_together_are_told_apart(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Independent programs: the valve's and the flutter's Hopf points; then the valve's cycles to their grazing.
- */
+/* From independent programs: Hopf points of the valve and of flutter; then the valve's cycles up to
+ * grazing. */
 static void hopf_points_agree_with_independent_programs(void **unused) {
     (void)unused;
     saltus_scene scene = built_in("relief-valve", "q=9");
@@ -332,7 +331,7 @@ static void cycles_end_at_a_homoclinic_orbit(void **unused) {
     saltus_branch_options options = branch_along("b1", -0.5, 0.2);
     options.direction = -1;
     options.switches = 1;
-    options.orbit.tolerance = 1e-11; /* what a flow of the usual tolerance gives */
+    options.orbit.tolerance = 1e-11; /* the accuracy of a flow with the usual tolerance */
     branch_record record = follow(&scene, &options);
     check_rests(&record);
     const saltus_branch_point *last = &record.point[record.count - 1];
@@ -358,16 +357,14 @@ static void cycles_end_at_a_homoclinic_orbit(void **unused) {
     assert_true(far && near);
     check_near(escape * (near->period - far->period), log((far->value[0] - b1) / (near->value[0] - b1)),
                0.05);
-    /* The cycle passes the saddle as near as its time there lets it. */
+    /* The cycle's distance from the saddle follows from the time it spends there. */
     assert_true(fabs(log(distance)) > 0.4 * escape * period && fabs(log(distance)) < escape * period);
     branch_forget(&record);
     saltus_scene_clear(&scene);
 }
 
-/* Curves in two parameters where they are known: Hopf points of the same equations on b1 = 0, which end at
- * b2 = 0; folds at b1 = b2^2 / 4; a cusp at 0; a generalised Hopf point at b = 0; a stop that is met at F =
- * d.
- */
+/* Known curves in two parameters: Hopf points of the same equations on b1 = 0, which end at b2 = 0; folds at
+ * b1 = b2^2 / 4; a cusp at 0; a generalised Hopf point at b = 0; a stop that is met at F = d. */
 static void loci_are_where_they_are_known(void **unused) {
     (void)unused;
     static const char held[] = "stop: {coordinate: x, d: 0.5, sides: upper}\ninitial: {x: 0.5}\n";
@@ -466,7 +463,7 @@ static void loci_are_where_they_are_known(void **unused) {
 }
 
 /* Where two eigenvalues are zero the curve of Hopf points ends on that of folds, b1 = b2^2/4, which goes on
- * to both sides: from either of them the other is followed, once. Further eigenvalues change nothing. */
+ * both ways: from either of them the other is followed, once. Further eigenvalues have no effect. */
 static void curves_meet_where_two_eigenvalues_are_zero(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -509,8 +506,8 @@ static void curves_meet_where_two_eigenvalues_are_zero(void **unused) {
     }
 }
 
-/* A run that is cut short goes on with the same points to the last bit: equilibria with the cycles and mirror
- * images that leave them, over a stop, and along loci. */
+/* An interrupted run continues with the same bits: equilibria with the cycles and mirror images that leave
+ * them, across a stop, and along loci. */
 static void runs_are_resumed_to_the_last_bit(void **unused) {
     (void)unused;
     saltus_scene scene = built_in("relief-valve", "q=9");
@@ -551,7 +548,7 @@ static void runs_are_resumed_to_the_last_bit(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* What a resting scene is told with: its eigenvalues, of the motion in contact where it is held. */
+/* A scene at rest is reported with its eigenvalues, in contact those of the motion with contacts held. */
 static void rests_are_classified_with_their_eigenvalues(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};
@@ -589,7 +586,7 @@ static void write_text(fixture *f, const char *name, const char *text) {
     fclose(file);
 }
 
-/* Equilibria go from one command to the next; a branch begins at the first value of its range. */
+/* Commands pass equilibria on; a branch begins at the first value of its range. */
 static void commands_hand_equilibria_on(void **state) {
     fixture *f = *state;
     char *text = told(f, "classify relief-valve --set q=9 --json");

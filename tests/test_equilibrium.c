@@ -1,5 +1,5 @@
-/* What equilibrium.h promises of rests: they rest under the flow with the contact forces that it finds,
- * whatever the guess; eigenvalues are those of the motion beside them; options and refusals.
+/* The promises of equilibrium.h: equilibria are at rest under the flow with the contact forces found, for any
+ * guess; eigenvalues are those of the motion nearby; options and refusals.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -13,8 +13,8 @@ static saltus_equilibrium rest(const saltus_system *system, const double *guess)
     return found;
 }
 
-/* Two masses that are not one, under loads; stops on a mass, on the other from both sides, on their distance.
- */
+/* Two masses under loads, the second one not 1; stops on one mass, on the other from both sides, and on their
+ * distance. */
 static saltus_spec loaded(double load, double second) {
     saltus_spec spec = oscillator_spec(0.3, 2, 0, 1);
     set_parameter(&spec, "N", 2);
@@ -35,8 +35,8 @@ static saltus_spec loaded(double load, double second) {
     return spec;
 }
 
-/* Forces balance, K x = loads - sum of normal times contact force; forces push, gaps are those of the state,
- * the flow has the same forces and stays there. */
+/* Forces balance, K x = loads - sum of normal times contact force; contact forces push, gaps are those of the
+ * state, and the flow has the same forces and stays there. */
 static void check_rest(const saltus_spec *spec, const saltus_system *system, const saltus_equilibrium *e) {
     double k = saltus_spec_get(spec, "k"), k2 = saltus_spec_get(spec, "k2");
     double balance[2] = {saltus_spec_get(spec, "F0") - (k + k2) * e->state[0] + k2 * e->state[1],
@@ -78,8 +78,8 @@ static void check_rest(const saltus_spec *spec, const saltus_system *system, con
     saltus_flow_free(flow);
 }
 
-/* A linear chain has one rest for any loads, and it comes out of every guess, inside the stops, on them and
- * beyond; its velocities do not matter. */
+/* A linear chain has one equilibrium for any loads, found from any guess, inside the stops, on them and
+ * beyond; velocities of the guess do not matter. */
 static void rests_of_a_loaded_chain(void **unused) {
     (void)unused;
     static const double guesses[][4] = {
@@ -92,13 +92,12 @@ static void rests_of_a_loaded_chain(void **unused) {
             saltus_equilibrium first = rest(system, guesses[0]);
             check_rest(&spec, system, &first);
             seen |= 1u << first.contacts;
-            /* Each solution leads to the next set of contacts: two Newton steps for each, none tried in vain.
-             */
+            /* Each solution gives the next set of contacts: two Newton steps each, none in vain. */
             int held = 0;
             for (int f = 0; f < SALTUS_FACES_MAX; f++)
                 held += first.contacts >> f & 1;
             assert_in_range(first.iterations, 1, 2 * (held + 1));
-            /* From itself it touches the faces that hold, and these are tried first. */
+            /* From the equilibrium itself the held faces are touched, and tried first. */
             saltus_equilibrium same = rest(system, first.state);
             assert_int_equal(same.contacts, first.contacts);
             assert_in_range(same.iterations, 1, 2);
@@ -115,21 +114,21 @@ static void rests_of_a_loaded_chain(void **unused) {
             assert_null(first.state);
             saltus_system_free(system);
         }
-    /* Free, one contact of each kind, and two at once. */
+    /* No contact, one of each kind, and two at once must occur. */
     int kinds = 0;
     for (unsigned contacts = 0; contacts < 16; contacts++)
         kinds += seen >> contacts & 1;
     assert_true((seen & 1) && kinds >= 6);
 }
 
-/* The characteristic polynomial of the chain, free, with either mass held, and with both kept at a distance:
- * its roots are the eigenvalues. */
+/* The eigenvalues are the roots of the characteristic polynomial of the chain: free, with either mass held,
+ * and with their distance held. */
 static void eigenvalues_of_a_loaded_chain(void **unused) {
     (void)unused;
     static const struct {
         double load, second;
         unsigned contacts;
-        double m, c, k; /* of the single motion that is left; 0: both masses are free */
+        double m, c, k; /* of the only free motion; 0: both masses are free */
     } rows[] = {{0, 0, 0, 0, 0, 0},
                 {2, 0.3, 1, 0.4, 0.2, 1.5},
                 {-0.23, 3, 2, 3, 0.5, 3.5},
@@ -195,8 +194,7 @@ static void eigenvalues_with_a_maxwell_element(void **unused) {
     }
 }
 
-/* A load that just reaches a stop, to either side of it: held as soon as the force pushes, whatever the unit
- * of length. */
+/* A load that just reaches a stop: held as soon as the contact force pushes, in any unit of length. */
 static void contact_begins_where_the_load_reaches_the_stop(void **unused) {
     (void)unused;
     static const double units[] = {1, 1e-9, 1e9};
@@ -218,7 +216,7 @@ static void contact_begins_where_the_load_reaches_the_stop(void **unused) {
             }
 }
 
-/* Undamped motion beside a rest neither grows nor falls: no instability, and not stable. */
+/* Undamped motion near an equilibrium neither grows nor decays: neither unstable nor stable. */
 static void undamped_rest_is_not_stable(void **unused) {
     (void)unused;
     const double guess[2] = {0};
@@ -233,8 +231,8 @@ static void undamped_rest_is_not_stable(void **unused) {
     saltus_system_free(system);
 }
 
-/* The buckled pipe: a rest on either side, stable, and the straight one between with one growing direction,
- * or two where the second mode is unstable too. Velocities of a guess do not matter to the last bit. */
+/* The buckled pipe: a stable equilibrium on either side, and the straight one between with one growing
+ * direction, or two if the second mode is unstable too. Velocities of a guess change no bit. */
 static void straight_and_buckled(void **unused) {
     (void)unused;
     for (int fast = 0; fast < 2; fast++) {
@@ -257,7 +255,7 @@ static void straight_and_buckled(void **unused) {
         assert_int_equal(other.iterations, e.iterations);
         for (int i = 0; i < 6; i++)
             assert_true(other.state[i] == e.state[i]);
-        /* What the tolerance is for: the last step before the one that no longer moved anything. */
+        /* The tolerance bounds the last Newton step, before the one that changed nothing. */
         saltus_equilibrium_options options = saltus_equilibrium_defaults();
         saltus_message message = {.text = ""};
         saltus_equilibrium loose;
@@ -281,7 +279,7 @@ static void straight_and_buckled(void **unused) {
     }
 }
 
-/* A guess that is not finite is refused, in whatever entry; a zeroed rest can be cleared. */
+/* A guess with any entry not finite is refused; a zeroed equilibrium can be cleared. */
 static void refused_guesses(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 0, 1);

@@ -1,4 +1,4 @@
-/* Grazing: a stop a hair beyond the largest displacement of a free orbit is never hit, a hair before it
+/* Grazing: a stop just beyond the largest displacement of a free orbit is never hit, one just before it
  * always.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
@@ -24,7 +24,7 @@ static double free_orbit(const saltus_spec *spec, int *periods, double *state) {
     return largest;
 }
 
-/* Impacts over one orbit from each of many starting phases on it. */
+/* Count the impacts in one orbit from many starting phases. */
 static void count_phases(const saltus_spec *free_spec, double d, int periods, const double *state,
                          double rtol, long long *with, long long *without) {
     saltus_spec spec = *free_spec;
@@ -105,7 +105,7 @@ static void neither_missed_nor_invented(void **unused) {
     }
 }
 
-/* The largest displacement itself is known to 1e-13: two integrators' orders agree. */
+/* The largest displacement is known to 1e-13: two orders of the integrator agree. */
 static void largest_displacement_is_known(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 20);

@@ -1,5 +1,5 @@
-/* However fast perturbations fade, and however far apart their rates are: exponents of linear systems are the
- * real parts of their eigenvalues, in any unit of time and at any interval.
+/* Exponents of linear systems are the real parts of their eigenvalues, however fast perturbations decay and
+ * however far apart their rates, in any unit of time and at any interval.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -17,8 +17,8 @@ static saltus_lyapunov measure(const saltus_system *system, int exponents, doubl
     return l;
 }
 
-/* A second mass that hangs from a wall, all but: the first mass is 1e6 times as heavy. The wall swings
- * with the rate -0.01 twice; the mass fades with both rates of s^2 + c s + 1. */
+/* A second mass nearly on a wall: the first mass is 1e6 times as heavy. The wall moves with the rate -0.01
+ * twice; the second mass decays with both rates of s^2 + c s + 1. */
 static saltus_system *mass_on_a_wall(double c, double period) {
     saltus_spec spec = oscillator_spec(0.02e6, 1e6, 0, 2 * M_PI / period);
     set_parameter(&spec, "N", 2);
@@ -44,7 +44,7 @@ static void what_fades_beyond_numbers_is_measured(void **unused) {
     }
 }
 
-/* The last direction asked for fades e^100 times as fast as the first one: none is swamped. */
+/* The last requested direction decays e^100 times as fast as the first; none is lost. */
 static void rates_far_apart_are_told_apart(void **unused) {
     (void)unused;
     double c = 2.2, root = sqrt(c * c / 4 - 1);
@@ -60,7 +60,8 @@ static void rates_far_apart_are_told_apart(void **unused) {
     saltus_system_free(system);
 }
 
-/* Samples of several periods, one or parts of one: the time is told in periods, the growth per time. */
+/* Sampling intervals of several periods, one, or parts of one: time is given in periods, growth per unit of
+ * time. */
 static void intervals_do_not_matter(void **unused) {
     (void)unused;
     static const double intervals[] = {1, 2, 3, 7, 0.5, 0.25};
@@ -82,8 +83,8 @@ static void intervals_do_not_matter(void **unused) {
     saltus_system_free(system);
 }
 
-/* Damping that depends on time and on the state, with impacts: both sides of the sum rule, of an orbit and of
- * exponents, agree. */
+/* With damping that depends on time and state, and impacts, both sides of the sum rule agree, for an orbit
+ * and for exponents. */
 static void volumes_shrink_as_the_trace_says(void **unused) {
     (void)unused;
     static const char text[] =

@@ -1,4 +1,4 @@
-/* Harvest: every orbit is walked again by other means than those that found it.
+/* Harvest: every orbit is followed again by other means than those that found it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_sticking.h"
 #include "recount.h"
@@ -29,8 +29,7 @@ static const double *section_point(const saltus_harvest_orbit *found, int k) {
     return found->section_states + (k % found->orbit.periods) * found->orbit.dimension;
 }
 
-/* The implicit integrator, from two section phases, comes back to where it began, and meets as many impacts.
- */
+/* The implicit integrator, started at two section phases, returns to its start and meets as many impacts. */
 static void walks_again(const saltus_system *system, const saltus_harvest_orbit *found) {
     saltus_flow_options options = saltus_flow_defaults();
     double begin[dimension_max], end[dimension_max], growth = exp(found->orbit.multipliers[0].log_modulus);
@@ -76,8 +75,7 @@ static gsl_complex leading_vector(const saltus_system *system, const saltus_orbi
     return value;
 }
 
-/* A displacement along the leading eigenvector, small at the beginning and at the end, grows by the largest
- * multiplier. */
+/* A displacement along the leading eigenvector, small at both ends, grows by the largest multiplier. */
 static void grows_as_told(const saltus_system *system, const saltus_harvest_orbit *found) {
     const saltus_orbit *orbit = &found->orbit;
     const saltus_multiplier mu = orbit->multipliers[0];
@@ -120,7 +118,7 @@ static void sorted(const saltus_harvest *harvest) {
     }
 }
 
-/* All that is said of each orbit; how many are unstable. */
+/* Check all properties of each orbit; returns how many are unstable. */
 static int check_orbits(const saltus_system *system, const saltus_harvest *harvest) {
     int unstable = 0;
     for (int k = 0; k < harvest->count; k++) {
@@ -164,7 +162,7 @@ static saltus_system *chaotic_oscillator(void) {
     return build(&spec);
 }
 
-/* What is counted adds up, and each option does what it says. */
+/* The counts add up, and each option has its effect. */
 static void options_of_a_harvest(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();
@@ -199,7 +197,7 @@ static void options_of_a_harvest(void **unused) {
         saltus_flow_free(flow);
     }
     assert_true(harvest.orbits[harvest.count - 1].orbit.periods > 3);
-    /* A shorter longest: the orbits of these periods and no more. */
+    /* With a smaller largest period: only orbits up to it. */
     options = all;
     options.longest = 3;
     check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
@@ -210,7 +208,7 @@ static void options_of_a_harvest(void **unused) {
                    1e-12);
     }
     saltus_harvest_clear(&other);
-    /* Fewer tries, a closer recurrence, a transient: other candidates. */
+    /* Fewer attempts, a closer recurrence, a transient: other candidates. */
     options = all;
     options.tries = 2;
     check_ok(saltus_harvest_run(system, &options, &other, &message), &message);
@@ -236,7 +234,7 @@ static void options_of_a_harvest(void **unused) {
     saltus_system_free(system);
 }
 
-/* The trajectory is the seed's, or that of a given state whatever the seed. */
+/* The trajectory depends on the seed, or on a given state only. */
 static void seeds_and_states(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();
@@ -266,8 +264,8 @@ static void seeds_and_states(void **unused) {
     saltus_system_free(system);
 }
 
-/* Orbits that rest on the stop, with and without rebound, against closed flights: impacts without rebound are
- * counted, complete chatter is not. */
+/* Orbits that rest on the stop, with and without rebound, against closed-form flights: impacts without
+ * rebound are counted, complete chatter is not. */
 static void resting_orbits(void **unused) {
     (void)unused;
     static const double table[][3] = {{0.4, -0.6, 0}, {0.8, -0.4, 0},  {2.4, 0, 0},
@@ -303,7 +301,7 @@ static void resting_orbits(void **unused) {
     }
 }
 
-/* Just beyond their fold two orbits are 1e-5 apart: both are listed, the stable one first. */
+/* Just beyond their fold two orbits are 1e-5 apart: both are listed, stable one first. */
 static void close_orbits_stay_two(void **unused) {
     (void)unused;
     closed_oscillator o = {.c = 0.64L, .k = 1, .F = 1, .omega = 0.5L, .d = 1, .r = 0.3L, .periods = 1};
@@ -345,7 +343,7 @@ static void close_orbits_stay_two(void **unused) {
     saltus_system_free(system);
 }
 
-/* Every orbit of a harvest has its mirror image in the list: another one, or itself half an orbit later. */
+/* Each listed orbit has its mirror image in the list: another orbit, or itself half an orbit later. */
 static void check_mirrors(const saltus_system *system, const saltus_harvest *harvest, int *pairs, int *own) {
     for (int k = 0; k < harvest->count; k++) {
         const saltus_harvest_orbit *found = &harvest->orbits[k];
@@ -362,8 +360,8 @@ static void check_mirrors(const saltus_system *system, const saltus_harvest *har
     }
 }
 
-/* Between two stops. Which orbits a chaotic trajectory passes is chance: several scenes, until both kinds
- * have been met. */
+/* Between two stops. A chaotic trajectory passes orbits by chance: several scenes, until both kinds were
+ * found. */
 static void mirror_images(void **unused) {
     (void)unused;
     static const char *const settings[] = {"d=0.02", "d=0.0202", "d=0.0204", "d=0.0206", "d=0.0208"};
@@ -395,8 +393,8 @@ static void mirror_images(void **unused) {
     assert_true(pairs > 0 && own > 0);
 }
 
-/* Directly forced, the image comes half a period later: a mirrored orbit is its own, one of a pair has the
- * other one in the list. */
+/* With direct forcing the image comes half a period later: a mirrored orbit is its own image, one of a pair
+ * has the other in the list. */
 static void images_half_a_period_later(void **unused) {
     (void)unused;
     for (int pair = 0; pair <= 1; pair++) {
@@ -433,7 +431,7 @@ static void images_half_a_period_later(void **unused) {
                 check_near(found->orbit.state[i], (double)at[k ^ first].state[i], 1e-9);
         }
         saltus_harvest_clear(&harvest);
-        /* With room for one the image of a pair is left out, and is none. */
+        /* With room for one orbit a pair's image is left out and not referred to. */
         options.most = 1;
         check_ok(saltus_harvest_run(system, &options, &harvest, &message), &message);
         assert_int_equal(harvest.count, 1);
@@ -443,7 +441,7 @@ static void images_half_a_period_later(void **unused) {
     }
 }
 
-/* A motion that settles leaves its own orbit, once, with its least period. */
+/* A motion that settles gives its own orbit, once, with its least period. */
 static void settled_motion(void **unused) {
     (void)unused;
     saltus_system *system = scene_system("fig7d", NULL);
@@ -461,7 +459,7 @@ static void settled_motion(void **unused) {
     saltus_system_free(system);
 }
 
-/* Called with shares that only grow, from 0 on, through both halves of the work. */
+/* A progress callback: shares must grow from 0, through both halves of the work. */
 static void share_grows(void *context, double done, double all) {
     double *last = context;
     assert_true(done >= *last && done <= 1 && all == 1);
@@ -516,7 +514,7 @@ static void options_out_of_range_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
-/* A request to stop is final, and what there is by then is told as it would be of a whole run. */
+/* A request to stop is final; the results so far are reported as those of a whole run. */
 typedef struct caller {
     double at, seen;
     volatile sig_atomic_t stop;
@@ -563,7 +561,7 @@ static void a_request_to_stop_is_final(void **unused) {
     saltus_system_free(system);
 }
 
-/* Columns of the flow are the method's own business, other options of the flow are the caller's. */
+/* The caller's columns of the flow are ignored, other options of the flow are used. */
 static void columns_of_the_flow_are_ignored(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();
@@ -587,8 +585,8 @@ static void columns_of_the_flow_are_ignored(void **unused) {
     saltus_system_free(system);
 }
 
-/* A mass that nothing holds is pulled away for ever: the harvest says after how many periods it gave up, when
- * it was 1e8 of the system's scales away. */
+/* A free mass is pulled away for ever: the harvest reports after how many periods it gave up, at 1e8 of the
+ * system's scales. */
 static void what_flies_away_is_given_up(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 0, 1e-3, 1);
@@ -621,8 +619,7 @@ static void what_flies_away_is_given_up(void **unused) {
     saltus_system_free(system);
 }
 
-/* Between stops so near to each other that no random place is admissible it is the velocities that are
- * random. */
+/* Between stops so close that no random position is admissible, the velocities are random. */
 static void a_narrow_gap_has_random_starts(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);

@@ -1,4 +1,5 @@
-/* The inner loops of the integrators: steps as long as the tolerance allows, cases with loops of their own.
+/* The inner loops of the integrators: steps as long as the tolerance allows, special cases with their own
+ * loops.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 
@@ -23,7 +24,7 @@ static void coefficients_of(const double *values, int degree, double *c) {
     }
 }
 
-/* The largest of |q|, |v| / (what makes them comparable) and |e|. */
+/* The largest of |q|, |v| / (velocity unit) and |e|. */
 static double norm_of(const saltus_system *system, const double *state) {
     const int dof = saltus_system_dof(system);
     const double *scale = saltus_system_scale(system);
@@ -33,7 +34,7 @@ static double norm_of(const saltus_system *system, const double *state) {
     return norm;
 }
 
-/* The length at which the last two terms of the series of the step just made fall to the tolerance. */
+/* The step at which the last two terms of the last step's series would reach the tolerance. */
 static double length_allowed(const saltus_flow *flow, int order, double tolerance) {
     const saltus_system *system = saltus_flow_system(flow, 0);
     const int n = saltus_system_dimension(system);
@@ -57,8 +58,8 @@ static double length_allowed(const saltus_flow *flow, int order, double toleranc
     return allowed;
 }
 
-/* A step ends a little before the last two terms of the series reach the tolerance; only those that stability
- * cuts are shorter, and these are all alike. */
+/* A step ends just before the last two terms of the series reach the tolerance; only steps limited by
+ * stability are shorter, and all alike. */
 static void steps_are_as_long_as_the_tolerance_allows(void **unused) {
     (void)unused;
     int free_steps = 0;
@@ -114,8 +115,8 @@ static double first_step(const saltus_spec *spec, const saltus_flow_options *opt
     return length;
 }
 
-/* A tangent vector of a linear system that nothing drives is a trajectory of it, and asks for steps like one:
- * the step is the shorter of both. A tangent vector has no absolute tolerance, and none below 1e-13. */
+/* A tangent vector of an unforced linear system is a trajectory of it and limits steps like one: the shorter
+ * step counts. A tangent vector has no absolute tolerance, and none below 1e-13. */
 static void tangent_vectors_ask_for_steps_of_their_own(void **unused) {
     (void)unused;
     saltus_spec specs[] = {oscillator_spec(0.2, 1.3, 0, 0.3), oscillator_spec(0.2, 1.3, 0, 0.3),
@@ -168,8 +169,8 @@ static double fastest_rate(const saltus_spec *spec) {
     return fastest;
 }
 
-/* Where nothing moves the step is the largest there is: no more than six times the shortest time that the
- * field or the forcing knows, and not much less. */
+/* At rest the step is the largest possible: at most six times the shortest time scale of field or forcing,
+ * and not much less. */
 static void the_largest_step_follows_the_fastest_rate(void **unused) {
     (void)unused;
     const double rest[scene_dimension_max] = {0};
@@ -186,7 +187,7 @@ static void the_largest_step_follows_the_fastest_rate(void **unused) {
             set_parameter(&spec, "tz", k % 2 ? 0.05 : 20);
         } else {
             set_parameter(&spec, "sigma", 0);
-            set_parameter(&spec, "alpha", k % 2 ? 0.005 : 0); /* without it the flow makes the rate */
+            set_parameter(&spec, "alpha", k % 2 ? 0.005 : 0); /* without forcing the field sets the rate */
         }
         saltus_flow_options options = saltus_flow_defaults();
         options.integrator = SALTUS_TAYLOR;
@@ -197,8 +198,8 @@ static void the_largest_step_follows_the_fastest_rate(void **unused) {
     }
 }
 
-/* The derivative with respect to the force begins at zero and obeys the equation of a mass at rest under a
- * force of one; its size is counted by what it grows to, that of a rest as a millionth of it. */
+/* The derivative by the force begins at zero and moves like a mass from rest under unit force; its size is
+ * what it grows to, the size of a state at rest a millionth of its growth. */
 static void parameter_columns_are_judged_by_their_growth(void **unused) {
     (void)unused;
     const double rest[5] = {0};
@@ -225,13 +226,13 @@ static void parameter_columns_are_judged_by_their_growth(void **unused) {
     }
 }
 
-/* What a pipe does in a short time: state and tangent vectors, the last two of four those of parameters. Held
- * on its stop, it begins there. */
+/* A pipe's state and tangent vectors after a short time, the last two of four being parameter columns; held
+ * on its stop if it begins there. */
 typedef struct outcome {
     double state[2 * modes_max], tangents[columns_max * 2 * modes_max];
 } outcome;
 
-/* Take a vector's part along the normal away. */
+/* Remove a vector's component along the normal. */
 static void level(const saltus_system *system, double *vector) {
     const double *normal = saltus_system_stop_normal(system, 0);
     double along = 0, square = 0;
@@ -293,7 +294,7 @@ static outcome run_pipe(saltus_spec spec, int columns, int directions, bool held
     return out;
 }
 
-/* Entries near each other beside the largest of their kind. */
+/* Entries agree relative to the largest of their kind. */
 static void check_alike(const double *a, const double *b, int dof, double tolerance) {
     for (int half = 0; half < 2; half++) {
         double size = 1e-300;
@@ -304,9 +305,9 @@ static void check_alike(const double *a, const double *b, int dof, double tolera
     }
 }
 
-/* A term that is dropped because its number is zero is one that does nothing: with next to nothing in its
- * place the motion is the same. And both integrators go through the same points, whatever the number of
- * modes, the terms, the columns and the contacts, for which there are loops of their own. */
+/* A term dropped because its number is zero has no effect: a tiny number instead gives the same motion. Both
+ * integrators pass the same points for all numbers of modes, terms, columns and contacts that have their own
+ * loops. */
 static void all_loops_lead_to_the_same_point(void **unused) {
     (void)unused;
     static const int sizes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 17};

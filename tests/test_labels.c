@@ -1,5 +1,5 @@
-/* What is said of an orbit or a rest - label, counts, section points, events, extremes, symmetry - against
- * closed forms, and against a recount along the flow.
+/* The description of an orbit or equilibrium - label, counts, section points, events, extremes, symmetry -
+ * against closed forms and against a recount along the flow.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_sticking.h"
 #include "recount.h"
@@ -13,7 +13,7 @@ static saltus_motion settle_from(const saltus_system *system, const double *stat
     return motion;
 }
 
-/* What is said of an orbit found from a guess, stable or not. */
+/* The description of an orbit found from a guess, stable or not. */
 static saltus_motion describe_from(const saltus_system *system, int periods, const double *guess) {
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_classify_options options = saltus_classify_defaults();
@@ -82,7 +82,7 @@ static void check_recount(const saltus_system *system, const saltus_motion *moti
     }
 }
 
-/* A motion with impacts as its closed form says; the contact ones by face. */
+/* A motion with impacts has the properties of its closed form; the contacts are listed by face. */
 static void check_closed(const saltus_system *system, const closed_orbit *closed,
                          const saltus_motion *motion) {
     const closed_oscillator *o = &closed->oscillator;
@@ -137,7 +137,7 @@ static const struct {
             {closed_mirrored, 2.9L, 1},           {closed_mirrored_bubble, 2.5L, 1},
             {closed_mirrored_bubble, 1.14L, 1}};
 
-/* Stable orbits are settled on from beside them, and all are described as they are. */
+/* Nearby motions settle on stable orbits; all orbits are described correctly. */
 static void closed_orbits_are_told(void **unused) {
     (void)unused;
     int stable = 0;
@@ -157,7 +157,7 @@ static void closed_orbits_are_told(void **unused) {
         if (hypotl(orbit.multiplier[0][0], orbit.multiplier[0][1]) < 1) {
             stable++;
             motion = settle_from(system, beside);
-            /* It may have come to any of the orbit's section points. */
+            /* It may have settled at any of the orbit's section points. */
             double shift = INFINITY;
             for (int p = 0; p < o.periods; p++)
                 shift = fmin(shift, hypot(motion.section_states[2 * p] - (double)orbit.state[0],
@@ -172,8 +172,8 @@ static void closed_orbits_are_told(void **unused) {
     assert_true(stable >= 6);
 }
 
-/* With loose tolerances of the flow Newton's method asks for no more than these give: the same motion, as
- * accurate as they are. */
+/* With a loose tolerance of the flow Newton's method requires no more than that: the same motion, to that
+ * accuracy. */
 static void loose_tolerances_find_the_same(void **unused) {
     (void)unused;
     static const double tolerances[] = {1e-11, 1e-9, 1e-7, 1e-6};
@@ -209,7 +209,7 @@ static void loose_tolerances_find_the_same(void **unused) {
     }
 }
 
-/* Beyond the pitchfork: one of a pair, and the mirror function leads to the other one. */
+/* Beyond the pitchfork one of a pair is found, and mirroring gives the other. */
 static void pairs_are_each_others_images(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_mirrored);
@@ -240,8 +240,8 @@ static void pairs_are_each_others_images(void **unused) {
     saltus_system_free(system);
 }
 
-/* Driven at twice its frequency a straight pipe swings in two forcing periods and is its own image one of
- * them later; it hits nothing, or both stops in turn. */
+/* Forced at twice its frequency a straight pipe oscillates with two forcing periods and is its own image one
+ * of them later; it hits nothing, or both stops alternately. */
 static void a_pulsation_swings_in_two_periods(void **unused) {
     (void)unused;
     for (int stops = 0; stops <= 1; stops++) {
@@ -270,7 +270,7 @@ static void a_pulsation_swings_in_two_periods(void **unused) {
     }
 }
 
-/* Impacts without rebound are counted, chatter is not; the rest lasts from the impact to the release. */
+/* Impacts without rebound are counted, chatter is not; contact lasts from the impact to the release. */
 static void orbits_that_rest_are_told(void **unused) {
     (void)unused;
     static const double table[][3] = {{0.4, -0.6, 0},  {0.4, 0.2, 0},   {0.8, -0.4, 0}, {1.2, 0, 0},
@@ -321,8 +321,8 @@ static void orbits_that_rest_are_told(void **unused) {
     assert_true(two_impacts && two_periods);
 }
 
-/* Times of the impacts in one chatter, in periods, the accumulation point last; its orbit's state at the next
- * section. */
+/* The times of the impacts of one chatter, in periods, with the accumulation point last; *state is the
+ * orbit's at the next section. */
 static int chatter_times(const saltus_system *system, double phase, double *times, int room, double *state) {
     saltus_flow_options options = saltus_flow_defaults();
     double rest[2] = {saltus_system_face(system, 0).d, 0};
@@ -345,9 +345,8 @@ static int chatter_times(const saltus_system *system, double phase, double *time
     return count;
 }
 
-/* A load that puts the section `part` of the way from the chatter's impact `from_end` before the last one to
- * the next; a place beyond the last one is after the accumulation point. The impacts, one by one, are
- * counted. */
+/* A system whose load puts the section `part` of the way from impact `from_end` before the chatter's last one
+ * to the next; with 0, just after the accumulation point. *impacts counts the impacts. */
 static saltus_system *chatter_at_section(double omega, double r, double load, int from_end, double part,
                                          double *state, int *impacts) {
     double loads[2] = {load, load + 1e-3}, late[2] = {NAN, NAN}, times[64];
@@ -375,8 +374,8 @@ static saltus_system *chatter_at_section(double omega, double r, double load, in
     return system;
 }
 
-/* A load moves the chatter through the section: wherever that cuts it, it is the same motion. The section may
- * lie after the last impact that is made, too, and before the place where all the others would be. */
+/* A load moves the chatter through the section: the motion is the same wherever it cuts the chatter, also
+ * between the last impact simulated and the accumulation point. */
 static void chatter_is_told_wherever_the_section_lies(void **unused) {
     (void)unused;
     static const double table[][3] = {{0.4, 0.1, -0.55}, {0.4, 0.5, -0.23}, {1, 0.1, 0.47}},
@@ -402,7 +401,7 @@ static void chatter_is_told_wherever_the_section_lies(void **unused) {
     assert_true(first_sticks > 0);
 }
 
-/* However little rebound there is, what it leads to is chatter, even if but one impact is made before. */
+/* Any rebound, however small, leads to chatter, even if only one impact is simulated. */
 static void little_rebound_is_chatter(void **unused) {
     (void)unused;
     bool three = false;
@@ -422,8 +421,8 @@ static void little_rebound_is_chatter(void **unused) {
     assert_true(three);
 }
 
-/* Two masses of which stops hold off one or both; the observed displacement is the first stop's, its extremes
- * may be corners where another stop is hit. Between two stops with and without rebound. */
+/* Two masses with stops for one or both. The observed displacement is that of the first stop; its extremes
+ * may be corners at impacts on another stop. Also between two stops, with and without rebound. */
 static void assorted_orbits_are_recounted(void **unused) {
     (void)unused;
     static const struct {
@@ -474,8 +473,8 @@ static void assorted_orbits_are_recounted(void **unused) {
     assert_true(images >= 2);
 }
 
-/* An orbit asked for with twice its period is told with its own; one of twice the period stays so however
- * near its flip, 1e-2 to 1e-4 from its half. */
+/* An orbit sought with twice its period is described with its own; one of doubled period keeps that close to
+ * its flip, 1e-2 to 1e-4 from its half. */
 static void least_periods_are_told(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_two_periods), at;
@@ -514,10 +513,9 @@ static void least_periods_are_told(void **unused) {
     }
 }
 
-/* An orbit that repeats after a part of its period, but cannot be found with that period - one of a family,
- * or one that drifts too slowly to be seen, where there is no orbit - is not described: the failure is that
- * of finding it, and nothing is left to be freed. With the period it repeats after it is described as it is.
- */
+/* An orbit that repeats after a part of its period but cannot be found with that period (one of a family, or
+ * a drift too slow to be seen) is not described: the status is that of the search, and nothing must be freed.
+ * With the period of the repetition it is described. */
 static void a_least_period_that_is_not_found(void **unused) {
     (void)unused;
     for (int k = 0; k < 2; k++) {
@@ -555,7 +553,7 @@ static void a_least_period_that_is_not_found(void **unused) {
     }
 }
 
-/* Along a branch each point's label, counts and events are those of the same orbit described by itself. */
+/* Along a branch each point has the label, counts and events with which its orbit alone is described. */
 static void branches_say_it_as_classification_does(void **unused) {
     (void)unused;
     const closed_oscillator starts[] = {
@@ -615,7 +613,7 @@ static void branches_say_it_as_classification_does(void **unused) {
     }
 }
 
-/* Rest of an oscillator: against the spring's place, with its own exponent, and on a stop with the load's
+/* Equilibria of an oscillator: where the spring holds it, with its exponent, and on a stop with the load's
  * force. */
 static void rests_are_told(void **unused) {
     (void)unused;
@@ -653,7 +651,7 @@ static void rests_are_told(void **unused) {
     }
 }
 
-/* Pressed all the time by a force that pulsates: held, with that force at phase 0, and period 1. */
+/* Always pressed by a pulsating force: held, with the force at phase 0, and period 1. */
 static void a_pulsating_load_holds(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 2, 0.3, 1.3);
@@ -674,7 +672,7 @@ static void a_pulsating_load_holds(void **unused) {
     saltus_system_free(system);
 }
 
-/* Only what has come to an orbit or a rest has settled. */
+/* Only orbits and equilibria count as settled. */
 static void what_has_settled(void **unused) {
     (void)unused;
     for (int k = 0; k < SALTUS_VERDICTS; k++)
@@ -682,7 +680,7 @@ static void what_has_settled(void **unused) {
                          k == SALTUS_PERIODIC || k == SALTUS_EQUILIBRIUM || k == SALTUS_HELD);
 }
 
-/* Following the flow over whole periods: as the flow does, in one piece or in several. */
+/* Settling over whole periods does what the flow does, in one piece or several. */
 static void settling_is_the_flow(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_one_period);
@@ -707,8 +705,8 @@ static void settling_is_the_flow(void **unused) {
     saltus_system_free(system);
 }
 
-/* What the flow refuses is refused by all, with a word, and nothing is left to be freed; a state stays as it
- * was. */
+/* Inputs that the flow refuses are refused everywhere, with a message; nothing must be freed, and the state
+ * is unchanged. */
 static void what_the_flow_refuses_is_refused(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_mirrored);

@@ -1,4 +1,4 @@
-/* Trajectories side by side give the bits of trajectories alone.
+/* Trajectories side by side have the same bits as single ones.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -59,8 +59,8 @@ static void set_going(saltus_flow *flow, int lane, int k, saltus_system *const *
     saltus_flow_aim(flow, lane, target(k), 0);
 }
 
-/* One flow for all: a lane that has reached its target takes up the next trajectory; at the end lanes rest
- * while others go on. */
+/* Run all trajectories in one flow: a lane that has reached its target takes the next one; at the end lanes
+ * rest while others go on. */
 static void run_side_by_side(saltus_system *const *systems, double (*states)[dimension],
                              const saltus_flow_options *options, outcome *out) {
     const saltus_system *first[16];
@@ -88,7 +88,7 @@ static void run_side_by_side(saltus_system *const *systems, double (*states)[dim
     saltus_flow_free(flow);
 }
 
-/* Returns what happened on the way. */
+/* Returns the counts of the flow. */
 static saltus_flow_info compare(int modes, const saltus_flow_options *options) {
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     saltus_system *systems[trajectories];
@@ -124,8 +124,8 @@ static void same_bits(void **unused) {
     assert_true(sum.sticks > 20);
 }
 
-/* Numbers of modes with and without loops of their own, with and without tangent vectors; tolerances at which
- * the lanes need different numbers of orders of the forcing. */
+/* For numbers of modes with and without their own loops, with and without tangent vectors, and tolerances at
+ * which lanes need different orders of the forcing. */
 static void same_bits_at_any_size(void **unused) {
     (void)unused;
     const int modes[] = {1, 2, 3, 4, 5, 6, 7, 8, modes_max};
@@ -144,7 +144,7 @@ static void same_bits_at_any_size(void **unused) {
     assert_true(impacts > 50000 / stride);
 }
 
-/* Two flows advanced in turns are two flows advanced one after the other. */
+/* Two flows advanced alternately are the same as one after the other. */
 static void interleaved_flows(void **unused) {
     (void)unused;
     saltus_spec spec[2] = {pipe_spec(5, 42), pipe_spec(3, 10)};

@@ -1,4 +1,4 @@
-/* How long chaos has been watched, and what long periods hide behind it.
+/* How long chaos was observed, and long periods that look like it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_check.h"
 
@@ -20,8 +20,8 @@ static saltus_motion classify_with(const char *name, const char *settings,
     return motion;
 }
 
-/* The bound is what its name says: of trajectories that leave by chance at a known mean time, watched for any
- * time, one bound in twenty lies above that mean, and no more. */
+/* The bound on a lifetime is correct: if trajectories leave at random with a known mean time, one bound in
+ * twenty lies above that mean, for any time of observation. */
 static void bounds_hold_as_often_as_they_say(void **unused) {
     (void)unused;
     enum { trials = 4000, members = 8 };
@@ -47,7 +47,7 @@ static void bounds_hold_as_often_as_they_say(void **unused) {
     gsl_rng_free(rng);
 }
 
-/* Chaos is asserted where it has been watched for three times the lifetime asked for, and not before. */
+/* Chaos is asserted once it was observed for three times the requested lifetime, not before. */
 static void chaos_is_asserted_for_its_lifetime(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -87,8 +87,8 @@ static void rows_are_irregular_until_then(void **unused) {
     }
 }
 
-/* Motions near a torus that are locked to an orbit of hundreds of periods, which draws them slowly: the orbit
- * is found, and it is one. */
+/* Motions near a torus, locked to an orbit of hundreds of periods that attracts slowly: that orbit is
+ * found. */
 static void locked_motions_have_a_period(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -111,8 +111,8 @@ static void locked_motions_have_a_period(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* Contacts that wipe out all differences make motions superstable; where neighbours separate between them
- * until rounding counts, that is said, and no period is asserted. */
+/* Contacts that remove all differences make motions superstable. If neighbours separate between them until
+ * rounding decides, this is reported, and no period is asserted. */
 static void rounding_decides_long_superstable_periods(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -124,7 +124,8 @@ static void rounding_decides_long_superstable_periods(void **unused) {
         assert_int_equal(motion.verdict, SALTUS_LONG_PERIOD);
         assert_true(motion.lyapunov == -INFINITY);
         assert_non_null(strstr(motion.reason, "rounding decides"));
-        /* How many impacts of a complete chatter are simulated hangs on the tolerance: no number is told. */
+        /* How many impacts of a complete chatter are simulated depends on the tolerance, so no number is
+         * reported. */
         const bool chatters = k == 1;
         assert_int_equal(motion.impacts, chatters ? -1 : 0);
         assert_true(!chatters || isnan(motion.evidence.impacts_per_period));
@@ -132,8 +133,8 @@ static void rounding_decides_long_superstable_periods(void **unused) {
     }
 }
 
-/* Such a contact may come once in 100,000 periods: that it comes is found from any start, as neighbours that
- * separate until then prove nothing. */
+/* Such a contact may come once in 100,000 periods; it is found from any start, as neighbours that separate
+ * until then prove nothing. */
 static void rare_contacts_count_from_any_start(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -151,7 +152,7 @@ static void rare_contacts_count_from_any_start(void **unused) {
     saltus_system_free(system);
 }
 
-/* The same rule in a sweep: what classification calls superstable is no chaos in a row. */
+/* The same rule in a sweep: superstable motions are not chaotic in its rows. */
 static void rare_contacts_count_in_rows(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -170,8 +171,8 @@ static void rare_contacts_count_in_rows(void **unused) {
     }
 }
 
-/* What was watched for is said: of chaos that a contact could end, how seldom one comes at most; nothing of
- * the kind where none can; and of a contact that has come, that no other one did. */
+/* Verdicts report the observation: for chaos that a contact could end, the least mean time between contacts;
+ * nothing if none is possible; and of a contact that came, that it was the only one. */
 static void verdicts_tell_for_how_long_contacts_were_watched_for(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -196,8 +197,8 @@ static void verdicts_tell_for_how_long_contacts_were_watched_for(void **unused) 
     saltus_motion_clear(&motion);
 }
 
-/* The contact that is told is the first one, whichever trajectory meets it: the same one, to the last bit,
- * where the trajectories are given in another order, and one of those that they meet by themselves. */
+/* The reported contact is the first one of any trajectory: the same, to the last bit, in any order of
+ * trajectories, and one that single trajectories meet. */
 static void first_contact_is_told(void **unused) {
     (void)unused;
     enum { trajectories = 11 };
@@ -232,8 +233,8 @@ static void first_contact_is_told(void **unused) {
     saltus_system_free(system);
 }
 
-/* A window of periodic motion, its chaos being a transient of some 40,000 periods: the orbit is found or a
- * trajectory comes to it, and it is told as the end. */
+/* In a periodic window with transient chaos of some 40,000 periods, the orbit is found or a trajectory
+ * reaches it; it is the verdict. */
 static void long_orbits_amid_chaos_are_found(void **unused) {
     (void)unused;
     skip_where_slow();

@@ -1,5 +1,5 @@
-/* Curves of special points in two parameters: on the closed forms' curves, and, of two masses and of the
- * pipe, each point checked by an independent search.
+/* Curves of special points in two parameters: on the curves of closed forms, and, for two masses and the
+ * pipe, with each point checked by an independent search.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "reference.h"
@@ -8,7 +8,7 @@ static bool long_version(void) {
     return getenv("SALTUS_LONG_TESTS") != NULL;
 }
 
-/* A curve in the plane of two parameters, from an orbit with the second one as in the example. */
+/* A curve in the plane of two parameters, from an orbit at the example's second parameter. */
 typedef struct closed_curve {
     closed_example example;
     long double omega;
@@ -48,8 +48,8 @@ static saltus_branch_options locus_options(saltus_point_kind kind, const char *c
     return options;
 }
 
-/* The closed form's point beside a point of the plane, sought along one of the parameters; the distance to it
- * along that parameter. INFINITY: none. */
+/* The closed form's special point near a place in the plane, sought along one parameter; returns the distance
+ * along it, INFINITY if there is none. */
 static double along_key(closed_oscillator o, const char *key, saltus_point_kind kind, closed_orbit *orbit) {
     long double value = *closed_value(&o, key);
     for (long double width = 1e-7L; width < 2e-3L; width *= 10) {
@@ -64,8 +64,8 @@ static double along_key(closed_oscillator o, const char *key, saltus_point_kind 
     return INFINITY;
 }
 
-/* The distance to the nearer of the two. Where no impact is without speed, the distance from touching between
- * impacts. */
+/* The smaller of the distances along both parameters; without a grazing impact nearby, the distance of the
+ * maximum between impacts from the stop. */
 static double off_curve(const closed_oscillator *start, const closed_curve *c, const double *place,
                         closed_orbit *orbit) {
     closed_oscillator o = *start;
@@ -88,7 +88,7 @@ static bool on_border(const closed_curve *c, const double *place) {
     return false;
 }
 
-/* A point on its curve, with the multiplier that makes it. */
+/* A point lies on its curve, with its critical multiplier. */
 static void check_on_curve(const closed_curve *c, const closed_oscillator *o,
                            const saltus_branch_point *point) {
     closed_orbit orbit = {.impacts = 0};
@@ -98,7 +98,7 @@ static void check_on_curve(const closed_curve *c, const closed_oscillator *o,
                  point->value[0], c->key[1], point->value[1], off);
     assert_true(point->admissible);
     if (point->kind == SALTUS_POINT_EP) {
-        /* The curve leaves the range, or the impact's speed has vanished: there it meets grazing. */
+        /* The curve ends at the range's border, or at grazing, where the impact's speed vanishes. */
         assert_true(on_border(c, point->value) || orbit.impact[0].speed < 1e-9L);
         return;
     }
@@ -113,8 +113,8 @@ static void check_on_curve(const closed_curve *c, const closed_oscillator *o,
     check_near(point->multipliers[1].re, (double)orbit.multiplier[1][0], 1e-7);
 }
 
-/* The parameters are those of the place, the arclength is that in the plane, in units of the ranges, the
- * steps are no longer than asked for and are counted. */
+/* The specification has the point's parameters; arclength is measured in the plane, in units of the ranges;
+ * steps are counted and no longer than requested. */
 static void check_order(const saltus_branch_options *options, const branch_record *record) {
     for (int k = 0; k < record->count; k++) {
         const saltus_branch_point *b = &record->point[k], *a = k ? b - 1 : NULL;
@@ -145,7 +145,7 @@ static void check_order(const saltus_branch_options *options, const branch_recor
         } else {
             assert_string_equal(b->reason, "");
         }
-        /* The step is measured along the tangent, in the states too; its parts in the plane are the
+        /* The step is measured along the tangent, states included; its parts in the plane are the
          * headings'. */
         length = hypot(apart[0], apart[1]);
         double ahead = b->arclength - a->arclength, unit = options->high[0] - options->low[0];
@@ -186,7 +186,7 @@ static void curves_in_closed_form(void **unused) {
     }
 }
 
-/* A curve that leaves the range ends on its border to the last bit, be the border no round number. */
+/* A curve that leaves the range ends on its border to the last bit, even at values that are not round. */
 static void borders_are_met_to_the_last_bit(void **unused) {
     (void)unused;
     unsigned long long seed = 5;
@@ -214,8 +214,8 @@ static void borders_are_met_to_the_last_bit(void **unused) {
     assert_true(met >= 12);
 }
 
-/* One way only, up or down in the second parameter, from a point that lies up or down along the first: the
- * same points as of both ways; no more of them than asked for. */
+/* One way only, up or down in the second parameter, from a point found up or down along the first: the same
+ * points as in both ways, and no more than requested. */
 static void one_way(void **unused) {
     enum { count = 14 };
     (void)unused;
@@ -244,7 +244,7 @@ static void one_way(void **unused) {
     }
 }
 
-/* An interrupted locus goes on to the last bit, from any of its points, of every kind that there is here. */
+/* An interrupted curve of any kind continues with the same bits from any of its points. */
 static void an_interrupted_curve_goes_on(void **unused) {
     (void)unused;
     for (size_t k = 0; k < sizeof curves / sizeof curves[0]; k++) {
@@ -261,7 +261,7 @@ static void an_interrupted_curve_goes_on(void **unused) {
     }
 }
 
-/* The same with complex pairs, corners on the way, and orbits that are cut into segments. */
+/* The same with complex pairs, corners on the way, and orbits cut into segments. */
 static void an_interrupted_curve_of_the_pipe_goes_on(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -279,8 +279,8 @@ static void an_interrupted_curve_of_the_pipe_goes_on(void **unused) {
     free(r.text);
 }
 
-/* One degree of freedom with losses has no complex pair on the unit circle: the search says that it found
- * none. */
+/* One damped degree of freedom has no complex pair on the unit circle: the search reports that none was
+ * found. */
 static void no_torus(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_one_period);
@@ -302,9 +302,9 @@ static void no_torus(void **unused) {
     saltus_branch_free(branch);
 }
 
-/* Where nothing is known in closed form. */
+/* Scenes without closed forms. */
 
-/* The slowest impact, or the nearest free maximum in terms of the speed that it lacks, of an orbit: in units
+/* The slowest impact speed of an orbit, or the speed that its nearest free maximum lacks to touch, in units
  * of the system's speeds. */
 static double slowest_contact(const saltus_system *system, int periods, const double *state) {
     saltus_flow_options options = saltus_flow_defaults();
@@ -333,8 +333,8 @@ static const saltus_multiplier *critical(const saltus_orbit *orbit) {
     return &orbit->multipliers[nearest];
 }
 
-/* The orbit found anew at the point's parameters: the same, and with the multiplier or the grazing that makes
- * the point. Almost at grazing, where curves meet, multipliers are no longer determined. */
+/* The orbit found again at the point's parameters is the same, with the multiplier or grazing of the point.
+ * Close to grazing, where curves meet, multipliers are not determined. */
 static void check_anew(const saltus_branch_point *point, saltus_point_kind kind) {
     saltus_system *system = build(&point->spec);
     double slowest = slowest_contact(system, point->periods, point->state);
@@ -402,8 +402,8 @@ static saltus_motion settled(const saltus_spec *spec) {
     return motion;
 }
 
-/* Two masses, one of which hits a stop: flips, and tori, whose curve ends where the pair of multipliers meets
- * at -1. There it has turned into two real ones whose product is 1, and nothing happens to the orbit. */
+/* Two masses, one of which hits a stop: flips, and tori whose curve ends where their pair of multipliers
+ * meets at -1. Beyond, the pair is real with product 1, and the orbit is not special. */
 static void two_masses(void **unused) {
     (void)unused;
     static const struct {
@@ -434,7 +434,7 @@ static void two_masses(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* A curve of flips of the pipe and what meets it, which several tests look at. */
+/* A curve of flips of the pipe and the curves that meet it, for several tests. */
 typedef struct pipe_flips_network {
     reference reference;
     saltus_branch_options options;
@@ -462,8 +462,7 @@ static int drop_network(void **state) {
     return 0;
 }
 
-/* Where a curve of flips ends at grazing the curve of grazing has its own corner, found by other equations.
- */
+/* Where a curve of flips ends at grazing, the curve of grazing has a corner, found by other equations. */
 static void curves_meet_at_corners(void **state) {
     skip_where_slow();
     const pipe_flips_network *network = *state;
@@ -491,7 +490,7 @@ static void curves_meet_at_corners(void **state) {
     branch_forget(&grazing);
 }
 
-/* How often to switch branches until this one. */
+/* How many switches lead to a branch. */
 static int depth_of(const branch_record *record, int branch) {
     int depth = 0;
     for (int k = 0; k < record->count; k++)
@@ -512,8 +511,8 @@ static bool passes(const branch_record *record, saltus_point_kind locus, const d
     return false;
 }
 
-/* Points know what curve they are on. Where curves meet all of them have been followed, but where that is too
- * deep; none is gone over twice: no two leave the range at one place. */
+/* Points name their curve's kind. Where curves meet all have been followed up to the allowed depth, and none
+ * twice: no two leave the range at one place. */
 static void check_network(const branch_record *record, const saltus_branch_options *options) {
     for (int k = 0; k < record->count; k++) {
         const saltus_branch_point *p = &record->point[k];
@@ -549,8 +548,8 @@ static bool at_one_place(const saltus_branch_point *p, const saltus_branch_point
     return fabs(q->value[0] / p->value[0] - 1) < 1e-8 && fabs(q->value[1] / p->value[1] - 1) < 1e-8;
 }
 
-/* The sine between the ways on which a curve leaves its first point and a curve of another kind that place.
- */
+/* The sine of the angle at which two curves leave one place: the curve that begins at `first`, and one of
+ * another kind. */
 static double turn_between(const branch_record *record, const saltus_branch_options *options,
                            const saltus_branch_point *first, saltus_point_kind other) {
     double smallest = INFINITY;
@@ -571,9 +570,9 @@ static double turn_between(const branch_record *record, const saltus_branch_opti
     return smallest;
 }
 
-/* From a flip's meeting with grazing the curve of grazing is followed: the orbits without impact whose
- * amplitude is the gap. So is that of the orbits of twice the period with one impact, which touch the stop
- * once more; it leaves along the curve of flips. */
+/* Where flips meet grazing two curves of grazing are followed: of the orbits without impact whose amplitude
+ * is the gap, and of the orbits of twice the period with one impact and another touch; the latter leaves
+ * along the curve of flips. */
 static void corners_start_grazing(void **unused) {
     (void)unused;
     closed_curve c = curves[1];
@@ -607,7 +606,7 @@ static void corners_start_grazing(void **unused) {
     branch_forget(&record);
 }
 
-/* The curves of one kind in a run leave the range where those of another run do. */
+/* The curves of a kind leave the range at the same places in both runs. */
 static void check_same_ends(const branch_record *one, const branch_record *other, saltus_point_kind locus,
                             int expected) {
     int ends = 0;
@@ -628,8 +627,8 @@ static void check_same_ends(const branch_record *one, const branch_record *other
     assert_int_equal(ends, expected);
 }
 
-/* Of the pipe: the flips' curve has a double multiplier -1 twice, where tori begin, and meets grazing twice.
- * The curve of grazing is the one that is found on its own. */
+/* The pipe: the curve of flips has a double multiplier -1 twice, where tori begin, and meets grazing twice.
+ * The curve of grazing is the one found directly. */
 static void corners_start_the_curves_that_meet_there(void **state) {
     skip_where_slow();
     const pipe_flips_network *network = *state;
@@ -659,10 +658,10 @@ static saltus_spec meeting_curves(void) {
     return spec;
 }
 
-/* The grazing of orbits of two periods of which one impact is left ends where that is gone too. There the
- * orbit of one period has the response sin(w T) of a displacement to an impact, w the damped frequency, equal
- * to zero: omega = 2 w, and the gap is its amplitude. The curves of grazing and of flips of the orbits of one
- * period go through that place. */
+/* Grazing of orbits of two periods with one impact left ends where that impact vanishes too. There the
+ * response sin(w T) of the orbit of one period to an impact, w the damped frequency, is zero: omega = 2 w,
+ * and the gap is the orbit's amplitude. The curves of grazing and of flips of the orbits of one period pass
+ * there. */
 static void check_join(const branch_record *record, int k) {
     const saltus_branch_point *p = &record->point[k];
     const long double c = 0.12504L, omega = 2 * sqrtl(1 - c * c / 4), square = omega * omega;
@@ -682,9 +681,9 @@ static void check_join(const branch_record *record, int k) {
     }
 }
 
-/* Folds, flips and grazings of an oscillator and its period-doubled orbits, which meet in many points, two
- * impacts grazing in some of them; each curve is followed once, and ends at a border, at a named point or
- * where such points accumulate. Every grazing orbit touches its stop. */
+/* Folds, flips and grazings of an oscillator and of its period-doubled orbits meet in many points, in some of
+ * which two impacts graze. Each curve is followed once and ends at a border, at a named point or where such
+ * points accumulate. Every grazing orbit touches its stop. */
 static void networks_of_curves(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -693,7 +692,7 @@ static void networks_of_curves(void **unused) {
     saltus_spec spec = meeting_curves();
     saltus_motion motion = settled(&spec);
     int curves_at[3] = {0}, found[SALTUS_POINT_KINDS] = {0}, joins = 0;
-    /* The first fold is on the branch of twice the period. */
+    /* The first fold is on the branch of doubled period. */
     for (int switches = 1; switches < 3; switches++) {
         saltus_branch_options options = locus_options(SALTUS_POINT_LP, key, low, high);
         options.switches = switches;
@@ -712,7 +711,7 @@ static void networks_of_curves(void **unused) {
             }
             if (p->kind == SALTUS_POINT_GR) {
                 saltus_system *own = build(&p->spec);
-                /* The speed answers to the gap like a square root. */
+                /* The speed goes as the square root of the gap. */
                 check_near(pow(slowest_contact(own, p->periods, p->state), 2), 0, 1e-9);
                 saltus_system_free(own);
             }
@@ -726,7 +725,7 @@ static void networks_of_curves(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* The nearest that a free maximum comes to the stop, in units of the system's displacements. */
+/* The smallest distance of a free maximum from the stop, in the system's scale. */
 static double nearest_maximum(const saltus_branch_point *point) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_system *system = build(&point->spec);
@@ -741,12 +740,12 @@ static double nearest_maximum(const saltus_branch_point *point) {
     }
     saltus_flow_free(flow);
     saltus_system_free(system);
-    /* A maximum on the stop the flow meets as a turning point or as one impact more, by chance. */
+    /* At a maximum on the stop rounding decides between a turning point and one more impact. */
     return impacts > point->impacts ? 0 : nearest;
 }
 
-/* A fold of orbits with a long run of impacts, after the last of which another one is about to be born, less
- * far from the stop than any tolerance: the curve of folds ends where the maximum touches. */
+/* A fold of orbits with a long run of impacts: after the last one another is about to be born, closer to the
+ * stop than any tolerance. The curve of folds ends where that maximum touches. */
 static void folds_end_in_long_runs(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -774,8 +773,7 @@ static void folds_end_in_long_runs(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* A curve of grazing in four pieces that leads around back to its begin, where two impacts graze: it is gone
- * round once. */
+/* A curve of grazing in four pieces, joined where two impacts graze, is closed and followed once around. */
 static void a_polygon_of_grazings_is_closed(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -805,8 +803,7 @@ static void a_polygon_of_grazings_is_closed(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* The point of a kind on a curve of another kind that is nearest to a place, the parameters in either order.
- */
+/* The relative distance from a place to the nearest point of a kind on curves of the kind `locus`. */
 static double nearest_of(const branch_record *record, saltus_point_kind kind, saltus_point_kind locus,
                          double first, double second) {
     double nearest = INFINITY;
@@ -839,12 +836,12 @@ static saltus_spec hitting_masses(void) {
     return spec;
 }
 
-/* Such masses under a force, and an orbit of theirs that grazes. */
+/* Two such masses under a force, with a grazing orbit. */
 typedef struct grazing_masses {
     double F, c, m2, c2, k2, r, omega, d, state[4];
 } grazing_masses;
 
-/* The curve of grazing of such orbits of so many periods, in steps of two lengths. */
+/* Follow the curve of grazing of these orbits with two largest steps. */
 static void follow_twice(const grazing_masses *row, int periods, const saltus_branch_options *options,
                          const double step_max[2], branch_record record[2]) {
     saltus_spec spec = hitting_masses();
@@ -863,7 +860,8 @@ static void follow_twice(const grazing_masses *row, int periods, const saltus_br
     }
 }
 
-/* The corners of either run are those of the other; returns how many there are of a kind, or of any. */
+/* Both runs have the same corners; returns how many there are of a kind (SALTUS_POINT_REGULAR: of any), in
+ * both together. */
 static int same_corners(const branch_record record[2], saltus_point_kind kind) {
     int found = 0;
     for (int run = 0; run < 2; run++)
@@ -877,8 +875,8 @@ static int same_corners(const branch_record record[2], saltus_point_kind kind) {
     return found;
 }
 
-/* Along a curve of grazing multipliers change fast, and pairs that leave the unit circle come back: however
- * long the steps are, those of short ones are found, and no others. */
+/* Along a curve of grazing multipliers change fast, and pairs that leave the unit circle return: long steps
+ * find exactly the corners of short ones. */
 static void long_steps_pass_no_torus(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -923,7 +921,7 @@ static void long_steps_pass_no_torus(void **unused) {
     }
 }
 
-/* Of a slow forcing multipliers turn with every free oscillation within its period: at steps of twice the
+/* Under slow forcing multipliers rotate with each free oscillation in a period: with steps of twice the
  * length the same folds, flips and pairs meet grazing. */
 static void slow_forcing_hides_no_corner(void **unused) {
     (void)unused;
@@ -959,9 +957,8 @@ static void slow_forcing_hides_no_corner(void **unused) {
     }
 }
 
-/* Where a multiplier runs through infinity a pair of them leaves the unit circle, becomes real, and comes
- * back past 1 or -1 at once: the product over pairs has the same sign before and after. How many are inside
- * the circle tells. */
+/* Where a multiplier passes through infinity, a pair leaves the unit circle, becomes real, and returns past 1
+ * or -1 at once: the product over pairs keeps its sign, and only the number inside the circle tells. */
 static void pairs_beside_infinity_are_found(void **unused) {
     (void)unused;
     static const char *const key[2] = {"d", "omega"};
@@ -997,8 +994,8 @@ static void pairs_beside_infinity_are_found(void **unused) {
     }
 }
 
-/* Orbits of three periods that graze become those of one period, which graze three times in it: their curve
- * ends there, in one place whatever the steps, on the curve of grazing of the shorter orbits. */
+/* Grazing orbits of three periods become orbits of one period, which thus graze three times: their curve ends
+ * there, on the curve of grazing of the shorter orbits, at the same place for all steps. */
 static void curves_of_grazing_join_those_of_a_third(void **unused) {
     (void)unused;
     static const char *const key[2] = {"d", "omega"};
@@ -1050,8 +1047,8 @@ static void curves_of_grazing_join_those_of_a_third(void **unused) {
     }
 }
 
-/* Where a branch of orbits of three periods begins, an orbit of one period grazes: it is that orbit's curve
- * of grazing that is followed, not the same orbit three times, of which any impact may be born or die. */
+/* A branch of orbits of three periods begins where an orbit of one period grazes: the curve of grazing of
+ * that orbit is followed, not of its threefold repetition, in which any impact could be born or die. */
 static void a_shorter_orbit_grazes_once(void **unused) {
     (void)unused;
     static const char *const key[2] = {"d", "omega"};
@@ -1075,8 +1072,8 @@ static void a_shorter_orbit_grazes_once(void **unused) {
     branch_forget(&record);
 }
 
-/* Two corners of a kind, closer to one another than steps are long, leave the signs of what is zero at them
- * as they were: steps of either length find both. */
+/* Two corners of a kind closer together than steps are long leave the signs of their test functions
+ * unchanged: steps of either length find both. */
 static void close_corners_are_told_apart(void **unused) {
     (void)unused;
     static const char *const key[2] = {"d", "omega"};
@@ -1097,8 +1094,8 @@ static void close_corners_are_told_apart(void **unused) {
     branch_forget(&record[1]);
 }
 
-/* Without its stop the pipe is its own mirror image, and so may its orbits be: where others branch off a
- * curve of grazing crosses theirs, and its equations are singular. The place is as sharp as any. */
+/* Without its stop the pipe is mirror symmetric, and its orbits may be too. A curve of grazing is singular
+ * where a curve of asymmetric orbits branches off it; that place is as sharp as any. */
 static void grazing_passes_a_crossing(void **unused) {
     (void)unused;
     static const char *const key[2] = {"d", "omega"};
@@ -1121,7 +1118,7 @@ static void grazing_passes_a_crossing(void **unused) {
     branch_forget(&record[1]);
 }
 
-/* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
+/* Whether a curve of grazing of orbits of `periods` periods begins at or passes a point's place. */
 static bool grazes_there(const branch_record *record, const saltus_branch_point *p, int periods) {
     bool found = false;
     for (int k = 0; k < record->count; k++)
@@ -1130,10 +1127,10 @@ static bool grazes_there(const branch_record *record, const saltus_branch_point 
     return found;
 }
 
-/* Flips of strongly unstable orbits between two grazings that are close together: of twice the period there
- * are arcs of grazing no longer than that. Where the orbit whose flip meets grazing closes after fewer
- * periods the flip is not that of the shorter one, and no such curve begins. Every curve that begins goes on
- * from there, in steps. */
+/* Flips of strongly unstable orbits between two close grazings: orbits of twice the period have arcs of
+ * grazing no longer than their distance. If the orbit whose flip meets grazing closes after fewer periods,
+ * the flip is not that of the shorter orbit, and no such curve begins. Each curve that begins continues in
+ * steps. */
 static void grazing_leaves_the_ends_of_short_curves_of_flips(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -1184,7 +1181,7 @@ static void grazing_leaves_the_ends_of_short_curves_of_flips(void **unused) {
 }
 
 /* A curve of tori from grazing to a double multiplier 1. The curves of grazing and of folds through its ends,
- * found on their own, have the same corners there, and the curve of tori begins at either of them. */
+ * found directly, have the same corners there, and from either of them the curve of tori begins. */
 static void check_tori(double step_max) {
     static const char *const key[2] = {"omega", "d"}, *const turned[2] = {"d", "omega"};
     static const double low[2] = {0.3273, 0.266}, high[2] = {1.0474, 1.7733};
@@ -1223,7 +1220,7 @@ static void check_tori(double step_max) {
     saltus_motion_clear(&motion);
 }
 
-/* However long the steps are: near the double multiplier the equations are solved by chance. */
+/* For any steps: near the double multiplier the equations are almost singular, and solved by chance. */
 static void tori_between_grazing_and_folds(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -1232,8 +1229,8 @@ static void tori_between_grazing_and_folds(void **unused) {
         check_tori(step_max[k]);
 }
 
-/* The orbit of a point gone through `parts` times in its sequence, of its own period; its multipliers at a
- * place of the unit circle, to so much. */
+/* How many multipliers of a point's orbit, over its period divided by `parts`, are within `near` of a
+ * number. */
 static int multipliers_at(const saltus_branch_point *p, int parts, double re, double im, double near) {
     saltus_orbit_options how = saltus_orbit_defaults();
     saltus_system *system = build(&p->spec);
@@ -1249,7 +1246,7 @@ static int multipliers_at(const saltus_branch_point *p, int parts, double re, do
     return found;
 }
 
-/* How far an orbit is from closing after half of its period. */
+/* How far an orbit is from closing after half its period. */
 static double half_apart(const saltus_branch_point *p) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_system *system = build(&p->spec);
@@ -1263,9 +1260,9 @@ static double half_apart(const saltus_branch_point *p) {
     return apart;
 }
 
-/* Folds and tori of orbits of twice a period end where these become the shorter orbits, which are special
- * there: by their multipliers, as the shorter period's Newton method has them. No point of the curves before
- * is such an orbit, and with whatever steps a curve comes there it is the same place. */
+/* Folds and tori of orbits of doubled period end where these become the shorter orbits, which are special
+ * there by their own multipliers. No earlier point of the curves is such an orbit, and the place is the same
+ * for all steps. */
 static void curves_end_where_the_period_halves(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -1325,7 +1322,7 @@ static void curves_end_where_the_period_halves(void **unused) {
             assert_int_equal(end[1].kind, SALTUS_POINT_EP);
             assert_true(half_apart(end) < 1e-9 && end->residual < 1e-9);
             const bool quarter = rows[row].end == SALTUS_POINT_R4;
-            /* A double multiplier answers to the parameters like a square root. */
+            /* A double multiplier depends on the parameters like a square root. */
             const bool twice = rows[row].end == SALTUS_POINT_R2, folds = rows[row].end == SALTUS_POINT_LP_PD;
             if (quarter)
                 assert_int_equal(multipliers_at(end, 4, 0, 1, 1e-9), 1);
@@ -1340,8 +1337,8 @@ static void curves_end_where_the_period_halves(void **unused) {
     }
 }
 
-/* Interrupted on any of the curves that were switched to, or between two of them, it all goes on to the last
- * bit: which curves wait, and which have been gone over. */
+/* An interruption on any of the switched curves, or between two, changes no bit of what follows: which curves
+ * wait and which are done is kept. */
 static void an_interrupted_network_goes_on(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -1365,8 +1362,8 @@ static void an_interrupted_network_goes_on(void **unused) {
     free(r.text);
 }
 
-/* Grazing of orbits that branch off from ones that are their own mirror images: such an orbit touches one of
- * the stops once, and comes back. */
+/* Grazing of orbits that branch off from mirror symmetric ones: such an orbit touches one of the stops once,
+ * and closes. */
 static void check_broken_grazing(const saltus_branch_point *p) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_system *system = build(&p->spec);
@@ -1379,15 +1376,15 @@ static void check_broken_grazing(const saltus_branch_point *p) {
     check_near(slowest_contact(system, p->periods, p->state), 0, 1e-6);
     advance(flow, p->periods, 0);
     saltus_flow_state(flow, 0, end);
-    /* As far as an impact of such a speed may be met or not. */
+    /* Up to the effect of an impact of such a speed. */
     check_near(saltus_system_distance(system, end, p->state), 0, 1e-5);
     saltus_flow_free(flow);
     saltus_system_free(system);
 }
 
-/* Grazing of orbits that are their own mirror images, with branch points and folds on its way: what the curve
- * of grazing tells by the symmetry of a null vector the curves of folds and of branch points, on which the
- * symmetric orbits have other equations, tell by themselves where they end. */
+/* Grazing of mirror symmetric orbits, with branch points and folds on the way. The curve of grazing tells
+ * these apart by the symmetry of a null vector; the curves of folds and of branch points, which have other
+ * equations, end at the same places. */
 static void symmetric_grazing(void **unused) {
     (void)unused;
     static const char *const key[2] = {"omega", "d"};
@@ -1429,13 +1426,13 @@ static void symmetric_grazing(void **unused) {
         ends[p->kind]++;
     }
     assert_true(ends[SALTUS_POINT_GR_LP] > 0 && ends[SALTUS_POINT_GR_BP] > 0);
-    /* Three branch points at grazing: two of them are joined by one curve. */
+    /* Of three branch points at grazing two are joined by a curve. */
     assert_true(broken == 2 && joined == 1);
     branch_forget(&record);
     saltus_motion_clear(&motion);
 }
 
-/* How far a mass comes down on an orbit of one period: the lowest of the parabolas through its way. */
+/* The lowest position of a mass on an orbit of one period, by parabolas through its path. */
 static double reach_down(const saltus_branch_point *point) {
     enum { pieces = 8192 };
     saltus_flow_options options = saltus_flow_defaults();
@@ -1455,8 +1452,8 @@ static double reach_down(const saltus_branch_point *point) {
     return reach;
 }
 
-/* A mass that chatters on one stop and touches another one: the other stop does nothing, so that the curve of
- * that touch is where it stands at the reach of the mass; it ends where the mass alone ceases to chatter,
+/* A mass chatters on one stop and touches another, which has no effect: the curve of the touch is where that
+ * stop stands at the reach of the mass alone. It ends where the mass alone stops chattering completely,
  * interrupted or not. */
 static void grazing_ends_with_chatter(void **unused) {
     (void)unused;
@@ -1512,7 +1509,7 @@ static void grazing_ends_with_chatter(void **unused) {
     }
 }
 
-/* At a cusp both parameters turn back, and the curve leaves to the side that it came from. */
+/* At a cusp both parameters turn back, and the curve leaves to the side from which it came. */
 static void folds_have_cusps(void **unused) {
     (void)unused;
     static const struct {
@@ -1546,8 +1543,8 @@ static void folds_have_cusps(void **unused) {
     }
 }
 
-/* On a curve of flips, where a second multiplier reaches -1; on one of tori, where the angle is a third or a
- * quarter of the circle, until it is a half. */
+/* On a curve of flips a second multiplier reaches -1; on a curve of tori the angle is a third, a quarter and
+ * finally half of the circle. */
 static void resonances(void **state) {
     skip_where_slow();
     const pipe_flips_network *network = *state;
@@ -1570,7 +1567,7 @@ static void resonances(void **state) {
             if (isnan(angle) || (!tori && p->locus != SALTUS_POINT_PD))
                 continue;
             found[p->kind]++;
-            /* A double multiplier answers to its place like a square root. */
+            /* A double multiplier depends on its place like a square root. */
             check_near(fabs(atan2(mu[0].im, mu[0].re)), angle, p->kind == SALTUS_POINT_R2 ? 1e-3 : 1e-8);
             check_near(mu[0].log_modulus + mu[1].log_modulus, 0, 1e-7);
         }
@@ -1613,8 +1610,8 @@ static void pipe_tori(void **unused) {
     check_pipe_curve(SALTUS_POINT_NS, low, high, 10);
 }
 
-/* The curve ends where the pair meets at 1 or -1: beyond it there are two real multipliers whose product is
- * 1, and nothing happens to the orbit. */
+/* The curve ends where the pair meets at 1 or -1: beyond, it is real with product 1, and the orbit is not
+ * special. */
 static void tori_end_at_resonance(void **unused) {
     (void)unused;
     const double low[2] = {38.5, 0.0345}, high[2] = {42.2, 0.0361};

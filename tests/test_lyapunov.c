@@ -1,5 +1,5 @@
-/* Lyapunov exponents against what is known otherwise: multipliers in 128-bit arithmetic and in closed form,
- * exact impact maps iterated here, identities; and whether the stated errors are honest.
+/* Lyapunov exponents against independent results: multipliers in 128-bit arithmetic and in closed form, exact
+ * impact maps iterated here, identities; and whether stated errors are true.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
 #include "branch_check.h"
@@ -16,12 +16,12 @@ static bool refuse(void) {
     return ++allocations == failing;
 }
 
-/* Longer runs and more of them, on request. */
+/* Whether longer and more runs are requested. */
 static bool at_length(void) {
     return getenv("SALTUS_LONG_TESTS") != NULL;
 }
 
-/* From a state that has settled, or nearly: what a short run still shows. */
+/* Options for a short run from a state that has nearly settled. */
 static saltus_lyapunov_options short_options(int members) {
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
     if (!at_length()) {
@@ -73,7 +73,7 @@ static double sum_of(const saltus_lyapunov *l) {
     return sum;
 }
 
-/* What holds of every result. */
+/* Properties of every result. */
 static void check_whole(const saltus_lyapunov *l) {
     assert_int_equal(l->periods % l->members, 0);
     check_near(l->time, (double)l->periods * l->period, 1e-9 * l->time);
@@ -92,8 +92,8 @@ static void check_whole(const saltus_lyapunov *l) {
         assert_true(isnan(l->sum) && isnan(l->sum_rule));
 }
 
-/* Exponents of an orbit from the logarithms of its multipliers' moduli over `time`; `close` allows for the
- * digits of these. */
+/* The exponents of an orbit are the logarithms of its multipliers' moduli over `time`; `close` is the
+ * accuracy of these. */
 static void check_orbit(const saltus_lyapunov *l, const double *log_moduli, int count, double time,
                         double close, const char *what) {
     check_whole(l);
@@ -108,7 +108,7 @@ static void check_orbit(const saltus_lyapunov *l, const double *log_moduli, int 
     assert_true(fabs(l->half[0] - l->half[1]) <= 4 * hypot(l->half_errors[0], l->half_errors[1]));
 }
 
-/* From a disturbed state of each reference orbit; both numbers of exponents. */
+/* From a disturbed state of each reference orbit, for both numbers of exponents. */
 static void reference_orbits(void **unused) {
     (void)unused;
     static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25"};
@@ -136,7 +136,7 @@ static void reference_orbits(void **unused) {
         }
 }
 
-/* Scenes of these orbits as a user starts them, and the orbits of others by shooting. */
+/* The scenes of these orbits from their default states, and other orbits found by shooting. */
 static void scenes_and_shooting(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -173,7 +173,7 @@ typedef struct impactor {
     double c, k, F, F0, omega, d, r;
 } impactor;
 
-/* How the state after a time s of free flight answers to the one before. */
+/* The derivative of the state after free flight of time s by the state before. */
 static void free_response(const impactor *o, double s, double e[4]) {
     double a = 0.5 * o->c, w = sqrt(o->k - a * a), decay = exp(-a * s);
     double sine = o->k > 0 ? sin(w * s) / w : s, cosine = o->k > 0 ? cos(w * s) : 1;
@@ -210,8 +210,8 @@ static double acceleration(const impactor *o, double t, double x, double v) {
     return o->F * cos(o->omega * t) + o->F0 - o->c * v - o->k * x;
 }
 
-/* From just after an impact (time t, velocity v < 0) to the next one: time of flight; *u is the velocity
- * before it. */
+/* The flight time from just after an impact (time t, velocity v < 0) to the next one; *u is the velocity
+ * before that. */
 static double next_impact(const impactor *o, double t, double v, double *u) {
     const double from[2] = {o->d, v}, stride = 0.01 / o->omega;
     double to[2], a = acceleration(o, t, o->d, v), low = 0, high = stride;
@@ -261,7 +261,7 @@ static saltus_system *impactor_system(const impactor *o) {
     return build(&spec);
 }
 
-/* Exponents from the state at the section before the impact of a one-impact orbit of p periods. */
+/* Check the exponents from the section state before the impact of an orbit with one impact in p periods. */
 static void check_one_impact_orbit(const impactor *o, int p, double t, double u, const char *what) {
     double period = 2 * M_PI / o->omega, s = p * period, v = -o->r * u, j[4], log_moduli[2], state[2];
     const double after[2] = {o->d, v};
@@ -314,7 +314,7 @@ static void one_impact_orbits(void **unused) {
     static const struct {
         impactor o;
         int p;
-        double phase, speed; /* where they are known */
+        double phase, speed; /* NAN: not known */
         const char *what;
     } rows[] = {
         {{0.1, 1, 1, 0, 1, 1, 0.8}, 1, 0.0759521649, 1.6957329376, "A = 1"},
@@ -391,7 +391,7 @@ static void iterate_map(const impactor *o, int impacts, double *exponent, double
     *rate = impacts / span;
 }
 
-/* Chaos of a bouncing ball and of Budd and Dux's oscillator, of a damped one: both exponents. */
+/* Chaos of a bouncing ball and of Budd and Dux's oscillator; of a damped one both exponents. */
 static void exact_impact_maps(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -420,8 +420,8 @@ static void exact_impact_maps(void **unused) {
     }
 }
 
-/* Free motion of one mass: real parts of the roots of s^2 + c s + 1, whatever the forcing; 0 without damping,
- * where the motion is quasi-periodic. */
+/* Free motion of one mass: exponents are the real parts of the roots of s^2 + c s + 1, for any forcing;
+ * without damping the motion is quasi-periodic and they are 0. */
 static void linear_oscillators(void **unused) {
     (void)unused;
     static const double rows[][2] = {{0.1, 0.7},  {1.9, 0.7}, {2.5, 3},   {40, 0.3},
@@ -447,7 +447,7 @@ static int descending(const void *a, const void *b) {
     return (x < y) - (x > y);
 }
 
-/* beta = 0 and no motion: modes on their own, s^2 + alpha l^4 s + l^4 - u0^2 l^2 = 0. Buckled: a saddle. The
+/* beta = 0 at rest: uncoupled modes, s^2 + alpha l^4 s + l^4 - u0^2 l^2 = 0; above buckling a saddle. The
  * stiff ones decay by 1e4 and more in a unit of time. */
 static void pipe_at_rest(void **unused) {
     (void)unused;
@@ -473,7 +473,7 @@ static void pipe_at_rest(void **unused) {
         saltus_lyapunov_options options = saltus_lyapunov_defaults();
         options.exponents = (int)rows[k][2];
         options.transient = 10;
-        options.members = 1; /* others would be disturbed and leave a saddle */
+        options.members = 1; /* more members would be disturbed and leave the saddle */
         saltus_lyapunov l = run_from(system, rest, &options);
         check_orbit(&l, expected, options.exponents, 1, 1e-9, "pipe at rest");
         saltus_lyapunov_clear(&l);
@@ -481,8 +481,8 @@ static void pipe_at_rest(void **unused) {
     }
 }
 
-/* One motion: twice the run, another seed, tolerance, interval, number of members or of exponents give the
- * same within the errors, which is what the exact impact map has, or (the pipe: 0.756 +- 0.01) an independent
+/* Twice the run, another seed, tolerance, interval, number of members or of exponents give the same result
+ * within the errors: that of the exact impact map, or, for the pipe, 0.756 +- 0.01 from an independent
  * computation. */
 static void chaos_in_many_ways(void **unused) {
     (void)unused;
@@ -524,7 +524,7 @@ static void chaos_in_many_ways(void **unused) {
         }
 }
 
-/* Kaplan and Yorke's dimension once more. */
+/* Kaplan and Yorke's dimension, computed again. */
 static double dimension_of(const saltus_lyapunov *l) {
     double sum = 0;
     int k = 0;
@@ -533,7 +533,7 @@ static double dimension_of(const saltus_lyapunov *l) {
     return k < l->count ? k - sum / l->exponents[k] : NAN;
 }
 
-/* All exponents: those computed before are the same; the sum rule, the dimension. */
+/* All exponents: those computed before are unchanged; the sum rule, the dimension. */
 static void whole_spectrum(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -563,7 +563,7 @@ static void whole_spectrum(void **unused) {
     saltus_lyapunov_clear(&all);
 }
 
-/* The scatter over seeds is what the stated errors say: 68 % within one, chi-square of the scatter. */
+/* The scatter over seeds agrees with the stated errors: 68 % within one error, chi-square. */
 static void errors_are_calibrated(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -608,8 +608,8 @@ static void errors_are_calibrated(void **unused) {
     }
 }
 
-/* Directions are lost where a contact lasts: chatter and release, held for good, an impact without rebound.
- * Fewer exponents than are left must not notice. */
+/* Contacts remove directions: chatter and release, permanent contact, an impact without rebound. If fewer
+ * exponents are requested than remain, they are unaffected. */
 static void lost_directions(void **unused) {
     (void)unused;
     static const struct {
@@ -670,7 +670,7 @@ static void impact_without_rebound(void **unused) {
     saltus_system_free(system);
 }
 
-/* The interval between orthonormalisations is no part of the answer. */
+/* The interval between orthonormalisations does not change the result. */
 static void any_interval(void **unused) {
     (void)unused;
     static const double intervals[] = {0, 1, 2, 5, 1.0 / 3, 0.1};
@@ -751,8 +751,8 @@ static void unfinished_runs(void **unused) {
     saltus_lyapunov_clear(&l);
 }
 
-/* A linear pipe under strong pulsation: the motion grows without bound, and so do tangent vectors that are
- * left to themselves for long. */
+/* A linear pipe under strong pulsation: the motion grows without bound, as do tangent vectors left alone for
+ * long. */
 static void growth_without_bound(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};
@@ -780,7 +780,7 @@ static void growth_without_bound(void **unused) {
     saltus_system_free(system);
 }
 
-/* No transient asked for: the long decay of the free motion leaves no trace in the exponents. */
+/* Without a transient: the slow decay of the free motion does not affect the exponents. */
 static void slow_decay(void **unused) {
     (void)unused;
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
@@ -836,7 +836,7 @@ static void bad_options(void **unused) {
     refused(flow.atol, -1);
 }
 
-/* 200 intervals for each trajectory are enough, and one period less is not. */
+/* 200 intervals per trajectory are enough; one period less is not. */
 static void least_periods(void **unused) {
     (void)unused;
     static const struct {
@@ -866,7 +866,7 @@ static void least_periods(void **unused) {
     saltus_system_free(system);
 }
 
-/* A state beyond a stop, or not finite. */
+/* A state beyond a stop or not finite is refused. */
 static void bad_states(void **unused) {
     (void)unused;
     const double states[][2] = {{2, 0}, {NAN, 0}, {0, INFINITY}};
@@ -912,8 +912,8 @@ static void failing_allocations(void **unused) {
     saltus_system_free(system);
 }
 
-/* Near a resonance with the forcing tangent vectors turn too slowly to be seen turning: the stated error
- * knows all the same. The exponent is half the damping. */
+/* Near a resonance with the forcing tangent vectors rotate too slowly to be noticed; the stated error is true
+ * nevertheless. The exponent is half the damping. */
 static void errors_near_resonance(void **unused) {
     (void)unused;
     const double damping = 0.1, turning = sqrt(1 - damping * damping / 4);
@@ -931,8 +931,8 @@ static void errors_near_resonance(void **unused) {
         }
 }
 
-/* Next to a fold, where motions approach their orbit as slowly as tangent vectors shrink and the flow's
- * errors move it far, exponents are those of the multipliers, within the stated errors. */
+/* Near a fold motions approach their orbit as slowly as tangent vectors shrink, and errors of the flow
+ * displace it far; exponents are still those of the multipliers, within the stated errors. */
 static void errors_next_to_a_fold(void **unused) {
     (void)unused;
     static const double away[] = {1e-8, 1e-6, 1e-4};

@@ -1,4 +1,4 @@
-/* Ten stops, three masses: as many contacts as a scene may have are one more loop, not another case.
+/* Ten stops, three masses: the largest number of contacts needs no special case.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/bits.h"
 #include "check.h"
@@ -41,7 +41,7 @@ static saltus_motion classified(const saltus_scene *scene, saltus_system **syste
     return motion;
 }
 
-/* Where a motion meets one of ten stops only it is the motion with that one. */
+/* A motion that meets only one of ten stops is the motion with that stop alone. */
 static void stops_that_are_not_met_change_nothing(void **unused) {
     (void)unused;
     char all[1500];
@@ -67,7 +67,7 @@ static void stops_that_are_not_met_change_nothing(void **unused) {
     saltus_scene_clear(&single);
 }
 
-/* A load presses against stops: no gap is passed, what holds pushes, and the rest is in balance. */
+/* A load presses masses against stops: no stop is passed, held contacts push, and forces balance at rest. */
 static void a_load_comes_to_rest_among_ten_stops(void **unused) {
     (void)unused;
     static const char *const loads[] = {"load=0.1", "load=2", "load=-3", "load=7"};
@@ -118,7 +118,7 @@ static void limits_are_told(void **unused) {
     assert_non_null(strstr(message.text, "help text"));
 }
 
-/* All subsets, each once, small ones first, those of one size by value. */
+/* All subsets are enumerated once, by size, and by value within a size. */
 static void subsets_come_by_size(void **unused) {
     (void)unused;
     static const unsigned sets[] = {0x1, 0x80000000, 0x2d, 0x813, 0xff, 0xa0500a11};

@@ -23,7 +23,7 @@ static void image_of(saltus_map *map, const double *point, double *image) {
     check_ok(saltus_map_step(map, image, NULL, &message), &message);
 }
 
-/* Derivative against central differences, in directions that keep to the section. */
+/* Compare the derivative with central differences along the section. */
 static void compare_derivative(const saltus_system *system, saltus_section_kind kind, double phase,
                                int iterate, const double *point, int first_free) {
     saltus_map *map = open_map(system, kind, phase, iterate, true);
@@ -33,7 +33,7 @@ static void compare_derivative(const saltus_system *system, saltus_section_kind 
     assert_true(m < dimension_max);
     image[m] = 7;
     image_of(map, point, image);
-    assert_true(image[m] == 7); /* the point has so many coordinates and no more */
+    assert_true(image[m] == 7); /* no more than the point's coordinates are written */
     saltus_map_derivative(map, derivative);
     for (int j = first_free; j < m; j++) {
         double h = 1e-6 * (j < n ? saltus_system_scale(system)[j] : saltus_system_period(system));
@@ -62,7 +62,7 @@ static void stroboscopic_derivative(void **unused) {
     saltus_system_free(system);
 }
 
-/* Oscillator from an impact: displacement stays on the stop, speed and time are free. */
+/* Oscillator from an impact: displacement is fixed at the stop, speed and time are free. */
 static void impact_derivative(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 0.8, 1.1);
@@ -115,7 +115,7 @@ static void turning_points(void **unused) {
     saltus_system_free(system);
 }
 
-/* The section's phase only moves the point along the orbit: the multipliers stay. */
+/* The section's phase moves the point along the orbit, and leaves the multipliers unchanged. */
 static void any_phase(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 42);
@@ -173,7 +173,7 @@ static void refused_sections(void **unused) {
     saltus_system_free(system);
 }
 
-/* Patience of part of a period is patience: an impact that comes within it is met. */
+/* Patience of a part of a period suffices for an impact within it. */
 static void short_patience(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 0, 1);
@@ -196,7 +196,7 @@ static void short_patience(void **unused) {
     saltus_system_free(system);
 }
 
-/* Defaults, and what is refused; patience need not be a whole number. */
+/* Defaults and refusals; patience need not be a whole number. */
 static void sections_are_checked(void **unused) {
     (void)unused;
     saltus_section d = saltus_section_defaults();
@@ -268,8 +268,8 @@ static void patience_is_counted_in_periods(void **unused) {
     }
 }
 
-/* An iterate passes so many section points, and the event is the last one's; without a place for the point or
- * the event the map moves on all the same. A stick is a point of the impact section. */
+/* Several iterates are single steps in a row, and the event is that of the last; the map also advances
+ * without places for point and event. A stick is a point of the impact section. */
 static void iterates_are_steps_in_a_row(void **unused) {
     (void)unused;
     int sticks = 0;
@@ -314,9 +314,8 @@ static void iterates_are_steps_in_a_row(void **unused) {
     assert_true(sticks > 0);
 }
 
-/* Starts and patience whose phases add up to a whole period: x = cos t from one period's quarter on falls on
- * its stop a third of a period after its top, and patience ends at the period's end, this one's or the next
- * one's. */
+/* Patience may end exactly with a period. x = cos t started at quarters of a period falls on its stop a third
+ * of a period after its maximum, and patience ends with this period or the next. */
 static void patience_may_end_with_a_period(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 0, 1);
@@ -346,8 +345,8 @@ static void patience_may_end_with_a_period(void **unused) {
         }
 }
 
-/* Where a step fails, what it was given stays as it was, and the message says how long it waited; asked
- * twice, the derivative is the same. */
+/* A failing step leaves its inputs unchanged and reports how long it waited; a second call gives the same
+ * derivative. */
 static void failed_steps_leave_the_point(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 0, 1);
@@ -394,8 +393,8 @@ static void failed_steps_leave_the_point(void **unused) {
     saltus_system_free(system);
 }
 
-/* The derivative through whatever happens in a few periods, in all scenes: impacts, chatter, sticking,
- * release, several faces; both integrators. */
+/* The derivative through all events of a few periods, in all scenes: impacts, chatter, sticking, release,
+ * several faces; with both integrators. */
 static void derivatives_pass_all_events(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++)

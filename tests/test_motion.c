@@ -1,5 +1,4 @@
-/* Classification beyond the reference orbits: rest, contact for good, symmetry, seeds, honesty about the
- * undecided.
+/* Classification beyond the reference orbits: rest, permanent contact, symmetry, seeds, undecided motions.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -19,8 +18,7 @@ static saltus_motion classify(const saltus_spec *spec, const double *state, long
     return motion;
 }
 
-/* N = 1, steady flow: buckled at q = sqrt(2 (u0^2 - pi^2) / (kappa pi^2)); held when the stop is nearer than
- * that. */
+/* N = 1, steady flow: buckled at q = sqrt(2 (u0^2 - pi^2) / (kappa pi^2)), or held by a nearer stop. */
 static void buckled_and_held(void **unused) {
     (void)unused;
     double buckled = sqrt(2 * (4.5 * 4.5 - M_PI * M_PI) / (5000 * M_PI * M_PI));
@@ -43,8 +41,8 @@ static void buckled_and_held(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* A rest is called stable only where it is: the straight pipe above u0 = pi is a saddle, exact and at rest.
- * In contact at the section phase with one mode, rounding is no velocity: held, not 1/1. */
+/* A rest is called stable only if it is: the straight pipe above u0 = pi is a saddle, exactly at rest. In
+ * contact at the section with one mode, rounding is no velocity: held, not 1/1. */
 static void rests_are_tested(void **unused) {
     (void)unused;
     double zero[2] = {0, 0};
@@ -65,8 +63,8 @@ static void rests_are_tested(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* A rest is where Newton's method leads from where the trajectory is, and what is told of it is what that
- * method tells; as a fixed point of the map over a period it has the same exponent. */
+/* A rest and its description are what Newton's method finds from the trajectory; as a fixed point of the map
+ * over a period it has the same exponent. */
 static void a_rest_is_what_newtons_method_finds(void **unused) {
     (void)unused;
     static const double loads[] = {0.4, -0.2, 0.2 + 1e-7};
@@ -115,7 +113,7 @@ static void a_rest_is_what_newtons_method_finds(void **unused) {
     }
 }
 
-/* The straight pipe is stable below u0 = pi, whatever the number of modes. */
+/* The straight pipe is stable below u0 = pi, for any number of modes. */
 static void straight_pipe_rests(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(4, 42);
@@ -128,7 +126,8 @@ static void straight_pipe_rests(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* Held for good under a pulsating flow: the stop point does not move, the other modes follow the forcing. */
+/* Held permanently under a pulsating flow: the stop point does not move, the other modes follow the
+ * forcing. */
 static void held_under_pulsation(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 42);
@@ -234,7 +233,7 @@ static void stop_at_once(void *context, double periods, double at_most) {
     c->stop = 1;
 }
 
-/* Where no exponent may be measured, or the caller stops. */
+/* No exponent is allowed to be measured, or the caller stops. */
 static void chaos_is_undecided(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 10);

@@ -1,5 +1,5 @@
-/* Multipliers and the linear algebra under them: against closed forms, products with prescribed
- * multipliers, and an evaluation in 128-bit arithmetic.
+/* Multipliers and their linear algebra: against closed forms, products with prescribed multipliers, and
+ * 128-bit arithmetic.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reference.h"
 
@@ -27,7 +27,8 @@ static void fill_random(unsigned long *state, int count, double *a) {
         a[i] = random_number(state);
 }
 
-/* Rows of very different size: factored, solved both ways, determinant against that of a known product. */
+/* Rows of very different sizes: factored, solved in both directions, and the determinant of a known
+ * product. */
 static void factorisation_is_kept(void **unused) {
     (void)unused;
     enum { n = 7, count = 3 };
@@ -116,7 +117,7 @@ static void small_qr(void **unused) {
         double a[n_max * n_max], r[n_max * n_max], q[n_max * n_max], back[n_max * n_max], work[2 * n_max];
         fill_random(&state, n * n, a);
         for (int i = 1; i < n && n % 3 == 0; i++)
-            a[i * n] = 0; /* a column that is done already, pointing down */
+            a[i * n] = 0; /* a column that is already done, with negative sign */
         memcpy(r, a, sizeof a);
         saltus_dense_qr(r, n, q, work);
         multiply(q, r, n, back);
@@ -180,7 +181,7 @@ static double *build_cocycle(const prescribed *p, unsigned long seed) {
     return segments;
 }
 
-/* Relative distance of a prescribed multiplier from the nearest computed one that no other has claimed. */
+/* Relative distance of a prescribed multiplier from the nearest unclaimed computed one. */
 static double claim_nearest(double modulus, double angle, const saltus_multiplier *found, int n,
                             bool *claimed) {
     int nearest = -1;
@@ -236,8 +237,7 @@ static void prescribed_multipliers(void **unused) {
             check_prescribed(&rows[k], seed, 1e-9);
 }
 
-/* Orthogonal iteration by Gram-Schmidt in 128-bit arithmetic, so long that only equal moduli stay together.
- */
+/* Orthogonal iteration by Gram-Schmidt in 128-bit arithmetic, until only equal moduli are mixed. */
 typedef struct quad_cycle {
     int n;
     quad start[n_max][n_max], q[n_max][n_max]; /* a basis vector a row */
@@ -258,7 +258,7 @@ static quad quad_dot(const quad *a, const quad *b, int n) {
     return sum;
 }
 
-/* q's rows orthogonal and of unit length; what was taken off goes to r (upper triangle). */
+/* Make q's rows orthonormal; the factors go to r (upper triangle). */
 static void quad_orthogonalise(quad_cycle *c, quad r[n_max][n_max]) {
     int n = c->n;
     for (int j = 0; j < n; j++) {
@@ -377,7 +377,7 @@ static saltus_cocycle run_cocycle(const saltus_system *system, int periods, cons
 }
 
 /* Multipliers of orbits with impacts, down to 1e-48, from the same segments in 128-bit arithmetic; the
- * determinant rule; the same ones from another section phase, that is from other segments. */
+ * determinant rule; the same from another section phase, that is from other segments. */
 static void orbits_in_quadruple_precision(void **unused) {
     (void)unused;
     static const char *const names[] = {"fig7d", "fig7b", "sdof14"};
@@ -415,8 +415,8 @@ static void orbits_in_quadruple_precision(void **unused) {
     }
 }
 
-/* Shooting leaves the derivative around the orbit behind: the same multipliers as those of the flow that
- * finds its events itself, with impacts, and with chatter and sticking. */
+/* The derivative around the orbit that shooting leaves gives the multipliers of the event-driven flow, with
+ * impacts, and with chatter and sticking. */
 static void left_by_shooting(void **unused) {
     (void)unused;
     static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25"};
@@ -470,7 +470,7 @@ static void left_by_shooting(void **unused) {
     }
 }
 
-/* Sticking makes two multipliers exact zeros; the others are resolved. */
+/* Sticking makes two multipliers exactly zero; the others are resolved. */
 static void sticking_orbit(void **unused) {
     (void)unused;
     reference r = read_reference("chatter25");
@@ -492,8 +492,8 @@ static void sticking_orbit(void **unused) {
     free(r.text);
 }
 
-/* beta = 0 and no motion: the modes are not coupled, and the pair of each is known: exp of the roots of
- * s^2 + alpha lambda^4 s + lambda^4 - u0^2 lambda^2 = 0. */
+/* beta = 0 at rest: uncoupled modes with known pairs, exp of the roots of s^2 + alpha lambda^4 s + lambda^4 -
+ * u0^2 lambda^2 = 0. */
 static void uncoupled_modes(void **unused) {
     (void)unused;
     enum { modes = 6 };
@@ -554,8 +554,7 @@ static saltus_equilibrium find_equilibrium(const saltus_system *system, const do
     return found;
 }
 
-/* One mode above u0 = pi: a saddle between two buckled rests, all in closed form; held where the stop is
- * nearer. */
+/* One mode above u0 = pi: a saddle between two buckled equilibria, in closed form; held by a nearer stop. */
 static void buckled_equilibria(void **unused) {
     (void)unused;
     double l2 = M_PI * M_PI, l4 = l2 * l2, u2 = 4.5 * 4.5, q = sqrt(2 * (u2 - l2) / (5000 * l2));
@@ -597,8 +596,8 @@ static void buckled_equilibria(void **unused) {
     saltus_system_free(system);
 }
 
-/* Free and held rests of more modes, both integrators: the multipliers over any time are exp(eigenvalue
- * time), and classification finds the same state and force. */
+/* Free and held equilibria of more modes, with both integrators: the multipliers over any time are
+ * exp(eigenvalue time), and classification finds the same state and force. */
 static void equilibria_and_multipliers(void **unused) {
     (void)unused;
     static const double rows[][2] = {{5, 0.015}, {5, 0.05}, {3, 0.01}, {12, 0.0125}};
@@ -639,7 +638,8 @@ static void equilibria_and_multipliers(void **unused) {
     }
 }
 
-/* Two masses between springs, statics by hand: the right stops hold whatever the guess touches or passes. */
+/* Two masses between springs, with statics by hand: the correct stops hold, whichever the guess touches or
+ * passes. */
 static void contacts_are_found(void **unused) {
     (void)unused;
     static const double guesses[][4] = {{0}, {0.3, 0.5}, {2, 2}, {0.3, -1}, {-1, 0.5}};
@@ -696,7 +696,7 @@ static void maxwell_equilibrium(void **unused) {
     saltus_system_free(system);
 }
 
-/* Without a spring rests are not isolated, unless a load presses against a stop. */
+/* Without a spring equilibria are not isolated, unless a load presses against a stop. */
 static void refused_equilibria(void **unused) {
     (void)unused;
     saltus_equilibrium_options options = saltus_equilibrium_defaults();
