@@ -1,11 +1,8 @@
-/* Every public operation with failing allocations: one of them fails, each in its turn. The operation either
- * refuses, with SALTUS_NO_MEMORY and a sentence, or its result is the same to the last bit; it leaks nothing
- * (seen by the address sanitizer), leaves a file that was there as it was or puts a whole one in its place,
- * and leaves no other file behind.
- *
- * Only calls of our own code come here: allocations within GSL, LAPACKE, FFTW, HDF5 and LibYAML do not fail.
- * Where there are very many allocations, as many as there is time for are tried, with equal gaps;
- * SALTUS_LONG_TESTS tries all.
+/* Every public operation with one failing allocation, each in turn. The operation either refuses, with
+ * SALTUS_NO_MEMORY and a message, or has the same result to the last bit. It leaks nothing (seen by the
+ * address sanitizer), leaves an existing file unchanged or replaces it by a complete one, and leaves no other
+ * file behind. Only allocations of this library fail, not those within GSL, LAPACKE, FFTW, HDF5 and LibYAML.
+ * If there are very many, as many as time allows are tried, equally spaced; SALTUS_LONG_TESTS tries all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
 #include "feeder.h"
@@ -35,7 +32,7 @@ FILE *__wrap_open_memstream(char **text, size_t *length) {
     return refuse() ? NULL : __real_open_memstream(text, length);
 }
 
-/* One run of an operation: where its files go, what it says, and a number that stands for its result. */
+/* One run of an operation: the folder of its files, its message, and a number that represents its result. */
 typedef struct trial {
     char folder[64], path[128];
     saltus_message message;
@@ -96,7 +93,7 @@ static saltus_status read_scene(trial *t) {
     return status;
 }
 
-/* What is refused names the key, unless there is no memory to find it. */
+/* A refusal names the key, unless memory to find it is lacking. */
 static saltus_status read_bad_scene(trial *t) {
     static const char text[] = "model: oscillator\nstops:\n  - {weight: [1, -1], d: 0.3}\n  - {d: 1, r: 2}\n";
     saltus_scene scene;
@@ -234,7 +231,7 @@ static saltus_status find_rest(trial *t) {
     return status;
 }
 
-/* A motion, and all that can be told of it. */
+/* A motion, with all that can be reported of it. */
 static saltus_status classify(trial *t, const saltus_scene *scene, long long transient, long long measure) {
     saltus_system *system = NULL;
     saltus_motion motion = {0};
@@ -332,7 +329,7 @@ static saltus_status analyse_spectrum(trial *t) {
     return status;
 }
 
-/* Opinions on a series: points of a closed curve. */
+/* Tests of a series: points of a closed curve. */
 static saltus_status ask_series(trial *t) {
     enum { count = 400 };
     double values[2 * count], series[count];
@@ -443,7 +440,7 @@ static saltus_status continue_locus(trial *t) {
     return follow_branch(t, &how, 0.105, 3); /* just above grazing */
 }
 
-/* Equilibria over a Hopf point and a stop, and the curve of Hopf points. */
+/* Equilibria past a Hopf point and a stop, and the curve of Hopf points. */
 static saltus_status follow_rests(trial *t, saltus_point_kind locus) {
     static const char text[] = "model:\n  parameters: {mu: {default: -0.2}, F: {default: 0}}\n"
                                "  motion: {x: mu*x' - x^2*x' - x + F + 4*mu}\n"
@@ -602,7 +599,7 @@ static saltus_status read_start(trial *t) {
     return status;
 }
 
-/* The data of figures: gnuplot itself is out of reach (SALTUS_IO), everything before it is not. */
+/* The data of figures: gnuplot cannot be run (SALTUS_IO), but everything before it is. */
 static saltus_status draw_branch(trial *t) {
     const char *const paths[] = {kept_branch};
     const saltus_plot_options how = saltus_plot_defaults();
@@ -652,7 +649,7 @@ static saltus_status draw_sheet(trial *t) {
     return status;
 }
 
-/* One run with the k-th allocation failing (none: -1), in an empty folder but for a file that was there. */
+/* One run with the k-th allocation failing (-1: none), in a folder with one existing file. */
 static saltus_status attempt(saltus_status (*operation)(trial *), trial *t, long k) {
     static const char before[] = "what was there before\n";
     size_t length;
@@ -674,7 +671,7 @@ static saltus_status attempt(saltus_status (*operation)(trial *), trial *t, long
     return status;
 }
 
-/* Other files than the target and a sweep's journal. */
+/* Fail if there are files other than the target and a sweep's journal. */
 static void check_folder(trial *t, long k) {
     DIR *folder = opendir(t->folder);
     assert_non_null(folder);
@@ -691,7 +688,7 @@ static double seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* How far apart the allocations are that fail: all of them, or as many as fit into the time. */
+/* The spacing of the allocations that fail: all, or as many as time allows. */
 static long stride(long count, double once) {
     double most = getenv("SALTUS_SANITIZED") ? 0.3 : 0.7;
     double runs = fmax(most / fmax(once, 1e-6), 12);
@@ -703,13 +700,13 @@ static void fail_each(const char *name, saltus_status (*operation)(trial *)) {
     strcpy(t.folder, "/tmp/saltus-test-XXXXXX");
     assert_non_null(mkdtemp(t.folder));
     snprintf(t.path, sizeof t.path, "%s/result.h5", t.folder);
-    attempt(operation, &t, -1); /* what libraries allocate once and for all */
+    attempt(operation, &t, -1); /* allocations that libraries make only once */
     check_folder(&t, 0);
     double begin = seconds();
     saltus_status expected = attempt(operation, &t, -1);
     saltus_message said = t.message;
     uint64_t hash = t.hash;
-    /* Where nothing fails the work is done to its end, but for what is meant to be refused. */
+    /* Without a failure the operation completes, unless it is meant to be refused. */
     const saltus_status meant = strncmp(name, "draw", 4) == 0         ? SALTUS_IO
                                 : strcmp(name, "read_bad_scene") == 0 ? SALTUS_BAD_INPUT
                                                                       : SALTUS_OK;
@@ -774,7 +771,7 @@ static void fail_each(const char *name, saltus_status (*operation)(trial *)) {
     }
 OPERATIONS(TEST)
 
-/* Make the files that are read. */
+/* Write the files to be read. */
 static int keep_files(void **state) {
     static trial t;
     static const struct {

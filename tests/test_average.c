@@ -1,4 +1,4 @@
-/* Averages of correlated series: the stated standard error against the true one, where that is known.
+/* Averages of correlated series: the stated standard error against the true one, if known.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -113,7 +113,7 @@ static void check_calibrated(series_kind kind, double a, double truth, long long
                  a, count, c.within, c.within_two, c.chi_square);
 }
 
-/* Few values of slowly or oddly correlated series: caution is welcome, too small an error is not. */
+/* Few values of slowly or oddly correlated series: errors may be too large, not too small. */
 static void check_cautious(series_kind kind, double a, double truth, long long count) {
     calibration c = calibrate(kind, a, truth, count, 200);
     if (!(c.within >= 0.62 && c.within_two > 0.88 && c.chi_square < 1.5))
@@ -170,8 +170,8 @@ static void white_noise(void **unused) {
     }
 }
 
-/* Values that repeat: the true error is within the stated one wherever the run ends, and both fall like 1/n.
- */
+/* Repeating values: the true error is within the stated one for any length of the run, and both fall like
+ * 1/n. */
 static void periodic_series(void **unused) {
     (void)unused;
     static const int periods[] = {2, 3, 4, 5, 6, 7, 8, 12, 16, 64};
@@ -196,7 +196,7 @@ static void periodic_series(void **unused) {
     }
 }
 
-/* A run around a circle: smooth values, values with a corner. */
+/* Rotation on a circle: a smooth function, and one with a corner. */
 static void quasi_periodic_series(void **unused) {
     (void)unused;
     const double golden = (sqrt(5) - 1) / 2,
@@ -235,7 +235,7 @@ static void constant_series(void **unused) {
     }
 }
 
-/* Fewer than 16 values say nothing about their scatter; none say nothing at all. */
+/* Fewer than 16 values have no error, no values have no mean. */
 static void short_series(void **unused) {
     (void)unused;
     saltus_average average = {0};
@@ -252,7 +252,7 @@ static void short_series(void **unused) {
     assert_true(isfinite(saltus_average_estimate(&average).standard_error));
 }
 
-/* One value in 10240 makes the mean: the error says so. */
+/* One value in 10240 determines the mean: the error shows it. */
 static void one_outlier(void **unused) {
     (void)unused;
     enum { count = 10240 };
@@ -267,8 +267,8 @@ static void one_outlier(void **unused) {
     }
 }
 
-/* Whole numbers have exact sums: nothing is lost or counted twice as batches grow. The mean is that of the
- * complete batches, which hold all values but one in 512 at most. */
+/* Sums of whole numbers are exact: none is lost or counted twice as batches double. The mean is that of the
+ * complete batches, which lack at most one value in 512. */
 static void batches_double(void **unused) {
     (void)unused;
     enum { longest = 70000 };
@@ -311,15 +311,15 @@ static void parts_and_joins(void **unused) {
     check_near(part[0].mean, first, 1e-13);
     check_near(part[1].mean, second, 1e-13);
     check_near(part[0].standard_error, 1 / 64.0, 0.25 / 64);
-    assert_true(saltus_average_estimate(&average).standard_error > 1); /* a step in the middle is no noise */
+    assert_true(saltus_average_estimate(&average).standard_error > 1); /* a step in the middle is not noise */
     saltus_estimate joint = saltus_estimates_join(part, 2);
     check_near(joint.mean, 0.5 * (first + second), 1e-13);
     check_near(joint.standard_error, 0.5 * hypot(part[0].standard_error, part[1].standard_error), 1e-15);
     assert_int_equal(joint.count, 8192);
 }
 
-/* How many independent values the error is worth: all of them of white noise, (1 - a) / (1 + a) of them of an
- * autoregression, wherever the values lie; unknown for a part of a run. */
+/* The number of independent values: all of white noise, (1 - a) / (1 + a) of them of an autoregression,
+ * wherever the values lie; unknown for a part of a run. */
 static void independent_values(void **unused) {
     (void)unused;
     static const double correlations[] = {0, 0.5, 0.9};
@@ -345,7 +345,7 @@ static void independent_values(void **unused) {
         }
 }
 
-/* Plain means add up, and so do weighted ones; a weighted mean is one from 128 values on. */
+/* Plain means can be joined, and so can weighted ones; a mean is weighted from 128 values on. */
 static void means_of_one_kind_add_up(void **unused) {
     (void)unused;
     saltus_average one = {0}, other = {0}, both = {0};
@@ -365,7 +365,7 @@ static void means_of_one_kind_add_up(void **unused) {
                    1e-14);
         assert_int_equal(weighted.mean != plain.mean, n >= 128);
     }
-    /* What runs around a circle is regular, and better served by the weighted mean. */
+    /* Rotation on a circle is regular, and better served by the weighted mean. */
     saltus_estimate best = saltus_average_estimate(&other), plain = saltus_average_plain(&other);
     assert_true(best.regular && best.weighted && plain.regular);
     assert_true(fabs(best.mean) < 1e-3 * fabs(plain.mean) && best.standard_error < plain.standard_error);
@@ -373,8 +373,8 @@ static void means_of_one_kind_add_up(void **unused) {
     assert_false(saltus_average_estimate(&one).weighted || saltus_average_estimate(&one).regular);
 }
 
-/* +1 and -1 in turns, at random times: the sums stay bounded, but over stretches longer than any correlation
- * that is looked for, so that their standard error is far too large. */
+/* +1 and -1 alternate at random times: sums stay bounded, but over stretches longer than any correlation
+ * considered, so their standard error is far too large. */
 static void add_alternations(saltus_average *average, double rate, uint64_t random) {
     double sign = 1;
     for (int n = 0; n < 1000; n++) {
@@ -384,8 +384,8 @@ static void add_alternations(saltus_average *average, double rate, uint64_t rand
     }
 }
 
-/* The weighted mean is not taken where its parts disagree by more than the plain mean's error: neither of
- * what stays bounded nor of what does not. Whatever is taken is known as well as it says. */
+/* The weighted mean is not used if its parts disagree by more than the plain mean's error, for bounded and
+ * for unbounded sums. The mean used is as accurate as stated. */
 static void the_better_mean_is_taken(void **unused) {
     (void)unused;
     int better = 0, worse = 0;
@@ -414,7 +414,7 @@ static void the_better_mean_is_taken(void **unused) {
     assert_true(better >= 8 && worse >= 20);
 }
 
-/* Parts are of whole batches and of nothing else; of fewer than 16 there is a mean and no error. */
+/* Parts consist of whole batches; with fewer than 16 there is a mean and no error. */
 static void parts_are_whole_batches(void **unused) {
     (void)unused;
     static const double cuts[] = {0.01, 0.1, 0.33, 0.5, 0.99};
@@ -445,7 +445,7 @@ static void parts_are_whole_batches(void **unused) {
     }
 }
 
-/* What is joined of one run is the run. */
+/* Joining a single run gives that run. */
 static void one_run_is_itself(void **unused) {
     (void)unused;
     for (int regular = 0; regular < 2; regular++) {
@@ -461,8 +461,8 @@ static void one_run_is_itself(void **unused) {
     }
 }
 
-/* Errors of regular runs are bounds: their mean is stated; those of others fall with the number of runs. All
- * else adds up, and is said of all only where it holds of each. */
+/* Errors of regular runs are bounds: the joint one is their mean; errors of others fall with the number of
+ * runs. All else adds up, and a property holds for all only if it holds for each. */
 static void runs_join(void **unused) {
     (void)unused;
     for (int mask = 0; mask < 16; mask++) {

@@ -1,11 +1,10 @@
-/* saltus check: equations as they are understood read back as the same system, and derivatives that are wrong
- * are told.
+/* saltus check: printed equations read back as the same system, and wrong derivatives are reported.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 
 #include "check.h"
 
-/* Operations of all kinds, with the signs and the order of operators that printing may get wrong. */
+/* All kinds of operations, with signs and operator precedence that printing may get wrong. */
 static const char tangle[] =
     "model:\n"
     "  parameters: {a: 0.7, b: 1.3, n: 2.5, omega: 1.1}\n"
@@ -18,7 +17,7 @@ static const char tangle[] =
     "  states: {p: \"-n*(p - x*y') + abs(a - b)*sin(omega*t)*cos(2*omega*t - 1) - (2 - p)^(b + 1)\"}\n"
     "  forcing: omega\n";
 
-/* The scene that has the right sides as they are printed for its equations. */
+/* Write the scene whose equations are the printed right sides. */
 static void read_back(const saltus_system *system, char *text, size_t room) {
     const saltus_spec *spec = saltus_system_spec(system);
     const int dof = saltus_system_dof(system), all = dof + saltus_system_extra(system);
@@ -30,7 +29,7 @@ static void read_back(const saltus_system *system, char *text, size_t room) {
             used += (size_t)snprintf(text + used, room - used, "%s: %.17g, ", p[k].name, spec->parameters[k]);
     used += (size_t)snprintf(text + used, room - used, "}\n%s  observe:\n    all: 0",
                              saltus_system_forced(system) ? "  forcing: omega\n" : "");
-    for (int k = 0; k < count; k++) /* those of stops are used by nothing else */
+    for (int k = 0; k < count; k++) /* otherwise those of the stops would be unused */
         if (!p[k].integer)
             used += (size_t)snprintf(text + used, room - used, " + %s", p[k].name);
     used += (size_t)snprintf(text + used, room - used, "\n");
@@ -73,7 +72,7 @@ static void check_read_back(const saltus_scene *scene) {
         for (int i = 0; i < n; i++)
             size = fmax(size, fabs(field[0][i]));
         for (int i = 0; i < n; i++)
-            /* A state may be outside of a function's domain, in both. */
+            /* A state may be outside a function's domain, then in both systems. */
             if (!(isnan(field[0][i]) && isnan(field[1][i])) &&
                 !(fabs(field[0][i] - field[1][i]) <= 1e-13 * size))
                 fail_msg("entry %d: %.17g became %.17g in\n%s", i, field[0][i], field[1][i], text);
@@ -102,7 +101,7 @@ static void equations_read_back(void **unused) {
     assert_true(texts >= 2);
 }
 
-/* What is told of a text: names of the state, equations, masses in impacts. */
+/* The report of a system from text: names of states, equations, masses at impacts. */
 static void a_text_is_told(void **state) {
     FILE *file = fopen(path_in(*state, "two.yaml"), "w");
     assert_non_null(file);
@@ -123,8 +122,8 @@ static void a_text_is_told(void **state) {
     free(text);
 }
 
-/* Every column of scenes of all models agrees; at a kink, where no derivative exists, the one that the
- * program takes does not, and is named. */
+/* Every column of all models' scenes agrees; at a kink, which has no derivative, the one that the program
+ * takes does not, and is named. */
 static void wrong_derivatives_are_told(void **state) {
     static const char *const scenes[] = {"duffing", "chain --set N=3", "two-mass", "fig7d --set N=2"};
     for (size_t k = 0; k < sizeof scenes / sizeof scenes[0]; k++) {

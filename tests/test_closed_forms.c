@@ -115,8 +115,8 @@ static void period_one_orbits(void **unused) {
     }
 }
 
-/* Near grazing: x'' + 0.04 x' + x = F cos(omega t) - 1, x < 0, r = 0.9, one impact in two periods; folds and
- * flips of the impact map located by others. Rows: omega, speed, F, impact time mod T, critical and other
+/* Near grazing: x'' + 0.04 x' + x = F cos(omega t) - 1, x < 0, r = 0.9, one impact in two periods; published
+ * folds and flips of the impact map. Rows: omega, speed, F, impact time mod T, critical and other
  * multiplier. */
 static void near_grazing_orbits(void **unused) {
     (void)unused;
@@ -175,7 +175,7 @@ static void impact_sequence(void **unused) {
     saltus_system_free(system);
 }
 
-/* The same oscillator at omega = 4.85 with the stop at 0.01 is chaotic and now and then falls into complete
+/* The same oscillator at omega = 4.85 with the stop at 0.01 is chaotic and sometimes falls into complete
  * chatter: it must neither stall there nor stay. */
 static void complete_chatter_goes_on(void **unused) {
     (void)unused;
@@ -234,9 +234,9 @@ static saltus_spec table_spec(double gamma) {
     return spec;
 }
 
-/* Ball on a vibrating table, restitution 1/2: the one-impact k-period orbit flips at a known acceleration.
- * The orbit's impact: the relative speed that T k of flight asks for, at the phase where the table gives back
- * what is lost. */
+/* Ball on a vibrating table, restitution 1/2: the k-period orbit with one impact flips at a known
+ * acceleration. At its impact the relative speed is that of a flight of k T, at the phase where the table
+ * returns the lost energy. */
 static void vibrating_table(void **unused) {
     (void)unused;
     static const double flip[3] = {0, 1.526823700519, 2.370877210267};

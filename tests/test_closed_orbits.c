@@ -29,7 +29,7 @@ static void one_period_orbits(void **unused) {
         assert_false(orbit.admissible);
     }
     assert_false(closed_fold(&o, "F", 0.1001L, 1, &orbit));
-    assert_true(closed_flip(&o, "F", 0.1001L, 1, &orbit)); /* of the other branch, which is no motion */
+    assert_true(closed_flip(&o, "F", 0.1001L, 1, &orbit)); /* of the other branch, not a motion */
     assert_true(orbit.impact[0].speed < 0 && !orbit.admissible);
     assert_true(closed_grazing(&o, "F", 0.05L, 0.2L, &orbit));
     check_near((double)orbit.oscillator.F, 0.1, 1e-18);
@@ -126,7 +126,7 @@ static void table_orbits(void **unused) {
 typedef bool closed_finder(const closed_oscillator *o, const char *key, long double lo, long double hi,
                            closed_orbit *orbit);
 
-/* A point found in omega is found again in every other parameter. */
+/* A special point found in omega is found again in every other parameter. */
 static void check_every_parameter(const closed_orbit *point, closed_finder *finder) {
     const char *keys[] = {"d", "F", "F0", "r", "c", "k"};
     for (int i = 0; i < 6; i++) {
@@ -141,7 +141,7 @@ static void check_every_parameter(const closed_orbit *point, closed_finder *find
     }
 }
 
-/* The points on the branches of the examples: each between two values that part it from the others. */
+/* The special points on the examples' branches, each between two values that separate it from the others. */
 static void points_of_examples(void **unused) {
     (void)unused;
     static const struct {
@@ -185,7 +185,7 @@ static void points_of_examples(void **unused) {
     }
 }
 
-/* Where an orbit touches a stop between its impacts, it is admissible on one side only. */
+/* An orbit that touches a stop between its impacts is admissible on one side only. */
 static void touches_of_examples(void **unused) {
     (void)unused;
     static const long double rows[2][2] = {{0.990614188883L, 1.118523792746L},
@@ -206,13 +206,13 @@ static void touches_of_examples(void **unused) {
     }
 }
 
-/* Below the pitchfork in omega a stable pair takes the place of the mirrored orbit, until it flips. */
+/* Below the pitchfork in omega a stable pair replaces the mirrored orbit, until it flips. */
 static void pair_of_examples(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_mirrored);
     closed_orbit pitchfork, mirrored, one, other;
     assert_true(closed_pitchfork(&o, "omega", 3.4L, 3.6L, &pitchfork));
-    /* The nearer the pitchfork, the less well the pair is determined: digits lost as 1 / skew^2. */
+    /* Near the pitchfork the pair loses accuracy: digits are lost as 1 / skew^2. */
     for (int k = 1; k <= 3; k++) {
         o.omega = pitchfork.oscillator.omega - powl(0.1L, 2 * k);
         assert_true(closed_orbit_at(&o, 1, &mirrored));
@@ -222,10 +222,10 @@ static void pair_of_examples(void **unused) {
         assert_true(one.admissible && fabsl(one.multiplier[0][0]) < 1);
         check_near((double)(one.oscillator.omega - o.omega), 0, 1e-14);
         check_near((double)(one.multiplier[0][0] - other.multiplier[0][0]), 0, 1e-12);
-        /* Half a period later the mirror image of one is the other. */
+        /* The mirror image of one is the other half a period later. */
         check_near((double)(one.impact[0].speed - other.impact[1].speed), 0, 1e-12);
         check_near((double)(one.impact[0].time - other.impact[1].time + closed_period(&o) / 2), 0, 1e-12);
-        /* The multiplier that leaves 1 does so twice as fast, and to the other side. */
+        /* The critical multiplier leaves 1 twice as fast, and to the other side. */
         check_near((double)((1 - one.multiplier[0][0]) / (mirrored.multiplier[0][0] - 1)), 2,
                    2.0 * pow(0.1, k));
         o.omega = pitchfork.oscillator.omega + powl(0.1L, 2 * k);
@@ -241,7 +241,7 @@ static void pair_of_examples(void **unused) {
     check_near((double)one.margin, 0, 1e-16);
 }
 
-/* The library's orbit from a guess beside the closed one: the same state, multipliers and determinant. */
+/* The library's orbit from a nearby guess: the same state, multipliers and determinant. */
 static void check_with_library(const closed_orbit *closed) {
     const closed_oscillator *o = &closed->oscillator;
     saltus_spec spec = closed_spec(o);
@@ -325,8 +325,8 @@ static void library_agrees_on_table(void **unused) {
     }
 }
 
-/* Two balls that are joined by a spring and a damper and hit the table at once: the relative motion loses
- * volume all the time, each impact takes r^2 of it; what the sum rule makes of that counts no time twice. */
+/* Two balls joined by a spring and a damper hit the table at once: the relative motion loses volume all the
+ * time, and each impact takes the factor r^2; the sum rule counts no time twice. */
 static void two_balls_at_once(void **unused) {
     (void)unused;
     const double r = 0.5, c2 = 0.1, force = 1.2 * (double)closed_table_fold(1, 0.5L);

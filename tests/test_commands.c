@@ -1,4 +1,4 @@
-/* What commands say: their help, the defaults that it tells, the summaries of sweeps whose rows are made up.
+/* The output of commands: help with its defaults, and summaries of sweeps with made-up rows.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 #include "json.h"
@@ -17,7 +17,8 @@ static void check_told(fixture *f, const char *line, const char *wanted) {
     free(text);
 }
 
-/* Asked for in any way, the help is the same and a success; unasked it goes to stderr as bad input. */
+/* However it is requested, help is the same and succeeds; without a request it goes to stderr as bad
+ * input. */
 static void help_has_many_names(void **state) {
     char *usage = told(*state, "--help"), *rest = usage;
     int commands = 0;
@@ -39,7 +40,7 @@ static void help_has_many_names(void **state) {
         char *help = told(*state, with);
         snprintf(with, sizeof with, "%s -h", name);
         check_told(*state, with, help);
-        /* Its first line is that of the list. */
+        /* Its first line is the one in the list. */
         snprintf(head, sizeof head, "saltus %s ", name);
         assert_int_equal(strncmp(help, head, strlen(head)), 0);
         size_t length = strcspn(help, "\n") - strlen(head);
@@ -52,7 +53,7 @@ static void help_has_many_names(void **state) {
     free(usage);
 }
 
-/* The library's defaults are those of the commands, where they mean the same. */
+/* Commands and library have the same defaults where options mean the same. */
 static void told_defaults_are_those_of_the_library(void **state) {
     const saltus_flow_options flow = saltus_flow_defaults();
     const saltus_classify_options classify = saltus_classify_defaults();
@@ -129,7 +130,7 @@ static void told_defaults_are_those_of_the_library(void **state) {
         double value = NAN;
         if (number && number < end)
             value = strtod(number + strlen("(default "), NULL);
-        /* Real numbers are told with six digits. */
+        /* Real numbers are printed with six digits. */
         if (!(fabs(value - table[k].value) <= 5e-6 * table[k].value))
             fail_msg("%s %s: the default is told as %g, the library's is %g", table[k].command,
                      table[k].option, value, table[k].value);
@@ -148,7 +149,7 @@ static int extent_of(const char *path, const char *name) {
     return (int)extent[0];
 }
 
-/* How much was written: the samples and the events of the file, the periods that were asked for. */
+/* A run reports the file's samples and events, and the requested periods. */
 static void a_run_tells_what_its_file_holds(void **state) {
     fixture *f = *state;
     char *text = told(f, "simulate impact-oscillator --periods 4 --transient 7 --samples 12 -o run.h5"),
@@ -160,22 +161,22 @@ static void a_run_tells_what_its_file_holds(void **state) {
     free(text);
 }
 
-/* What the last command said, under another name. */
+/* Keep the last command's output under another name. */
 static void keep(fixture *f, const char *name) {
     char from[320];
     snprintf(from, sizeof from, "%s", path_in(f, "out"));
     assert_int_equal(rename(from, path_in(f, name)), 0);
 }
 
-/* Newton's method begins at the orbit of a file, stable or not, without running to where its motion settles.
- */
+/* Newton's method starts at an orbit from a file, stable or not, without following the motion until it
+ * settles. */
 static void an_orbit_of_a_file_is_where_it_begins(void **state) {
     fixture *f = *state;
     FILE *file = fopen(path_in(f, "flip.yaml"), "w");
     assert_non_null(file);
     fputs("model: oscillator\nc: 0.05\nF: 1\nomega: 2.6\nstop: {d: 0, r: 0.8}\n", file);
     fclose(file);
-    /* Beyond its flip the orbit goes on, unstable. */
+    /* Beyond its flip the orbit exists, unstable. */
     free(told(f, "orbit flip.yaml --periods 1 --json"));
     keep(f, "orbit.json");
     char *text[2], *steps[2];
@@ -207,8 +208,8 @@ static void an_orbit_of_a_file_is_where_it_begins(void **state) {
     }
 }
 
-/* The points and branches of a continuation are those of its JSON, one way or both ways; singular where it is
- * one. */
+/* A continuation reports the numbers of points and branches of its JSON, one way or both; in the singular if
+ * there is one. */
 static void a_branch_tells_its_points(void **state) {
     static const char *const ways[] = {"up", "down", "both"};
     fixture *f = *state;
@@ -235,7 +236,7 @@ static void a_branch_tells_its_points(void **state) {
     }
 }
 
-/* The scenes are listed with their titles; one that is named is printed as it is. */
+/* Scenes are listed with their titles; a named one is printed unchanged. */
 static void scenes_are_listed_and_printed(void **state) {
     char *list = told(*state, "scenes"), *rest = list;
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
@@ -259,7 +260,7 @@ static void scenes_are_listed_and_printed(void **state) {
     }
 }
 
-/* A scene that is checked is told with all of its numbers, each with what it means. */
+/* The check of a scene prints all of its numbers with their meanings. */
 static void a_checked_scene_is_told(void **state) {
     static const char *const texts[] = {"model: pipe\nN: 3\nalpha: 0.006\nomega: 41.25\nsigma: 0.3\nstops:\n "
                                         " - {d: 0.03, r: 0.7, xi: 0.25, sides: "
@@ -317,13 +318,13 @@ static void a_checked_scene_is_told(void **state) {
     }
 }
 
-/* A name of motions and how many there are. */
+/* A label of motions and its count. */
 typedef struct class_count {
     char label[32];
     int count;
 } class_count;
 
-/* The classes of rows, most frequent first, those as frequent by name. */
+/* Count the classes of rows, most frequent first, then by name. */
 static int count_classes(const saltus_sweep_row *rows, long long row_count, class_count classes[]) {
     int count = 0;
     for (long long k = 0; k < row_count; k++) {
@@ -362,12 +363,12 @@ static void check_classes(const json *summary, const class_count *classes, int c
     }
 }
 
-/* How many names the rows get, and which of them the first place has; places with a name of their own. */
+/* How many labels the rows get. */
 static int kinds = 5;
 
 static void fill_kinds(made_place *m) {
     for (int s = 0; s < m->seeds; s++) {
-        /* Small numbers come more often; two names are as frequent as each other now and then. */
+        /* Smaller numbers are more frequent; sometimes two labels are equally frequent. */
         int k = (int)((m->place * m->seeds + s) % (2 * kinds - 1)), name = k < kinds ? k : (k - kinds) / 2;
         m->row[s] = made_periodic((7 * name) % 23, 1 + name % 3);
     }
@@ -384,8 +385,8 @@ static saltus_axis axis_of(int count) {
     return (saltus_axis){.key = "omega", .low = 0.9, .high = 1.1, .count = count};
 }
 
-/* A journal that lacks some places, taken up: what was there is kept and counted, whatever its file, and what
- * is computed is told. A table of rows is not read again: then the classes are those of this run. */
+/* Resuming a journal that lacks some places: its rows are kept and counted, in any kind of file, and the
+ * computed ones are reported. A table of rows is not read again: then the classes are those of this run. */
 static void a_resumed_sweep_counts_what_it_computes(void **state) {
     enum { points = 4, passes = 3, places = points * passes, seeds = 2, rows = places * seeds };
     static const char *const names[] = {"a\"b\\c.h5", "rows.csv"};
@@ -398,7 +399,7 @@ static void a_resumed_sweep_counts_what_it_computes(void **state) {
     kinds = 5;
     for (int k = 0; k < 8; k++) {
         const char *name = names[k % 2];
-        /* Nothing, one in the last line, all of it and one in the line before, one alone. */
+        /* Missing: nothing, one in the last line, all of that and one in the line before, all but one. */
         const int lacking[] = {0, 1, 5, places - 1}, left = lacking[k / 2];
         char line[256];
         class_count classes[classes_max];
@@ -455,8 +456,8 @@ static double clock_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* The time and the speed that are told, to people and in JSON, are those of what was computed: no longer than
- * the command took, and their product is how much was done. */
+/* The reported time and speed, in text and in JSON, are those of the computed part: the time is at most the
+ * command's, and their product is the amount of work. */
 static void a_sweep_tells_its_time_and_speed(void **state) {
     enum { points = 5, passes = 3, places = points * passes };
     const saltus_scene scene = oscillator_scene();
@@ -500,7 +501,7 @@ static void a_sweep_tells_its_time_and_speed(void **state) {
     }
 }
 
-/* For people: twelve names at most, each with its number and its share; what is left is told together. */
+/* The text lists at most twelve labels, each with its count and share, and the rest together. */
 static void a_table_of_classes_has_twelve_lines(void **state) {
     static const int tried[] = {1, 12, 13, 20};
     enum { points = 97 };
@@ -549,15 +550,15 @@ static void a_table_of_classes_has_twelve_lines(void **state) {
     }
 }
 
-/* Nothing pulls or pushes: each place is a rest of its own, and one row has found none. */
+/* Without forces each place is an equilibrium of its own; one row has found none. */
 static void fill_rests(made_place *m) {
     int k = (int)(m->place % (2 * kinds - 1));
     m->row[0] = made_other(m->place ? SALTUS_EQUILIBRIUM : SALTUS_UNDECIDED);
     m->state[0] = -0.05 * (k < kinds ? k : (k - kinds) / 2);
 }
 
-/* For people: twelve attractors at most, those first that most of the plane leads to, each with its number
- * and its share; how many are left, and the rows that have none. In JSON there are all of them. */
+/* The text lists at most twelve attractors by the size of their basins, each with its count and share, then
+ * how many are left out and the rows without one. JSON lists all. */
 static void a_table_of_attractors_has_twelve_lines(void **state) {
     static const int tried[] = {1, 12, 13, 15};
     enum { rows = 49 };
@@ -629,8 +630,8 @@ static void fill_clouds(made_place *m) {
     m->impact[0] = (saltus_sweep_impact){0.1, 0.25, 0};
 }
 
-/* Words between quotes are one, and what is there is not computed again: figure 8 of sweeps that are made up,
- * with a gnuplot that keeps what it is told. */
+/* Quoted words are one word, and existing files are not computed again: figure 8 from made-up sweeps, with a
+ * gnuplot that records its input. */
 static void titles_of_the_paper_are_whole(void **state) {
     static const char *const restitution[] = {"r=0.8", "r=0.7", "r=0.6"};
     fixture *f = *state;
@@ -685,8 +686,7 @@ static void fill_undecided(made_place *m) {
     m->row[0] = m->place < undecided_rows ? made_other(undecided_verdict) : made_periodic(1, 1);
 }
 
-/* A hint is given where motions are left irregular or undecided and more could be done about it, and only
- * there. */
+/* A hint is printed only if motions are left irregular or undecided and more can be done about it. */
 static void what_could_be_decided_is_told(void **state) {
     static const struct {
         int undecided;

@@ -1,5 +1,5 @@
-/* The kernel compiled for single systems from text gives the bits of the one that reads the tape, wherever a
- * flow changes from one to the other; and where nothing can be compiled nothing is lost or left behind.
+/* The kernel compiled for a single system from text gives the bits of the interpreting one, wherever a flow
+ * switches. If nothing can be compiled, nothing is lost or left behind.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 #include "folder.h"
@@ -16,7 +16,7 @@
 
 enum { columns_max = 24, lanes_max = 8, events_max = 200, file_name_max = 700 };
 
-/* A system whose tape has rows of every kind but one. */
+/* A system whose tape has rows of all kinds but one. */
 static const char every_kind[] =
     "model:\n"
     "  parameters: {N: {default: 2, min: 1, max: 9, integer: true}, F: 0.8, omega: 1, k: 1.5}\n"
@@ -29,7 +29,7 @@ static const char every_kind[] =
     "  forcing: omega\n"
     "stop: {coordinate: \"x1 + 0.5*x2\", d: 0.3, r: 0.8}\n";
 
-/* The other one: operands that stand apart. */
+/* The other kind: operands that are not adjacent. */
 static const char apart[] =
     "model:\n"
     "  parameters: {N: {default: 4, min: 1, max: 9, integer: true}, F: 0.8, omega: 1}\n"
@@ -38,7 +38,7 @@ static const char apart[] =
     "  forcing: omega\n"
     "stop: {coordinate: \"x[1]\", d: 0.3, r: 0.8}\n";
 
-/* Contacts that hold: pressed on its stops by the load for half of each period. */
+/* Lasting contacts: the load presses it on its stops for half of each period. */
 static const char held[] = "model:\n"
                            "  parameters: {F: 1.3, omega: 0.7, k: 1.5}\n"
                            "  motion:\n"
@@ -50,7 +50,7 @@ static const char held[] = "model:\n"
                            "  - {coordinate: \"x + 0.2*y\", d: 0.1, r: 0.1, sides: both}\n"
                            "  - {coordinate: \"y\", d: 0.1, r: 0.2}\n";
 
-/* A way to run a scene: its name, or a text; lanes beside the first are others by their states. */
+/* A way to run a scene, given by name or text; lanes beside the first differ by their states. */
 typedef struct way {
     const char *name, *text;
     bool wide, tangents;
@@ -69,7 +69,7 @@ static const way ways[] = {{"every kind", every_kind, false, false, 0},
                            {"duffing", NULL, false, true, 0}};
 enum { way_count = sizeof ways / sizeof ways[0] };
 
-/* A folder of the test's own for what is compiled. */
+/* The test's own folder for compiled functions. */
 static char cache[] = "/tmp/saltus_compiled_XXXXXX", kept[64];
 
 static saltus_system *system_of(const way *w) {
@@ -119,13 +119,13 @@ static saltus_flow *open_way(const way *w, const saltus_system *system) {
     return flow;
 }
 
-/* Nothing is compiled for a flow from here on. */
+/* From now on a flow is interpreted. */
 static void interpret(saltus_flow *flow) {
     saltus_fixed_close(&flow->fixed);
     flow->fixed = (saltus_fixed){.compiled = NULL};
 }
 
-static int asked, held_asked; /* of the compiled function; where contacts held */
+static int asked, held_asked; /* calls of the compiled function; with held contacts */
 static saltus_compiled_function *compiled_function;
 static void count_expansions(void *work, int from, int to) {
     asked++;
@@ -133,7 +133,7 @@ static void count_expansions(void *work, int from, int to) {
     compiled_function(work, from, to);
 }
 
-/* Two flows tell the same of their next event, to the last bit. False: neither has any more. */
+/* The next events of two flows agree to the last bit; false: neither has any more. */
 static bool check_same_event(const way *w, saltus_flow *a, saltus_flow *b, int *left) {
     const int dimension = a->dimension, columns = saltus_flow_columns(a);
     saltus_flow *const both[] = {a, b};
@@ -160,7 +160,7 @@ static bool check_same_event(const way *w, saltus_flow *a, saltus_flow *b, int *
     return *left > 0;
 }
 
-/* Run a way twice: with the tape read, and compiled from event `from` on. */
+/* Run a way twice: interpreted, and compiled from event `from` on. */
 static void check_way(const way *w, const saltus_system *system, saltus_compiled_function *function,
                       int from) {
     saltus_flow *plain = open_way(w, system), *other = open_way(w, system);
@@ -190,13 +190,13 @@ static void pause_briefly(void) {
     nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 }
 
-/* Compiled side by side, then compared; kept functions are as good. */
+/* Compile all functions at the same time, then compare; kept functions give the same bits. */
 static void same_bits(void **unused) {
     (void)unused;
     saltus_system *system[way_count];
     saltus_flow *flow[way_count];
     unsigned kinds = 0;
-    int patience = 60000 / 5; /* pauses until compiling has failed */
+    int patience = 60000 / 5; /* pauses before compiling counts as failed */
     if (!has_compiler())
         skip();
     for (int again = 0; again < 2; again++) {
@@ -222,11 +222,11 @@ static void same_bits(void **unused) {
         assert_int_equal(folder_files(kept, false), way_count);
     }
     assert_int_equal(kinds, (1u << (SALTUS_TAPE_GATHER + 1)) - 1);
-    /* No process of ours is left to be waited for. */
+    /* No child process is left to wait for. */
     assert_true(waitpid(-1, NULL, WNOHANG) == -1 && errno == ECHILD);
 }
 
-/* Ask for a function until it is clear that there is none, or until there is one. */
+/* Ask for a function until it is there, or until it is clear that it will not be. */
 static bool comes(const way *w) {
     saltus_system *system = system_of(w);
     saltus_flow *flow = open_way(w, system);
@@ -238,7 +238,7 @@ static bool comes(const way *w) {
     return ready;
 }
 
-/* Files that others could have written are not loaded, nor is a folder that they can write to used. */
+/* Neither files nor folders that others can write to are used. */
 static void foreign_files(void **unused) {
     (void)unused;
     char file[file_name_max], before[512], after[512];
@@ -283,8 +283,8 @@ static bool is_there(const char *name) {
     return access(path, F_OK) == 0;
 }
 
-/* Functions that have not been used for long go, and of many those used longest ago; nothing else does. A
- * function that is taken from its file has been used. */
+/* Functions unused for long are removed, and of too many the longest unused; nothing else is. Loading a
+ * function from its file counts as use. */
 static void the_folder_stays_small(void **unused) {
     (void)unused;
     static const char key[] = "0123456789abcdef0123456789abcdef", other[] = "notes of the user's.so";
@@ -309,7 +309,7 @@ static void the_folder_stays_small(void **unused) {
         put_file(name, k % 7);
     }
     saltus_kept_trim(kept);
-    /* The young one, the oldest of all, has gone, too, with seven of those of six days. */
+    /* The young file, now the oldest of all, has also gone, with seven of those of six days. */
     assert_int_equal(folder_files(kept, false), SALTUS_KEPT_MOST + 3);
     assert_false(is_there(young));
     for (int k = 0; k < SALTUS_KEPT_MOST + 7; k++) {
@@ -321,7 +321,7 @@ static void the_folder_stays_small(void **unused) {
     snprintf(name, sizeof name, "%s/%s", kept, young);
     saltus_kept_use(name);
     put_file(old, SALTUS_KEPT_DAYS + 1);
-    if (has_compiler()) /* A run that needs another function trims, too. */
+    if (has_compiler()) /* A run that needs another function also trims. */
         comes(&ways[4]);
     else
         saltus_kept_trim(kept);
@@ -340,7 +340,7 @@ static double milliseconds(void) {
     return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
-/* The compiler begins after the time that is told, not before: what stands for it here leaves a mark. */
+/* The compiler starts after the stated delay, not before: its substitute here leaves a mark. */
 static void short_runs_do_without(void **unused) {
     (void)unused;
     char compiler[80], mark[80], how[512];
@@ -393,7 +393,7 @@ static void no_compiler(void **unused) {
     assert_int_equal(folder_files(kept, false), 0);
 }
 
-/* A folder that is no absolute path is none; the home folder's own takes its place. */
+/* A relative path is ignored; the home folder's is used instead. */
 static void no_folder(void **unused) {
     (void)unused;
     char how[512], *home = getenv("HOME") ? strdup(getenv("HOME")) : NULL;

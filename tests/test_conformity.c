@@ -1,7 +1,6 @@
-/* What every model owes to the rest of the library, tried on every built-in scene: series that belong to its
- * field, tangent vectors and parameter columns that are derivatives, a trace that is the field's, a symmetry
- * that holds, and files that tell the same system. Nothing here knows a model by name: a new one is tried as
- * soon as a scene has it.
+/* What the library requires of every model, tried on all built-in scenes: series agree with the field,
+ * tangent vectors and parameter columns are derivatives, the trace is the field's, a claimed symmetry holds,
+ * and files describe the same system. No model is named here: a new one is tried as soon as a scene has it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 #include "folder.h"
@@ -13,7 +12,7 @@
 
 enum { levels = 4, columns_max = 24 };
 
-/* A scene in motion: a state off every stop, and a phase that no rule of symmetry singles out. */
+/* A scene in motion: a state off all stops, at a phase without special symmetry. */
 typedef struct subject {
     const char *name;
     saltus_spec spec;
@@ -38,7 +37,7 @@ static subject subject_of(int k, bool stops) {
     check_ok(saltus_system_default_state(s.system, start, &message), &message);
     if (scene.initial_count)
         memcpy(start, scene.initial, (size_t)s.n * sizeof *start);
-    /* A little of everything: no coefficient of the series stays zero. */
+    /* A bit of everything, so that no coefficient of the series is zero. */
     for (int i = 0; i < s.n; i++)
         start[i] += 0.01 * saltus_system_scale(s.system)[i] * sin(1 + 2 * i);
     if (saltus_system_check_state(s.system, start, &message) != SALTUS_OK)
@@ -68,7 +67,7 @@ static double distance(const subject *s, const double *a, const double *b) {
     return size > 0 ? difference / size : difference;
 }
 
-/* The model's field, which is the first order of its series, as GSL wants it. */
+/* The model's field, from the first order of its series, in GSL's form. */
 static int field(double time, const double *state, double *derivative, void *context) {
     const subject *s = ((void **)context)[0];
     saltus_message message = {.text = ""};
@@ -81,8 +80,8 @@ static int field(double time, const double *state, double *derivative, void *con
     return GSL_SUCCESS;
 }
 
-/* Between impacts the flow is the solution of its own field: all orders of the series follow from the first.
- */
+/* Between impacts the flow solves its own field's equations, so all orders of the series agree with the
+ * first. */
 static void series_belong_to_the_field(void **unused) {
     (void)unused;
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
@@ -108,7 +107,7 @@ static void series_belong_to_the_field(void **unused) {
     }
 }
 
-/* What came of a run: the state, and what it met. */
+/* The result of a run: its state and events. */
 typedef struct outcome {
     double state[SALTUS_STATE_MAX];
     saltus_flow_info met;
@@ -128,8 +127,7 @@ static outcome run(const subject *s, const saltus_spec *spec, const double *stat
     return result;
 }
 
-/* The time a little after the third impact, or after two periods where there are fewer; none after a stick.
- */
+/* The time just after the third impact, or after two periods if there are fewer; none after a stick. */
 static double time_after_impacts(const subject *s, int *impacts) {
     saltus_flow *flow = open_at(s, 0, 1e-14);
     saltus_event event = {.kind = SALTUS_IMPACT, .time = {0, s->phase}};
@@ -151,9 +149,9 @@ static double time_after_impacts(const subject *s, int *impacts) {
     return event.kind == SALTUS_REACHED ? s->phase + 10 : end;
 }
 
-/* The derivative of the state at `end` with respect to an amount along `towards` (of the start) or
- * `direction` (of the parameters): central differences at steps h, h/2, ..., extrapolated (Richardson). False
- * where they do not have the same events, or do not agree with each other. */
+/* The derivative of the state at `end` by an amount along `towards` (of the start) or `direction` (of the
+ * parameters): central differences at steps h, h/2, ..., extrapolated (Richardson). False if their events
+ * differ or they do not agree with each other. */
 static bool differentiate(const subject *s, const double *towards, const saltus_direction *direction,
                           double h, double end, double *derivative) {
     double table[levels][SALTUS_STATE_MAX], before[SALTUS_STATE_MAX];
@@ -211,12 +209,12 @@ static void tangent_vectors_are_derivatives(void **unused) {
         saltus_flow_free(flow);
         saltus_system_free(s.system);
     }
-    /* Few starts lie where differences meet another sequence of events. */
+    /* For few starts do differences meet another sequence of events. */
     assert_true(tried >= 5 * saltus_scene_builtin_count());
     assert_true(through_impacts >= tried / 2);
 }
 
-/* Every parameter that can be varied has a column that is the derivative with respect to it. */
+/* The column of every parameter that can be varied is the derivative by it. */
 static void parameter_columns_are_derivatives(void **unused) {
     (void)unused;
     static const char *const of_stops[] = {"d", "r", "xi"};
@@ -280,8 +278,8 @@ static void traces_are_the_fields(void **unused) {
     }
 }
 
-/* Where a system says that q -> -q is a symmetry, mirrored starts have mirrored motions, half a period later
- * where it says so. Where it says that it has none, they have not, unless nothing pushes to one side. */
+/* If a system has the symmetry q -> -q, mirrored starts have mirrored motions, half a period later if it says
+ * so. If it has none they have not, unless nothing pushes to one side. */
 static void symmetries_hold(void **unused) {
     (void)unused;
     int symmetric = 0, others = 0;
@@ -313,7 +311,7 @@ static void symmetries_hold(void **unused) {
     assert_true(symmetric > 0 && others > 0);
 }
 
-/* A motion written as JSON and read back as a start is one of the same system, to the last bit, and so is a
+/* A motion written as JSON and read back as a start belongs to the same system, to the last bit, as does a
  * scene that the command line prints. */
 static void files_tell_the_same_system(void **unused) {
     (void)unused;

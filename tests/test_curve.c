@@ -1,4 +1,4 @@
-/* Curves of solutions by pseudo-arclength, on equations whose curves are known.
+/* Curves of solutions by pseudo-arclength, for equations with known curves.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "made_equations.h"
 
@@ -20,7 +20,7 @@ static bool refuse(void) {
 
 static const double pi = 3.14159265358979323846;
 
-/* A known point of a curve, its tangent on the side of `guide`; NULL: as it comes. */
+/* A known point of a curve, with its tangent on the side of `guide`; NULL: either side. */
 static void place(made *m, const double *u, const double *guide, saltus_curve_point *point) {
     saltus_message message = {.text = ""};
     assert_true(saltus_curve_reserve(point, m->e.unknowns));
@@ -42,7 +42,7 @@ static double dot(const double *a, const double *b, int count) {
     return sum;
 }
 
-/* A tangent is of unit length, along the curve, whichever way it was come from. */
+/* A tangent has unit length and the curve's direction, on the guide's side. */
 static void points_have_tangents(void **state) {
     (void)state;
     unsigned long long seed = 1;
@@ -70,7 +70,7 @@ static void points_have_tangents(void **state) {
         }
 }
 
-/* At arclength a along the tangent of the unit circle is the point at the angle asin a from there. */
+/* The point at a distance a along the tangent of the unit circle is at the angle asin a. */
 static void a_point_ahead_is_on_its_hyperplane(void **state) {
     (void)state;
     made m;
@@ -85,12 +85,12 @@ static void a_point_ahead_is_on_its_hyperplane(void **state) {
             double there = angle + asin(ahead);
             check_near(to.u[0], cos(there), 1e-14);
             check_near(to.u[1], sin(there), 1e-14);
-            /* Of the last evaluation, as near as the tolerance. */
+            /* The tangent of the last evaluation, accurate to the tolerance. */
             check_near(to.tangent[0], -sin(there), m.e.tolerance);
             check_near(to.tangent[1], cos(there), m.e.tolerance);
             assert_true(to.ahead == ahead);
         }
-        /* No point of the circle is as far ahead. */
+        /* The circle has no point that far ahead. */
         assert_int_not_equal(saltus_curve_visit(&m.e, &from, 1.2, &to, &message), SALTUS_OK);
     }
     saltus_curve_clear(&from);
@@ -109,8 +109,8 @@ static double ellipse_length(double a, double b) {
     return sum;
 }
 
-/* Once around an ellipse: every point on it, the way never turned, both folds passed, nothing crossed, and
- * the length that of the ellipse but for what steps cut off. */
+/* Once around an ellipse: all points lie on it, the direction never reverses, both folds are passed, no
+ * crossing is found, and the length is the ellipse's less what chords cut off. */
 static void around_an_ellipse(void **state) {
     (void)state;
     static const double sizes[][2] = {{1, 1}, {2, 0.5}, {0.3, 3}};
@@ -154,7 +154,7 @@ static void around_an_ellipse(void **state) {
         }
 }
 
-/* Helices in many unknowns lead to the same places as their own formula, and their length is known. */
+/* Helices in many unknowns lead to the places of their formula, with known length. */
 static void along_helices(void **state) {
     (void)state;
     unsigned long long seed = 3;
@@ -188,8 +188,8 @@ static void along_helices(void **state) {
     }
 }
 
-/* A step is halved until the tangents at its ends are alike: on a circle until asin of it is less than the
- * angle whose cosine is 0.92, and no shorter. */
+/* A step is halved until the tangents at its ends are nearly parallel: on a circle until asin of it is below
+ * the angle with cosine 0.92, and no further. */
 static void steps_follow_the_bend(void **state) {
     (void)state;
     made m;
@@ -210,14 +210,14 @@ static void steps_follow_the_bend(void **state) {
     saltus_curve_clear(&to);
 }
 
-/* How far the prediction at `ahead` is from the helix. */
+/* The distance of the prediction at `ahead` from the helix. */
 static double missed(made *m, const saltus_curve_point *from, double ahead, saltus_curve_point *to) {
     saltus_message message = {.text = ""};
     double on[made_unknowns_max], tangent[made_unknowns_max], best = INFINITY;
     int n = m->e.unknowns;
     made_count(m, 0, SALTUS_OK);
     check_ok(saltus_curve_visit(&m->e, from, ahead, to, &message), &message);
-    /* The nearest point of the helix, from that of the same height. */
+    /* The nearest point of the helix, from the one of the same height. */
     double s = m->first[n - 1];
     for (int k = 0; k < 30; k++) {
         made_helix_at(n, s, on, tangent);
@@ -230,7 +230,7 @@ static double missed(made *m, const saltus_curve_point *from, double ahead, salt
     return best;
 }
 
-/* Straight predictions miss the curve by the square of the step, those along the bend by its fourth power. */
+/* Straight predictions miss the curve by the square of the step, curved ones by its fourth power. */
 static void order_of_predictions(void **state) {
     (void)state;
     unsigned long long seed = 4;
@@ -285,7 +285,7 @@ static void curves_meet_borders(void **state) {
     made_close(&m);
 }
 
-/* Follow from a point to the border of a bound; the number of steps. */
+/* Follow a curve from a point to a bound; returns the number of steps. */
 static int follow_to_border(made *m, const double *u, const double *guide, double step,
                             const saltus_curve_bound *bounds, int count, saltus_curve_point *end,
                             int *reached) {
@@ -312,8 +312,8 @@ static int follow_to_border(made *m, const double *u, const double *guide, doubl
     return steps;
 }
 
-/* A step over a border ends on it, to the bit, and tells which it was; also where the curve bends out though
- * its tangent stays inside. */
+/* A step across a border ends on it, to the last bit, and says which; also if the curve bends out while its
+ * tangent stays inside. */
 static void steps_end_on_borders(void **state) {
     (void)state;
     unsigned long long seed = 5;
@@ -321,7 +321,7 @@ static void steps_end_on_borders(void **state) {
     saltus_curve_point end = {0};
     int reached, seen[2][2] = {{0}};
     for (int k = 0; k < 200; k++) {
-        /* Out of a box through a branch of a parabola that is bent one way or the other. */
+        /* Out of a box along a parabola that is bent one way or the other. */
         double a = 3 * made_random(&seed), low = -1 - made_random(&seed) / 2,
                high = 1 + made_random(&seed) / 2, rise = 0.4 + 0.38 * made_random(&seed),
                x = 0.9 * made_random(&seed) * fmin(fmin(-low, high), sqrt(rise / fabs(a))),
@@ -330,7 +330,7 @@ static void steps_end_on_borders(void **state) {
         saltus_curve_bound bounds[2] = {{0, low, high}, {1, -rise, rise}};
         made_open(&m, 2, made_parabola, a, 0);
         int steps = follow_to_border(&m, u, guide, step, bounds, 2, &end, &reached);
-        /* Where it leaves by its formula. */
+        /* Where it leaves, by its formula. */
         double side = copysign(1, guide[0]), wall = side > 0 ? bounds[0].high : bounds[0].low,
                top = a > 0 ? bounds[1].high : bounds[1].low, there = side * sqrt(top / a);
         bool through_wall = fabs(wall) < fabs(there);
@@ -349,7 +349,7 @@ static void steps_end_on_borders(void **state) {
     saltus_curve_clear(&end);
 }
 
-/* A fold just short of a border does not end there, one just beyond does. */
+/* A branch with a fold just before a border does not end there, with one just beyond it does. */
 static void folds_near_borders(void **state) {
     (void)state;
     for (int e = 2; e < 9; e++)
@@ -368,7 +368,7 @@ static void folds_near_borders(void **state) {
         }
 }
 
-/* Through a crossing on the line or on the parabola: the test changes its sign there, and only there. */
+/* Along the line or the parabola through their crossing: the test changes its sign there, and only there. */
 static void crossings_change_the_sign(void **state) {
     (void)state;
     for (int parabola = 0; parabola < 2; parabola++) {
@@ -378,14 +378,14 @@ static void crossings_change_the_sign(void **state) {
         double guide[2] = {1, parabola ? -0.5 : 0.5}, last = -0.15;
         int changes = 0;
         made_open(&m, 2, made_crossing, 1, 2);
-        /* Nothing but the bend tells here which curve is meant. */
+        /* Here only the curvature tells the curves apart. */
         for (int k = 0; k < 2; k++) {
             double x = k ? -0.15 : -0.2, u[2] = {1 + x, 2 + (parabola ? x * x : x / 2)};
             place(&m, u, guide, k ? &from : &before);
         }
         saltus_curve_bend(&before, &from);
         double sign = from.crossing.mantissa;
-        /* The other place where the curves cross is at a + 1/2. */
+        /* The curves also cross at a + 1/2. */
         while (last < 0.2) {
             check_ok(saltus_curve_visit(&m.e, &from, 0.013, &to, &message), &message);
             double x = to.u[0] - 1;
@@ -408,7 +408,7 @@ static void crossings_change_the_sign(void **state) {
     }
 }
 
-/* The numbers that stand for determinants: in units of one another, cut where that would overflow. */
+/* Numbers in place of determinants: scaled, and cut where they would overflow. */
 static void determinants_are_scaled(void **state) {
     (void)state;
     saltus_scaled number = {-1, 700};
@@ -419,7 +419,7 @@ static void determinants_are_scaled(void **state) {
     assert_true(isfinite(saltus_scaled_in(number, 0)) && saltus_scaled_in(number, 0) < -1e200);
 }
 
-/* At a corner the steps end, as near to it as they may be short. */
+/* Steps end at a corner, as close to it as the shortest allowed. */
 static void corners_end_curves(void **state) {
     (void)state;
     for (int way = -1; way <= 1; way += 2) {
@@ -448,7 +448,7 @@ static void corners_end_curves(void **state) {
     }
 }
 
-/* Where nothing can be evaluated the steps end too, and the evaluation's own error is passed on. */
+/* Steps also end where nothing can be evaluated, with the error of the evaluation. */
 static void places_without_value_end_curves(void **state) {
     (void)state;
     made m;
@@ -473,8 +473,8 @@ static void places_without_value_end_curves(void **state) {
     made_close(&m);
 }
 
-/* Lack of memory is told at once, from whichever evaluation or allocation it comes, and so is an
- * interruption: no shorter step is tried. */
+/* Lack of memory ends a step at once, in any evaluation or allocation, and so does an interruption: no
+ * shorter step is tried. */
 static void lack_of_memory(void **state) {
     (void)state;
     made m;
@@ -529,7 +529,7 @@ static void lack_of_memory(void **state) {
     made_close(&m);
 }
 
-/* Where there is no tangent that is told. */
+/* The lack of a tangent is reported. */
 static void crossings_have_no_tangent(void **state) {
     (void)state;
     made m;
@@ -546,7 +546,7 @@ static void crossings_have_no_tangent(void **state) {
     made_close(&m);
 }
 
-/* A function whose zeros are known, and where it fails. */
+/* A function with known zeros, and where it fails. */
 typedef struct known {
     int kind, calls;
     double zero, fails;
@@ -563,7 +563,7 @@ static bool known_at(void *context, double ahead, double *value) {
     return k->none || fabs(ahead) < fabs(k->fails);
 }
 
-/* Zeros to the last bits, forwards and backwards, and how sharp they are. */
+/* Zeros to the last bits, forwards and backwards, and their accuracy. */
 static void zeros_are_located(void **state) {
     (void)state;
     unsigned long long seed = 6;
@@ -579,7 +579,7 @@ static void zeros_are_located(void **state) {
         k.calls = 0;
         assert_true(saltus_curve_zero(solver, known_at, &k, near, end, far, &place_of, &width));
         assert_in_range(k.calls, 1, 60);
-        /* A zero of third order is where the value underflows. */
+        /* A zero of third order is only found to where the value underflows. */
         check_near(place_of, k.zero, k.kind == 2 ? 1e-5 : 1e-13);
         assert_true(width >= 0 && width <= fabs(end));
         double value;
@@ -591,7 +591,7 @@ static void zeros_are_located(void **state) {
     gsl_root_fsolver_free(solver);
 }
 
-/* However small the values at the ends are: their signs count. */
+/* Signs count however small the values at the ends are. */
 static void zeros_between_tiny_values(void **state) {
     (void)state;
     static const double sizes[] = {1e-300, 1e-30, 1, 1e300};
@@ -609,7 +609,7 @@ static void zeros_between_tiny_values(void **state) {
     gsl_root_fsolver_free(solver);
 }
 
-/* No change of sign, a value that cannot be had or is none: no zero. */
+/* No zero without a change of sign, or if a value fails or is not finite. */
 static void zeros_that_cannot_be_had(void **state) {
     (void)state;
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
@@ -627,7 +627,7 @@ static void zeros_that_cannot_be_had(void **state) {
     gsl_root_fsolver_free(solver);
 }
 
-/* Easy steps make the next one longer, hard ones shorter, none longer than the longest. */
+/* Easy steps lengthen the next one, hard ones shorten it, up to the longest allowed. */
 static void steps_go_by_effort(void **state) {
     (void)state;
     for (int iterations = 0; iterations < 12; iterations++) {

@@ -33,7 +33,7 @@ static void inverses_undo(void **unused) {
         double a[n_max * n_max], kept[n_max * n_max], inverse[n_max * n_max], product[n_max * n_max];
         random_matrix(n * n, a);
         if (n > 1)
-            a[0] = 0; /* a pivot must be looked for */
+            a[0] = 0; /* a pivot must be searched */
         memcpy(kept, a, sizeof a);
         assert_true(saltus_dense_inverse(a, n, inverse));
         assert_memory_equal(a, kept, (size_t)(n * n) * sizeof *a);
@@ -112,7 +112,7 @@ static void eigenvalues_have_the_traces_of_powers(void **unused) {
     }
 }
 
-/* h r_count ... r_1, multiplied out or not: the same eigenvalues. */
+/* h r_count ... r_1 has the same eigenvalues, multiplied out or not. */
 static void products_have_the_eigenvalues_of_the_whole(void **unused) {
     (void)unused;
     for (int trial = 0; trial < 150; trial++) {
@@ -157,7 +157,7 @@ static void products_have_the_eigenvalues_of_the_whole(void **unused) {
     }
 }
 
-/* A cycle of n places looks the same to every ordinary shift: its eigenvalues are the roots of one. */
+/* A cyclic permutation looks the same under every usual shift: its eigenvalues are roots of one. */
 static void cycles_have_the_roots_of_one(void **unused) {
     (void)unused;
     for (int n = 3; n <= 8; n++) {
@@ -174,7 +174,7 @@ static void cycles_have_the_roots_of_one(void **unused) {
     }
 }
 
-/* Small eigenvalues of a graded product keep their digits: those of diagonal factors in a rotated frame. */
+/* Small eigenvalues of a graded product keep their digits: the factors are diagonal in a rotated frame. */
 static void small_eigenvalues_keep_their_digits(void **unused) {
     (void)unused;
     enum { n = 3, count = 4 };
@@ -246,16 +246,16 @@ static void arenas_hand_out_what_they_measured(void **unused) {
         for (int i = 0; i < 3 * k; i++)
             assert_true(place[k][i] == 0);
         for (int i = 0; i < 3 * k; i++)
-            place[k][i] = k; /* a later one is not touched by it */
+            place[k][i] = k; /* later ones are not affected */
     }
     saltus_arena_close(&arena);
     assert_null(arena.base);
     saltus_arena_close(&arena);
 }
 
-/* A product of factors, each a normal matrix times a triangle in a rotated frame, with the eigenvalues given:
- * one real number or a pair for each block, `grade` times smaller in each factor from block to block. They
- * are found to the digits that the single factors keep. */
+/* A product of factors, each a normal matrix times a triangle in a rotated frame, with given eigenvalues: a
+ * real number or a pair per block, `grade` times smaller in each factor from block to block. They are found
+ * to the digits that the factors hold. */
 static void given_eigenvalues_are_found(void **unused) {
     (void)unused;
     enum { count_max = 5 };
@@ -318,8 +318,8 @@ static void given_eigenvalues_are_found(void **unused) {
     }
 }
 
-/* Of a matrix that needs no scaling, 1 / (|a| |1 / a|) in the norm of columns; nothing where there is nothing
- * to solve with. */
+/* The reciprocal condition is 1 / (|a| |1 / a|) in the column norm for a matrix that needs no scaling, and 0
+ * for one that is singular or not finite. */
 static void conditions_are_told(void **unused) {
     (void)unused;
     saltus_dense_lu lu;
@@ -352,7 +352,7 @@ static void conditions_are_told(void **unused) {
     saltus_dense_lu_close(&lu);
 }
 
-/* An inverse is refused where a pivot falls to 1e-13 of the largest entry, whatever the unit. */
+/* An inverse is refused if a pivot falls to 1e-13 of the largest entry, in any unit. */
 static void inverses_know_their_limits(void **unused) {
     (void)unused;
     double inverse[4];
@@ -369,7 +369,7 @@ static void inverses_know_their_limits(void **unused) {
     }
 }
 
-/* Zero columns and vectors stay what they are. */
+/* Zero columns and vectors stay zero. */
 static void nothing_stays_nothing(void **unused) {
     (void)unused;
     enum { n = 4 };

@@ -1,5 +1,5 @@
-/* What a verdict or an exponent says of the run behind it, told once more from the run itself: impacts
- * counted, section points taken and judged, laminar phases found.
+/* What a verdict or an exponent reports of its run, computed again from the run: impacts counted, section
+ * points taken and judged, laminar phases found.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -11,7 +11,7 @@ static saltus_system *struck_oscillator(double c, double omega, double d) {
     return build(&spec);
 }
 
-/* Two masses, settings up to a NULL; the stop limits the second one alone where `second`. */
+/* Two masses, with settings up to a NULL; with `second` the stop limits the second mass alone. */
 static saltus_system *two_masses(const char *const *settings, bool second) {
     saltus_scene scene;
     saltus_message message = {.text = ""};
@@ -55,8 +55,8 @@ static saltus_lyapunov measure(const saltus_system *system, const double *state,
     return l;
 }
 
-/* One trajectory without disturbance is the flow's own: what happened in it after the transient is counted
- * again, and it ends where the flow does. */
+/* A single undisturbed trajectory is the flow's own: its events after the transient are counted again, and it
+ * ends where the flow does. */
 static void events_of_a_run_are_recounted(void **unused) {
     (void)unused;
     static const char *const none[] = {NULL};
@@ -92,7 +92,7 @@ static void events_of_a_run_are_recounted(void **unused) {
                        1e-6);
             check_near(l.sticks_per_period * (double)l.periods, (double)(after.sticks - before.sticks), 1e-6);
             assert_true((l.sticks_per_period > 0) == (k == 4) && l.impacts_per_period > 0);
-            /* No exponent is known better than the flow's steps are accurate. */
+            /* No exponent is more accurate than the flow's steps. */
             if (l.lost == 0)
                 assert_true(l.standard_errors[0] >=
                             0.5 * (double)(after.steps - before.steps) * options.flow.rtol / l.time);
@@ -105,7 +105,7 @@ static void events_of_a_run_are_recounted(void **unused) {
         saltus_system_free(systems[k]);
 }
 
-/* Several trajectories: their means make the whole, and what is counted is counted in all of them. */
+/* Several trajectories: the means are joined, and counts are those of all. */
 static void members_make_the_whole(void **unused) {
     (void)unused;
     saltus_system *systems[] = {struck_oscillator(0.1, 1, 1), struck_oscillator(0.1, 0.8, 0)};
@@ -138,8 +138,8 @@ static void members_make_the_whole(void **unused) {
             double square = 0;
             for (int i = 0; i < l.members; i++)
                 square += (l.member_exponents[i] - mean) * (l.member_exponents[i] - mean);
-            /* Of an orbit all members measure the same: where they do not, by chance, it is no smaller error.
-             */
+            /* On an orbit all members measure the same value, so that is no smaller error; if they differ it
+             * is by chance. */
             if (k == 0 && l.members > 1)
                 assert_true(l.standard_errors[0] >= 0.999 * sqrt(square / (l.members - 1) / l.members));
             check_near(l.impacts_per_period, k ? 2.336 : 1, k ? 0.02 : 0.01);
@@ -154,8 +154,8 @@ static void members_make_the_whole(void **unused) {
         saltus_system_free(systems[k]);
 }
 
-/* Trajectories that share the work start at times of their own in the last half of the transient: of a free
- * motion whose impacts cease as it decays each sees the fewer impacts the later it starts. */
+/* Trajectories that share the work start at different times in the last half of the transient: of a free
+ * motion whose impacts cease as it decays, later starts see fewer impacts. */
 static void members_start_apart(void **unused) {
     (void)unused;
     static const int members[] = {1, 2, 4, 9};
@@ -170,7 +170,7 @@ static void members_start_apart(void **unused) {
         options.transient = 100;
         options.periods = 200 * count;
         saltus_lyapunov l = measure(system, start, &options);
-        long long lead = l.transient - options.transient; /* in which the vectors turn, the same for all */
+        long long lead = l.transient - options.transient; /* in which the vectors rotate, the same */
         assert_true(l.periods == options.periods && lead < 60);
         for (int m = 0; m < count; m++) {
             long long from = options.transient - options.transient / 2 * m / count + lead;
@@ -188,9 +188,9 @@ static void members_start_apart(void **unused) {
     saltus_system_free(system);
 }
 
-/* Of several trajectories on a chaotic transient some have left for an orbit, whose exponent is negative:
- * they do not measure the same thing, and no mean of theirs is precise, unless so much is asked for that
- * their distance does not matter. */
+/* Some of several trajectories on a chaotic transient have left for an orbit with a negative exponent: they
+ * do not measure the same quantity, and no mean of theirs is precise, unless the requested precision is
+ * coarser than their distance. */
 static void members_that_part_do_not_agree(void **unused) {
     (void)unused;
     static const double asked[] = {0.01, 0.5, 1.2, 3, 6, 20};
@@ -224,8 +224,8 @@ static void members_that_part_do_not_agree(void **unused) {
     saltus_system_free(system);
 }
 
-/* What is precise is as precise as was asked for, or known to 1e-6 per period; what is not has used what it
- * had. Columns of the flow are none of the caller's business. */
+/* A precise exponent has the requested precision, or 1e-6 per period; one that is not has used all its time.
+ * The caller's columns of the flow do not matter. */
 static void precision_is_what_was_asked_for(void **unused) {
     (void)unused;
     saltus_spec free_spec = oscillator_spec(0, 1, 1, 0.3183);
@@ -249,7 +249,7 @@ static void precision_is_what_was_asked_for(void **unused) {
         assert_true(k < 9 || !l.precise);
         precise += l.precise;
         beyond += l.precise && l.standard_errors[0] > asked;
-        if (!l.precise) /* no trajectory could have gone on for its shortest stretch */
+        if (!l.precise) /* no trajectory could have run for its shortest stretch */
             assert_true(l.transient > 500 || l.periods > options.periods * 3 / 4);
         if (k % 3 == 2) {
             options.flow.columns = 7;
@@ -266,7 +266,7 @@ static void precision_is_what_was_asked_for(void **unused) {
         saltus_system_free(systems[k]);
 }
 
-/* What a caller sees on the way. */
+/* What a caller is shown during a run. */
 typedef struct witness {
     const saltus_lyapunov *result;
     double period;
@@ -289,7 +289,7 @@ static void watch(void *context, double periods, double at_most) {
     w->stop = w->stop_after > 0 && w->calls >= w->stop_after;
 }
 
-/* A caller who asks flows to stop, by the flag that they watch, at the n-th report. */
+/* A caller who stops the flows by their flag, at the n-th report. */
 typedef struct interrupter {
     volatile sig_atomic_t stop;
     int calls, stop_at;
@@ -321,7 +321,7 @@ static void progress_is_told(void **unused) {
         assert_true(w.silent >= 2 && !l.precise && (double)l.periods <= w.at_most);
         if (stop_after)
             assert_int_equal(w.calls, stop_after);
-        else /* to the end: less than one look of each trajectory is left */
+        else /* to the end: less than one look at each trajectory is left */
             assert_true(w.last > w.at_most - 8 && (double)l.periods >= 0.75 * w.last);
         saltus_lyapunov_clear(&l);
     }
@@ -335,8 +335,8 @@ static void progress_is_told(void **unused) {
     saltus_system_free(system);
 }
 
-/* Where there is no room for more estimates every second one goes, from the first on, and those that stay are
- * what they were. A mass that nothing holds, in steps so inaccurate that its exponent is never precise. */
+/* When the list of estimates is full every second one is removed, from the first on; the others stay
+ * unchanged. A free mass, in steps so inaccurate that its exponent is never precise. */
 static void every_second_estimate_is_kept(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(1, 0, 0, 2 * M_PI);
@@ -368,7 +368,7 @@ static void every_second_estimate_is_kept(void **unused) {
     saltus_system_free(system);
 }
 
-/* A seed disturbs the initial state a little; without one the trajectory is the given one. */
+/* A seed disturbs the initial state slightly; without one the trajectory is the given one. */
 static void seeds_disturb(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 0, 0.61803398874989485);
@@ -394,8 +394,8 @@ static void seeds_disturb(void **unused) {
     saltus_system_free(system);
 }
 
-/* The section of a torus has as many dimensions as exponents are zero: 1 of four, 2 of two, 4 of four. Too
- * few exponents leave it open. */
+/* The section of a torus has as many dimensions as there are zero exponents: 1 of four, 2 of two, 4 of four.
+ * With too few exponents it is unknown. */
 static void dimension_of_tori(void **unused) {
     (void)unused;
     static const char *const undamped[] = {"c=0", "c2=0", "omega=1.77", "d=100", NULL};
@@ -430,8 +430,7 @@ static void dimension_of_tori(void **unused) {
     }
 }
 
-/* Volumes shrink by the dampers over the masses, whatever moves, and by the restitution squared with each
- * impact. */
+/* Volumes shrink by damping over mass, for any motion, and by the restitution squared at each impact. */
 static void volumes_of_two_masses(void **unused) {
     (void)unused;
     static const char *const settings[] = {"m=1.7", "m2=0.6",    "c=0.13", "c2=0.21",
@@ -452,7 +451,7 @@ static void volumes_of_two_masses(void **unused) {
     saltus_system_free(system);
 }
 
-/* A transient longer than asked for is told, and nothing of it is in the exponents. */
+/* A transient longer than requested is reported, and does not affect the exponents. */
 static void drift_is_left_out(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.01, 1, 0.5, 1.7);
@@ -472,7 +471,7 @@ static void drift_is_left_out(void **unused) {
     saltus_system_free(system);
 }
 
-/* Section points from a state on, `count` of them; impacts on the way. */
+/* `count` section points from a state on; returns the impacts between. */
 static double *section_points(const saltus_system *system, const double *state, int count,
                               long long *impacts) {
     saltus_flow_options options = saltus_flow_defaults();
@@ -492,7 +491,7 @@ static double *section_points(const saltus_system *system, const double *state, 
     return points;
 }
 
-/* The motion goes on from its state as it was when it was judged: the same opinions. */
+/* Judged again from its final state, the motion has the same test results. */
 static void opinions_are_repeated(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -571,8 +570,8 @@ static void check_told(const saltus_motion *m, const char *format, ...) {
         fail_msg("\"%s\" is not in \"%s\"", text, m->reason);
 }
 
-/* The numbers in the sentence that gives the reason are those of the evidence: of chaos, of a torus, of one
- * for which the time does not suffice, and of a decay so slow that no period shows. */
+/* The numbers in the reason are those of the evidence: for chaos, for a torus, for one observed too briefly,
+ * and for a decay too slow for a period to show. */
 static void reasons_tell_the_evidence(void **unused) {
     (void)unused;
     saltus_spec undamped = oscillator_spec(0, 1, 1, 0.6180339887498949),
@@ -621,7 +620,7 @@ static void reasons_tell_the_evidence(void **unused) {
     }
 }
 
-/* The exponent of a verdict is that of a measurement by itself. */
+/* The exponent of a verdict is that of a separate measurement. */
 static void exponents_are_repeated(void **unused) {
     (void)unused;
     saltus_system *system = struck_oscillator(0, 2.8, 0);
@@ -641,8 +640,8 @@ static void exponents_are_repeated(void **unused) {
     saltus_system_free(system);
 }
 
-/* Phases in which section points come again after p periods within a fiftieth of their extent: five rounds
- * and twenty points at least. The part of time spent in them, and the longest. */
+/* Phases in which section points recur after p periods within a fiftieth of their extent, for at least five
+ * rounds and twenty points: their share of the time, and the longest. */
 static double laminar_part(const saltus_system *system, const double *points, int count, int p,
                            long long *longest) {
     const double *scale = saltus_system_scale(system);
@@ -662,7 +661,7 @@ static double laminar_part(const saltus_system *system, const double *points, in
             continue;
         }
         if (phase >= 5 * p && phase >= 20) {
-            /* Phases that follow each other closely have points in common. */
+            /* Phases in close succession share points. */
             long long begin = k - phase - p > counted ? k - phase - p : counted;
             laminar += k - begin;
             counted = k;
@@ -673,7 +672,7 @@ static double laminar_part(const saltus_system *system, const double *points, in
     return (double)laminar / count;
 }
 
-/* Chaos next to the fold of an orbit of period 12 stays near it for long, again and again. */
+/* Chaos near the fold of an orbit of period 12 stays near it for long, repeatedly. */
 static void laminar_phases_are_recounted(void **unused) {
     (void)unused;
     enum { stretches = 8, stretch = 2000 };
@@ -691,7 +690,7 @@ static void laminar_phases_are_recounted(void **unused) {
         square += part * part / stretches;
         lower = longest < lower ? longest : lower;
         upper = longest > upper ? longest : upper;
-        /* No other period has more of it. */
+        /* No other period has a larger share. */
         for (int other = 1; other < p; other++) {
             long long unused_phase;
             assert_true(laminar_part(system, points + 2 * k * stretch, stretch, other, &unused_phase) <=
@@ -701,7 +700,7 @@ static void laminar_phases_are_recounted(void **unused) {
     check_near(m.evidence.laminar, mean, 3.5 * sqrt(square - mean * mean));
     assert_true(m.evidence.longest_phase >= 0.7 * (double)lower &&
                 m.evidence.longest_phase <= 1.5 * (double)upper);
-    /* Much longer than neighbours take to separate. */
+    /* Much longer than neighbours need to separate. */
     assert_true((double)m.evidence.longest_phase > 10 / (m.lyapunov * saltus_system_period(system)));
     assert_true(m.evidence.laminar >= 0.05 && m.evidence.laminar <= 1);
     free(points);
@@ -709,7 +708,8 @@ static void laminar_phases_are_recounted(void **unused) {
     saltus_system_free(system);
 }
 
-/* What has settled on nothing is told where it is: as far as it has been followed from the default state. */
+/* A motion that settled on nothing is reported at its present state, as far as it was followed from the
+ * default one. */
 static void check_course(const saltus_system *system, const saltus_motion *motion) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_message message = {.text = ""};
@@ -724,8 +724,8 @@ static void check_course(const saltus_system *system, const saltus_motion *motio
     saltus_flow_free(flow);
 }
 
-/* A trajectory that has left a chaotic transient is betrayed, and what it has left for is an orbit of the
- * system; the orbit that was found amid the points is it. */
+/* A trajectory that has left a chaotic transient is noticed, and is on an orbit of the system: the one found
+ * amid the points. */
 static void those_who_left_are_named(void **unused) {
     (void)unused;
     saltus_system *system = two_masses(leaving, false);
@@ -751,7 +751,8 @@ static void those_who_left_are_named(void **unused) {
     saltus_system_free(system);
 }
 
-/* What a motion without a period reaches: of a torus any 400 periods tell, of chaos at least the stop. */
+/* The extremes of a motion without a period: on a torus any 400 periods show them, in chaos at least the stop
+ * is reached. */
 static void extremes_are_found_again(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -783,7 +784,7 @@ static void extremes_are_found_again(void **unused) {
     }
 }
 
-/* What is told of a run while it goes on. */
+/* The reports of a run in progress. */
 typedef struct listener {
     double last, transient, measure;
     int calls;
@@ -835,7 +836,7 @@ static saltus_motion classify_interrupted(const saltus_system *system, const dou
     return m;
 }
 
-/* What is concluded while flows are being stopped is no evidence: neither in the transient nor while an
+/* Results obtained while flows are being stopped are no evidence: neither in the transient nor while an
  * exponent is measured, up to the last report before the verdict. */
 static void what_is_stopped_is_no_evidence(void **unused) {
     (void)unused;
@@ -863,7 +864,7 @@ static void what_is_stopped_is_no_evidence(void **unused) {
     saltus_system_free(system);
 }
 
-/* Of several motions those count that were complete when it was stopped. */
+/* Of several motions those complete at the stop are counted. */
 static void attractors_until_it_is_stopped(void **unused) {
     (void)unused;
     saltus_system *system = struck_oscillator(0.1, 1, 1);
@@ -882,7 +883,7 @@ static void attractors_until_it_is_stopped(void **unused) {
         saltus_attractors_clear(&found);
         if (motions == 0)
             continue;
-        /* The same seeds once more, up to the first report of the last. */
+        /* The same seeds again, up to the first report of the last one. */
         interrupter fewer = {.stop_at = -1};
         options.progress.context = &fewer;
         options.flow.stop = &fewer.stop;

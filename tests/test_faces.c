@@ -1,5 +1,5 @@
-/* Several faces, and who is told of what: masses that do not feel each other keep their own events, every
- * impulse pushes, a watcher is told of what it watches and of nothing else.
+/* Several faces, and which events are reported: uncoupled masses keep their own events, every impulse pushes,
+ * a watcher receives exactly what it watches.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 #include "stress_field.h"
@@ -12,7 +12,7 @@ enum { events_max = 4000, watch_all = SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNIN
 typedef struct account {
     int count;
     saltus_event event[events_max];
-    double when[events_max]; /* the flow's own time: before a stick's, where chatter is cut short */
+    double when[events_max]; /* the flow's own time; before that of a stick if chatter is cut off */
     saltus_flow_info info;
     double state[scene_dimension_max];
 } account;
@@ -45,7 +45,7 @@ static void same_event(const saltus_event *a, const saltus_event *b, double tole
     check_near(a->displacement, b->displacement, tolerance);
 }
 
-/* One mass with a stop of its own, on the side given. */
+/* One mass with its own stop, on the given side. */
 typedef struct lone_mass {
     double m, c, k, force, load, weight, d, r;
     saltus_sides sides;
@@ -60,7 +60,7 @@ static scene lone_scene(const lone_mass *mass, double omega) {
     return s;
 }
 
-/* Both side by side in one scene: no spring and no damper between them. */
+/* Both masses in one scene, without spring or damper between them. */
 static scene pair_scene(const lone_mass *mass, double omega) {
     scene s = lone_scene(&mass[0], omega);
     set_parameter(&s.spec, "N", 2);
@@ -77,8 +77,8 @@ static scene pair_scene(const lone_mass *mass, double omega) {
     return s;
 }
 
-/* Each face's events, one by one. Where chatter is cut short depends on the tolerance and so on the other
- * mass: of its last impacts only where they end is compared. */
+/* Each face's events, one by one. Where chatter is cut off depends on the tolerance, and so on the other
+ * mass: of its last impacts only the end is compared. */
 static void check_own(const account *both, int first, const account *lone) {
     int k = 0;
     double last = -1;
@@ -110,7 +110,7 @@ static int told_of(const account *a, saltus_event_kind kind, double speed) {
 
 static void masses_apart_keep_their_own_events(void **unused) {
     (void)unused;
-    static const lone_mass rows[][2] = {/* Both chatter, stick and are let go within every period. */
+    static const lone_mass rows[][2] = {/* Both chatter, stick and are released in every period. */
                                         {{1.4, 2.5, 1.3, 1.8, 0.4, 2, 0.2, 0.3, SALTUS_UPPER, 0.02, 0.3},
                                          {0.7, 0, 0, 0.4, -0.35, 0.8, 0.1, 0.1, SALTUS_LOWER, -0.03, 0.1}},
                                         {{1.4, 2.5, 1.3, 1.8, 0.4, 2, 0.2, 0, SALTUS_UPPER, 0.02, 0.3},
@@ -141,7 +141,7 @@ static void masses_apart_keep_their_own_events(void **unused) {
     }
 }
 
-/* Two masses of one kind meet their stops in the same instant: each face has its impact, at that time. */
+/* Two equal masses meet their stops in the same instant: each face has its impact, at that time. */
 static void impacts_in_one_instant_are_all_told(void **unused) {
     (void)unused;
     static const lone_mass row[2] = {{1, 0, 0, 0.8, 0.1, 1, 0.3, 0.7, SALTUS_BOTH, 0.02, 0.3},
@@ -163,14 +163,14 @@ static void impacts_in_one_instant_are_all_told(void **unused) {
         same_event(first, &lone.event[k], 1e-10);
         same_event(second, &lone.event[k], 1e-10);
     }
-    /* Who does not watch impacts is told of none of them. */
+    /* Without watching impacts none is reported. */
     record(&pair.spec, &pair, 6, SALTUS_WATCH_TURNING | SALTUS_WATCH_RELEASE, &both);
     for (int k = 0; k < both.count; k++)
         assert_int_equal(both.event[k].kind, SALTUS_TURNING);
     check_near(both.state[0], both.state[1], 1e-12);
 }
 
-/* In one instant one mass rebounds and the other is caught: both are told. */
+/* In the same instant one mass rebounds and the other sticks: both are reported. */
 static void a_rebound_and_a_catch_in_one_instant_are_told(void **unused) {
     (void)unused;
     static account both, lone[2];
@@ -186,7 +186,7 @@ static void a_rebound_and_a_catch_in_one_instant_are_told(void **unused) {
             check_own(&both, i, &lone[i]);
         }
         assert_true(both.when[0] == both.when[1]);
-        /* An impact that is caught may be told as the stick's or for itself, but once. */
+        /* An impact that ends in sticking is reported once, as the stick or separately. */
         for (int i = 0; i < 3; i++) {
             const account *a = i < 2 ? &lone[i] : &both;
             assert_int_equal(told_of(a, SALTUS_IMPACT, 1e-300) + told_of(a, SALTUS_STICK, 1e-300),
@@ -196,8 +196,8 @@ static void a_rebound_and_a_catch_in_one_instant_are_told(void **unused) {
     }
 }
 
-/* The second of two impacts in one instant waits for whoever asks for impacts next, and for nobody else; one
- * that nobody watched is not told later. */
+/* The second of two simultaneous impacts is kept for the next run that watches impacts; an unwatched one is
+ * not reported later. */
 static void a_waiting_impact_is_not_told_late(void **unused) {
     (void)unused;
     static const lone_mass row[2] = {{1, 0, 0, 0.8, 0.1, 1, 0.3, 0.7, SALTUS_BOTH, 0.02, 0.3},
@@ -221,8 +221,8 @@ static void a_waiting_impact_is_not_told_late(void **unused) {
     saltus_system_free(system);
 }
 
-/* Whether a watcher of some kinds is told of an event: where impacts are watched, the end of their sequence,
- * where the contact begins to hold, is told as well. */
+/* Whether a watcher receives an event: watching impacts includes the end of their sequence, where contact
+ * begins. */
 static bool told(unsigned watch, saltus_event_kind kind) {
     return watch >> kind & 1 || (kind == SALTUS_STICK && watch & SALTUS_WATCH_IMPACT);
 }
@@ -255,7 +255,8 @@ static void a_watcher_is_told_of_what_it_watches(void **unused) {
     assert_true(sticks > 10 && releases > 10);
 }
 
-/* What the flow says that it has done is what it told. An impact without speed is told, but no impulse. */
+/* The flow's counts agree with its reported events. An impact without speed is reported but has no
+ * impulse. */
 static void counts_are_those_of_the_events(void **unused) {
     (void)unused;
     static account all;
@@ -289,8 +290,8 @@ static void counts_are_those_of_the_events(void **unused) {
     }
 }
 
-/* A start in a corner of two or three stops, with any velocity: the change of momentum is a sum of pushes,
- * nothing is left moving into a stop, displacements stay. */
+/* A start in a corner of two or three stops, with any velocity: the change of momentum is a sum of pushes, no
+ * face is left closing, displacements are unchanged. */
 static void check_corner(const stress_model *m, const saltus_system *system,
                          const saltus_flow_options *options, const double *state) {
     const int n = m->dof;
@@ -306,10 +307,10 @@ static void check_corner(const stress_model *m, const saltus_system *system,
     assert_true(stress_reactions(m, (1u << m->face_count) - 1, change, impulse));
     for (int f = 0; f < m->face_count; f++) {
         const double before = stress_normal(m, f, state + n), rate = stress_normal(m, f, after + n);
-        assert_true(impulse[f] <= 1e-9 * speed); /* reactions undo what changes */
+        assert_true(impulse[f] <= 1e-9 * speed); /* reactions cancel the change */
         assert_true(rate <= 1e-9 * speed);
         hits += impulse[f] < -1e-9 * speed;
-        /* One impulse alone: Newton's law at its face. */
+        /* With one impulse, Newton's law holds at its face. */
         bool alone = impulse[f] < -1e-9 * speed;
         for (int g = 0; g < m->face_count; g++)
             alone &= g == f || impulse[g] > -1e-9 * speed;
@@ -333,7 +334,7 @@ static void every_impulse_pushes(void **unused) {
         stress_model m;
         double state[scene_dimension_max] = {0}, angle = 2 * M_PI * gsl_rng_uniform(rng);
         for (int k = 0; k < (pipe && trial % 2 ? 3 : 2); k++) {
-            angle += 0.4 + 2.3 * gsl_rng_uniform(rng); /* never parallel */
+            angle += 0.4 + 2.3 * gsl_rng_uniform(rng); /* not parallel */
             saltus_stop *stop = scene_stop(&s, 0, gsl_rng_uniform(rng), k % 2 ? SALTUS_LOWER : SALTUS_UPPER);
             stop->xi = 0.2 + 0.27 * k + 0.05 * gsl_rng_uniform(rng);
             stop->weight[0] = cos(angle);
@@ -350,8 +351,8 @@ static void every_impulse_pushes(void **unused) {
     gsl_rng_free(rng);
 }
 
-/* While a face holds, the state is on it and stays there, the force pushes and is what the equations of
- * motion ask for, per modal mass; whatever the length of the normal. */
+/* While a face holds, the state stays on it and the force pushes; it is the one that the equations of motion
+ * require, per modal mass, for any length of the normal. */
 static void a_held_state_stays_on_its_stop(void **unused) {
     (void)unused;
     static const double weights[] = {1, 2, -0.3, 7};
@@ -391,7 +392,7 @@ static void a_held_state_stays_on_its_stop(void **unused) {
                 assert_true(forces[0] > 0);
                 for (int f = 1; f < SALTUS_FACES_MAX; f++)
                     assert_true(forces[f] == 0);
-                /* The field is the one with the contact. */
+                /* The field includes the contact. */
                 double field[scene_dimension_max];
                 saltus_flow_field(flow, 0, field);
                 stress_react(&m, reaction, a);
@@ -405,7 +406,7 @@ static void a_held_state_stays_on_its_stop(void **unused) {
         }
 }
 
-/* Two faces held at once, their normals at an angle: both stay, and the forces are the reactions together. */
+/* Two faces with oblique normals are held at once: both hold, and the forces are the joint reactions. */
 static void two_held_faces_share_the_load(void **unused) {
     (void)unused;
     for (int k = 0; k < 2; k++) {
@@ -448,8 +449,8 @@ static void two_held_faces_share_the_load(void **unused) {
     }
 }
 
-/* Two balls that nothing joins, hit in the same instant or soon after each other: to each its own impact is
- * what it is without the other. */
+/* Two uncoupled balls, hit in the same instant or shortly after each other: each impact is as without the
+ * other ball. */
 static void tangents_of_balls_apart_stay_apart(void **unused) {
     (void)unused;
     for (int kind = 0; kind < 4; kind++) {

@@ -1,9 +1,7 @@
-/* Signals that ask to stop: whenever one comes, a command ends with the status of an interrupted one and a
- * sentence, or it has done all that it was asked for; files are whole.
- *
- * A signal that is pending while the program is started reaches it before any of its work; one that a made-up
- * gnuplot sends reaches it while it waits for a figure; the growing journal tells when a sweep is near its
- * end.
+/* Stop signals: whenever one arrives, a command ends as interrupted with a message, or it has completed its
+ * work; files are whole. A signal pending at the program's start arrives before any work; one sent by a
+ * made-up gnuplot arrives while the program waits for a figure; the growing journal shows when a sweep is
+ * near its end.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #define _GNU_SOURCE
 #include "folder.h"
@@ -20,12 +18,12 @@
 
 enum { words_max = 32, patience_ms = 20000, slow_points = 1000 };
 
-/* A folder to work in, with one for the made-up gnuplot and one for nameless files. */
+/* A working folder, with one for the made-up gnuplot and one for nameless files. */
 typedef struct fixture {
     char folder[64], tools[80], nameless[80], paper[80], path[4200];
-    struct fixture *late; /* of the child that is signalled twice, seconds apart; it runs beside the others */
+    struct fixture *late; /* the child that is signalled twice, seconds apart; it runs beside the others */
     pid_t late_child;
-    struct fixture *slow; /* of the sweep that is held for seconds meanwhile */
+    struct fixture *slow; /* the sweep that is stopped for seconds meanwhile */
     pid_t slow_child;
     double held_since;
 } fixture;
@@ -81,7 +79,7 @@ static void write_text(const char *path, const char *text) {
     fclose(file);
 }
 
-/* A gnuplot that does something and then leaves what looks like a picture. */
+/* A gnuplot that performs an action and then leaves a fake picture. */
 static void make_gnuplot(const fixture *f, const char *does) {
     char path[128], text[512];
     snprintf(path, sizeof path, "%s/gnuplot", f->tools);
@@ -90,10 +88,10 @@ static void make_gnuplot(const fixture *f, const char *does) {
     chmod(path, 0755);
 }
 
-/* What a child begins with. */
+/* The initial signal state of a child. */
 typedef enum beginning { plainly, pending, ignoring } beginning;
 
-/* Start a command in the folder, its words separated by blanks; what it says goes to `out` and `err`. */
+/* Start a command (words separated by blanks) in the folder, with its output in `out` and `err`. */
 static pid_t start(const fixture *f, const char *line, beginning how, int number) {
     char copy[512], command[] = SALTUS_COMMAND, *words[words_max + 1] = {command}, *rest = copy;
     int count = 1;
@@ -101,7 +99,7 @@ static pid_t start(const fixture *f, const char *line, beginning how, int number
     for (char *word = strtok_r(rest, " ", &rest); word && count < words_max;
          word = strtok_r(NULL, " ", &rest))
         words[count++] = word;
-    /* Before there is a child, so that it is ignored at any time. */
+    /* Before the child exists, so that the signal is ignored from the start. */
     if (how == ignoring)
         signal(number, SIG_IGN);
     pid_t child = fork();
@@ -143,7 +141,7 @@ static int end_of(pid_t child) {
     return outcome;
 }
 
-/* Whether a process catches a signal; false where that cannot be learnt. */
+/* Whether a process catches a signal; false if unknown. */
 static bool catches(pid_t process, int number) {
     char path[64], line[256];
     unsigned long long caught = 0;
@@ -181,8 +179,8 @@ static double clock_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Begin the sweep that is held when a part of it is done: a row takes more than forty bytes of the journal.
- */
+/* Start the sweep that is stopped when part of it is done: a row takes more than forty bytes of the
+ * journal. */
 static void begin_slow(fixture *f) {
     char journal[320], line[160];
     if (f->slow_child)
@@ -200,7 +198,7 @@ static void begin_slow(fixture *f) {
     f->held_since = clock_now();
 }
 
-/* Begin the child whose figure takes seconds, with a signal before and one after them. */
+/* Start the child whose figure takes seconds, with a signal before and one after them. */
 static void begin_late(fixture *f) {
     begin_slow(f);
     if (f->late_child)
@@ -218,7 +216,7 @@ static char *said(const fixture *f, const char *where) {
     return read_all(path_in(f, where, path), &length);
 }
 
-/* Exit status 1, one sentence that tells of the interruption, and nothing half-made. */
+/* Check exit status 1, one message about the interruption, and no partial file. */
 static void check_interrupted(const fixture *f, int outcome, const char *what) {
     char *text = said(f, "err"), *end = strchr(text, '\n');
     if (!WIFEXITED(outcome) || WEXITSTATUS(outcome) != 1)
@@ -229,7 +227,7 @@ static void check_interrupted(const fixture *f, int outcome, const char *what) {
     assert_int_equal(folder_files(f->nameless, true), 0);
 }
 
-/* Whether there is a result yet is said as it is: some commands print what they have. */
+/* The message says whether there is a result yet: some commands print what they have. */
 static void check_sentence(const fixture *f, const char *what) {
     char *out = said(f, "out"), *err = said(f, "err");
     bool none = strstr(err, "there is no result yet") != NULL, part = strstr(err, "so far") != NULL;
@@ -245,7 +243,7 @@ static bool is_there(const fixture *f, const char *name) {
     return access(path_in(f, name, path), F_OK) == 0;
 }
 
-/* Files of a folder whose name has a part. */
+/* Count the files of a folder whose names contain a part. */
 static int named(const char *folder, const char *part) {
     DIR *open = opendir(folder);
     int count = 0;
@@ -256,7 +254,7 @@ static int named(const char *folder, const char *part) {
     return count;
 }
 
-/* Before any work: no command forgets it, and none goes on for long. */
+/* A signal before any work: every command notices it soon. */
 static void a_signal_before_the_work_ends_every_command(void **state) {
     static const char *const lines[] = {
         "classify fig7c --transient 100000000 --measure 0",
@@ -290,7 +288,7 @@ static void a_signal_before_the_work_ends_every_command(void **state) {
     }
 }
 
-/* What an interrupted measurement tells of its transient is what it has run. */
+/* An interrupted measurement reports the transient it has run. */
 static void a_transient_that_is_cut_off_is_not_told_as_run(void **state) {
     const fixture *f = *state;
     check_interrupted(f, end_of(start(f, "lyapunov fig7c --transient 1000000000 --json", pending, SIGTERM)),
@@ -302,7 +300,7 @@ static void a_transient_that_is_cut_off_is_not_told_as_run(void **state) {
     free(text);
 }
 
-/* A sweep that has not begun leaves the file of an earlier one, and its journal, as they are. */
+/* A sweep that is stopped before it begins keeps an earlier file and its journal. */
 static void a_signal_before_a_sweep_leaves_what_was_there(void **state) {
     static const char line[] =
         "sweep impact-oscillator --over omega=0.9:1.1:3 --threads 1 --quiet -o kept.h5";
@@ -321,7 +319,7 @@ static void a_signal_before_a_sweep_leaves_what_was_there(void **state) {
     free(second);
 }
 
-/* As of a program that nohup or a shell's `trap ''` has started. */
+/* As for a program started by nohup or after the shell's `trap ''`. */
 static void ignored_signals_stay_ignored(void **state) {
     static const int signals[] = {SIGTERM, SIGINT, SIGHUP};
     const fixture *f = *state;
@@ -334,8 +332,8 @@ static void ignored_signals_stay_ignored(void **state) {
     }
 }
 
-/* A signal that comes twice at once, to a process and to its group, is one; the figure is finished. Seconds
- * later the next one ends the program even where it cannot be asked. */
+/* A signal sent at once to a process and to its group counts once; the figure is finished. Seconds later the
+ * next signal ends the program even while it cannot react. */
 static void a_late_second_signal_ends_the_program(void **state) {
     fixture *f = *state;
     begin_late(f);
@@ -352,8 +350,8 @@ static void a_late_second_signal_ends_the_program(void **state) {
     assert_int_equal(folder_files(f->late->nameless, true), 0);
 }
 
-/* Where there is no terminal a sweep that takes seconds says now and then, on a line of its own, how much is
- * done, how fast and how long the rest will take at that speed. */
+/* Without a terminal a long sweep prints now and then, on a line of its own, how much is done, at what speed,
+ * and the time left at that speed. */
 static void a_long_sweep_is_told_in_lines(void **state) {
     fixture *f = *state;
     double part, rate, left;
@@ -379,7 +377,7 @@ static void a_long_sweep_is_told_in_lines(void **state) {
             !(fabs(part - 100. * (double)done / (double)all) <= 0.0501))
             fail_msg("a sweep of %d points says %s", slow_points, line);
         assert_true(all == slow_points && done >= all / 10 && done > before && done <= all);
-        /* All was done in this time or, with what went before, in two seconds more. */
+        /* All was done in this time or, with the earlier part, in two seconds more. */
         if (line == text)
             assert_true((double)done / rate >= 2.09 && (double)done / rate <= passed + 2);
         double rest = (double)(all - done) / rate / (minutes ? 60 : 1);
@@ -390,8 +388,7 @@ static void a_long_sweep_is_told_in_lines(void **state) {
     free(text);
 }
 
-/* Where the figure is all that is left to do it is finished, and the command has done what it was asked for.
- */
+/* If only the figure is left it is finished, and the command has completed. */
 static void a_signal_during_the_last_figure_is_too_late(void **state) {
     static const char *const lines[] = {
         "diagnose impact-oscillator -o late.png",
@@ -421,7 +418,7 @@ static void a_signal_during_the_last_figure_is_too_late(void **state) {
     }
 }
 
-/* While a figure is drawn: it is finished, what follows is not begun, and --resume makes the rest. */
+/* A signal while a figure is drawn: that is finished, the next is not begun, and --resume makes the rest. */
 static void a_signal_during_a_figure_ends_paper(void **state) {
     static const char *const made[] = {"paper/fig4a.h5", "paper/fig4a.png", "paper/fig4b.h5",
                                        "paper/fig4b.png"};
@@ -446,7 +443,7 @@ static void a_signal_during_a_figure_ends_paper(void **state) {
     assert_int_equal(folder_files(f->paper, true), 4);
 }
 
-/* The largest that the first sweep's journal gets, of a paper that is ended when the journal is gone. */
+/* The largest size of the first sweep's journal, in a paper that is ended when the journal is gone. */
 static long long largest_journal(const fixture *f, const char *line, const char *journal) {
     pid_t child = start(f, line, plainly, SIGTERM);
     long long largest = 0;
@@ -461,10 +458,10 @@ static long long largest_journal(const fixture *f, const char *line, const char 
     return largest;
 }
 
-/* When all that a sweep has to do is as good as done, the signal still ends what comes after it. */
+/* A signal when a sweep is almost done still ends what follows it. */
 static void a_signal_at_the_end_of_a_sweep_ends_paper(void **state) {
     static const char line[] = "paper --quick --quiet --figure 4 -o paper";
-    static const double parts[] = {0.95, 0.85, 0.98}; /* the later ones in the long version */
+    static const double parts[] = {0.95, 0.85, 0.98}; /* later ones in the long version */
     const size_t trials = getenv("SALTUS_LONG_TESTS") ? sizeof parts / sizeof parts[0] : 1;
     const fixture *f = *state;
     char journal[320];
@@ -485,7 +482,7 @@ static void a_signal_at_the_end_of_a_sweep_ends_paper(void **state) {
     }
 }
 
-/* No other signal is taken: it does what it does to any program. */
+/* Other signals are not caught: they have their usual effect. */
 static void other_signals_end_the_program_at_once(void **state) {
     static const int signals[] = {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGIO};
     const struct rlimit none = {0, 0};
@@ -494,7 +491,7 @@ static void other_signals_end_the_program_at_once(void **state) {
     for (size_t k = 0; k < sizeof signals / sizeof signals[0]; k++) {
         pid_t child = start(f, "lyapunov fig7c --transient 1000000000", plainly, SIGTERM);
         int outcome = 0;
-        /* Once a signal that is asked about is caught, all of them have been seen to. */
+        /* Once this signal is caught, all of them are handled. */
         for (int waited = 0; waited < patience_ms && !catches(child, SIGHUP); waited++)
             pause_ms(1);
         kill(child, signals[k]);
@@ -504,7 +501,7 @@ static void other_signals_end_the_program_at_once(void **state) {
     }
 }
 
-/* A command that waits until more of its words are read loses none of them to a signal. */
+/* A command that waits for the reader of its output loses none of it to a signal. */
 static void a_signal_while_nobody_reads_loses_nothing(void **state) {
     static char block[1 << 16];
     const fixture *f = *state;
@@ -513,7 +510,7 @@ static void a_signal_while_nobody_reads_loses_nothing(void **state) {
     int ends[2], waiting = 0;
     assert_int_equal(end_of(start(f, "spectrum impact-oscillator --json", plainly, SIGTERM)), 0);
     plain = read_all(path_in(f, "out", whole), &length);
-    /* More than a pipe of one page and a buffer beside it hold. */
+    /* More than a pipe of one page and a buffer hold. */
     assert_true(length > 20000);
     assert_int_equal(pipe(ends), 0);
     assert_true(fcntl(ends[1], F_SETPIPE_SZ, 4096) > 0);
@@ -543,8 +540,8 @@ static void a_signal_while_nobody_reads_loses_nothing(void **state) {
     free(plain);
 }
 
-/* At any moment: done with the whole file, interrupted with a sentence, or ended before there was anything.
- */
+/* At any moment: completed with the whole file, interrupted with a message, or ended before anything was
+ * written. */
 static void a_signal_at_any_moment_leaves_whole_files(void **state) {
     static const char *const lines[] = {
         "simulate impact-oscillator --periods 10 -o x.h5",
@@ -578,8 +575,8 @@ static void a_signal_at_any_moment_leaves_whole_files(void **state) {
     }
 }
 
-/* A branch of the line's, ended by one of the signals in turn after ever longer times and gone on with, until
- * it is whole; returns how often points were taken over. */
+/* A branch computed by the command line, ended by alternating signals after ever longer times and resumed
+ * until it is complete; returns how often points were kept. */
 static int follow_in_parts(const fixture *f, const char *line, const char *name) {
     char resumed[300], path[320];
     int times = 0;
@@ -599,8 +596,8 @@ static int follow_in_parts(const fixture *f, const char *line, const char *name)
     }
 }
 
-/* However often a branch was interrupted or killed, its file is that of the run that was not, byte for byte.
- */
+/* The file of a branch that was interrupted or killed any number of times is that of an undisturbed run, byte
+ * for byte. */
 static void a_branch_in_parts_is_the_whole_one(void **state) {
     static const char many_settings[] =
         "continue impact-oscillator --set c=0.12504 F=1.1739 F0=0.11951 d=0.42605 r=0.40661 omega=2.0486 "
@@ -629,7 +626,7 @@ static void a_branch_in_parts_is_the_whole_one(void **state) {
 }
 
 int main(void) {
-    /* A leak check at the end of a program holds it by ptrace, and a signal that comes just then is never
+    /* A leak check at the program's end stops it by ptrace, and a signal that arrives just then is never
      * delivered. */
     setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
     setenv("LSAN_OPTIONS", "detect_leaks=0", 1);

@@ -1,4 +1,4 @@
-/* Newton's method, tangents and null vectors of equations whose solutions are known.
+/* Newton's method, tangents and null vectors for equations with known solutions.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "made_equations.h"
 
@@ -21,7 +21,7 @@ static double dot(const double *a, const double *b, int count) {
     return sum;
 }
 
-/* The equations are as they were left by an evaluation at u. */
+/* The equations must be as an evaluation at u left them. */
 static void check_evaluated_at(made *m, const double *u) {
     double residual[made_unknowns_max], jacobian[made_unknowns_max * made_unknowns_max], size = 0;
     m->function(m, u, residual, jacobian);
@@ -32,8 +32,8 @@ static void check_evaluated_at(made *m, const double *u) {
     assert_true(m->e.size == size);
 }
 
-/* With the parameter held, from near by, damped or not: the solution to rounding, the parameter to the bit.
- */
+/* At a fixed parameter, from nearby, damped or not: the solution to rounding, with the parameter to the last
+ * bit. */
 static void solutions_are_found(void **state) {
     (void)state;
     unsigned long long seed = 1;
@@ -57,7 +57,7 @@ static void solutions_are_found(void **state) {
         }
 }
 
-/* On a hyperplane: on the curve, and in the plane. */
+/* On a hyperplane: the solution is on the curve and in the plane. */
 static void hyperplanes_are_kept_to(void **state) {
     (void)state;
     unsigned long long seed = 2;
@@ -83,8 +83,8 @@ static void hyperplanes_are_kept_to(void **state) {
         }
 }
 
-/* From a point of the curve to one near it the residuals alone lead, the Jacobian being found once at the
- * end; to one far away they do not, and all is as it is without them. */
+/* From a point of the curve to a near one residuals suffice, with the Jacobian computed once at the end; to a
+ * far one they do not, and the result is as without them. */
 static void residuals_alone_lead_near(void **state) {
     (void)state;
     unsigned long long seed = 7;
@@ -121,7 +121,7 @@ static void residuals_alone_lead_near(void **state) {
         }
 }
 
-/* Without a Jacobian known, or where the residuals cannot be had, each step has one of its own. */
+/* Without a known Jacobian, or if residuals alone fail, each step computes its own. */
 static void residuals_that_do_not_help(void **state) {
     (void)state;
     made m;
@@ -145,7 +145,7 @@ static void residuals_that_do_not_help(void **state) {
     made_close(&m);
 }
 
-/* atan (x - y) = 0: far away full steps lead ever further, shortened ones do not. */
+/* atan (x - y) = 0: from far away full steps diverge, damped ones do not. */
 static void arc(const made *m, const double *u, double *residual, double *jacobian) {
     (void)m;
     double x = u[0] - u[1];
@@ -170,7 +170,7 @@ static void damping_reaches_further(void **state) {
     made_close(&m);
 }
 
-/* What a history was told. */
+/* What a history recorded. */
 typedef struct told {
     int count;
     double residual[64];
@@ -184,7 +184,7 @@ static void tell(void *context, int iteration, double residual, const char *unkn
     t->kind = unknowns;
 }
 
-/* Every iteration is told, and near the end residuals fall as their squares. */
+/* Every iteration is reported, and near the end residuals fall quadratically. */
 static void convergence_is_quadratic(void **state) {
     (void)state;
     made m;
@@ -235,8 +235,8 @@ static void failures_are_told_apart(void **state) {
     made_close(&m);
 }
 
-/* An evaluation that fails: lack of memory and interruption end the iteration at once, at whichever
- * evaluation they come; other failures are a step not taken, and the point before it stands. */
+/* A failing evaluation: lack of memory and interruption end the iteration at once, wherever they occur; after
+ * other failures the step is not taken, and the point before remains. */
 static void failed_evaluations(void **state) {
     (void)state;
     static const saltus_status failures[] = {SALTUS_NO_MEMORY, SALTUS_INTERRUPTED, SALTUS_STALLED,
@@ -324,7 +324,7 @@ static void tangents_and_determinants(void **state) {
     assert_true(positive > 10 && positive < 70);
 }
 
-/* Across the tangent a guide tells nothing; where curves cross there is no tangent. */
+/* A guide perpendicular to the tangent selects no side; where curves cross there is no tangent. */
 static void places_without_tangent(void **state) {
     (void)state;
     made m;
@@ -347,8 +347,8 @@ static void places_without_tangent(void **state) {
     made_close(&m);
 }
 
-/* At regular points one null vector, the tangent; the other value is the Jacobian's least. Where curves cross
- * both are zero. */
+/* Regular points have one null vector, the tangent; the other value is the Jacobian's smallest. Where curves
+ * cross both are zero. */
 static void null_planes(void **state) {
     (void)state;
     unsigned long long seed = 5;
@@ -382,7 +382,7 @@ static void null_planes(void **state) {
     made_close(&m);
 }
 
-/* Where memory lacks for a decomposition that is what is told, and nothing else is. */
+/* Lack of memory in a decomposition is reported as such. */
 static void lack_of_memory(void **state) {
     (void)state;
     made m;

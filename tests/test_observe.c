@@ -1,5 +1,5 @@
-/* The displacement that is observed: which one a specification chooses, that all that is told of it is of
- * that one, and its root mean square.
+/* The observed displacement: the specification's choice, everything reported about it, and its root mean
+ * square.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 #include "sweep_check.h"
@@ -75,7 +75,7 @@ static void wrong_choices_are_refused(void **unused) {
     }
 }
 
-/* A quantity that is no sum of displacements is not what diagrams show. */
+/* A quantity that is no linear combination of displacements cannot be shown in diagrams. */
 static void sums_of_displacements_alone_are_observed(void **unused) {
     (void)unused;
     static const char text[] = "model:\n  parameters: {c: 0.1}\n  motion: {x: -c*x' - x, y: x - y}\n"
@@ -99,7 +99,7 @@ static void sums_of_displacements_alone_are_observed(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Samples, the rows at impacts among them, hold the displacement that is observed, and its rate. */
+/* All samples, also at impacts, hold the observed displacement and its rate. */
 static void records_are_of_what_is_observed(void **unused) {
     (void)unused;
     static const char *const choices[][2] = {
@@ -129,7 +129,7 @@ static void records_are_of_what_is_observed(void **unused) {
     }
 }
 
-/* A mass that nothing pulls between two elastic stops: a triangle wave, d / sqrt(3). */
+/* A free mass between two elastic stops: a triangle wave, d / sqrt(3). */
 static void a_triangle_wave_has_its_root_mean_square(void **unused) {
     (void)unused;
     const double d = 0.7;
@@ -155,7 +155,7 @@ static void a_triangle_wave_has_its_root_mean_square(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* The integral of a square by Simpson's rule on the smooth stretches of a record. */
+/* The integral of a square over the smooth stretches of a record, by Simpson's rule. */
 static double sampled_rms(const saltus_system *system, const saltus_motion *motion) {
     enum { fine = 2000 };
     saltus_flow_options options = saltus_flow_defaults();
@@ -165,7 +165,8 @@ static double sampled_rms(const saltus_system *system, const saltus_motion *moti
     check_ok(
         saltus_trajectory_record(system, motion->state, &options, 0, motion->periods, fine, &r, &message),
         &message);
-    /* Between two samples the displacement is a cubic by both ends and rates, to the fourth order. */
+    /* Between two samples the displacement is the cubic with the values and rates of both, of fourth
+     * order. */
     for (long long k = 0; k + 1 < r.samples; k++) {
         const double h = r.time[k + 1] - r.time[k], a = r.displacement[k], b = r.displacement[k + 1],
                      rates = (r.velocity[k] - r.velocity[k + 1]) * saltus_system_period(system),
@@ -203,7 +204,7 @@ static void root_mean_squares_are_those_of_samples(void **unused) {
     }
 }
 
-/* The choice goes into files and comes back from them, and another one is another sweep. */
+/* Files keep the choice; another choice makes another sweep. */
 static void files_keep_the_choice(void **state) {
     fixture *f = *state;
     size_t length;

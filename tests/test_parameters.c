@@ -4,13 +4,13 @@
 
 enum { dimension_max = 24, columns_max = dimension_max + SALTUS_DIRECTIONS_MAX, levels = 4 };
 
-/* A motion whose derivatives are checked. */
+/* A motion for checking derivatives. */
 typedef struct motion {
     saltus_spec spec;
     saltus_integrator integrator;
     double state[dimension_max];
     double start, end; /* periods */
-    double step;       /* of the first differences, relative to the parameter */
+    double step;       /* first step of the differences, relative to the parameter */
 } motion;
 
 typedef struct run_result {
@@ -34,8 +34,8 @@ static run_result run_shifted(const motion *m, const saltus_direction *direction
     return result;
 }
 
-/* Differences at steps h, h/2, ..., extrapolated (Richardson): central ones, or forward where the parameter
- * is at its lowest value. */
+/* Extrapolated differences (Richardson) with steps h, h/2, ...: central, or forward if the parameter is at
+ * its lowest value. */
 static void differentiate(const motion *m, const saltus_direction *direction, double h, bool forward, int n,
                           double *derivative) {
     double table[levels][dimension_max];
@@ -55,7 +55,7 @@ static void differentiate(const motion *m, const saltus_direction *direction, do
     memcpy(derivative, table[levels - 1], (size_t)n * sizeof *derivative);
 }
 
-/* The flow carries the identity's columns, too: they must not disturb. */
+/* The flow also carries the identity's columns: they must have no effect. */
 static saltus_flow *open_columns(const motion *m, const saltus_system *system,
                                  const saltus_direction *directions, int count) {
     saltus_flow_options options = saltus_flow_defaults();
@@ -161,7 +161,7 @@ static void chattering_pipe(void **unused) {
     check_keys(&m, all_pipe_keys, 1e-5);
 }
 
-/* Terms that the scene lacks, but the direction does not. */
+/* Terms that the direction has and the scene lacks. */
 static void reduced_pipes(void **unused) {
     (void)unused;
     motion steady = pipe_motion(5, 30, 0.02, 2), linear = pipe_motion(4, 20, 0.015, 1.5),
@@ -197,7 +197,7 @@ static void stiff_pipe(void **unused) {
     sticking.spec.stops[0].r = 0.4;
     sticking.step = 1e-4;
     check_keys(&sticking, "alpha beta kappa u0 sigma omega d xi", 1e-5);
-    sticking.step = 5e-3; /* of r next to nothing is left after the contact */
+    sticking.step = 5e-3; /* almost no effect of r is left after the contact */
     check_keys(&sticking, "r", 1e-5);
     check_keys(&five, all_pipe_keys, 1e-9);
 }
@@ -260,7 +260,7 @@ static void two_masses(void **unused) {
     add_stop(&m.spec, 0.6, 0.6, SALTUS_BOTH);
     check_keys(&m, two_mass_keys, 1e-8);
     check_keys(&m, "d1 d2 r1 r2", 1e-8);
-    /* Mass 1 rests on its stop, and mass 2 strikes it there: one impulse at each. */
+    /* Mass 1 rests on its stop and is hit there by mass 2: an impulse at each. */
     motion held = two_mass_motion();
     set_parameter(&held.spec, "F0", 3);
     set_parameter(&held.spec, "F2", 0.8);
@@ -278,7 +278,7 @@ static void two_masses(void **unused) {
     check_keys(&held, "d1 d2 r1 r2", 1e-5);
 }
 
-/* Time of the first event of a kind, in periods, and what the parameter column says of it. */
+/* The time of the first event of a kind, in periods, and its derivative by the parameter column. */
 static double event_time(const motion *m, const saltus_spec *spec, const saltus_direction *direction,
                          saltus_event_kind kind, double *delay) {
     saltus_system *system = build(spec);
@@ -320,8 +320,8 @@ static void event_delays(void **unused) {
     }
 }
 
-/* An observed quantity with parameters in it, once a stop's row at their values, too: the zeros of its
- * velocity move with them. */
+/* An observed quantity that depends on parameters, once also equal to a stop's row: the zeros of its velocity
+ * move with them. */
 static void observed_rows_have_derivatives(void **unused) {
     (void)unused;
     static const char text[] =
@@ -411,7 +411,7 @@ static void bouncing_ball(void **unused) {
     }
 }
 
-/* A column of a linear combination is that combination of columns, through chatter and sticking. */
+/* The column of a linear combination is the combination of columns, through chatter and sticking. */
 static void combined_directions(void **unused) {
     (void)unused;
     static const char *const keys[] = {"omega", "xi", "d1", "r", "sigma"};
@@ -451,7 +451,7 @@ static void record(const motion *m, saltus_flow *flow, double *out) {
     saltus_flow_tangents(flow, 0, out + saltus_system_dimension(saltus_flow_system(flow, 0)));
 }
 
-/* A flow that is given another system in the middle of a contact runs as a new one, bit for bit. */
+/* A flow that gets another system during a contact runs like a new one, bit for bit. */
 static void check_retune(const motion *from, const motion *to, const char *key) {
     double fresh[(columns_max + 1) * dimension_max] = {0}, retuned[(columns_max + 1) * dimension_max] = {0};
     saltus_direction direction = direction_of(&to->spec, key, NULL);
@@ -501,7 +501,7 @@ static void retuned_masses(void **unused) {
     check_retune(&two, &one, "omega");
 }
 
-/* A lane beside others is retuned as a flow of its own. */
+/* Retuning a lane among others is like retuning a single flow. */
 static void retuned_lane(void **unused) {
     (void)unused;
     motion one = chattering_mass(), two = one;

@@ -1,5 +1,5 @@
-/* What system.h, map.h and status.h promise: tables, ranges at their ends, geometry, symmetries, scales, maps
- * and their derivatives, sentences about failures.
+/* The promises of system.h, map.h and status.h: tables, ranges at their ends, geometry, symmetries, scales,
+ * maps and their derivatives, messages of failures.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 #include "stress_field.h"
@@ -26,7 +26,7 @@ static void every_status_has_a_name(void **unused) {
     assert_int_equal(strlen(message.text), sizeof message.text - 1);
 }
 
-/* A sentence is kept whole as long as it fits; a longer one has lost its middle, between two characters. */
+/* A message that fits is kept whole; a longer one loses its middle, between two characters. */
 static void long_sentences_keep_both_ends(void **unused) {
     static const char *const letters[] = {"x", "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x8e\xb5"};
     enum { room = sizeof((saltus_message *)0)->text };
@@ -127,7 +127,7 @@ static void expect(const saltus_spec *spec, bool right, const char *name, double
     saltus_system_free(system);
 }
 
-/* Every range holds at its ends: they are admissible unless open, what lies beyond is not, whole numbers are
+/* Ranges hold at their ends: these are admissible unless open, values beyond are not, whole numbers are
  * whole. */
 static void ranges_hold_at_their_ends(void **unused) {
     (void)unused;
@@ -186,8 +186,8 @@ static void refuse(const saltus_spec *spec, const char *word) {
         fail_msg("\"%s\" does not say \"%s\"", message.text, word);
 }
 
-/* A scene's stops together: how many, no face twice, room between two that face each other, also where they
- * stand on parallel coordinates of another length. */
+/* A scene's stops: their number, no face twice, room between two that face each other, also on parallel
+ * coordinates of different length. */
 static void stops_must_fit_together(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};
@@ -200,7 +200,7 @@ static void stops_must_fit_together(void **unused) {
     spec.stop_count = -1;
     refuse(&spec, "stops");
     spec.stop_count = 0;
-    /* As many as are possible; the message names the one that is wrong. */
+    /* Up to the largest number; the message names the offending one. */
     set_parameter(&spec, "N", 2);
     for (int k = 0; k < SALTUS_STOPS_MAX; k++) {
         add_stop(&spec, 0.4 + 0.1 * k, 0.5, SALTUS_BOTH);
@@ -241,7 +241,7 @@ static void stops_must_fit_together(void **unused) {
     }
 }
 
-/* Sizes, period, faces in order, gaps, observer, scale, shape, trace: against the specification. */
+/* Sizes, period, order of faces, gaps, observer, scale, shape and trace agree with the specification. */
 static void a_system_tells_what_it_was_built_from(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++) {
@@ -294,7 +294,7 @@ static void a_system_tells_what_it_was_built_from(void **unused) {
     }
 }
 
-/* Whether the field depends on time, and whether the mirror image of a motion is one: against the field. */
+/* The time dependence and the mirror symmetry agree with the field. */
 static void symmetries_are_those_of_the_field(void **unused) {
     (void)unused;
     static const char *const keys[] = {"F", "F0", "F2", "F02"};
@@ -348,8 +348,8 @@ static void symmetries_are_those_of_the_field(void **unused) {
         }
 }
 
-/* No direction of the linear part without forcing contracts faster than the bound, and the bound is not far
- * above the fastest one where damping is strong. */
+/* No direction of the unforced linear part contracts faster than the bound, and with strong damping the bound
+ * is close. */
 static void nothing_decays_faster_than_the_bound(void **unused) {
     (void)unused;
     for (int k = 0; k < 12; k++) {
@@ -395,8 +395,8 @@ static void nothing_decays_faster_than_the_bound(void **unused) {
     }
 }
 
-/* The state that scenes without one begin at is small, beyond no stop, and not at rest on the origin; also
- * between pre-loaded stops. Stops that exclude each other are told of. */
+/* The default initial state is small, beyond no stop, and not at rest in the origin; also between pre-loaded
+ * stops. Stops that exclude each other are reported. */
 static void default_states_are_admissible(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};
@@ -433,7 +433,7 @@ static void default_states_are_admissible(void **unused) {
     saltus_system_free(system);
 }
 
-/* On a stop is not beyond it, rounding apart; what is not a number is refused by its place. */
+/* A state on a stop is not beyond it, up to rounding; an entry that is not finite is refused by its index. */
 static void states_are_checked(void **unused) {
     (void)unused;
     scene s = scene_of(scene_struck_chain);
@@ -457,7 +457,7 @@ static void states_are_checked(void **unused) {
     saltus_system_free(system);
 }
 
-/* A direction moves its key and nothing else; a common key moves all stops. */
+/* A direction changes only its key; a common key changes all stops. */
 static void directions_move_their_key_alone(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};
@@ -496,8 +496,8 @@ static void directions_move_their_key_alone(void **unused) {
     }
 }
 
-/* A system has a specification of its own: what becomes of the caller's does not matter, nor what stands in
- * the fields of stops that the model does not use. */
+/* A system copies its specification: later changes by the caller, and the fields of stops that the model does
+ * not use, do not matter. */
 static void a_system_keeps_its_own_specification(void **unused) {
     (void)unused;
     for (int pipe = 0; pipe < 2; pipe++) {
@@ -532,8 +532,8 @@ static void a_system_keeps_its_own_specification(void **unused) {
     }
 }
 
-/* Maps, searches and verdicts have tangent vectors of their own: those that the flow's options ask for are
- * neither in the way nor in the result. */
+/* Maps, searches and verdicts use their own tangent vectors: those requested in the flow's options have no
+ * effect. */
 static void columns_of_the_caller_do_not_matter(void **unused) {
     (void)unused;
     scene s = scene_of(scene_two_sided_mass);
@@ -576,7 +576,7 @@ static void columns_of_the_caller_do_not_matter(void **unused) {
     saltus_system_free(system);
 }
 
-/* What has been cleared, and what has never been filled, may be cleared. */
+/* Cleared and never filled results can be cleared. */
 static void zeroed_results_are_accepted(void **unused) {
     (void)unused;
     saltus_motion motion = {.state = NULL};

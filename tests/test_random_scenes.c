@@ -1,8 +1,6 @@
-/* Random scenes under watch: every one keeps the invariants or is refused with a reason. A quarter of ten
- * thousand; SALTUS_LONG_TESTS=1 takes all and follows each for longer, SALTUS_SANITIZED=1 takes a tenth.
- *
- * Each scene is made from its own number, so that one that fails can be looked at by itself:
- * SALTUS_RANDOM_SCENE=number.
+/* Random scenes: each keeps the invariants or is refused with a reason. A quarter of ten thousand;
+ * SALTUS_LONG_TESTS=1 takes all and follows each longer, SALTUS_SANITIZED=1 takes a tenth. Each scene follows
+ * from its number, so that a failing one can be run alone: SALTUS_RANDOM_SCENE=number.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "stress_random.h"
 
@@ -17,7 +15,7 @@ typedef struct tally {
     int scene[stress_invariants];
 } tally;
 
-/* A refusal names what it is about: a key with its value, a stop, an entry of the state, a time. */
+/* A refusal names its subject: a key with its value, a stop, an entry of the state, a time. */
 static void check_reason(int scene, saltus_status status, const saltus_message *message) {
     static const char *const names[] = {" = ", "stop", "state", "periods"};
     bool named = false;

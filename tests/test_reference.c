@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "reference.h"
 
-/* The default initial states of the first ones lead to them. */
+/* The default initial states of the first four settle on these orbits. */
 static const char *const names[] = {"fig7d", "fig7b", "sdof14", "chatter25", "free5", "two-sided", "modes20"};
 enum { name_count = 7, by_default_count = 4 };
 
@@ -51,7 +51,8 @@ static void flow_events(void **unused) {
     }
 }
 
-/* Newton from a disturbed state: quadratic convergence to the reference, its monodromy and multipliers. */
+/* Newton's method from a disturbed state converges quadratically to the reference, with its monodromy and
+ * multipliers. */
 static void shooting_converges(void **unused) {
     (void)unused;
     for (int f = 0; f < name_count; f++) {
@@ -77,7 +78,7 @@ static void shooting_converges(void **unused) {
         for (int i = 0; i < r.n; i++)
             for (int j = 0; j < r.n; j++)
                 check_near(orbit.monodromy[i * r.n + j], r.monodromy[i][j], 1e-9 * largest);
-        /* Of twenty modes some multipliers lie below all that doubles hold. */
+        /* With twenty modes some multipliers are below the range of doubles. */
         if (orbit.sum_rule < -1e5)
             assert_true(isnan(orbit.log_volume));
         else if (r.sticking == 0)
@@ -121,8 +122,7 @@ static void classification_agrees(void **unused) {
     }
 }
 
-/* The tolerance is what it says: the error after one orbit falls with it and stays below a hundred times of
- * it. */
+/* The tolerance is effective: the error after one orbit falls with it and stays below a hundred times it. */
 static void tolerance_is_kept(void **unused) {
     (void)unused;
     for (int f = 0; f < name_count; f++) {

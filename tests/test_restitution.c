@@ -1,5 +1,5 @@
-/* Restitutions that depend on the closing speed: closed forms, derivatives against differences, one answer
- * from all ways of asking.
+/* Restitutions that depend on the closing speed: closed forms, derivatives against differences, the same
+ * answer by all means.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -7,7 +7,7 @@
 static const char oscillator[] =
     START "  motion: {x: \"-c*x' - x + F*cos(omega*t)\"}\n  forcing: omega\n"
           "stop: {coordinate: x, d: 0.3, r: \"r0/(1 + speed/s0)^0.25\", sides: both}\n";
-/* Two masses that may hit their stops in one instant, and each other. */
+/* Two masses that may hit their stops in the same instant, and each other. */
 static const char masses[] =
     START "  motion: {x: \"-c*x' - 2*x + y + F*cos(omega*t)\", y: \"-c*y' - 3*y + x - 0.4*F*cos(omega*t)\"}\n"
           "  mass: {x: 1, y: 0.6}\n  forcing: omega\nstops:\n"
@@ -58,7 +58,7 @@ static void a_ball(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Tangent vectors and parameter columns past impacts, beside extrapolated differences. */
+/* Tangent vectors and parameter columns through impacts, against extrapolated differences. */
 static void derivatives_are_right(void **unused) {
     (void)unused;
     static const char *const texts[] = {oscillator, masses};
@@ -111,7 +111,8 @@ static void sums_agree(void **unused) {
     }
 }
 
-/* What has no sense ends the motion with a sentence: r beyond 1, and a lasting contact where r tends to 1. */
+/* A restitution without meaning ends the motion with a message: r above 1, or a lasting contact where r tends
+ * to 1. */
 static void laws_have_limits(void **unused) {
     (void)unused;
     static const struct {

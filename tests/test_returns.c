@@ -1,5 +1,5 @@
-/* Returns of scenes without forcing to their section: complete chatter with all its impacts is one, whatever
- * its size, on whichever side, wherever one begins to count.
+/* Returns of unforced scenes to their section: a complete chatter with all its impacts counts as one, of any
+ * size, on either side, wherever counting begins.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "sweep_check.h"
@@ -7,8 +7,8 @@
 #include "orbit/poincare.h"
 #include "system/system.h"
 
-/* A mass whose oscillation is fed, on a spring, pushed by F against a stop that it leaves again as the state
- * w lags behind it. With n = 0 and the stop at 0 all grows with F. `side` turns it to its mirror image. */
+/* A mass on a spring with negative damping, pushed by F against a stop that it leaves again as the state w
+ * lags behind it. With n = 0 and the stop at 0 all lengths scale with F. `side` mirrors it. */
 static saltus_scene bursting(const char *side, const char *observe, const char *settings) {
     saltus_message message = {.text = ""};
     saltus_scene scene;
@@ -30,7 +30,7 @@ static saltus_scene bursting(const char *side, const char *observe, const char *
     return scene;
 }
 
-/* With a spring that grows stiffer it settles on one chatter, or on several impacts. */
+/* With a hardening spring it settles on one chatter, or on several impacts. */
 static const char several[] = "F=0.8208 z=0.294 c=1.3112 b=0.2013 g=-0.0451 n=0.1 r=";
 
 static saltus_motion settled(const saltus_scene *scene, double rtol, saltus_system **system) {
@@ -47,7 +47,7 @@ static saltus_motion settled(const saltus_scene *scene, double rtol, saltus_syst
     return motion;
 }
 
-/* Sizes, sides, what is observed, sections and tolerances make no difference, and a sweep counts the same. */
+/* Size, side, observer, section and tolerance make no difference, and a sweep counts the same. */
 static void chatter_is_one_return(void **unused) {
     (void)unused;
     static const struct {
@@ -87,8 +87,8 @@ static void chatter_is_one_return(void **unused) {
     }
 }
 
-/* The orbit has the same returns wherever one goes around it from, amid its impacts, too: all of them where
- * chatter does not complete. */
+/* The orbit has the same returns from any start on it, also amid its impacts; they all count if chatter does
+ * not complete. */
 static void returns_do_not_depend_on_the_begin(void **unused) {
     enum { begins = 24 };
     (void)unused;
@@ -152,8 +152,8 @@ static branch_record branch_in_r(const char *r, double low, double high) {
     return record;
 }
 
-/* Where chatter ceases to complete its impacts become returns, each of them; the branch says so and goes on.
- * Of an impact that dies a maximum is left at first. */
+/* Where chatter stops completing each of its impacts becomes a return; the branch reports it and goes on. An
+ * impact that dies leaves a maximum at first. */
 static void chatter_that_ceases_to_complete_is_many_returns(void **unused) {
     (void)unused;
     branch_record record = branch_in_r("0.15", 0.01, 0.196);
@@ -179,8 +179,8 @@ static void chatter_that_ceases_to_complete_is_many_returns(void **unused) {
     branch_forget(&record);
 }
 
-/* Towards a homoclinic orbit of a saddle-focus folds follow one another ever more closely, at all but the
- * same states: they are not one fold to which the branch has come back. */
+/* Towards a homoclinic orbit of a saddle-focus folds accumulate, at almost the same states: they are not
+ * taken for one fold to which the branch has returned. */
 static void folds_near_a_homoclinic_orbit_are_many(void **unused) {
     (void)unused;
     static const char *const begins[] = {"0.12", "0.18"};
@@ -198,8 +198,8 @@ static void folds_near_a_homoclinic_orbit_are_many(void **unused) {
     }
 }
 
-/* Between prescribed impacts rounding grows from one to the next. Branches begin after many in a row, too;
- * here nothing but the size depends on F. */
+/* Rounding grows between prescribed impacts. Branches also begin after many in a row; here only the size
+ * depends on F. */
 static void branches_begin_at_many_impacts_in_a_row(void **unused) {
     (void)unused;
     static const char *const settings[] = {"F=1.2 z=0.489 c=1.016 b=0.188 g=0.134 r=0.588",

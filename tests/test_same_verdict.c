@@ -1,6 +1,6 @@
-/* One verdict whoever is asked: a sweep's row and a classification of its end state on random points of pipes
- * and oscillators; a chatter near the section by all that give labels. SALTUS_LONG_TESTS: ten times as many
- * points, another seed.
+/* The same verdict by all means: a sweep's row and a classification of its end state, at random points of
+ * pipes and oscillators; a chatter near the section in all places that give labels. SALTUS_LONG_TESTS: ten
+ * times as many points, another seed.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_check.h"
 
@@ -10,7 +10,7 @@ static double between(gsl_rng *rng, double low, double high) {
     return low + (high - low) * gsl_rng_uniform(rng);
 }
 
-/* Scenes with one parameter left to the sweep: forced, on one side or on both, from inelastic to nearly
+/* Scenes with one parameter for the sweep: forced, with stops on one side or both, from inelastic to nearly
  * elastic. */
 static saltus_scene random_scene(gsl_rng *rng, bool pipe, double *omega) {
     static const char *const sides[] = {"upper", "lower", "both"};
@@ -50,7 +50,7 @@ static void rows_and_motions_agree(void **unused) {
     gsl_rng_free(rng);
 }
 
-/* What a branch through the orbit says of its first point. */
+/* The label of a branch's first point. */
 static void check_branch_label(const saltus_spec *spec, const saltus_motion *motion, const char *label) {
     saltus_branch_options options = saltus_branch_defaults();
     saltus_message message = {.text = ""};
@@ -69,8 +69,8 @@ static void check_branch_label(const saltus_spec *spec, const saltus_motion *mot
     saltus_branch_free(branch);
 }
 
-/* A chatter is one wherever the section lies in it: a contact that begins just before, at and just after
- * phase 0, as classification, a sweep, a branch and a harvest tell it. */
+/* A chatter is recognised wherever the section lies: a contact that begins just before, at and just after
+ * phase 0, in classification, sweep, branch and harvest. */
 static void chatter_is_told_alike(void **unused) {
     (void)unused;
     static const double shifts[] = {-1e-3, -1e-5, -1e-6, -1e-7, -1e-8, 0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-3};
@@ -108,8 +108,8 @@ static void chatter_is_told_alike(void **unused) {
     assert_true(before && after);
 }
 
-/* Just beyond a flip half of the period recurs nearly, too: it is the whole one that is found, without the
- * exponent being measured. */
+/* Just beyond a flip half the period almost recurs: the full period is found, without measuring the
+ * exponent. */
 static void half_a_period_is_not_taken(void **unused) {
     (void)unused;
     static const struct {

@@ -1,11 +1,9 @@
-/* Multiple shooting: into how many segments an orbit is cut for Newton's method changes nothing of what is
- * found. Folds, flips, tori, pitchforks and grazing lie where they lie, with the same multipliers, and the
- * branches that are switched to are the same.
+/* Multiple shooting: the number of segments of an orbit does not change the results. Folds, flips, tori,
+ * pitchforks and grazings have the same places and multipliers, and the same branches are switched to.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 
-/* How far the states of two points are apart. Of a pair of orbits that are each other's mirror image either
- * may be the one that is followed. */
+/* The distance of two points' states. Of a pair of mirrored orbits either may be followed. */
 static double apart(const saltus_branch_point *a, const saltus_branch_point *b) {
     saltus_system *system = build(&a->spec);
     saltus_flow_options options = saltus_flow_defaults();
@@ -24,8 +22,8 @@ static double apart(const saltus_branch_point *a, const saltus_branch_point *b) 
     return pair ? fmin(direct, mirrored) : direct;
 }
 
-/* Special points, wanted values and ends: place, multipliers and state. Speeds near grazing, and with them
- * multipliers, are hardly determined. */
+/* Compare special points, requested values and ends: place, multipliers and state. Near grazing speeds, and
+ * so multipliers, are ill-determined. */
 static void check_same_points(const branch_record *one, const branch_record *other) {
     for (int i = 0, j = 0;; i++, j++) {
         while (i < one->count && one->point[i].kind == SALTUS_POINT_REGULAR)
@@ -56,7 +54,7 @@ static void check_same_points(const branch_record *one, const branch_record *oth
     }
 }
 
-/* The same run with 1, 3 and 5 segments, and with their number left open. */
+/* The same run with 1, 3 and 5 segments, and with an automatic number. */
 static void check_segments(const saltus_spec *spec, int periods, const double *state,
                            saltus_branch_options options, const char *kinds) {
     static const int segments[] = {1, 3, 5, 0};
@@ -102,8 +100,8 @@ static void folds_and_grazing(void **unused) {
     check_example(closed_two_periods, 0.85L, 0.79, 0.9, -1, 0, "LP GR ");
 }
 
-/* The orbits of twice the period lead from the one flip to the other, by two grazings, and are followed once.
- */
+/* The branch of doubled period leads from one flip to the other, through two grazings, and is followed
+ * once. */
 static void flips_and_doubled_orbits(void **unused) {
     (void)unused;
     check_example(closed_two_periods, 0.85L, 0.8, 0.98, 1, 1, "PD PD GR GR PD ");
@@ -114,8 +112,8 @@ static void pitchforks(void **unused) {
     check_example(closed_mirrored, 3.6L, 2.65, 3.8, -1, 1, "BP PD ");
 }
 
-/* A mass that a shaken table throws off comes to rest on it again, by one dead impact or by complete chatter:
- * no orbit can be cut while it rests, and what is cut elsewhere is the same. */
+/* A mass thrown off a shaken table comes to rest on it again, by one impact without rebound or by complete
+ * chatter: no orbit is cut while it rests, and cuts elsewhere change nothing. */
 static void orbits_that_rest(void **unused) {
     (void)unused;
     for (int rebounds = 0; rebounds < 2; rebounds++) {

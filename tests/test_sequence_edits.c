@@ -1,4 +1,4 @@
-/* Edits of event sequences, on random ones: nothing is computed, so every rule can be tried exactly.
+/* Edits of event sequences, on random ones, without integration, so that every rule can be checked exactly.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "made_equations.h"
 
@@ -11,7 +11,7 @@ static int below(unsigned long long *seed, int count) {
     return (int)(0.5 * (made_random(seed) + 1) * count);
 }
 
-/* Times in order within an orbit, apart from each other and from the ends. */
+/* Ordered times within an orbit, apart from each other and from its ends. */
 static void make_times(saltus_sequence *s, int count, unsigned long long *seed) {
     double sum = 0, gap[SALTUS_MARKS_MAX + 1], time = s->base;
     for (int k = 0; k <= count; k++)
@@ -21,7 +21,7 @@ static void make_times(saltus_sequence *s, int count, unsigned long long *seed) 
     s->count = count;
 }
 
-/* Impacts, some of them driven, and on the face 0 contacts that begin, at once or by chatter, and end. */
+/* Impacts, some of them driven, and on face 0 contacts that begin, directly or by chatter, and end. */
 static saltus_sequence random_sequence(unsigned long long *seed, int most) {
     saltus_sequence s = {.periods = 1 + below(seed, 5), .cuts = 1};
     s.base = s.cut[0] = 0.5 * (made_random(seed) + 1) * s.periods;
@@ -40,7 +40,7 @@ static saltus_sequence random_sequence(unsigned long long *seed, int most) {
             mark->driven = true;
         }
     }
-    if (holds) /* the contact ends before the orbit does */
+    if (holds) /* the contact must end before the orbit does */
         s.mark[s.count - 1] = (saltus_mark){SALTUS_RELEASE, 0, s.mark[s.count - 1].time, false};
     return s;
 }
@@ -58,7 +58,7 @@ static void check_same(const saltus_sequence *a, const saltus_sequence *b) {
     assert_memory_equal(a->cut, b->cut, (size_t)a->cuts * sizeof *a->cut);
 }
 
-/* Marks lie in order within the orbit. */
+/* Marks are in order and within the orbit. */
 static void check_ordered(const saltus_sequence *s) {
     assert_true(s->base >= 0 && s->base < s->periods);
     for (int k = 0; k < s->count; k++) {
@@ -67,7 +67,7 @@ static void check_ordered(const saltus_sequence *s) {
     }
 }
 
-/* A mark that stood in the old sequence is the same event, up to whole orbits. Returns how many are new. */
+/* A mark of the old sequence is the same event, up to whole orbits. Returns how many marks are new. */
 static int check_order(const saltus_sequence *old, const saltus_sequence *fresh, const int *order) {
     int made = 0;
     for (int k = 0; k < fresh->count; k++) {
@@ -84,7 +84,7 @@ static int check_order(const saltus_sequence *old, const saltus_sequence *fresh,
     return made;
 }
 
-/* What dies is in the old sequence, what is born is not; what else was seen says nothing. */
+/* Dying marks are in the old sequence, born ones are not; other observations do not matter. */
 typedef struct change {
     saltus_breach breach[3 * SALTUS_MARKS_MAX + 64];
     int count, dead, born;
@@ -94,7 +94,7 @@ static void see(change *c, saltus_breach_kind kind, double value, int mark, int 
     c->breach[c->count++] = (saltus_breach){kind, value, mark, face, time};
 }
 
-/* A random change: some impacts lose their speed, some maxima touch; others only come near. */
+/* A random change: some impacts lose their speed, some maxima touch, others only come near. */
 static change random_change(const saltus_sequence *s, int births, unsigned long long *seed) {
     change c = {.count = 0};
     for (int k = 0; k < s->count; k++) {
@@ -107,7 +107,7 @@ static change random_change(const saltus_sequence *s, int births, unsigned long 
         c.dead += dies;
         see(&c, SALTUS_BREACH_SPEED, dies ? 5e-8 * made_random(seed) : -1e-3 * (k + 1), k, mark->face,
             mark->time);
-        /* The touch of that impact itself is no other one. */
+        /* An impact's own touch is not another one. */
         if (below(seed, 2))
             see(&c, SALTUS_BREACH_GAP, 1e-9 * made_random(seed), k, mark->face,
                 mark->time + 1e-6 * made_random(seed));
@@ -134,8 +134,8 @@ static const char *words_of(const change *c) {
                               : "an impact dies";
 }
 
-/* Grazing takes out what has lost its speed and puts in what touches, and nothing else; seen from the other
- * side it is undone by grazing. */
+/* Grazing removes impacts without speed and inserts touches, and nothing else; seen from the other side
+ * grazing undoes it. */
 static void grazing_undoes_grazing(void **state) {
     (void)state;
     unsigned long long seed = 1;
@@ -153,13 +153,13 @@ static void grazing_undoes_grazing(void **state) {
             assert_string_equal(words, words_of(&c));
         else
             assert_null(words);
-        /* What stays keeps its order. */
+        /* Remaining marks keep their order. */
         for (int j = 0, last = -1; j < fresh.count; j++)
             if (order[j] >= 0) {
                 assert_true(order[j] > last);
                 last = order[j];
             }
-        /* What was born dies, what died touches. */
+        /* Born ones die, dead ones touch. */
         for (int j = 0; j < fresh.count; j++)
             if (fresh.mark[j].kind != SALTUS_RELEASE)
                 see(&back, SALTUS_BREACH_SPEED, order[j] < 0 ? 0 : -1, j, fresh.mark[j].face,
@@ -182,7 +182,7 @@ static void grazing_undoes_grazing(void **state) {
         assert_true(counts[j / 2][j % 2] > 10);
 }
 
-/* A touch in the place of an impact is that impact's own; on another stop it is one more. */
+/* A touch at the place of an impact is that impact's; on another stop it is an additional one. */
 static void own_touches_are_no_births(void **state) {
     (void)state;
     saltus_sequence old = {.periods = 1, .cuts = 1}, fresh;
@@ -198,7 +198,7 @@ static void own_touches_are_no_births(void **state) {
         }
 }
 
-/* There is no room for more than so many marks: what does not fit is not born, and nothing is lost. */
+/* The number of marks is limited: touches that do not fit are not born, and nothing is lost. */
 static void births_end_with_the_room(void **state) {
     (void)state;
     unsigned long long seed = 2;
@@ -216,8 +216,8 @@ static void births_end_with_the_room(void **state) {
     assert_int_equal(check_order(&old, &fresh, order), 2);
 }
 
-/* What has been gone through twice repeats, by as much as one of its events is moved, and not on other faces;
- * what hits one face after the other is mirrored. */
+/* A sequence traversed twice repeats, up to the shift of one of its events, and not on other faces; one that
+ * hits the faces alternately is mirrored. */
 static void check_repeats(const saltus_sequence *twice, int half, unsigned long long *seed) {
     saltus_sequence moved = *twice;
     if (half == 0) {
@@ -236,7 +236,7 @@ static void check_repeats(const saltus_sequence *twice, int half, unsigned long 
     assert_true(isinf(saltus_sequence_repeats(&moved, 2, false)));
 }
 
-/* Two orbits one after the other: the first one's marks in its time, the second one's an orbit later. */
+/* Two orbits in a row: the marks of the first at their times, those of the second an orbit later. */
 static void orbits_are_joined(void **state) {
     (void)state;
     unsigned long long seed = 3;
@@ -269,7 +269,7 @@ static void orbits_are_joined(void **state) {
     assert_int_equal(fresh.count, SALTUS_MARKS_MAX);
 }
 
-/* Whether at a time a contact holds, or the flow finds its own events. */
+/* Whether a contact holds at a time, or the flow finds its own events. */
 static bool is_bound(const saltus_sequence *s, double time) {
     bool holds = s->contacts != 0, driven = s->driven;
     for (int k = 0; k < s->count && s->mark[k].time <= time; k++) {
@@ -291,8 +291,8 @@ static double share_of_flight(const saltus_sequence *s, double time) {
     return fmin(before, after) / (before + after);
 }
 
-/* Cut elsewhere the orbit is the same cycle of the same events; the base lies in free flight where the old
- * one did, cuts are in order, in free flight and apart from marks; and once is enough. */
+/* An orbit cut elsewhere is the same cycle of the same events. The base is in free flight if the old one was;
+ * cuts are in order, in free flight and apart from marks; cutting again changes nothing. */
 static void reframing_keeps_the_cycle(void **state) {
     (void)state;
     unsigned long long seed = 4;
@@ -303,7 +303,7 @@ static void reframing_keeps_the_cycle(void **state) {
         int order[SALTUS_MARKS_MAX], unused[SALTUS_MARKS_MAX], cuts = 1 + below(&seed, 5);
         for (int k = 0; k < old.count; k++)
             speed[k] = 0.5 + made_random(&seed) / 4;
-        /* The first or the last event comes near to the base. */
+        /* Move the first or the last event close to the base. */
         if (trial % 3 == 1 && old.count)
             old.mark[0].time = old.base + 1e-3 * (old.mark[0].time - old.base);
         if (trial % 3 == 2 && old.count)
@@ -327,7 +327,7 @@ static void reframing_keeps_the_cycle(void **state) {
             double flight = 0;
             moved++;
             assert_true(better);
-            /* No free flight is longer than the one that the base is in the middle of. */
+            /* The base is in the middle of the longest free flight. */
             for (int k = 0; k < old.count; k++) {
                 double next = k + 1 < old.count ? old.mark[k + 1].time : old.mark[0].time + old.periods;
                 if (!is_bound(&old, old.mark[k].time))
@@ -351,8 +351,8 @@ static void reframing_keeps_the_cycle(void **state) {
     assert_true(changed > 100 && moved > 50 && cut > 100);
 }
 
-/* Of a long run of ever slower impacts on one face the tail is left to the flow: what is kept begins the run,
- * the last one kept is driven, and what is behind the run stays. */
+/* The tail of a long run of ever slower impacts on one face is left to the flow: the first ones are kept, the
+ * last one kept is driven, and marks behind the run remain. */
 static void tails_are_trimmed(void **state) {
     (void)state;
     int trimmed = 0;
@@ -387,7 +387,7 @@ static void tails_are_trimmed(void **state) {
     assert_true(trimmed > 10 && trimmed < 58);
 }
 
-/* Numbers of unknowns follow their marks, states their cuts, parameters stay; what is new is zero. */
+/* Unknowns move with their marks, states with their cuts, parameters stay; new ones are zero. */
 static void vectors_follow_their_marks(void **state) {
     (void)state;
     unsigned long long seed = 6;
@@ -410,7 +410,7 @@ static void vectors_follow_their_marks(void **state) {
         }
         saltus_sequence_carry(&old, vector, &fresh, order, n, parameters, out);
         for (int j = 0; j < fresh.cuts; j++) {
-            /* A state is kept where all cuts, or at least the base, are the same. */
+            /* A state is kept if all cuts, or at least the base, are the same. */
             bool same = fresh.base == old.base && j == 0;
             same |= grazes;
             bool may = j < old.cuts && fresh.base == old.base && fresh.cut[j] == old.cut[j];

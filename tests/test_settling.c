@@ -1,6 +1,6 @@
-/* What a trajectory is said to settle on: orbits just past a flip, orbits of very many impacts, trajectories
- * that leave an unstable orbit slowly; what each option does; attractors from random states against states
- * drawn and classified one by one.
+/* What trajectories settle on: orbits just past a flip, orbits with very many impacts, slow departures from
+ * an unstable orbit; the effect of each option; attractors from random states against states drawn and
+ * classified one by one.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_sticking.h"
 #include "recount.h"
@@ -24,7 +24,7 @@ static double distance(const double *a, const double *b) {
     return fmax(fabs(a[0] - b[0]), fabs(a[1] - b[1]));
 }
 
-/* Beyond the flip that a branch of orbits of n periods meets at lower or higher omega. */
+/* Beyond the flip of a branch of orbits of n periods, at lower or higher omega. */
 typedef struct past_flip {
     closed_oscillator oscillator;
     double half[2]; /* the unstable orbit of n periods */
@@ -44,7 +44,7 @@ static past_flip beyond_flip(closed_example example, long double lo, long double
     return past;
 }
 
-/* The stable orbit is the one of twice the period, which lies 0.09 to 0.001 beside its half. */
+/* The stable orbit has twice the period and lies 0.09 to 0.001 from its half. */
 static void orbits_past_their_flip_are_whole(void **unused) {
     (void)unused;
     for (int digits = 3; digits <= 7; digits++) {
@@ -72,8 +72,8 @@ static void orbits_past_their_flip_are_whole(void **unused) {
     }
 }
 
-/* On an unstable orbit, and beside it: what leaves slowly has neither come to that orbit, nor is it chaotic
- * as long as all that has been seen is the neighbourhood of that orbit. */
+/* On an unstable orbit and near it: a motion that leaves slowly has not settled on that orbit, nor is it
+ * chaotic as long as it was seen only in that neighbourhood. */
 static void slow_departures_are_no_verdict(void **unused) {
     (void)unused;
     static const struct {
@@ -105,8 +105,7 @@ static void slow_departures_are_no_verdict(void **unused) {
         } else if (motion.verdict != SALTUS_UNDECIDED && motion.verdict != SALTUS_LONG_PERIOD &&
                    motion.verdict != SALTUS_TRANSIENT)
             fail_msg("row %d: %s: %s", (int)k, motion.label, motion.reason);
-        /* What is positive has not come apart yet: it would from rounding to its extent in 37 of its times.
-         */
+        /* A positive exponent is no separation yet: from rounding to the extent takes 37 of its times. */
         if (motion.verdict == SALTUS_UNDECIDED && motion.lyapunov > 3 * motion.lyapunov_error) {
             double each = (double)motion.evidence.periods / motion.evidence.members,
                    rate = motion.lyapunov * saltus_system_period(system);
@@ -121,8 +120,8 @@ static void slow_departures_are_no_verdict(void **unused) {
     assert_true(positive >= 3);
 }
 
-/* Near a fold: from beside the unstable orbit to where the flow leads, the stable orbit on one side; just
- * before the fold, where hundreds of points nearly recur and no orbit is, to the free response. */
+/* Near a fold: from beside the unstable orbit to the stable one on one side; just before the fold, where
+ * hundreds of points nearly recur without an orbit, to the free response. */
 static void folds_let_pass(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_one_period);
@@ -161,8 +160,8 @@ static void folds_let_pass(void **unused) {
     }
 }
 
-/* A slow force presses a light mass against the stop for half of its period, and it bounces hundreds of
- * times, with or without an end. Counted again by closed flights. */
+/* A slow force presses a light mass against the stop for half its period, where it bounces hundreds of times,
+ * completely or not; counted again by closed-form flights. */
 static void hundreds_of_impacts_are_counted(void **unused) {
     (void)unused;
     static const double table[][2] = {{-0.05, 0.995}, {0, 0.995}, {0, 0.999}, {0, 0.9}};
@@ -186,7 +185,7 @@ static void hundreds_of_impacts_are_counted(void **unused) {
             assert_int_equal(motion.impacts, -1);
             assert_true(motion.impacts_by_face[0] > 150 && motion.sticking_intervals == 1);
         } else {
-            /* From its first impact to the same one a period later. */
+            /* From the first impact to the same one a period later. */
             long double period = closed_period(&o),
                         first = saltus_time_periods(motion.events[0].time) * period;
             closed_impact impact = {first, motion.events[0].velocity_before, 1};
@@ -246,7 +245,7 @@ static void options_take_effect(void **unused) {
     assert_true(seen.calls > 3 && seen.last == 777 && seen.at_most == 777);
     assert_true(isnan(motion.lyapunov) && isnan(motion.lyapunov_error) && motion.evidence.periods == 0);
     assert_true(motion.periods == 0 && motion.mirror == SALTUS_MIRROR_NONE && motion.reason[0]);
-    /* The state is the one that the flow has come to. */
+    /* The state is the flow's. */
     double end[2];
     saltus_flow *flow = open_flow(system, &options.flow, 0, start);
     for (int k = 1; k <= 777; k++)
@@ -280,7 +279,7 @@ static void options_take_effect(void **unused) {
     check_near(motion.largest, r.largest, 1e-2);
     check_near(motion.smallest, r.smallest, 1e-2);
     saltus_motion_clear(&motion);
-    /* Little time to settle is given in full before an exponent is measured. */
+    /* A short transient is run in full before an exponent is measured. */
     options.transient = 600;
     motion = classify(system, start, &options);
     assert_string_equal(motion.label, "chaotic");
@@ -289,8 +288,8 @@ static void options_take_effect(void **unused) {
     saltus_system_free(system);
 }
 
-/* Of a motion without a verdict nothing is told as measured: where nothing may be, too little, or where the
- * caller stops. How far it goes is told all the same, unless it was stopped. */
+/* A motion without a verdict has no measured values: if measuring is not allowed, too short, or stopped by
+ * the caller. Its extent is reported unless it was stopped. */
 static void what_is_not_measured_is_no_number(void **unused) {
     (void)unused;
     saltus_system *system = closed_system(&chaotic);
@@ -323,7 +322,7 @@ static void what_is_not_measured_is_no_number(void **unused) {
     saltus_system_free(system);
 }
 
-/* The integrator that was asked for is told, whatever the motion; what has no orbit has no mirror image. */
+/* The requested integrator is reported for any motion; without an orbit there is no mirror image. */
 static void what_was_asked_for_is_told(void **unused) {
     (void)unused;
     static const saltus_integrator integrators[] = {SALTUS_AUTOMATIC, SALTUS_RADAU};
@@ -339,7 +338,7 @@ static void what_was_asked_for_is_told(void **unused) {
         saltus_motion motion = classify(system, start, &options);
         assert_true(motion.integrator == options.flow.integrator);
         if (k % 3 == 2)
-            /* The impacts of each side are counted, in as many periods as it says. */
+            /* Impacts are counted by side, over the stated number of periods. */
             assert_true(motion.verdict == SALTUS_IRREGULAR && motion.mirror == SALTUS_MIRROR_OPEN &&
                         motion.counted == 400 && motion.impacts_by_face[0] >= 400 &&
                         motion.impacts_by_face[1] >= 400);
@@ -370,8 +369,7 @@ static void options_out_of_range_are_refused(void **unused) {
     saltus_system_free(system);
 }
 
-/* Orbits are looked for up to the longest period and no further, unless an exponent says that there is one.
- */
+/* Orbits are sought up to the longest period only, unless an exponent shows that there is one. */
 static void longest_is_the_longest(void **unused) {
     (void)unused;
     closed_oscillator o = closed_example_of(closed_two_periods);
@@ -397,7 +395,7 @@ static void longest_is_the_longest(void **unused) {
     saltus_system_free(system);
 }
 
-/* The next random state as the header says: Gaussian with the system's scales, beyond no stop. */
+/* The next random state as in the header: Gaussian with the system's scales, beyond no stop. */
 static void draw(const saltus_system *system, gsl_rng *rng, double *state) {
     do
         for (int i = 0; i < saltus_system_dimension(system); i++)
@@ -416,9 +414,9 @@ static bool same_orbit(const saltus_motion *a, const saltus_motion *b) {
     return a->periods == 0 && distance(a->state, b->state) < 1e-6;
 }
 
-/* Every initial state's motion is that of one attractor and is counted there; attractors are distinct, the
- * most frequent ones first. Scenes: a bistable one, one whose orbit has two section points, a mirror pair, a
- * load that may be at rest. */
+/* Each initial state's motion is counted for one attractor; attractors are distinct, most frequent first.
+ * Scenes: a bistable one, one whose orbit has two section points, a mirror pair, a load that may be at
+ * rest. */
 static void shares_are_those_of_single_states(void **unused) {
     (void)unused;
     enum { seeds = 24 };
@@ -480,8 +478,8 @@ static void shares_are_those_of_single_states(void **unused) {
     assert_true(several >= 2);
 }
 
-/* A caller who asks to stop at the n-th report: the motion under way ends, and so does all of it. What is
- * told grows, by whole motions and by parts of one. */
+/* A caller who stops at the n-th report: the motion in progress ends, and the whole run. Reported shares grow
+ * by whole motions and by parts of one. */
 typedef struct caller {
     int told, stop_at;
     double last;
@@ -516,7 +514,7 @@ static void a_stop_ends_the_search_for_attractors(void **unused) {
             assert_true(found.seeds < 9);
             for (int a = 0; a < found.count; a++) {
                 sum += found.shares[a];
-                /* Only what was complete: nothing of it says that it was stopped. */
+                /* Only complete motions are left, without a sign of the stop. */
                 assert_null(strstr(found.motions[a].reason, "(stopped)"));
             }
             assert_int_equal(sum, found.seeds);
@@ -548,8 +546,8 @@ static void seeds_are_within_limits(void **unused) {
     saltus_system_free(system);
 }
 
-/* The closest recurrence that is told of a motion without a period: the least over all periods of the largest
- * distance at which the last p + 2 points come back after p. */
+/* The closest recurrence reported for a motion without a period: the minimum over periods p of the largest
+ * distance between the last p + 2 points and those p earlier. */
 static void the_closest_recurrence_is_recounted(void **unused) {
     (void)unused;
     enum { periods = 100, longest = 5 };
@@ -583,7 +581,7 @@ static void the_closest_recurrence_is_recounted(void **unused) {
     check_near(told, closest, 0.051 * closest);
     saltus_flow_free(flow);
     saltus_motion_clear(&motion);
-    /* Of too few points nothing is told. */
+    /* For too few points none is reported. */
     options.transient = 2;
     motion = classify(system, start, &options);
     assert_null(strstr(motion.reason, "recurrence"));

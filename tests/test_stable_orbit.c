@@ -1,5 +1,5 @@
-/* Stable orbits among motions that look chaotic: one that may be their end forbids to assert chaos, one that
- * lies beside them does not. Oscillators x'' + c x' + x = cos(omega t) below a stop at d.
+/* Stable orbits among motions that look chaotic: one that may be their end rules out asserting chaos, one
+ * that merely lies beside them does not. Oscillators x'' + c x' + x = cos(omega t) below a stop at d.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
 
@@ -27,7 +27,7 @@ static saltus_motion classify_struck(const saltus_system *system, double x, long
     return motion;
 }
 
-/* Whether some trajectory settles on a stable orbit of that name. */
+/* Whether some trajectory settles on a stable orbit with that label. */
 static bool is_attractor(const saltus_system *system, const char *label) {
     saltus_classify_options options = saltus_classify_defaults();
     saltus_message message = {.text = ""};
@@ -50,7 +50,8 @@ static bool is_stable_in_closed_form(const struck *s) {
            hypotl(orbit.multiplier[0][0], orbit.multiplier[0][1]) < 1;
 }
 
-/* Largest exponents are positive, in some 1e4 periods and in both halves, and yet chaos is not asserted. */
+/* The largest exponents are positive, over some 1e4 periods and in both halves, and yet chaos is not
+ * asserted. */
 static void a_stable_orbit_among_chaos_counts(void **unused) {
     (void)unused;
     static const struct struck scenes[] = {{0, 2.432, 0.07, 0.89, "1/1"},
@@ -69,7 +70,7 @@ static void a_stable_orbit_among_chaos_counts(void **unused) {
         assert_true(m.lyapunov > 3 * m.lyapunov_error && e->left == 0 && e->left_for[0] == 0);
         for (int half = 0; half < 2; half++)
             assert_true(e->half[half] > 2 * e->half_errors[half]);
-        /* What is said of it are the numbers that are given. */
+        /* The message has the given numbers. */
         snprintf(told, sizeof told, "exponent %.4g +- %.1g per unit of time while it lasts", m.lyapunov,
                  m.lyapunov_error);
         assert_non_null(strstr(m.reason, told));
@@ -85,7 +86,7 @@ static void a_stable_orbit_among_chaos_counts(void **unused) {
     }
 }
 
-/* The stable orbit is there, in reach of Newton's method, but its basin stays away from the motion. */
+/* The stable orbit exists, within reach of Newton's method, but the motion avoids its basin. */
 static void a_stable_orbit_beside_chaos_does_not_count(void **unused) {
     (void)unused;
     static const struct struck scenes[] = {{0, 2.591, 0.01, 0.83, "1/1"},
@@ -97,7 +98,7 @@ static void a_stable_orbit_beside_chaos_does_not_count(void **unused) {
         saltus_motion m = classify_struck(system, scenes[k].d - 0.3, 700, 8000);
         assert_string_not_equal(m.evidence.stable_orbit, scenes[k].orbit);
         assert_int_equal(m.evidence.left, 0);
-        /* Amid the first there is another one. */
+        /* Among the points of the first there is another orbit. */
         assert_int_equal(m.verdict, k ? SALTUS_CHAOTIC : SALTUS_TRANSIENT);
         assert_true((m.evidence.stable_orbit[0] == 0) == (k > 0));
         if (k == 0)
@@ -108,7 +109,7 @@ static void a_stable_orbit_beside_chaos_does_not_count(void **unused) {
     }
 }
 
-/* Chaos that ends soon: a trajectory that has left it is told, with the orbit that all come to. */
+/* Chaos that ends soon: a trajectory that has left it is reported, with the orbit that all reach. */
 static void those_who_leave_name_their_end(void **unused) {
     (void)unused;
     static const struct struck scenes[] = {{0, 2.693, 0, 0.98, "2/2"}, {0, 3.143, 0, 0.95, "2/2"}};
@@ -127,7 +128,7 @@ static void those_who_leave_name_their_end(void **unused) {
         assert_non_null(strstr(m.reason, mean));
         assert_true(e->lifetime_at_least < e->lifetime && e->lifetime * e->left <= 8000);
         assert_non_null(strstr(m.reason, scenes[k].orbit));
-        /* Nothing of it is left out of the time that is told. */
+        /* The reported time includes all of it. */
         assert_int_equal(m.transient, 700);
         saltus_motion_clear(&m);
         m = classify_struck(system, -0.3, 40000, 0);
