@@ -1,5 +1,5 @@
-/* Sections of scenes without forcing: whatever returns an orbit is counted by, it is the same orbit, and its
- * section points lie where the scene says.
+/* Sections of unforced scenes: an orbit is the same for any choice of the section, and its section points lie
+ * where the scene says.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "sweep_check.h"
@@ -33,8 +33,8 @@ static saltus_motion classified(const saltus_scene *scene, saltus_system **syste
     return motion;
 }
 
-/* Rises of the section's expression through zero, or impacts on its stop, once around from the orbit's state,
- * counted by small steps. */
+/* Count, in small steps once around from the orbit's state, the rises of the section's expression through
+ * zero, or the impacts on its stop. */
 static int counted_returns(const saltus_system *system, const saltus_motion *m) {
     enum { samples = 20000 };
     const saltus_poincare section = saltus_system_poincare(system);
@@ -47,7 +47,7 @@ static int counted_returns(const saltus_system *system, const saltus_motion *m) 
     double state[SALTUS_STATE_MAX], before = saltus_system_poincare_value(system, m->state);
     for (int k = 1; k <= samples; k++) {
         saltus_event event;
-        /* The lap begins and ends a little later, where there is no return. */
+        /* Begin and end the lap a little later, where there is no return. */
         while ((event = advance(flow, (k + 0.5) / samples, SALTUS_WATCH_IMPACT)).kind != SALTUS_REACHED) {
             saltus_face face = saltus_system_face(system, event.face);
             count += section.kind == SALTUS_POINCARE_IMPACT && k > 0 && face.stop == section.stop &&
@@ -63,7 +63,7 @@ static int counted_returns(const saltus_system *system, const saltus_motion *m) 
     return count;
 }
 
-/* Section points are on the section: an impact's stop is touched, an expression is zero or, at an impact that
+/* Section points lie on the section: the stop is touched, or the expression is zero or, after an impact that
  * carries it beyond, positive. */
 static void check_points(const saltus_system *system, const saltus_motion *m) {
     const saltus_poincare section = saltus_system_poincare(system);
@@ -143,7 +143,7 @@ static void sections_are_of_one_orbit(void **unused) {
     }
 }
 
-/* Rows of sweeps count by the section too */
+/* Rows of sweeps also count by the section. */
 static void sweeps_count_by_the_section(void **unused) {
     (void)unused;
     saltus_sweep_options options = saltus_sweep_defaults();
@@ -172,7 +172,7 @@ static void sweeps_count_by_the_section(void **unused) {
         }
 }
 
-/* Where a branch loses its stability does not depend on what it is counted by. */
+/* The place where a branch loses stability does not depend on the section. */
 static void branches_do_not_depend_on_the_section(void **unused) {
     (void)unused;
     static const char *const sections[] = {"maxima", "impact: 1", "zero: p - 10, direction: down"};
@@ -216,8 +216,8 @@ static double highest(const saltus_branch_point *point) {
     return most;
 }
 
-/* Nearer to its birth the cycle of the valve lifts it less: it ceases to pass x = 6, the branch goes on, and
- * the first point behind says so. */
+/* Closer to its birth the valve's cycle is smaller: it stops passing x = 6, the branch goes on, and the first
+ * point beyond says so. */
 static void a_section_that_is_lost_is_told(void **unused) {
     (void)unused;
     saltus_scene scene = scene_by("relief-valve", "q=7.97", "zero: x - 6");
@@ -284,7 +284,7 @@ static void bad_sections_are_refused(void **unused) {
     assert_int_equal(saltus_scene_parse(with_forcing, strlen(with_forcing), "here", &text, &message),
                      SALTUS_BAD_INPUT);
     assert_non_null(strstr(message.text, "here:5: section"));
-    /* A stop that the section needs stays. */
+    /* A stop that the section needs is kept. */
     check_ok(saltus_scene_set(&scene, "section={impact: 1}", &message), &message);
     assert_int_equal(saltus_scene_set(&scene, "sides=none", &message), SALTUS_BAD_INPUT);
     assert_int_equal(scene.spec.stop_count, 1);

@@ -1,5 +1,4 @@
-/* Second opinions on chaos: the 0-1 test, the correlation dimension and closed curves, on sets whose nature
- * is known.
+/* Independent tests of chaos: the 0-1 test, the correlation dimension and closed curves, on known sets.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
 #include "check.h"
@@ -20,7 +19,7 @@ static bool refuse(void) {
     return ++allocations == failing;
 }
 
-/* Points to be filled: count x dimension, with a generator for those that need chance. */
+/* Points to fill, count x dimension, with a random generator for those that need it. */
 typedef struct sample {
     double *values;
     long long count;
@@ -107,7 +106,7 @@ static void three_curves(sample *s) {
     curves_in_turn(s, 3);
 }
 
-/* A circle map short of the loss of its inverse, and the closed curve of the delayed logistic map. */
+/* A circle map just before it becomes non-invertible, and the closed curve of the delayed logistic map. */
 static void circle_map(sample *s) {
     double x = 0.1;
     for (long long i = 0; i < s->count; i++) {
@@ -131,7 +130,7 @@ static void delayed_logistic(sample *s) {
     }
 }
 
-/* What is no closed curve. */
+/* Sets that are no closed curves. */
 
 static void noisy_circle(sample *s) {
     circle(s);
@@ -233,7 +232,7 @@ static void fixed_point(sample *s) {
         s->values[i] = 3 + gsl_ran_gaussian(s->rng, 1e-12);
 }
 
-/* Into a fixed point, turning and along a line. */
+/* Spirals and lines into a fixed point. */
 static void spiral_in(sample *s) {
     for (long long i = 0; i < s->count; i++) {
         point(s, i)[0] = exp(-1e-3 * (double)i) * cos(0.7 * (double)i);
@@ -292,7 +291,7 @@ static void rotation(sample *s) {
     }
 }
 
-/* Incommensurate sines about a mean, two of them in the range from which the test draws its angles. */
+/* Incommensurate sines about a mean, two of them in the range of the test's angles. */
 static void sines(sample *s) {
     for (long long i = 0; i < s->count; i++)
         s->values[i] = 5 + sin(M_SQRT2 * (double)i) + 0.5 * sin(2 * M_PI * golden * (double)i) +
@@ -404,7 +403,7 @@ static void constant_series(void **unused) {
     drop(&s);
 }
 
-/* More values than steps are looked at one by one. */
+/* A series so long that the test skips steps. */
 static void long_series(void **unused) {
     (void)unused;
     saltus_series_options options = saltus_series_defaults();
@@ -467,8 +466,8 @@ static void known_dimensions(void **unused) {
     }
 }
 
-/* The density's poles make C(r) approach r as r log r does: the slope is a tenth too small at any radius,
- * which the error knows. */
+/* The density's poles make C(r) behave like r log r: the slope is a tenth too small at any radius, which the
+ * error covers. */
 static void logistic_map_fills_the_interval(void **unused) {
     (void)unused;
     static const long long counts[] = {2000, 4000, 16000};
@@ -482,7 +481,7 @@ static void logistic_map_fills_the_interval(void **unused) {
     }
 }
 
-/* Literature: 1.21 to 1.22. With more points the value is sharper, and the error of few points covers it. */
+/* Literature: 1.21 to 1.22. More points give a sharper value, within the error of fewer. */
 static void henon_attractor(void **unused) {
     (void)unused;
     enum { runs = 5 };
@@ -522,7 +521,7 @@ static void points_that_recur(void **unused) {
     drop(&s);
 }
 
-/* From far the curves are two points; the plateau between must not count. Noise does. */
+/* From far away the curves are two points; the plateau between must not count. Noise does. */
 static void finest_scale_counts(void **unused) {
     (void)unused;
     sample s = make(two_curves, 4000, 2);
@@ -535,8 +534,8 @@ static void finest_scale_counts(void **unused) {
     drop(&s);
 }
 
-/* A circle in the plane with ever less noise: as long as a decade of radii below the noise has pairs enough
- * its two dimensions count, however much better known the one of the circle is. */
+/* A circle in the plane with ever less noise: as long as a decade of radii below the noise has enough pairs,
+ * its dimension two counts, however much more accurate that of the circle is. */
 static void noise_below_a_curve_counts(void **unused) {
     (void)unused;
     sample s = make(circle, 4000, 2);
@@ -552,8 +551,8 @@ static void noise_below_a_curve_counts(void **unused) {
     drop(&s);
 }
 
-/* Few points of many dimensions have no decade of radii: what is shorter says so, and holds with its error.
- * The more points the longer the range; where even the shortest one lacks pairs there is no answer. */
+/* Few points in many dimensions have no decade of radii: a shorter range is reported as such, and holds with
+ * its error. More points give a longer range; if even the shortest lacks pairs there is no answer. */
 static void few_points_have_short_ranges(void **unused) {
     (void)unused;
     int decades = 0, answers = 0;
@@ -585,7 +584,7 @@ static void few_points_have_short_ranges(void **unused) {
     assert_true(decades >= 3 && answers >= decades + 8);
 }
 
-/* Scaled components with weights that undo it are the same set, to rounding. */
+/* Scaled components with inverse weights are the same set, to rounding. */
 static void weights_undo_scales(void **unused) {
     (void)unused;
     static const double weights[2] = {0.125, 1 / 3.0};
@@ -606,7 +605,7 @@ static void weights_undo_scales(void **unused) {
     drop(&s);
 }
 
-/* Drawn pairs give what all pairs give, and the seed says which. */
+/* Random pairs give what all pairs give, and are chosen by the seed. */
 static void drawn_pairs(void **unused) {
     (void)unused;
     sample s = make(henon, 4000, 2);
@@ -621,7 +620,7 @@ static void drawn_pairs(void **unused) {
     drop(&s);
 }
 
-/* Ten dimensions are too many for so few points, which is said. */
+/* Ten dimensions are too many for so few points; the result says so. */
 static void ceiling_is_told(void **unused) {
     (void)unused;
     sample s = make(gaussian, 4000, 10);
@@ -633,14 +632,14 @@ static void ceiling_is_told(void **unused) {
     saltus_message message = {.text = ""};
     s = make(gaussian, SALTUS_SERIES_LEAST, 100);
     saltus_series_points points = points_of(&s);
-    for (int k = 0; k < 100; k++) /* few points at distances that none shares: no radius has pairs enough */
+    for (int k = 0; k < 100; k++) /* few points with distinct distances: no radius has enough pairs */
         point(&s, 0)[k] *= 1e6;
     saltus_status status = saltus_series_correlation_dimension(&points, &options, &d, &message);
     assert_true(status == SALTUS_NO_CONVERGENCE || (status == SALTUS_OK && !d.decade));
     drop(&s);
 }
 
-/* Close in time is close in space on a slow rotation: the window that is chosen grows with its time. */
+/* On a slow rotation points close in time are close in space: the chosen window grows with its period. */
 static void window_follows_the_motion(void **unused) {
     (void)unused;
     sample s = make(circle, 4000, 2);
@@ -716,7 +715,7 @@ static void other_sets_are_none(void **unused) {
     }
 }
 
-/* Which measure tells what. */
+/* Which measure detects which property. */
 static void measures_mean_what_they_say(void **unused) {
     (void)unused;
     sample s = make(circle, 4000, 2);
@@ -745,7 +744,7 @@ static void measures_mean_what_they_say(void **unused) {
     drop(&s);
 }
 
-/* The same by definition, on few points: all of them are looked at. */
+/* The same by definition, on few points, all of which are used. */
 
 static double *values_of(sample *s, double shift, double size) {
     for (long long i = 0; i < s->count * s->dimension; i++)
@@ -760,12 +759,12 @@ static double distance(const sample *s, long long i, long long j) {
     return sqrt(square);
 }
 
-/* Quartiles are those of the rates, and few rates are enough to tell. */
+/* Quartiles are those of the rates, and few rates suffice. */
 static void quartiles_by_definition(void **unused) {
     (void)unused;
     enum { count = 1000, angles = 300 };
     sample s = make(bursts, count, 1);
-    for (int j = 0; j < count; j++) /* weak chaos on strong lines: the rates are far apart */
+    for (int j = 0; j < count; j++) /* weak chaos with strong lines: rates are far apart */
         s.values[j] += 0.05 * sin((double)j * j * M_SQRT2);
     double rate[angles];
     for (int k = 0; k < angles; k++)
@@ -779,8 +778,8 @@ static void quartiles_by_definition(void **unused) {
     drop(&s);
 }
 
-/* A line of the spectrum in the range of the angles makes the rate of those next to it large; the others see
- * none. One angle from each equal part: of as many parts as angles, one holds the line. */
+/* A spectral line in the range of angles makes the rates next to it large and leaves the others unaffected.
+ * One angle is drawn from each of as many equal parts: one of them contains the line. */
 static void angles_fill_their_range(void **unused) {
     (void)unused;
     enum { count = 400 };
@@ -807,8 +806,7 @@ static void angles_fill_their_range(void **unused) {
     }
 }
 
-/* What varies by less than the resolution, relative to its largest value, does not vary; a little more is all
- * that counts. */
+/* A variation below the resolution, relative to the largest value, is none; slightly more counts in full. */
 static void resolution_is_relative(void **unused) {
     (void)unused;
     for (int k = 0; k < 2; k++)
@@ -834,7 +832,7 @@ static void resolution_is_relative(void **unused) {
         }
 }
 
-/* Points that recur are counted where their distance is at most the resolution. */
+/* Recurrences are counted up to a distance equal to the resolution. */
 static void recurring_pairs_are_counted(void **unused) {
     (void)unused;
     static const double weights[2] = {3, 5};
@@ -857,8 +855,8 @@ static void recurring_pairs_are_counted(void **unused) {
     drop(&s);
 }
 
-/* Pairs, those within the larger radius, the slope between the radii, how octaves and blocks of time scatter.
- */
+/* The pairs, those within the larger radius, the slope between the radii, and its scatter over octaves and
+ * blocks of time. */
 static void dimension_by_definition(void **unused) {
     (void)unused;
     enum { count = 1600, window = 3, steps = 60, blocks = 16 };
@@ -913,7 +911,7 @@ static void dimension_by_definition(void **unused) {
     drop(&s);
 }
 
-/* Drawn pairs: no more than allowed, none of them close in time, and each as likely. */
+/* Random pairs: at most the allowed number, none close in time, each equally likely. */
 static void drawn_pairs_are_counted(void **unused) {
     (void)unused;
     static const long long wished[] = {10000, 10240, 17001, 10000}, windows[] = {60, 60, 60, 0};
@@ -933,7 +931,7 @@ static void drawn_pairs_are_counted(void **unused) {
     drop(&s);
 }
 
-/* All pairs are compared where they are no more than allowed: then the seed is idle. */
+/* All pairs are compared if they are no more than allowed: then the seed has no effect. */
 static void all_pairs_or_some(void **unused) {
     (void)unused;
     sample s = make(henon, 200, 2);
@@ -950,7 +948,7 @@ static void all_pairs_or_some(void **unused) {
     drop(&s);
 }
 
-/* Components without weight are not there. */
+/* Components of weight zero have no effect. */
 static void weights_of_zero(void **unused) {
     (void)unused;
     static const double weights[3] = {1, 1, 0};
@@ -973,7 +971,7 @@ static void weights_of_zero(void **unused) {
     drop(&flat);
 }
 
-/* Three times the first lag at which the autocorrelation is down to 1/e, and at most a tenth. */
+/* Three times the first lag at which the autocorrelation falls to 1/e, but at most a tenth. */
 static void window_by_definition(void **unused) {
     (void)unused;
     enum { count = 1000 };
@@ -1004,8 +1002,8 @@ static void window_by_definition(void **unused) {
     }
 }
 
-/* Width over length, and how many neighbours lie on either side, of the neighbourhood of a point of the
- * plane: its principal axes in closed form. */
+/* For a neighbourhood of a point of the plane: width over length, and the neighbours on either side, by its
+ * principal axes in closed form. */
 static double neighbourhood(const sample *s, long long i, int size, long long window, double *balance) {
     double far[64], x = 0, y = 0, xx = 0, xy = 0, yy = 0;
     long long near[64] = {0};
@@ -1091,7 +1089,7 @@ static void curves_are_counted(void **unused) {
     check_curve(circle_map, 1500, 1, 0); /* a line covered twice is none */
 }
 
-/* Neighbours that are dealt anew each time are not kept, on whatever curve. */
+/* Neighbours that are drawn at random each time do not remain, on any curve. */
 static void shuffled(sample *s) {
     circle(s);
     for (long long i = s->count - 1; i > 0; i--) {
@@ -1116,7 +1114,7 @@ static void neighbours_that_part(void **unused) {
     drop(&s);
 }
 
-/* What all three share. */
+/* Requirements of all three tests. */
 
 static void check_refused(const saltus_series_points *points, const saltus_series_options *options) {
     saltus_series_dimension dimension;
@@ -1128,7 +1126,8 @@ static void check_refused(const saltus_series_points *points, const saltus_serie
     assert_int_equal(saltus_series_closed_curve(points, options, &curve, NULL), SALTUS_BAD_INPUT);
 }
 
-/* Chance between -1 and 1, but for runs that repeat what was `period` points before to within `apart`. */
+/* Random values between -1 and 1, with runs that repeat the values `period` points before to within
+ * `apart`. */
 static void repeat_runs(double *values, long long count, int period, double apart, const long long (*runs)[2],
                         int run_count, gsl_rng *rng) {
     for (long long k = 0; k < count; k++) {
@@ -1144,7 +1143,7 @@ static void repeat_runs(double *values, long long count, int period, double apar
     values[count / 2 + 1] = 1;
 }
 
-/* Runs count with the period before them; what is short or not near enough does not. */
+/* Runs count together with the period before them; short or inaccurate ones do not. */
 static void laminar_phases_are_counted(void **unused) {
     (void)unused;
     enum { count = 4000 };
@@ -1164,7 +1163,7 @@ static void laminar_phases_are_counted(void **unused) {
         assert_int_equal(phases.period, rows[r].period);
         assert_int_equal(phases.longest, rows[r].longest);
         check_near(phases.laminar, (double)rows[r].laminar / count, 1e-12);
-        /* The same as the second component, in a unit that its weight takes away, beside one of no weight. */
+        /* The same as the second component, in a unit that its weight cancels, beside one of weight zero. */
         for (long long k = 0; k < count; k++) {
             values[2 * k] = gsl_ran_flat(rng, -1, 1);
             values[2 * k + 1] = 1024 * series[k];
@@ -1186,7 +1185,7 @@ static void laminar_phases_are_counted(void **unused) {
     gsl_rng_free(rng);
 }
 
-/* Phases are relative to the extent of the points: another unit, and another origin, tell the same. */
+/* Phases are relative to the extent of the points: another unit or origin changes nothing. */
 static void phases_know_no_unit(void **unused) {
     (void)unused;
     static const long long runs[][2] = {{100, 60}, {300, 150}};
@@ -1263,7 +1262,7 @@ static void unsuitable_options(void **unused) {
     drop(&s);
 }
 
-/* Phases that follow each other more closely than a period have points in common, which count once. */
+/* Phases less than a period apart share points, which count once. */
 static void no_point_is_laminar_twice(void **unused) {
     (void)unused;
     enum { count = 4000, period = 12 };
@@ -1277,7 +1276,7 @@ static void no_point_is_laminar_twice(void **unused) {
     free(series);
 }
 
-/* Of periods with as many laminar points the shortest is told; what does not vary at all has period 1. */
+/* Of periods with equally many laminar points the shortest is reported; constant values have period 1. */
 static void the_shortest_period_is_laminar(void **unused) {
     (void)unused;
     enum { count = 400 };
@@ -1295,7 +1294,7 @@ static void the_shortest_period_is_laminar(void **unused) {
     }
 }
 
-/* Equal input, equal results, bit for bit, where pairs and angles are drawn as well. */
+/* Equal input gives equal results, bit for bit, also with random pairs and angles. */
 static void equal_input_gives_equal_results(void **unused) {
     (void)unused;
     sample s = make(henon, 1000, 2);

@@ -1,4 +1,4 @@
-/* Spectra: lines that are known, noise that is known, aliasing against exact coefficients, motions.
+/* Spectra: known lines, known noise, aliasing against exact coefficients, motions.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
 #include "check.h"
@@ -92,7 +92,7 @@ static void known_lines_are_found(void **unused) {
     }
 }
 
-/* The alternating signal stands at half the samples' frequency with its full amplitude. */
+/* An alternating signal appears at half the sampling frequency with its full amplitude. */
 static void fastest_line(void **unused) {
     (void)unused;
     enum { count = 256 };
@@ -107,7 +107,7 @@ static void fastest_line(void **unused) {
     assert_true(broadband_of(samples, count) < 1e-20);
 }
 
-/* What does not return after the period that is claimed shows between the lines. */
+/* A signal that does not return after the claimed period shows between the lines. */
 static void wrong_period_shows(void **unused) {
     (void)unused;
     enum { count = 512 };
@@ -159,7 +159,7 @@ static void parseval_holds(void **unused) {
 typedef struct impacting {
     double (*value)(double t);
     double complex (*line)(int k);
-    double least; /* the trust that 1024 samples a period deserve at least */
+    double least; /* the least trust with 1024 samples per period */
 } impacting;
 
 static const double shift = 0.31830988618;
@@ -170,7 +170,7 @@ static double bounce(double t) {
 static double complex bounce_line(int k) {
     return -4 / (M_PI * (4.0 * k * k - 1)) * cexp(-2 * M_PI * I * k * shift);
 }
-/* A parabola from impact to impact, and its rate, which jumps. */
+/* A parabola between impacts, and its rate, which jumps. */
 static double parabola(double t) {
     double s = t - shift - floor(t - shift);
     return s * (1 - s);
@@ -184,7 +184,8 @@ static double saw(double t) {
 static double complex saw_line(int k) {
     return 2 / (M_PI * I * k) * cexp(-2 * M_PI * I * k * shift);
 }
-/* The saw's even harmonics only, and a smooth part: lines that vanish by symmetry take no trust away. */
+/* Only even harmonics of the sawtooth, and a smooth part: lines that vanish by symmetry do not lower the
+ * trust. */
 static double twice(double t) {
     return saw(2 * t) + cos(2 * M_PI * t);
 }
@@ -213,7 +214,7 @@ static void trust_is_deserved(void **unused) {
     }
 }
 
-/* A smooth signal is trusted as far as can be looked: the lines fall to rounding before. */
+/* A smooth signal is trusted over the whole range: its lines reach rounding before. */
 static void smooth_signals_do_not_alias(void **unused) {
     (void)unused;
     enum { count = 512, per_period = 128 };
@@ -295,7 +296,7 @@ static void sine_has_its_power(void **unused) {
 
 /* Lines of any frequency */
 
-/* Lines of three incommensurate frequencies, two of them five bins apart, under a little noise or none. */
+/* Lines of three incommensurate frequencies, two of them five bins apart, with little noise or none. */
 static void incommensurate_lines(void **unused) {
     (void)unused;
     enum { count = 4000, per_period = 4, lines = 5, most = 16 };
@@ -340,7 +341,7 @@ static double section_of(int kind, double angle) {
     case 1:
         return exp(2 * cos(angle)) + 0.3 * sin(3 * angle);
     case 2:
-        return fabs(sin(angle / 2)); /* a corner, as of a curve that meets a stop */
+        return fabs(sin(angle / 2)); /* a corner, as of a curve at a stop */
     default:
         return cos(angle) + 0.4 * cos(M_SQRT2 * angle) * cos(2 * angle); /* two angles */
     }
@@ -409,7 +410,7 @@ static void chaos_and_noise_are_broadband(void **unused) {
     gsl_rng_free(rng);
 }
 
-/* A little noise is found to its size; a peak that is narrow but no line is none. */
+/* The size of weak noise is found; a narrow peak that is no line is not one. */
 static void noise_on_lines(void **unused) {
     (void)unused;
     enum { count = 4096 };
@@ -442,8 +443,8 @@ static void fill_mixed(double *samples, long long count, int per_period) {
     }
 }
 
-/* Segments that overlap by half, Hann window, the mean of the whole signal removed; every bin and its share
- * of the power by sums. */
+/* Segments overlapping by half, Hann window, with the whole signal's mean removed; every bin and its share of
+ * the power by sums. */
 static void welch_by_definition(void **unused) {
     (void)unused;
     static const struct {
@@ -509,7 +510,7 @@ static void welch_by_definition(void **unused) {
     }
 }
 
-/* The band leaves out as much below as above, for any confidence. */
+/* The band excludes as much below as above, for any confidence. */
 static void bands_have_their_confidence(void **unused) {
     (void)unused;
     enum { count = 512 };
@@ -529,7 +530,7 @@ static void bands_have_their_confidence(void **unused) {
     }
 }
 
-/* Density and lines of whole orbits by sums, and what is between them. */
+/* Density and lines of whole orbits by sums, and the power between lines. */
 static void orbits_by_definition(void **unused) {
     (void)unused;
     static const struct {
@@ -589,8 +590,8 @@ static double *thinned(const double *samples, long long count) {
     return half;
 }
 
-/* Trust goes as far as lines from half the samples agree, by 1 % of the largest at their frequency or above.
- */
+/* Trust reaches as far as lines from half the samples agree, to 1 % of the largest at their frequency or
+ * above. */
 static void trust_in_lines_by_definition(void **unused) {
     (void)unused;
     enum { per_period = 128, p = 2, orbits = 2, count = per_period * p * orbits };
@@ -627,8 +628,8 @@ static void trust_in_lines_by_definition(void **unused) {
     }
 }
 
-/* The same of a density, in bands of an eighth of an octave; its lines and what they leave are those of the
- * signal up to there. */
+/* The same for a density, in bands of an eighth of an octave; its lines and the rest are those of the signal
+ * up to there. */
 static void trust_in_densities_by_definition(void **unused) {
     (void)unused;
     enum {
@@ -691,7 +692,7 @@ static void trust_in_densities_by_definition(void **unused) {
     free(samples);
 }
 
-/* A few lines of a short signal, between its bins, are found to the last digits; so is the fastest of all. */
+/* A few lines of a short signal, between bins, are found to the last digits, as is the highest frequency. */
 static void short_signals(void **unused) {
     (void)unused;
     static const int counts[] = {64, 100, 131, 256};
@@ -728,7 +729,7 @@ static void short_signals(void **unused) {
         }
 }
 
-/* Only so many lines, only up to a frequency, only as near as the length allows. */
+/* Lines are limited in number, in frequency and in their distance by the length. */
 static void lines_within_limits(void **unused) {
     (void)unused;
     enum { count = 1024, per_period = 8, most = 8 };
@@ -783,7 +784,7 @@ static void lines_within_limits(void **unused) {
     gsl_rng_free(rng);
 }
 
-/* Sines of amplitude 1 in every so many bins of a signal, with phases of all kinds. */
+/* Sines of amplitude 1 at equally spaced bins of a signal, with various phases. */
 static void fill_comb(double *samples, int count, int first, int spacing, int lines, unsigned long seed) {
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_taus2);
     gsl_rng_set(rng, seed);
@@ -797,8 +798,7 @@ static void fill_comb(double *samples, int count, int first, int spacing, int li
     gsl_rng_free(rng);
 }
 
-/* 512 lines of a series, 4096 of a density: as many are found, and of one more its part of the variance is
- * left. */
+/* 512 lines of a series and 4096 of a density are found; of one more its share of the variance remains. */
 static void as_many_lines_as_promised(void **unused) {
     (void)unused;
     enum { few = 1 << 13, many = 1 << 17 };
@@ -813,14 +813,14 @@ static void as_many_lines_as_promised(void **unused) {
         saltus_spectrum s = welch_of(samples, many, 32, 1024);
         assert_int_equal(s.line_count, lines < 4096 ? lines : 4096);
         check_near(s.broadband, lines > 4096 ? 1.0 / lines : 0, 1e-9);
-        assert_true(s.trustworthy > (200 + 7 * lines) * 32.0 / many); /* all of them are looked at */
+        assert_true(s.trustworthy > (200 + 7 * lines) * 32.0 / many); /* all of them are examined */
         saltus_spectrum_clear(&s);
     }
     free(samples);
 }
 
-/* Two lines are told apart from 4 over the signal's length on, many equal ones from 6 on, wherever between
- * the bins they lie. Nearer than 3, whatever the bins, they stay in the continuum. */
+/* Two lines are separated if at least 4 over the signal's length apart, many equal ones from 6 on, anywhere
+ * between bins. Closer than 3 they stay in the continuum. */
 static void near_lines_are_told_apart(void **unused) {
     (void)unused;
     enum { count = 1024, most = 40 };
@@ -853,7 +853,7 @@ static void near_lines_are_told_apart(void **unused) {
             }
 }
 
-/* What counts as rounding: a part of the largest value, or what the signal says. */
+/* The size of rounding: a share of the largest value, or what the signal states. */
 static void rounding_is_no_motion(void **unused) {
     (void)unused;
     enum { count = 128 };
@@ -878,7 +878,7 @@ static void rounding_is_no_motion(void **unused) {
     }
 }
 
-/* Rest, and what cannot be analysed */
+/* Rest, and signals that cannot be analysed */
 
 static void rest_has_no_spectrum(void **unused) {
     (void)unused;
@@ -969,8 +969,8 @@ static double complex line_of(const saltus_spectrum *s, int k) {
     return s->lines[k - 1].amplitude * cexp(I * s->lines[k - 1].phase);
 }
 
-/* Figure 7(d): lines at multiples of omega/4 only; the velocity's lines are the displacement's, times i omega
- * k/4. */
+/* Figure 7(d): lines only at multiples of omega/4; the velocity's lines are those of the displacement times i
+ * omega k/4. */
 static void figure_7d(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(42, 0.035);
@@ -990,7 +990,7 @@ static void figure_7d(void **unused) {
         assert_true(spectra.spectra[k].trustworthy >= 32);
         check_near(spectra.spectra[k].parseval, 0, 1e-12);
     }
-    /* All of them are there: none is below 1e-6 of the highest up to 4 omega. */
+    /* All lines exist: none is below 1e-6 of the highest up to 4 omega. */
     for (int k = 0; k < 16; k++) {
         double complex rate = 42 * x->lines[k].frequency * I * line_of(x, k + 1);
         assert_true(x->lines[k].decibels > -120);
@@ -1001,8 +1001,8 @@ static void figure_7d(void **unused) {
     saltus_system_free(system);
 }
 
-/* Lines 1 to `count` of the observed displacement and velocity of an orbit by Gauss' rule, from contact to
- * contact, where the motion is analytic. */
+/* Lines 1 to `count` of an orbit's observed displacement and velocity by Gauss' rule, between contacts, where
+ * the motion is analytic. */
 static void integrate_lines(const saltus_system *system, const double *state, int periods, int count,
                             double complex (*lines)[2]) {
     enum { nodes = 16, pieces_a_period = 32, contacts_max = 1000 };
@@ -1043,8 +1043,7 @@ static void integrate_lines(const saltus_system *system, const double *state, in
 }
 
 /* Lines of orbits with impacts, complete chatter and lasting contact are those of the integrals, to 1e-11 of
- * the highest, from a few samples; a velocity's are the displacement's, differentiated, and it has no mean.
- */
+ * the highest, with few samples; a velocity's are those of the displacement's derivative, without a mean. */
 static void lines_of_orbits_are_exact(void **unused) {
     (void)unused;
     enum { lines_checked = 32 };
@@ -1087,8 +1086,8 @@ static void lines_of_orbits_are_exact(void **unused) {
     }
 }
 
-/* A velocity that jumps has a density that can be trusted as far as the displacement's: there it is that of
- * the same motion sampled sixteen times as often. */
+/* The density of a velocity with jumps is trusted as far as the displacement's: up to there it agrees with
+ * sixteen times as many samples. */
 static void densities_of_velocities_are_trusted(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(10, 0.035);
@@ -1144,8 +1143,8 @@ static void closed_form_response(void **unused) {
     saltus_system_free(system);
 }
 
-/* Chaos: a continuum beside the response at omega/2, whose phase turns over so seldom that it can pass for a
- * line; the numbers do not depend on how often they are asked for. */
+/* Chaos: a continuum beside the response at omega/2, whose phase slips so rarely that it can pass for a line;
+ * the number of reports does not change the numbers. */
 static void chaos_has_a_continuum(void **unused) {
     (void)unused;
     saltus_system *system = pipe_with_stop(10, 0.035);
@@ -1173,7 +1172,7 @@ static void chaos_has_a_continuum(void **unused) {
     saltus_system_free(system);
 }
 
-/* An unstable orbit is left when it is run on from, and stays when each orbit begins anew. */
+/* An unstable orbit is left in one long run, and kept if each orbit begins anew. */
 static void unstable_orbits_begin_anew(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(5, 42);
@@ -1183,7 +1182,7 @@ static void unstable_orbits_begin_anew(void **unused) {
     saltus_message message = {.text = ""};
     saltus_orbit orbit;
     double guess[10] = {1e-9};
-    /* The straight pipe, disturbed by less than rounding shows, under a load that buckles it. */
+    /* The straight pipe, disturbed below the visible rounding, under a load that buckles it. */
     check_ok(saltus_orbit_find(system, 1, guess, &shooting, &orbit, &message), &message);
     assert_true(exp(orbit.multipliers[0].log_modulus) > 1.1);
     orbit.state[0] += 1e-8;
@@ -1231,8 +1230,8 @@ static saltus_system *struck_oscillator(double c, double omega) {
     return build(&spec);
 }
 
-/* A motion's spectra are those of samples taken by hand, of whole orbits, whose lines are those of many
- * samples, and by Welch's method. */
+/* A motion's spectra agree with samples taken by hand: of whole orbits, with the lines of many samples, and
+ * by Welch's method. */
 static void samples_are_those_of_the_flow(void **unused) {
     (void)unused;
     enum { per_period = 256, periods = 48 };
@@ -1281,8 +1280,8 @@ static void samples_are_those_of_the_flow(void **unused) {
                         s->resolution == own.resolution);
             assert_true(s->confidence == own.confidence && s->orbits == own.orbits);
             check_near(s->mean, own.mean, 1e-6);
-            /* A mean of samples is wrong by a second power of their distance around a corner, by a first one
-             * around a jump, times what the square gains in slope or size there. */
+            /* The mean of samples has an error of second order in their distance at a corner, of first order
+             * at a jump, times the change of the square's slope or value there. */
             double squares = 0, largest[2] = {0, 0}, mean = q && !chaos ? 0 : own.mean, apart = 1.0 / taken;
             for (int j = 0; j < count; j++) {
                 squares += (samples[q][j] - mean) * (samples[q][j] - mean);
@@ -1305,10 +1304,10 @@ static void samples_are_those_of_the_flow(void **unused) {
     }
 }
 
-/* Between two stops that return it with all its speed a mass flies to and fro in straight lines: its velocity
- * is a square wave of +1 and -1, its displacement a triangle. Pressed on one such stop it bounces for ever,
- * its velocity a sawtooth, its displacement a parabola each time. The variances are these functions', however
- * few the samples and wherever these meet the jumps; so are the square wave's lines. */
+/* Between two elastic stops a mass flies to and fro: its velocity is a square wave of +1 and -1, its
+ * displacement a triangle. Pressed on one such stop it bounces for ever, with a sawtooth velocity and
+ * parabolic displacement. The variances are those of these functions for any number of samples and any place
+ * of the jumps between them; so are the square wave's lines. */
 static void variances_are_those_of_the_motion(void **unused) {
     (void)unused;
     enum { per_period = 32, periods = 2 };
@@ -1319,7 +1318,7 @@ static void variances_are_those_of_the_motion(void **unused) {
             saltus_spectrum_options options = saltus_spectrum_defaults();
             saltus_message message = {.text = ""};
             saltus_spectra spectra;
-            /* A bounce takes a period; the places begin with one at which impacts and samples coincide. */
+            /* A bounce takes a period; at the first place impacts and samples coincide. */
             double since = place / 160.0, start[2] = {bounces ? -pressed * since * (1 - since) / 2 : since,
                                                       bounces ? pressed * (since - 0.5) : 1};
             if (bounces)
@@ -1343,8 +1342,8 @@ static void variances_are_those_of_the_motion(void **unused) {
         }
 }
 
-/* Lines in motion without a period have no number, and their phases lie within half a turn. What fails leaves
- * nothing behind. */
+/* Lines of a motion without a period have no number, and phases within half a turn. Failures leave nothing
+ * behind. */
 static void lines_without_a_period_have_no_number(void **unused) {
     (void)unused;
     enum { count = 2048, per_period = 16 };
@@ -1366,12 +1365,12 @@ static void lines_without_a_period_have_no_number(void **unused) {
     assert_true(!s.density && !s.lines && s.bins == 0 && s.line_count == 0);
 }
 
-/* Lengths that are not asked for. */
+/* Default lengths. */
 static void lengths_are_chosen(void **unused) {
     (void)unused;
     static const struct {
         int period;
-        long long periods, segment; /* asked for */
+        long long periods, segment; /* requested */
         long long analysed;
         int orbits;
         long long length; /* of segments */
@@ -1401,7 +1400,7 @@ static void lengths_are_chosen(void **unused) {
     saltus_system_free(system);
 }
 
-/* As few samples as make the spectra trustworthy up to where they are wanted. */
+/* The fewest samples that make the spectra trustworthy up to the wanted frequency. */
 static void samples_are_chosen(void **unused) {
     (void)unused;
     saltus_system *system = struck_oscillator(0.1, 1);
@@ -1450,8 +1449,8 @@ static void samples_are_chosen(void **unused) {
     saltus_system_free(system);
 }
 
-/* How a classified motion is analysed is its kind's business: an orbit by its lines, also an unstable one,
- * which begins anew; rest by one period; what has no period by Welch's method. */
+/* A classified motion is analysed by its kind: an orbit by its lines, also an unstable one, which begins
+ * anew; rest by one period; motion without a period by Welch's method. */
 static void kinds_have_their_spectra(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};
@@ -1494,7 +1493,8 @@ static void kinds_have_their_spectra(void **unused) {
     }
 }
 
-/* What rests has no spectrum, though rounding moves it; another quantity of the same motion may have one. */
+/* A quantity at rest has no spectrum, even if rounding moves it; another quantity of the same motion may have
+ * one. */
 static void resting_systems(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 0, 1);
@@ -1517,7 +1517,7 @@ static void resting_systems(void **unused) {
     saltus_system_free(system);
 }
 
-/* Quantities of two masses: each its own, and the observed one as the stop weighs them. */
+/* Quantities of two masses: each mass, and the observed combination of the stop's weights. */
 static void quantities_of_two_masses(void **unused) {
     (void)unused;
     saltus_scene scene;
@@ -1614,7 +1614,7 @@ static void unsuitable_wishes(void **unused) {
                          SALTUS_BAD_INPUT);
         assert_true(spectra.count == 0 && message.text[0]);
     }
-    /* The least that is allowed. */
+    /* The least allowed. */
     options = good;
     options.per_period = 16;
     options.periods = 2;

@@ -1,4 +1,4 @@
-/* Orbits to start from, read from JSON: every form of naming one, every field, every refusal.
+/* Orbits to start from, read from JSON: every form of reference, every field, every refusal.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 
@@ -58,7 +58,7 @@ static void save(const char *path, const char *text) {
     fclose(file);
 }
 
-/* The JSON of motions, one to a line; to be freed. */
+/* The JSON of motions, one per line; freed by the caller. */
 static char *json_of(const fixture *f, int first, int count) {
     char *text = NULL;
     size_t length;
@@ -89,7 +89,7 @@ static void check_start(const fixture *f, const char *source, int orbit) {
     }
 }
 
-/* The sentence begins with the source, then says this. */
+/* The message begins with the source, followed by this. */
 static void check_refused(const char *source, const char *words) {
     saltus_message message = {.text = ""};
     saltus_start start;
@@ -140,7 +140,7 @@ static void orbits_are_named_by_their_place(void **state) {
         check_refused(source, "in a JSON file orbits are named by their number");
     }
     check_refused(f->path, "holds several orbits");
-    /* A colon in a file's own name; one that belongs to a folder; one without a number behind it. */
+    /* A colon in a file's name; one in its folder's; one without a number after it. */
     snprintf(other, sizeof other, "%s/o:2", f->folder);
     save(other, text);
     check_start(f, other, 1);
@@ -185,7 +185,7 @@ static void attractors_are_named_by_their_place(void **state) {
     free(text);
 }
 
-/* Replace the first of `from` behind `behind`; to be freed. */
+/* Replace the first `from` after `behind`; freed by the caller. */
 static char *replaced(const char *text, const char *behind, const char *from, const char *to) {
     const char *at = strstr(text, behind);
     assert_non_null(at);
@@ -263,7 +263,7 @@ static void every_member_is_wanted(void **state) {
             free(made);
         }
     }
-    /* The largest period, and a label of another program that is too long or none. */
+    /* The largest period, and another program's label that is too long or missing. */
     saltus_message message;
     saltus_start start;
     save(f->path, made = replaced(text, "\"periods\"", "\"periods\": 2", "\"periods\": 1000000"));
@@ -283,7 +283,7 @@ static void every_member_is_wanted(void **state) {
     check_ok(saltus_start_read(f->path, &start, &message), &message);
     assert_string_equal(start.label, "");
     free(made);
-    /* Members that are not known are passed over, with as many as 64 lists within each other. */
+    /* Unknown members are skipped, with up to 64 nested lists. */
     for (int depth = 1; depth < 200000; depth = depth < 40   ? 2 * depth
                                                 : depth < 80 ? depth + 1
                                                              : 30 * depth) {
@@ -304,7 +304,7 @@ static void every_member_is_wanted(void **state) {
     free(text);
 }
 
-/* A scene takes over parameters and stops of its own shape; its title stays where nothing changes. */
+/* A scene takes parameters and stops of its own shape; its title stays if nothing changes. */
 static void starts_are_applied_to_their_like(void **state) {
     const fixture *f = *state;
     saltus_message message;
@@ -344,8 +344,8 @@ static void starts_are_applied_to_their_like(void **state) {
     }
 }
 
-/* A scene keeps its title where the orbit has its parameters and stops, whatever memory there is between the
- * fields of these and behind them; any other value takes the title away. */
+/* A scene keeps its title if the orbit has its parameters and stops, whatever is in the padding and unused
+ * parts of these structs; any other value removes the title. */
 static void titles_stay_with_equal_parameters(void **state) {
     fixture *f = *state;
     const saltus_spec *own = &f->scene.spec;

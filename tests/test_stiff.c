@@ -5,7 +5,8 @@
 
 enum { dimension_max = 72, samples_max = 400 };
 
-/* Run all from the same settled state; largest scaled difference of states from that of series alone. */
+/* Run all integrators from the same settled state; returns the largest scaled difference from series
+ * alone. */
 static double compare(int modes, double omega, double d, double r, double settle, double periods, int columns,
                       double *tangent_difference) {
     saltus_spec spec = pipe_spec(modes, omega);
@@ -17,7 +18,7 @@ static double compare(int modes, double omega, double d, double r, double settle
     static double tangents[3][4 * dimension_max];
     static const saltus_integrator integrators[] = {SALTUS_RADAU, SALTUS_TAYLOR, SALTUS_MIXED};
     check_ok(saltus_system_default_state(system, start, &message), &message);
-    start[0] = 0.01; /* from here all come to strike */
+    start[0] = 0.01; /* from here all have impacts */
     options.integrator = SALTUS_RADAU;
     saltus_flow *flow = open_flow(system, &options, 0, start);
     advance(flow, settle, 0);
@@ -72,7 +73,7 @@ static void agrees_when_stiff(void **unused) {
     check_near(compare(32, 42, 0.035, 0.9, 23, 1, 0, &tangents), 0, 1e-9);
 }
 
-/* A chatter that completes, whose last flights are far shorter than any step. */
+/* A complete chatter whose last flights are far shorter than any step. */
 static void agrees_through_chatter(void **unused) {
     (void)unused;
     double tangents;
@@ -82,8 +83,8 @@ static void agrees_through_chatter(void **unused) {
     check_near(tangents, 0, 1e-8);
 }
 
-/* The leading multipliers are the same however many are resolved: of orbits of one and of four periods the
- * shorter one has all, the longer one's are their fourth powers. */
+/* The leading multipliers do not depend on how many are resolved: for orbits of one and of four periods the
+ * shorter one has all, and those of the longer one are their fourth powers. */
 static void leading_multipliers_need_few_segments(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(16, 42);
@@ -106,7 +107,7 @@ static void leading_multipliers_need_few_segments(void **unused) {
     saltus_system_free(system);
 }
 
-/* N = 32: where the explicit integrator would need steps of 1e-5, against itself at another tolerance. */
+/* N = 32, where the explicit integrator would need steps of 1e-5: against itself at another tolerance. */
 static void tolerance_at_many_modes(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(32, 42);
@@ -129,7 +130,7 @@ static void tolerance_at_many_modes(void **unused) {
     saltus_system_free(system);
 }
 
-/* A pipe without a stop, or another scene without its stops, on its way for some time. */
+/* A pipe without a stop, or another scene without its stops, after some time. */
 static saltus_system *free_scene(int kind, double *state) {
     scene s = kind < 2 ? scene_pipe(kind ? 3 : 5, kind ? 20 : 42)
                        : scene_of(kind == 2 ? scene_free_chain : scene_two_sided_mass);
@@ -152,9 +153,8 @@ static saltus_system *free_scene(int kind, double *state) {
     return system;
 }
 
-/* Mixed, the long steps are collocation's and the short ones series': of a motion without impacts it takes as
- * few as collocation alone; of one with impacts far fewer than series, and fewer evaluations than
- * collocation. */
+/* When mixed, long steps are collocation and short ones series: without impacts as few steps as with
+ * collocation alone; with impacts far fewer than with series, and fewer evaluations than with collocation. */
 static void each_step_is_made_the_cheaper_way(void **unused) {
     (void)unused;
     static const saltus_integrator integrators[] = {SALTUS_TAYLOR, SALTUS_RADAU, SALTUS_MIXED};
@@ -194,9 +194,9 @@ static void each_step_is_made_the_cheaper_way(void **unused) {
     }
 }
 
-/* Steps lie on a grid of quarters of powers of two of the period; inside them, too, the solution is as exact
- * as was asked for, and not much more so, for then they would be shorter than need be. They grow with the
- * tolerance as sixteen nodes let expect. */
+/* Step lengths are the period divided by powers of the fourth root of two. Inside steps too the solution
+ * meets the tolerance, and not by far, which would mean steps shorter than needed. Steps grow with the
+ * tolerance as expected of sixteen nodes. */
 static void steps_follow_the_tolerance(void **unused) {
     (void)unused;
     for (int kind = 0; kind < 4; kind++) {
@@ -234,14 +234,14 @@ static void steps_follow_the_tolerance(void **unused) {
             const saltus_flow_info info = saltus_flow_information(flow, 0);
             if (!(worst <= 30 * options.rtol))
                 fail_msg("scene %d: %.3g inside a step at rtol %g", kind, worst, options.rtol);
-            /* A guess that is right in all but the last digits, and a rest that falls like (h L)^k / k!. */
+            /* The guess is right except for the last digits, and the rest falls like (h L)^k / k!. */
             assert_true((double)info.field_evaluations <= 16 * 16 * (kind == 0 ? 10 : kind == 1 ? 15 : 27));
             mean += log10(worst / options.rtol);
             tolerances++;
             saltus_flow_free(fine);
             saltus_flow_free(flow);
         }
-        /* In powers of ten, on the mean; steps of one mass end with the period rather than with the
+        /* The mean, in powers of ten; steps of one mass are limited by the period rather than the
          * tolerance. */
         mean /= tolerances;
         assert_true(mean < 1 && (mean > 0 || kind == 3));
@@ -250,8 +250,8 @@ static void steps_follow_the_tolerance(void **unused) {
     }
 }
 
-/* A step that begins inside the last one is guessed from its polynomial: cut short at targets that lie close
- * together, steps take fewer sweeps. */
+/* A step that begins inside the last one is guessed from its polynomial: steps cut short at close targets
+ * take fewer sweeps. */
 static void the_last_step_guesses_the_next(void **unused) {
     (void)unused;
     for (int kind = 0; kind < 3; kind++) {
@@ -276,8 +276,8 @@ static void the_last_step_guesses_the_next(void **unused) {
     }
 }
 
-/* What is linear and steady is solved at once: two sweeps a step, the second of which changes nothing.
- * Contacts and tangent vectors do not change that, nor the number of modes. */
+/* A linear steady system is solved at once: two sweeps per step, the second of which changes nothing, with
+ * contacts, tangent vectors and any number of modes. */
 static void the_linear_part_takes_one_sweep(void **unused) {
     (void)unused;
     for (int kind = 0; kind < 20; kind++)
@@ -321,7 +321,7 @@ static void the_linear_part_takes_one_sweep(void **unused) {
             const saltus_flow_info info = saltus_flow_information(flow, 0);
             const long long begin = info.field_evaluations - 2 * 16 * info.steps;
             if (!(begin > 0 &&
-                  begin <= 8)) /* the first step asks once for the field, in all lanes of a pack */
+                  begin <= 8)) /* the first step evaluates the field once, in all lanes of a pack */
                 fail_msg("%d modes, %d held, %d columns: %lld evaluations too many", modes, held, columns,
                          begin);
             saltus_flow_free(flow);
@@ -329,9 +329,9 @@ static void the_linear_part_takes_one_sweep(void **unused) {
         }
 }
 
-/* A relaxation that nothing else feels: beside a mass too heavy to move, the Maxwell element's force decays
- * as exp(-t / tz), in the trajectory or in a tangent vector alone. Inside steps it is as exact as was asked
- * for; and each step tells how long the next one can be, so that hardly any is tried in vain. */
+/* An isolated relaxation: beside a mass too heavy to move, the Maxwell element's force decays as exp(-t /
+ * tz), in the trajectory or only in a tangent vector. Inside steps it meets the tolerance, and each step
+ * predicts the next length, so that hardly any attempt fails. */
 static void a_decay_alone_sets_the_steps(void **unused) {
     (void)unused;
     const double decay[] = {0.004, 0.05, 0.6}, along[] = {1, 0, 0, 0, 0, 1};

@@ -1,6 +1,7 @@
-/* Numerical stability under stress: scenes at the ends of what is allowed (stress_rows.h) keep the invariants
- * of stress_watch.h and stress_compare.h; long runs keep energy and phase; starts on a stop go where the
- * forces point. SALTUS_LONG_TESTS=1 adds rows and makes runs longer, SALTUS_SANITIZED=1 makes them shorter.
+/* Numerical stability under stress: scenes at the limits of what is allowed (stress_rows.h) keep the
+ * invariants of stress_watch.h and stress_compare.h; long runs keep energy and phase; starts on a stop go
+ * where the forces point. SALTUS_LONG_TESTS=1 adds rows and makes runs longer, SALTUS_SANITIZED=1 makes them
+ * shorter.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "stress_rows.h"
 
@@ -8,7 +9,7 @@ static bool longer(void) {
     return getenv("SALTUS_LONG_TESTS") != NULL;
 }
 
-/* Runs are this much shorter or longer. */
+/* The factor by which runs are shorter or longer. */
 static double extent(void) {
     return getenv("SALTUS_SANITIZED") ? 0.2 : longer() ? 10 : 1;
 }
@@ -92,8 +93,8 @@ static void independence(void **unused) {
     }
 }
 
-/* r = 1, no damping, no force, two stops: a hundred thousand impacts, or ten million, and the energy is still
- * there. */
+/* With r = 1, no damping, no force and two stops, the energy is the same after a hundred thousand impacts, or
+ * ten million. */
 static void energy_is_kept(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0, 1, 0, 1);
@@ -115,9 +116,9 @@ static void energy_is_kept(void **unused) {
     saltus_system_free(system);
 }
 
-/* A one-sided impact oscillator settles on an orbit of one impact per period, of speed V and phase given by
- * the closed form of its linear flight: after a hundred thousand periods the section is still at phase 0, and
- * a period still brings the state back to itself. */
+/* A one-sided impact oscillator settles on an orbit with one impact per period, whose speed V and phase
+ * follow from its linear flight in closed form: after a hundred thousand periods the section is still at
+ * phase 0, and a period still returns the state to itself. */
 static void section_does_not_drift(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.2, 1, 1, 2.6);
@@ -145,8 +146,8 @@ static void section_does_not_drift(void **unused) {
     saltus_system_free(system);
 }
 
-/* A ball on the floor, restitution close to 1: the bounces come to rest at v / g (1 + 2 r / (1 - r)), and
- * there are as many of them as it takes to lose the tolerance. */
+/* A ball on the floor, restitution close to 1: the bounces end at v / g (1 + 2 r / (1 - r)), with as many as
+ * it takes to fall below the tolerance. */
 static void long_chatter(void **unused) {
     (void)unused;
     const double r = 0.999, height = 0.5, speed = sqrt(2 * height);
@@ -166,7 +167,7 @@ static void long_chatter(void **unused) {
     saltus_system_free(system);
 }
 
-/* r = 0 under pressure: every impact holds at once, and lets go where the force is spent. */
+/* r = 0 under pressure: each impact sticks at once, and releases when the force vanishes. */
 static void no_rebound_sticks_at_once(void **unused) {
     (void)unused;
     stress_case c;
@@ -194,8 +195,8 @@ static void no_rebound_sticks_at_once(void **unused) {
     saltus_system_free(system);
 }
 
-/* Where a start on the stop with zero speed must go: `derivative` is the order of the first of the gap's
- * derivatives that is not zero (2: acceleration, 3: its rate, 4), `sign` its sign. */
+/* Where a start on the stop with zero speed must go: `derivative` is the order of the gap's first derivative
+ * that is not zero (2: acceleration, 3: its rate, 4), `sign` its sign. */
 static void start_on_stop(int derivative, int sign) {
     saltus_spec spec = oscillator_spec(0, 0, derivative == 2 ? 0 : 1, 1);
     double phase = 0;

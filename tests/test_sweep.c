@@ -1,5 +1,5 @@
-/* Sweeps: axes, the same bits however the work is divided, right classes, clouds and measures, hysteresis,
- * honest failures. SALTUS_LONG_TESTS=1: more ways to divide the work, every allocation, more seeds.
+/* Sweeps: axes, the same bits for any division of the work, correct classes, clouds and measures, hysteresis,
+ * reported failures. SALTUS_LONG_TESTS=1: more ways to divide the work, every allocation, more seeds.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "allocations.h"
 #include "check.h"
@@ -7,7 +7,7 @@
 
 enum { dimension_max = 40 };
 
-/* Counting is on while `failing` is set: one thread then. */
+/* Allocations are counted while `failing` is set: with one thread. */
 static long allocations, failing = -1;
 
 static bool refuse(void) {
@@ -40,7 +40,7 @@ static void axes_have_their_values(void **unused) {
     assert_int_equal(axis.count, 1);
     assert_true(saltus_axis_value(&axis, 0) == -3e-2);
     free(list);
-    /* Numbers may be expressions of numbers; separators in parentheses are theirs. */
+    /* Numbers may be expressions; separators in parentheses belong to them. */
     check_ok(saltus_axis_read("omega=pi/2:atan2(1,-1):2^5+1", &axis, &list, &message), &message);
     assert_int_equal(axis.count, 33);
     check_near(axis.low, acos(-1) / 2, 1e-16);
@@ -155,7 +155,7 @@ static void bad_sweeps_are_refused(void **unused) {
 }
 
 /* Scenes whose systems differ in terms along the grid, that stick, that are stiff, that have no stop or two,
- * with everything kept or nothing. */
+ * with everything recorded or nothing. */
 typedef struct division {
     const char *scene, *settings, *first, *second;
     unsigned keep, passes;
@@ -214,7 +214,7 @@ static outcome run_division(const division *d, int lanes, int threads, long long
 static void bits_do_not_depend_on_the_division(void **unused) {
     (void)unused;
     skip_where_slow();
-    /* lanes, threads, step through the tasks: backwards, in two or three runs as ranks would */
+    /* lanes, threads, stride through the tasks: backwards, in two or three runs as ranks would */
     static const int ways[][3] = {{8, 3, 3}, {4, 1, -1}, {0, 1, 1}, {0, 2, 2}};
     const size_t count = getenv("SALTUS_LONG_TESTS") ? sizeof ways / sizeof ways[0] : 2;
     for (size_t k = 0; k < sizeof divisions / sizeof divisions[0]; k++) {
@@ -234,7 +234,7 @@ static void bits_do_not_depend_on_the_division(void **unused) {
     }
 }
 
-/* Every damaged block is refused or read without harm. */
+/* A damaged block is refused or read without harm. */
 static void damaged_blocks_are_refused(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("impact-oscillator", "");
@@ -310,7 +310,7 @@ static double random_between(unsigned long *state, double low, double high) {
     return low + (high - low) * (double)*state / 0x7fffffff;
 }
 
-/* Points of the pipe drawn at random: the class and the clouds of the sweep. */
+/* Random points of the pipe: the sweep's class and clouds. */
 static void classes_and_clouds_of_random_points(void **unused) {
     (void)unused;
     enum { points = 12 };
@@ -337,7 +337,7 @@ static void classes_and_clouds_of_random_points(void **unused) {
     assert_true(settled >= 5);
 }
 
-/* At a loose tolerance the flow's own errors alternate from period to period; they are no longer period. */
+/* At a loose tolerance the flow's errors alternate from period to period; this is no longer period. */
 static void loose_tolerances_count_right(void **unused) {
     (void)unused;
     static const struct {
@@ -359,8 +359,8 @@ static void loose_tolerances_count_right(void **unused) {
         }
 }
 
-/* With a loose tolerance less is asked of an orbit: one that chatters and sticks, too, is the same and has
- * settled no later than with a tighter one. */
+/* With a loose tolerance an orbit is recognised less strictly: one that chatters and sticks is the same, and
+ * settles no later than with a tight one. */
 static void loose_tolerances_settle_no_later(void **unused) {
     (void)unused;
     long long before = 0;
@@ -377,7 +377,7 @@ static void loose_tolerances_settle_no_later(void **unused) {
     }
 }
 
-/* With the exponent, measured over so many periods at most. */
+/* With the exponent, measured over at most a number of periods. */
 static saltus_sweep_options measured(long long periods) {
     saltus_sweep_options options = saltus_sweep_defaults();
     options.keep = SALTUS_KEEP_LYAPUNOV;
@@ -386,7 +386,7 @@ static saltus_sweep_options measured(long long periods) {
     return options;
 }
 
-/* The exponent of a row that has settled is that of the orbit that classification finds from there. */
+/* The exponent of a settled row is that of the orbit that classification finds from there. */
 static void check_exponent(const single *s, double tolerance) {
     const saltus_sweep_row *row = s->result.rows;
     saltus_system *system = system_at(s->sweep, 0);
@@ -441,9 +441,9 @@ static void exponents_of_what_has_settled(void **unused) {
     assert_true(settled >= 4);
 }
 
-/* The pipe's chaos at omega = 10, d = 0.035, where the exponent is 0.756 +- 0.01 by an independent
- * computation and 0.7482 +- 0.0015 over 332,800 periods: the exponents of 20 trajectories scatter as their
- * standard errors say. */
+/* The pipe's chaos at omega = 10, d = 0.035, with the exponent 0.756 +- 0.01 by an independent computation
+ * and 0.7482 +- 0.0015 over 332,800 periods: the exponents of 20 trajectories scatter by their standard
+ * errors. */
 static void chaos_and_its_exponent(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -469,9 +469,9 @@ static void chaos_and_its_exponent(void **unused) {
     close_single(&s);
 }
 
-/* Each step of the flow leaves an error of its tolerance in an exponent: where nothing else does, as in a
- * linear motion without damping, the standard error is that of the steps counted along a flow that stops at
- * the turning points and once in each cycle, however often the trajectory has been disturbed on the way. */
+/* Each step of the flow adds an error of its tolerance to an exponent. Without any other, as in an undamped
+ * linear motion, the standard error is that of the steps of a flow that stops at turning points and once in
+ * each cycle, for any number of earlier disturbances. */
 static void steps_leave_their_error(void **unused) {
     (void)unused;
     static const double omegas[] = {1, 0.5};
@@ -529,7 +529,7 @@ static void verdicts_without_a_period(void **unused) {
     check_verdict("pipe", "d=0.035", "omega", 53.254254254, "long-period", -0.3887199749, 5);
 }
 
-/* What is asked for besides does not change what is told: all but verdict and exponent of a row. */
+/* Additional requests change nothing else: all but a row's verdict and exponent. */
 static void exponents_leave_the_rest_alone(void **unused) {
     (void)unused;
     static const struct {
@@ -565,7 +565,7 @@ static void exponents_leave_the_rest_alone(void **unused) {
     }
 }
 
-/* The verdicts of classification, from its own more thorough search, in a region of much chaos. */
+/* The verdicts agree with the more thorough ones of classification, in a region of much chaos. */
 static void verdicts_are_those_of_classification(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -586,7 +586,7 @@ static void verdicts_are_those_of_classification(void **unused) {
         saltus_system *system = system_at(s.sweep, 0);
         how.measure = 64000;
         check_ok(saltus_classify(system, s.result.states, &how, &motion, &message), &message);
-        /* Classification watches eight times as many trajectories: one may leave that the row's does not. */
+        /* Classification follows eight times as many trajectories: one may leave that the row's does not. */
         bool sees_more = motion.verdict == SALTUS_TRANSIENT;
         if (strcmp(s.label, motion.label) != 0 && !sees_more)
             fail_msg("%s omega=%g: %s, classification says %s", settings, points[k][0], s.label,
@@ -603,7 +603,7 @@ static void verdicts_are_those_of_classification(void **unused) {
     assert_int_equal(chaotic, 5);
 }
 
-/* A fixed run gives the classes of an adaptive one, and records exactly the periods asked for. */
+/* A fixed run gives the classes of an adaptive one, and records exactly the requested periods. */
 static void fixed_runs(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("pipe", "d=0.035");
@@ -676,8 +676,8 @@ static void measures_of_a_sticking_orbit(void **unused) {
     close_single(&s);
 }
 
-/* Two masses, the first one observed by a stop out of reach: where they hit each other its velocity reverses
- * without a zero, and there is its extreme. */
+/* Two masses, the first observed by a stop out of reach: at their collisions its velocity reverses without a
+ * zero, and has its extreme. */
 static void extremes_where_another_stop_is_hit(void **unused) {
     (void)unused;
     enum { samples = 1000 };
@@ -708,8 +708,8 @@ static void extremes_where_another_stop_is_hit(void **unused) {
     close_single(&s);
 }
 
-/* The stable 4/4 orbit of omega = 42, d = 0.035, followed by Newton's method to another omega, as the
- * scene's initial state. */
+/* The stable 4/4 orbit of omega = 42, d = 0.035, followed by Newton's method to another omega, as initial
+ * state. */
 static saltus_scene on_the_branch(double omega) {
     enum { steps = 16 };
     saltus_message message = {.text = ""};
@@ -737,8 +737,8 @@ static saltus_scene on_the_branch(double omega) {
     return scene;
 }
 
-/* Started on the orbit around its period doubling at omega = 41.110599407465 (subcritical): 4/4 or irregular
- * above it, whatever the disturbance; below it neither 4/4 nor 8/8 is stable. */
+/* Start on the orbit near its period doubling at omega = 41.110599407465 (subcritical): 4/4 or irregular
+ * above it, for any disturbance; below it neither 4/4 nor 8/8 is stable. */
 static void orbits_around_a_period_doubling(void **unused) {
     (void)unused;
     static const double offsets[] = {0.001, 1e-4, 1e-5, 1e-7, -1e-7, -1e-5, -1e-3};
@@ -758,7 +758,7 @@ static void orbits_around_a_period_doubling(void **unused) {
     }
 }
 
-/* The straight pipe, exact and unstable, is left. */
+/* The unstable straight pipe is left, even if exact. */
 static void unstable_rest_is_left(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("pipe", "N=3 q1=0");
@@ -778,7 +778,7 @@ static void unstable_rest_is_left(void **unused) {
     close_single(&s);
 }
 
-/* An orbit of an undamped oscillator at resonance 2:1 is one of a continuum: not stable, no class. */
+/* An undamped oscillator at the resonance 2:1 has a continuum of orbits: none is stable, no class. */
 static void a_continuum_is_no_attractor(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("impact-oscillator", "c=0 F=0.1 d=5");
@@ -789,7 +789,8 @@ static void a_continuum_is_no_attractor(void **unused) {
     close_single(&s);
 }
 
-/* 4/5 and 7/10 coexist between d = 0.02954 and 0.02994 at omega = 43: each direction follows its own. */
+/* 4/5 and 7/10 coexist between d = 0.02954 and 0.02994 at omega = 43: each sweep direction stays on its
+ * own. */
 static void hysteresis(void **unused) {
     (void)unused;
     enum { count = 6 };
@@ -813,7 +814,7 @@ static void hysteresis(void **unused) {
     saltus_sweep_free(sweep);
 }
 
-/* Carried into clearances below where the state is; the axis may fall; one point is a line too. */
+/* A state carried to clearances below it; the axis may decrease; one point is also a line. */
 static void carried_beyond_the_stop(void **unused) {
     (void)unused;
     static const char *const axes[] = {"d=0.04:-0.01:11", "d=-0.01:0.04:11", "d=0.02"};
@@ -835,7 +836,7 @@ static void carried_beyond_the_stop(void **unused) {
     }
 }
 
-/* A mirror pair is two attractors; every seed's class is the one that classification gives. */
+/* A mirror pair is two attractors; each seed's class is that of classification. */
 static void seeds_count_attractors(void **unused) {
     (void)unused;
     enum { seeds = 8 };
@@ -955,8 +956,8 @@ static void failed_starts(void **unused) {
     saltus_sweep_free(sweep);
 }
 
-/* A motion that grows without bound fails in one period, whatever has been asked for; what has been recorded
- * by then stays, what has not is unknown. */
+/* A motion that grows without bound fails within one period, for any request; what was recorded by then is
+ * kept, the rest is unknown. */
 static void what_was_recorded_before_a_failure_stays(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("pipe", "kappa=0 N=2 omega=5 d=100");
@@ -989,7 +990,7 @@ static void what_was_recorded_before_a_failure_stays(void **unused) {
     close_single(&first);
 }
 
-/* Motions that grow without bound fail; those beside them have the bits that they have alone. */
+/* Motions that grow without bound fail; others in the same flow have the bits that they have alone. */
 static void unbounded_growth_disturbs_nobody(void **unused) {
     (void)unused;
     static const division growing[] = {
@@ -1015,8 +1016,8 @@ static void unbounded_growth_disturbs_nobody(void **unused) {
     }
 }
 
-/* A flow that has overflowed is good again once it is started anew: it sees the stop, and stands where
- * another stands. */
+/* A flow that has overflowed works again after a new start: it sees the stop and gives the states of another
+ * flow. */
 static void a_flow_recovers_from_overflow(void **unused) {
     (void)unused;
     saltus_scene growing = scene_of("pipe", "kappa=0 N=2 omega=0.5 d=1 u0=25");
@@ -1046,7 +1047,7 @@ static void a_flow_recovers_from_overflow(void **unused) {
     saltus_system_free(unbounded);
 }
 
-/* A line goes on from a sound state after a motion that grew without bound. */
+/* A line goes on from a valid state after a motion that grew without bound. */
 static void a_line_goes_on_after_a_failure(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("chatter", "N=2");
@@ -1120,7 +1121,7 @@ static saltus_status keep_rows(void *context, const saltus_sweep_result *result,
     return SALTUS_OK;
 }
 
-/* A small sweep without a check on the way. Its rows, 12 of them, are zero where it did not get there. */
+/* A small sweep without checks. Of its 12 rows those that it did not reach are zero. */
 static saltus_status small_sweep(saltus_sweep_row *rows) {
     saltus_scene scene;
     saltus_message message = {.text = ""};

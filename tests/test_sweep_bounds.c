@@ -1,6 +1,5 @@
-/* What may stand in a sweep file that another program changed: each number is tried at its last possible
- * value and one beyond it. And journals that end early or are damaged: the results before that place are
- * kept.
+/* The limits of a sweep file that another program has changed: each number is tried at its last valid value
+ * and one beyond. Also journals that end early or are damaged: results before that place are kept.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 #include "made_sweep.h"
@@ -120,7 +119,7 @@ static void numbers_of_rows_have_their_bounds(void **state) {
     rmdir(folder);
 }
 
-/* Which places are there, as bits. */
+/* The places present, as bits. */
 static unsigned places_there(const char *path, saltus_status *status, saltus_message *message) {
     saltus_scene scene;
     saltus_axis axis;
@@ -166,7 +165,7 @@ static void results_before_the_damage_are_kept(void **state) {
             bytes[at] ^= 0x10;
             assert_int_equal(status, SALTUS_OK);
             assert_int_equal(there, before);
-            /* What was damaged is cut off; so is a torn end. */
+            /* Damaged records are cut off, as is an incomplete end. */
             FILE *file = fopen(journal, "rb");
             fseek(file, 0, SEEK_END);
             assert_int_equal(ftell(file), length[k]);
@@ -175,7 +174,7 @@ static void results_before_the_damage_are_kept(void **state) {
             assert_int_equal(places_there(path, &status, &message), before);
             assert_int_equal(status, SALTUS_OK);
         }
-    /* In the head: a torn one is of no sweep's with results, a damaged one is refused. */
+    /* In the head: an incomplete one belongs to no sweep with results, a damaged one is refused. */
     for (size_t at = 0; at < length[0]; at += at < 40 ? 6 : 211) {
         bytes[at] ^= 0x10;
         save(journal, bytes, length[done]);
@@ -190,7 +189,7 @@ static void results_before_the_damage_are_kept(void **state) {
             fail_msg("byte %zu: %s", at, message.text);
         assert_true(!padding || at >= length[0] - 8);
     }
-    /* Twice the same result counts once, so the sweep is not done; in any order all are there. */
+    /* The same result twice counts once, so the sweep is not complete; in any order all are found. */
     size_t one = length[1] - length[0], two = length[2] - length[0];
     unsigned char *twice = malloc(length[done] + two);
     memcpy(twice, bytes, length[done]);
@@ -211,7 +210,7 @@ static void results_before_the_damage_are_kept(void **state) {
     rmdir(folder);
 }
 
-/* The attractor of a plane of initial states is kept with its orbit's points: of a linear oscillator the
+/* The attractor of a plane of initial states is stored with its orbit's points: for a linear oscillator the
  * steady response. */
 static void attractors_are_kept_with_their_points(void **state) {
     (void)state;

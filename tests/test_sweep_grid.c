@@ -1,5 +1,5 @@
-/* The frame of a sweep: points, passes, tasks and places, initial states and what is carried from point to
- * point, seeds and their attractors, the feed, what is kept, options and their limits, basins.
+/* The structure of a sweep: points, passes, tasks and places, initial states and what is carried from point
+ * to point, seeds and their attractors, the feed, what is recorded, options and their limits, basins.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
 #include "sweep_check.h"
@@ -15,7 +15,7 @@ static saltus_sweep_options frame_options(unsigned keep, unsigned passes, int se
     return options;
 }
 
-/* Nothing runs before the recording: the first section point kept is where the trajectory starts. */
+/* Without a transient the first section point recorded is the trajectory's start. */
 static saltus_sweep_options at_once(unsigned passes, int seeds, long long record) {
     saltus_sweep_options options = frame_options(SALTUS_KEEP_STROBOSCOPIC, passes, seeds);
     options.adaptive = false;
@@ -94,7 +94,7 @@ static void axes_are_read_up_to_their_limits(void **unused) {
     }
 }
 
-/* A refusal tells the numbers that were given, each by its own name. */
+/* A refusal states the given numbers, each by its name. */
 static void refusals_tell_what_was_given(void **unused) {
     (void)unused;
     const saltus_scene scene = scene_of("impact-oscillator", "");
@@ -170,7 +170,7 @@ static void options_are_taken_up_to_their_limits(void **unused) {
     saltus_axis none = axes[0];
     none.count = 0;
     assert_int_equal(make(&scene, &none, 1, &good), SALTUS_BAD_INPUT);
-    /* A thousand million rows, and no more. */
+    /* At most a thousand million rows. */
     const saltus_axis wide[2] = {{.key = "omega", .count = 10000, .low = 1, .high = 2},
                                  {.key = "d", .count = 10, .low = 1, .high = 2}};
     saltus_sweep_options many = good;
@@ -225,7 +225,7 @@ static void a_sweep_keeps_what_it_was_given(void **unused) {
         check_near(here.spec.stops[0].r, 0.9 - 0.1 * (point / 3), 1e-15);
         assert_true(here.spec.stops[0].d == 0.7);
     }
-    /* Columns and directions of the flow are the sweep's own business. */
+    /* The caller's columns and directions of the flow are ignored. */
     outcome with = run_all(sweep);
     saltus_sweep_free(sweep);
     options.flow = saltus_sweep_defaults().flow;
@@ -264,8 +264,8 @@ static void words_and_labels(void **unused) {
     assert_string_equal(label, "0/5");
 }
 
-/* Every place belongs to one task; a point of a reset pass is one, a line of another pass one in its order.
- */
+/* Every place belongs to one task: a point of a reset pass is a task, a line of another pass is one, in the
+ * pass's order. */
 static void tasks_cover_all_places_once(void **unused) {
     (void)unused;
     const saltus_scene scene = scene_of("impact-oscillator", "");
@@ -297,7 +297,7 @@ static void tasks_cover_all_places_once(void **unused) {
         }
 }
 
-/* The state behind a stop goes back onto it along its normal. */
+/* A state beyond a stop is moved back onto it along the stop's normal. */
 static void onto_the_stop(const saltus_system *system, double *state) {
     const double *normal = saltus_system_stop_normal(system, 0);
     double gap = saltus_system_gap(system, 0, state), square = 0;
@@ -307,7 +307,7 @@ static void onto_the_stop(const saltus_system *system, double *state) {
         state[i] -= saltus_system_face(system, 0).side * gap * normal[i] / square;
 }
 
-/* Rows and clouds of two results, place and number of the attractor apart. */
+/* Compare rows and clouds of two results, except place and number of the attractor. */
 static void check_same_result(const saltus_sweep *sweep, const saltus_sweep_result *a,
                               const saltus_sweep_result *b) {
     saltus_sweep_result copy = *b;
@@ -345,8 +345,8 @@ static outcome run_point(const saltus_sweep *sweep, long long point) {
     return one;
 }
 
-/* The states that trajectories along a line start from, by hand, are those they do start from; what follows
- * has the same bits as a trajectory that starts there by itself. */
+/* Trajectories along a line start from the states computed here by hand, and continue with the bits of a
+ * trajectory started there alone. */
 static int follow_line(const line_case *c, const outcome *all, long long task, bool adaptive) {
     const saltus_sweep *sweep = all->sweep;
     const int n = saltus_sweep_dimension(sweep), count = saltus_sweep_axis(sweep, 0)->count;
@@ -383,7 +383,7 @@ static int follow_line(const line_case *c, const outcome *all, long long task, b
     return moves;
 }
 
-/* A pass along a line is a loop by hand: each point from where the one before it ended, brought back onto the
+/* A pass along a line, as a loop by hand: each point starts where the one before ended, brought back onto the
  * stop, the first from the scene's own state. */
 static void a_line_is_a_loop_by_hand(void **unused) {
     (void)unused;
@@ -419,7 +419,7 @@ static void the_first_seed_is_the_scenes_own(void **unused) {
         for (int s = 1; s < 3; s++)
             assert_true(result.strobes[2 * s] != 0.25 && result.strobes[2 * s + 1] != -0.5);
     }
-    /* What one seed does does not hang on there being others. */
+    /* A seed's trajectory does not depend on other seeds. */
     saltus_sweep_options alone = at_once(7, 1, 1);
     saltus_sweep *single = sweep_of(&scene, "omega=1:2:4", "d=1,2", &alone);
     outcome one = run_all(single);
@@ -446,8 +446,8 @@ static void an_axis_of_initial_states_sets_the_first_seeds(void **unused) {
     saltus_sweep_free(sweep);
 }
 
-/* The force of a Maxwell element is an entry of the state too; where there is none, and of any other letter,
- * there is no such axis. */
+/* The force of a Maxwell element is also an entry of the state; without one, or for another letter, there is
+ * no such axis. */
 static void an_axis_moves_the_force_of_a_maxwell_element(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("impact-oscillator", "kz=0.5 tz=0.25 q1=0.125 v1=-0.5");
@@ -477,7 +477,7 @@ static void an_axis_moves_the_force_of_a_maxwell_element(void **unused) {
         }
 }
 
-/* Random initial states: Gaussian with the system's scales, one like no other, the same for the same seed. */
+/* Random initial states: Gaussian with the system's scales, all different, the same for the same seed. */
 static void seeds_are_independent(void **unused) {
     (void)unused;
     enum { seeds = 1500, points = 2, all = seeds * points };
@@ -522,7 +522,7 @@ static void seeds_are_independent(void **unused) {
         assert_true(start[0][s][0] != start[0][seeds + s][0]);
 }
 
-/* Whether two settled trajectories are on one orbit, by the orbits that classification finds. */
+/* Whether two settled trajectories are on the same orbit, by classification. */
 static bool same_motion(const saltus_system *system, const saltus_motion *a, const saltus_motion *b) {
     if (strcmp(a->label, b->label) != 0)
         return false;
@@ -539,8 +539,8 @@ static bool same_motion(const saltus_system *system, const saltus_motion *a, con
     return false;
 }
 
-/* Numbers are dense from 0 in the order of seeds; the same orbit, whatever its phase, has the same, a mirror
- * image another; all that has not settled counts as one. */
+/* Attractors are numbered from 0 without gaps in the order of seeds: the same orbit at any phase has the same
+ * number, a mirror image another; all unsettled motions count as one. */
 static void attractors_are_numbered_by_orbits(void **unused) {
     (void)unused;
     enum { seeds = 16 };
@@ -595,7 +595,7 @@ static void attractors_are_numbered_by_orbits(void **unused) {
     }
 }
 
-/* What is not asked for is not there, and what is asked for is the same whatever else is. */
+/* What is not requested is absent, and what is requested does not depend on the rest. */
 static void only_what_is_asked_for_is_kept(void **unused) {
     (void)unused;
     const saltus_scene scene = scene_of("impact-oscillator", "");
@@ -627,8 +627,8 @@ static void only_what_is_asked_for_is_kept(void **unused) {
     close_single(&full);
 }
 
-/* A 1/2 motion is not found among periods up to 1, and is then recorded for as long as asked for, after as
- * long as it was given. */
+/* A 1/2 motion is not found among periods up to 1; it is then recorded for the requested time, after the full
+ * transient. */
 static void longest_transient_and_record_are_heeded(void **unused) {
     (void)unused;
     const saltus_scene scene = scene_of("near-grazing", "c=0.08 F=0.37");
@@ -648,7 +648,7 @@ static void longest_transient_and_record_are_heeded(void **unused) {
         }
 }
 
-/* Other integrators and orders give other bits and the same motion. */
+/* Other integrators and orders give other bits but the same motion. */
 static void the_flows_options_are_heeded(void **unused) {
     (void)unused;
     const saltus_scene scene = scene_of("impact-oscillator", "");
@@ -670,9 +670,9 @@ static void the_flows_options_are_heeded(void **unused) {
     close_single(&usual);
 }
 
-/* Chaos is asserted from an eighth of the periods that may be measured on, and from 500; a motion that may be
- * measured for fewer is irregular where its exponent is positive beyond doubt, else undecided, and one that
- * may not be measured has no exponent. */
+/* Chaos is asserted after at least an eighth of the periods that may be measured, and 500. A motion that may
+ * be measured for fewer is irregular if its exponent is positive beyond doubt, otherwise undecided; without
+ * measurement it has no exponent. */
 static void chaos_is_measured_as_long_as_said(void **unused) {
     (void)unused;
     static const long long measures[] = {0, 100, 400, 499, 500, 900, 4000, 9000, 20000};
@@ -693,15 +693,15 @@ static void chaos_is_measured_as_long_as_said(void **unused) {
                             ? most == 0 || row->lyapunov > 3 * row->lyapunov_error
                             : most > 0 && row->verdict == SALTUS_UNDECIDED);
         else
-            /* Whether a stable orbit is found amid it is a matter of the points that are there. */
+            /* Whether a stable orbit is found amid it depends on the points present. */
             assert_true(row->verdict == SALTUS_CHAOTIC || row->verdict == SALTUS_TRANSIENT);
         if (most == 0)
             assert_true(isnan(row->lyapunov) && isnan(row->lyapunov_error) && row->settled == 100);
         else {
-            /* Before it is measured, the tangent vector turns into the direction that grows. */
+            /* Before measurement the tangent vector turns into the growing direction. */
             assert_true(measured <= most + 100 && measured >= (most < 500 ? most : 500));
             assert_true(most < 500 || measured >= most / 8);
-            /* It is looked at each time that the number of periods has doubled. */
+            /* It is examined each time the number of periods has doubled. */
             assert_true(measured <= 2 * (most / 8 > 500 ? most / 8 : 500) + 100);
             assert_true(row->lyapunov > 0 && row->lyapunov_error > 0 && row->lyapunov < 1);
         }
@@ -709,7 +709,7 @@ static void chaos_is_measured_as_long_as_said(void **unused) {
     }
 }
 
-/* A feed that counts who is in it, and checks that tasks end when their places have been handed out. */
+/* A feed that counts its callers, and checks that tasks end when their places have been handed out. */
 typedef struct strict_feed {
     outcome outcome;
     atomic_int inside;
@@ -739,7 +739,7 @@ static saltus_status strict_take(void *context, const saltus_sweep_result *resul
     saltus_sweep_result back;
     enter_feed(f);
     saltus_status status = keep_result(&f->outcome, result, message);
-    /* Packed and unpacked it is the same, number by number. */
+    /* Packing and unpacking changes no number. */
     f->clean = f->clean && saltus_sweep_unpack(sweep, f->outcome.block[result->place],
                                                f->outcome.size[result->place], &back);
     int seeds = saltus_sweep_choices(sweep)->seeds, n = saltus_sweep_dimension(sweep);
@@ -824,7 +824,7 @@ static void the_feed_is_asked_and_told_in_order(void **unused) {
     }
 }
 
-/* More lanes and threads may be asked for than there are, and than there are trajectories. */
+/* More lanes and threads may be requested than exist, and than there are trajectories. */
 static void lanes_and_threads_are_at_most(void **unused) {
     (void)unused;
     static const int most[][2] = {{2, 1}, {15, 1}, {16, 1}, {17, 1}, {1000, 1}, {0, 64}, {1000, 1000}};
@@ -876,8 +876,8 @@ static void basins_need_a_plane_of_initial_states(void **unused) {
     saltus_basins_free(NULL);
 }
 
-/* Each settled row is on the orbit that it is said to belong to; new ones are numbered as they come; the
- * others have none. */
+/* Each settled row is on its attractor's orbit; attractors are numbered as they are found; other rows have
+ * none. */
 static int check_basins(const char *name, const char *settings, const char *first, const char *second,
                         int transient, double rtol) {
     saltus_scene scene = scene_of(name, settings);
@@ -921,8 +921,8 @@ static int check_basins(const char *name, const char *settings, const char *firs
 
 static void basins_sort_by_orbits(void **unused) {
     (void)unused;
-    /* A mirror pair of period 2, whose rows end at either phase; two rests and what is on the way to them;
-     * chaos beside an orbit; starts beyond the stop. */
+    /* A mirror pair of period 2, whose rows end at either phase; two equilibria and trajectories on the way
+     * to them; chaos beside an orbit; starts beyond the stop. */
     assert_int_equal(check_basins("fig3", "", "q1=-0.03:0.03:5", "v1=-1:1:5", 300, 1e-10), 2);
     assert_int_equal(
         check_basins("pipe", "N=1 sigma=0 omega=20 free", "q1=-0.02:0.03:5", "v1=-1:1:3", 300, 1e-10), 2);
@@ -932,8 +932,8 @@ static void basins_sort_by_orbits(void **unused) {
                 100);
 }
 
-/* A state that is only near an attractor leads to it all the same; one that has come to no attractor, or
- * cannot be looked at, belongs to none. */
+/* A state that is only near an attractor still leads to it; a row that has reached no attractor, or cannot be
+ * examined, belongs to none. */
 static void states_near_an_attractor_belong_to_it(void **unused) {
     (void)unused;
     static const double away[] = {0, 1e-9, 9e-8, 1.1e-7, 1e-5, -1e-3};

@@ -1,5 +1,5 @@
-/* A sweep is taken up again only by the same sweep: everything that its results depend on is changed in turn,
- * and the sentence names what differs, what it was and what it is.
+/* A sweep can be resumed only by the same sweep: everything on which its results depend is changed in turn,
+ * and the message names what differs, with both values.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 #include "made_sweep.h"
@@ -8,7 +8,7 @@
 
 static const double clearances[] = {0.5, 0.25, 1.75};
 
-/* A sweep as it is before it is made. */
+/* A sweep's definition before it is created. */
 typedef struct recipe {
     saltus_scene scene;
     saltus_axis axes[2];
@@ -78,7 +78,7 @@ static void check_difference(recipe *changed, const char *const path[2], const c
     saltus_sweep_free(sweep);
 }
 
-/* A numeric entry: its two values in the sentence are these. */
+/* A numeric entry; the message has both values. */
 static void check_numbers(recipe *changed, const char *const path[2], const char *name, double there,
                           double now) {
     char words[160];
@@ -214,7 +214,7 @@ static void every_parameter_tells_sweeps_apart(void **state) {
     }
 }
 
-/* A sweep of basins is another one, and so is one over fewer initial values. */
+/* A sweep of basins is a different sweep, and so is one over fewer initial values. */
 static void basins_are_another_kind(void **state) {
     (void)state;
     place p;

@@ -1,5 +1,5 @@
 /* Files of sweeps: the journal, the HDF5 file made from it, tables, resuming, refusals. Most results are made
- * up: what is tested is that nothing of them is lost or changed, whatever happens on the way.
+ * up: none of them may be lost or changed, whatever happens.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 #include "folder.h"
@@ -97,7 +97,7 @@ static void check_same_bytes(const char *path, const unsigned char *expected, si
     free(bytes);
 }
 
-/* Numbers that depend on their arguments alone. */
+/* Numbers that depend only on their arguments. */
 static unsigned long long mix(unsigned long long a, unsigned long long b) {
     unsigned long long x = a * 0x9e3779b97f4a7c15u + b + 0x632be59bd9b4e019u;
     x = (x ^ x >> 31) * 0xbf58476d1ce4e5b9u;
@@ -199,7 +199,7 @@ static long long places_of(const saltus_sweep *sweep) {
     return saltus_sweep_pass_count(sweep) * saltus_sweep_points(sweep);
 }
 
-/* Take `count` places of a random order that are not there yet. */
+/* Store `count` missing places, in random order. */
 static void take_some(saltus_sweep_output *output, const saltus_sweep *sweep, long long count,
                       unsigned order) {
     long long places = places_of(sweep), *list = malloc((size_t)places * sizeof *list);
@@ -324,7 +324,7 @@ static void results_read_back(void **state) {
     folder_files(f->folder, true);
 }
 
-/* The name of a row's motion, from its numbers: n/p, chatter/p or the verdict. */
+/* The label of a row's motion, from its numbers: n/p, chatter/p or the verdict. */
 static const char *label_of(const saltus_sweep_row *row, char label[32]) {
     if (row->verdict != SALTUS_PERIODIC)
         snprintf(label, 32, "%s", saltus_verdict_word((saltus_verdict)row->verdict));
@@ -354,7 +354,7 @@ static void check_labels(const fixture *f, hid_t file) {
     H5Dclose(set);
 }
 
-/* Plain names and shapes, as another program finds them. */
+/* Datasets have plain names and shapes, as another program reads them. */
 static void layout_is_plain(void **state) {
     const fixture *f = *state;
     char path[path_size], word[32] = "";
@@ -426,8 +426,7 @@ static void results_that_do_not_fit_are_refused(void **state) {
     folder_files(f->folder, true);
 }
 
-/* Order and interruptions do not matter either for a grid that is written in several tiles, and clouds of
- * several chunks. */
+/* Order and interruptions also do not matter for a grid of several tiles and clouds of several chunks. */
 static void large_grids_are_written_in_parts(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -491,7 +490,7 @@ static void interrupted_runs_lose_nothing(void **state) {
     folder_files(f->folder, true);
 }
 
-/* A run that is killed in the middle, and the next one with it, in turn. */
+/* A run is killed in the middle, and then the next one, repeatedly. */
 static void killed_runs_lose_nothing(void **state) {
     const fixture *f = *state;
     char path[path_size];
@@ -547,7 +546,7 @@ static void torn_journals_are_cut_back(void **state) {
         saltus_sweep_output *output = NULL;
         saltus_status status = saltus_sweep_output_open(path, f->sweep, false, true, NULL, &output, &message);
         if (status != SALTUS_OK) {
-            /* Not even the head is whole: the file there is an unfinished one without a journal. */
+            /* The head is incomplete: the file counts as an unfinished one without a journal. */
             assert_int_equal(status, SALTUS_BAD_INPUT);
             assert_non_null(strstr(message.text, "is not finished"));
             remove(path);
@@ -564,7 +563,7 @@ static void torn_journals_are_cut_back(void **state) {
     folder_files(f->folder, true);
 }
 
-/* Nothing that may be in a journal makes a run crash, or gets into the file. */
+/* No content of a journal makes a run crash, or gets into the file. */
 static void damaged_journals_do_no_harm(void **state) {
     const fixture *f = *state;
     char path[path_size], journal[path_size];
@@ -595,8 +594,8 @@ static void damaged_journals_do_no_harm(void **state) {
     folder_files(f->folder, true);
 }
 
-/* A length that goes beyond the file by one byte or by as much as can be written down, or ends in the padding
- * that is not there: of the head it is damage, of a record it is the end of what is whole. */
+/* A length that exceeds the file by one byte or by as much as can be written, or ends in missing padding: in
+ * the head it is damage, in a record the end of the valid part. */
 static void lengths_beyond_the_file_are_seen(void **state) {
     enum { length_at = 16, head_bytes = 32 };
     const fixture *f = *state;
@@ -648,7 +647,7 @@ static void lengths_beyond_the_file_are_seen(void **state) {
     folder_files(f->folder, true);
 }
 
-/* Opening fails with a sentence in which all the words stand. */
+/* Opening fails with a message that contains all these words. */
 static void check_refused(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
                           saltus_status expected, const char *const words[3]) {
     saltus_message message = {.text = ""};
@@ -663,7 +662,7 @@ static void check_refused(const char *path, const saltus_sweep *sweep, bool basi
 
 enum { changes = 15 };
 
-/* The sweep with one of the things changed that its results depend on, and what the sentence then says. */
+/* The sweep with one change on which its results depend, and the resulting message. */
 static saltus_sweep *changed_sweep(const fixture *f, int change, const char *words[3]) {
     static const char *const said[changes][3] = {
         {"k is 1 there and 2 now"},
@@ -727,7 +726,7 @@ static void another_sweep_is_refused(void **state) {
     free(bytes);
 }
 
-/* The numbers of lanes and threads are nothing that results depend on, the scene's name neither. */
+/* Results do not depend on the numbers of lanes and threads, nor on the scene's name. */
 static void finished_files_count_as_done(void **state) {
     const fixture *f = *state;
     saltus_scene scene = f->scene;
@@ -766,7 +765,7 @@ static void resuming_needs_the_journal(void **state) {
     check_refused(path, f->sweep, false, true, SALTUS_BAD_INPUT,
                   (const char *const[3]){journal, "is not a journal"});
     assert_int_equal(folder_files(f->folder, true), 2);
-    /* Where there is nothing, all is still to be done. */
+    /* Without a file everything is still to be done. */
     saltus_sweep_output *output = open_output(path, f->sweep, true);
     assert_false(saltus_sweep_output_has(output, 0));
     close_output(output);
@@ -783,7 +782,7 @@ static void a_journal_is_for_one_run(void **state) {
                       (const char *const[3]){"a.h5.journal", "in use by another run"});
     take(output, f->sweep, 1);
     close_output(output);
-    /* Without resuming, what is there is replaced. */
+    /* Without --resume existing files are replaced. */
     output = open_output(path, f->sweep, false);
     assert_false(saltus_sweep_output_has(output, 0));
     close_output(output);
@@ -819,7 +818,7 @@ static void what_cannot_be_written_is_refused_at_once(void **state) {
     assert_int_equal(folder_files(f->folder, false), 0);
 }
 
-/* From here on no file may grow beyond a length; 0: any. Stands for a full disk. */
+/* From here on no file may grow beyond a length (0: any), as on a full disk. */
 static void limit_files(rlim_t length) {
     struct rlimit limit;
     signal(SIGXFSZ, length ? SIG_IGN : SIG_DFL);
@@ -851,7 +850,7 @@ static void full_disks_lose_nothing_in_the_journal(void **state) {
         assert_non_null(strstr(message.text, "--resume"));
         assert_false(saltus_sweep_output_has(output, place - 1));
         limit_files(0);
-        /* There is room again: the same output goes on, or the next one. */
+        /* With space again the same output goes on, or the next one. */
         if (k % 2)
             take(output, f->sweep, place - 1);
         close_output(output);
@@ -935,7 +934,7 @@ static void damaged_files_are_refused(void **state) {
     free(bytes);
 }
 
-/* Write over the first entry of a dataset; the seal is lost, as with any program that changes a file. */
+/* Overwrite the first entry of a dataset; as with any program that changes a file, the seal is lost. */
 static void spoil(const char *path, const char *name, hid_t memory, const void *value) {
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), set = H5Dopen2(file, name, H5P_DEFAULT);
     hid_t space = H5Dget_space(set), one = H5Screate(H5S_SCALAR);
@@ -967,7 +966,7 @@ static void check_unsound(const char *path, const char *what) {
         fail_msg("\"%s\" does not say \"%s\"", message.text, what);
 }
 
-/* Files that HDF5 finds in order, but not we. */
+/* Files that are valid HDF5 but not valid sweeps. */
 static void wrong_contents_are_refused(void **state) {
     const fixture *f = *state;
     static const struct {
@@ -999,7 +998,7 @@ static void wrong_contents_are_refused(void **state) {
             assert_true(H5Ldelete(file, needed[k], H5P_DEFAULT) >= 0);
         H5Fclose(file);
         if (strcmp(needed[k], "parameters/stop_1") == 0)
-            continue; /* a sweep without stops is one as well */
+            continue; /* a sweep without stops is valid too */
         check_unsound(path, strchr(needed[k], '/') + 1);
     }
     const double nan = NAN;
@@ -1019,7 +1018,7 @@ static saltus_status read_text(const char *path, const char *name, char again[60
     return status;
 }
 
-/* A text is read whole or not at all, however another program stored it. Some of the lists here are right up
+/* A text is read completely or not at all, however another program stored it. Some lists here are correct up
  * to where they would be cut. */
 static void long_texts_are_not_cut(void **state) {
     static const struct {
@@ -1056,7 +1055,7 @@ static void long_texts_are_not_cut(void **state) {
     free(bytes);
 }
 
-/* What another version has computed is not gone on with. */
+/* Results of another version are not resumed. */
 static void another_version_is_another_sweep(void **state) {
     const fixture *f = *state;
     char path[path_size];
@@ -1089,7 +1088,7 @@ static void wrong_options_are_refused(void **state) {
     free(bytes);
 }
 
-/* Files and journals of before are refused, for what they lack or for what they say they are. */
+/* Older files and journals are refused, for what they lack or for their version. */
 static void files_of_before(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -1113,7 +1112,7 @@ static void files_of_before(void **state) {
     free(bytes);
 }
 
-/* A sweep without clouds, as for tables. */
+/* A sweep without clouds, as tables have none. */
 static saltus_sweep *plain_sweep(const fixture *f) {
     saltus_sweep_options options = full_options();
     saltus_axis axes[2];
@@ -1277,7 +1276,7 @@ static void tables_can_be_resumed(void **state) {
     folder_files(f->folder, true);
 }
 
-/* What the file does not hold, or what cannot be written, leaves the path as it was. */
+/* A request that the file cannot serve, or a write error, leaves the path unchanged. */
 static void tables_that_are_lacking_are_refused(void **state) {
     const fixture *f = *state;
     static const struct {
@@ -1316,7 +1315,7 @@ static void tables_that_are_lacking_are_refused(void **state) {
     folder_files(f->folder, true);
 }
 
-/* A place that is there already is left as it is; what is nothing can be closed and cleared. */
+/* A stored place is not overwritten; empty objects can be closed and cleared. */
 static void a_place_is_taken_once(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -1391,7 +1390,7 @@ static void clouds_go_to_tables(void **state) {
     folder_files(f->folder, true);
 }
 
-/* Results that have been computed, for basins: a result is taken, or its place is skipped. */
+/* Computed results, for basins: each is stored, or its place is skipped. */
 typedef struct feeding {
     const saltus_sweep *sweep;
     saltus_sweep_output *output;
@@ -1420,7 +1419,7 @@ static void run_basins(const saltus_sweep *sweep, const char *path, bool resume,
     check_ok(saltus_sweep_output_close(feed.output, &message), &message);
 }
 
-/* A stop that is reached from far starts only: the motion without impacts lives beside one with them. */
+/* A stop reached only from far starts: the motion without impacts coexists with one with impacts. */
 static void basins_tell_attractors_apart(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};

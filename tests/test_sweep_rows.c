@@ -1,20 +1,20 @@
-/* What a sweep's rows and clouds say is what a trajectory does that is run from the row's own state, counted
- * here anew: extremes, speeds, rates, contact, turning points, impacts, section points, orbits, periods.
+/* A sweep's rows and clouds agree with a trajectory run from the row's own state and counted again here:
+ * extremes, speeds, rates, contact, turning points, impacts, section points, orbits, periods.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_check.h"
 
 enum { dimension_max = 16, samples = 256, listed_max = 4000 };
 
-/* A trajectory, watched by sampling its observed displacement densely and by its contact events. */
+/* A trajectory, observed by dense samples of its displacement and by its contact events. */
 typedef struct recount {
     const saltus_system *system;
-    double largest, smallest, speed, contact, since; /* `since`: begin of the contact under way, or -1 */
+    double largest, smallest, speed, contact, since; /* `since`: begin of the present contact, or -1 */
     long long impacts, sticks;
     bool chatter;
     int turnings, listed, sections;
     double turning[listed_max], section[listed_max], end[dimension_max];
     saltus_sweep_impact impact[listed_max];
-    double x, v, at; /* observed at the last look; v = 0: held on the observed stop */
+    double x, v, at; /* observed at the last sample; v = 0: held on the observed stop */
 } recount;
 
 static double observed(const saltus_system *system, const double *vector) {
@@ -35,7 +35,7 @@ static void list_turning(recount *r, double x) {
     r->turning[r->turnings++] = x;
 }
 
-/* From the last look to another one in free flight: a change of the velocity's sign is a turning point. */
+/* From the last sample to the next one in free flight: a sign change of the velocity is a turning point. */
 static void look(recount *r, double at, double x, double v, bool flight) {
     double duration = (at - r->at) * saltus_system_period(r->system);
     if (flight && r->v * v < 0) {
@@ -49,7 +49,7 @@ static void look(recount *r, double at, double x, double v, bool flight) {
     r->v = v;
 }
 
-/* What the observed velocity was before an impulse along a stop's normal. */
+/* The observed velocity before an impulse along a stop's normal. */
 static double velocity_before(const recount *r, const saltus_event *event, const double *state) {
     const double *observer = saltus_system_observer(r->system),
                  *normal =
@@ -69,7 +69,7 @@ static void contact_event(recount *r, const saltus_event *event, const double *s
            after = observed(r->system, state + saltus_system_dof(r->system));
     saltus_face face = saltus_system_face(r->system, event->face);
     bool own = face.stop == 0, strikes = event->kind != SALTUS_RELEASE && event->velocity_before != 0;
-    /* A chatter that completes is leapt over: no turning points are told of it. */
+    /* A complete chatter is skipped: its turning points are not reported. */
     look(r, at, x, before, r->v != 0 && !(event->kind == SALTUS_STICK && face.r > 0));
     if (strikes) {
         assert_true(r->listed < listed_max);
@@ -146,7 +146,7 @@ static void check_measures(const single *s, const recount *r, const saltus_syste
     check_near(row->contact_fraction, r->contact / length, 1e-7);
 }
 
-/* The last arcs of a chatter are lower than rounding: there only what is higher is compared. */
+/* The last arcs of a chatter are lower than rounding: only higher ones are compared. */
 static int next_turning(const recount *r, const double *turning, int k, int count, double unit) {
     double stop = saltus_system_face_count(r->system)
                       ? saltus_system_face(r->system, 0).d * saltus_system_face(r->system, 0).side
@@ -177,7 +177,7 @@ static void check_clouds(const single *s, const recount *r, const saltus_system 
         check_near(result->impacts[k].speed, r->impact[k].speed, 1e-6 * fast);
         assert_int_equal(result->impacts[k].face, r->impact[k].face);
     }
-    /* At rest the velocity's sign is rounding's. */
+    /* At rest the sign of the velocity is rounding. */
     if (result->rows->verdict != SALTUS_EQUILIBRIUM)
         check_turning(r, result->turning, (int)result->turning_counts[0], unit);
     assert_int_equal(result->strobe_counts[0], r->sections);
@@ -185,7 +185,7 @@ static void check_clouds(const single *s, const recount *r, const saltus_system 
         check_near(scaled(system, result->strobes + k * n, r->section + k * n), 0, 1e-6);
 }
 
-/* Recount what was recorded, from its first section point. */
+/* Recount what was recorded, from its first section point on. */
 static void check_recorded(const single *s) {
     static recount r;
     const saltus_sweep_row *row = s->result.rows;
@@ -207,7 +207,7 @@ typedef struct motion_case {
     const char *scene, *settings, *key;
     double value;
     const char *label;
-    bool far; /* a first stop out of reach, whose coordinate is the one observed */
+    bool far; /* a first stop out of reach, with the observed coordinate */
 } motion_case;
 
 /* One stop, both, none, another stop than the observed one; chatter within a period and across the section;
@@ -272,7 +272,7 @@ static void rows_equal_a_recount(void **unused) {
     }
 }
 
-/* The same over a fixed time; where the motion is certain, both ways tell the same of it. */
+/* The same over a fixed time; if the motion is certain, both ways agree. */
 static void fixed_rows_equal_a_recount_too(void **unused) {
     (void)unused;
     for (size_t k = 0; k < sizeof motions / sizeof motions[0]; k++) {
@@ -307,8 +307,8 @@ static void fixed_rows_equal_a_recount_too(void **unused) {
     }
 }
 
-/* A motion without a certain period is recorded after the time it had to settle: that long is its way from
- * the scene's initial state to the first section point kept, and so many impacts are on it. */
+/* A motion without a certain period is recorded after its transient: the time from the scene's initial state
+ * to the first section point recorded, with all impacts on the way counted. */
 static void the_way_to_the_verdict_is_counted(void **unused) {
     (void)unused;
     static const motion_case ways[] = {
@@ -346,9 +346,9 @@ static void the_way_to_the_verdict_is_counted(void **unused) {
             }
 }
 
-/* A trajectory that starts on its orbit, and is disturbed a little to prove that the orbit is stable, has the
- * orbit's own number of impacts per period until the verdict. Held from the start, it has none: the
- * disturbance does not take it off its stop, whatever the length of the normal. */
+/* A trajectory that starts on its orbit, and is slightly disturbed to prove stability, has the orbit's number
+ * of impacts per period until the verdict. Held from the start, it has none: the disturbance does not lift it
+ * off its stop, for any length of the normal. */
 static void a_start_on_the_orbit_counts_the_orbit(void **unused) {
     (void)unused;
     static const motion_case orbits[] = {

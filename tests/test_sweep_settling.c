@@ -1,12 +1,12 @@
-/* When a trajectory of a sweep has settled: the orbit is as near as the sweep promises, for multipliers that
- * bring it there from one side, in turns or in a spiral; and not much later than that.
+/* When a trajectory of a sweep counts as settled: its distance from the orbit is as small as promised, for
+ * approaches from one side, alternating or in a spiral; and not much later.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
 #include "motion/settle.h"
 #include "saltus/sweep.h"
 #include "sweep_check.h"
 
-/* Where a settled trajectory is, at most, away from its orbit: sweep.h. */
+/* The largest distance of a settled trajectory from its orbit (sweep.h). */
 static double promised(const saltus_sweep_options *options) {
     return fmax(1e-10, 10 * options->flow.rtol);
 }
@@ -26,8 +26,8 @@ static saltus_scene scene_with(const saltus_spec *spec) {
     return scene;
 }
 
-/* The oscillator that turns by `angle` while it decays to `modulus` from period to period: the multipliers
- * are modulus exp(+-i angle). At angle 0 or pi both are the same real number. */
+/* An oscillator that rotates by `angle` and decays by `modulus` in each period: the multipliers are modulus
+ * exp(+-i angle). At angle 0 or pi both are the same real number. */
 static closed_oscillator turning_by(double modulus, double angle) {
     closed_oscillator o = {.F = 0.5L, .omega = 0.9L, .d = 1e5, .r = 0.8L, .periods = 1};
     long double period = closed_period(&o), natural = (angle > 0 ? angle : 2 * CLOSED_PI) / period;
@@ -36,8 +36,8 @@ static closed_oscillator turning_by(double modulus, double angle) {
     return o;
 }
 
-/* Free motion, whose orbit is the steady solution: how far it is when the orbit is said to be reached, in
- * parts of what is promised. */
+/* Free motion, whose orbit is the steady solution: the distance when the orbit counts as reached, over the
+ * promised one. */
 static double distance_left(double modulus, double angle, double rtol) {
     closed_oscillator o = turning_by(modulus, angle);
     saltus_spec spec = closed_spec(&o);
@@ -56,7 +56,7 @@ static double distance_left(double modulus, double angle, double rtol) {
     return left / promised(&options);
 }
 
-/* From one side or in turns, the distance is exact where the multiplier is: nothing is waited for in vain. */
+/* For real multipliers the distance is known exactly, so no time is lost. */
 static void an_orbit_is_reached_when_it_is_near(void **unused) {
     (void)unused;
     static const double moduli[] = {0.9, 0.8, 0.6, 0.3}, tolerances[] = {1e-10, 3e-11, 1e-12};
@@ -82,7 +82,7 @@ static void a_spiral_is_not_left_early(void **unused) {
         }
 }
 
-/* Orbits with impacts, of one period and of two: near the one that Newton's method finds. */
+/* Orbits with impacts, of one period and of two: close to the orbit of Newton's method. */
 static void orbits_with_impacts_are_near_too(void **unused) {
     (void)unused;
     static const struct {
@@ -116,7 +116,7 @@ static void orbits_with_impacts_are_near_too(void **unused) {
     }
 }
 
-/* A damped free motion loses c / 2 per unit of time, whatever its period. */
+/* A damped free motion decays at the rate c / 2, for any period. */
 static void a_free_motions_exponent_is_its_decay(void **unused) {
     (void)unused;
     for (double angle = 0; angle < 3.2; angle += 1.05) {
@@ -132,8 +132,8 @@ static void a_free_motions_exponent_is_its_decay(void **unused) {
     }
 }
 
-/* Points that close in on one, told with so many impacts and contacts in every other period: the period that
- * they are said to have settled on. */
+/* Points that converge to one, with given impacts and contacts in every other period; returns the period on
+ * which they settle. */
 static int period_of_points(const saltus_system *system, long long impacts, long long contacts, bool *doubt) {
     saltus_settling settling;
     long long impacts_so_far = 0, contacts_so_far = 0;
@@ -154,7 +154,7 @@ static int period_of_points(const saltus_system *system, long long impacts, long
     return period;
 }
 
-/* What differs from period to period is no orbit of one period, however well the points recur. */
+/* A motion that differs from period to period has not period one, however closely points recur. */
 static void counts_must_recur_as_points_do(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
@@ -167,7 +167,7 @@ static void counts_must_recur_as_points_do(void **unused) {
     saltus_system_free(system);
 }
 
-/* A made-up series of points of two numbers, in the system's scales, with an impact in each period. */
+/* A made-up series of points with two entries, in the system's scales, with an impact in each period. */
 typedef struct series {
     saltus_settling settling;
     const double *scale;
@@ -186,8 +186,8 @@ static void add(series *s, double x, double y) {
     saltus_settling_add(&s->settling, point, s->impacts, s->contacts);
 }
 
-/* Where a part of the period recurs but stays away from closing, the period is in doubt; where it has nearly
- * closed, it is waited for. Either is looked at now and then only. */
+/* If a part of the period recurs but does not close, the period is in doubt; if it has nearly closed, it is
+ * waited for. Both are examined only now and then. */
 static void a_part_that_does_not_close_leaves_doubt(void **unused) {
     (void)unused;
     static const struct {
@@ -218,8 +218,8 @@ static void a_part_that_does_not_close_leaves_doubt(void **unused) {
     saltus_system_free(system);
 }
 
-/* An orbit that iteration would not reach in the time given is found where the recurrences shrink: its
- * multiplier is known, and so is the time that would be needed. */
+/* An orbit that iteration would not reach in the given time is found from the shrinking recurrences: its
+ * multiplier is known, and so is the time needed. */
 static void slow_orbits_are_found_in_time(void **unused) {
     (void)unused;
     for (int k = 0; k < 3; k++) {
@@ -246,8 +246,8 @@ static int gcd(int a, int b) {
     return b ? gcd(b, a % b) : a;
 }
 
-/* Points that recur nearly after a time that does not divide the period, as those do that wander up and down
- * in steps of that time: it is no part of the period, which is looked at each time and is in no doubt. */
+/* Points that nearly recur after a time that does not divide the period, as when they drift up and down in
+ * steps of that time: this is no part of the period, which is examined each time and is not in doubt. */
 static void what_divides_no_period_is_no_part(void **unused) {
     (void)unused;
     static const int periods[] = {7, 8, 10, 11, 13};
@@ -276,8 +276,8 @@ static void what_divides_no_period_is_no_part(void **unused) {
     saltus_system_free(system);
 }
 
-/* Four periods and two points are looked at before a period is said to be reached, a period and two points
- * that recur before it is hoped for; what was before the last reset does not count. */
+/* Four periods and two points are examined before a period counts as reached; a period and two points must
+ * recur before one is expected; points before the last reset do not count. */
 static void a_period_is_seen_often_enough(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
@@ -299,7 +299,7 @@ static void a_period_is_seen_often_enough(void **unused) {
     saltus_system_free(system);
 }
 
-/* Where the points have jumped what was before counts no more: a period and two points more must recur. */
+/* After a jump earlier points no longer count: a period and two more points must recur. */
 static void a_jump_begins_anew(void **unused) {
     (void)unused;
     enum { before = 100 };
@@ -320,8 +320,8 @@ static void a_jump_begins_anew(void **unused) {
     saltus_system_free(system);
 }
 
-/* Of the last two cycles the one in which the recurrences have shrunk less tells how they will: one good step
- * brings nothing near, nor does one that was good before. */
+/* Of the last two cycles the one in which recurrences shrank less predicts the rest: a single good step, or
+ * an earlier one, proves nothing. */
 static void one_good_step_is_not_trusted(void **unused) {
     (void)unused;
     static const double steps[][2] = {{0.9, 0.1}, {0.1, 0.9}, {0.6, 0.02}, {0.02, 0.6}, {0.5, 0.5}};
@@ -346,7 +346,7 @@ static void one_good_step_is_not_trusted(void **unused) {
     saltus_system_free(system);
 }
 
-/* At rest nothing moves and nothing happens, over three periods. */
+/* At rest nothing moves and no event occurs, over three periods. */
 static void a_rest_is_still(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);
@@ -365,9 +365,8 @@ static void a_rest_is_still(void **unused) {
     saltus_system_free(system);
 }
 
-/* Of a geometric series the distance left is known: a period is reached when the limit is not below it. One
- * that shrinks to less than a hundredth is believed that much only; one that does not shrink is not reached.
- */
+/* For a geometric series the remaining distance is known: a period is reached when the limit is not below it.
+ * A factor below a hundredth counts as a hundredth; a series that does not shrink is not reached. */
 static void the_distance_left_of_a_series_is_its_rest(void **unused) {
     (void)unused;
     static const double ratios[] = {0.95, 0.5, 0.02, 0.005, -0.005, -0.3, -0.9};
@@ -383,7 +382,7 @@ static void the_distance_left_of_a_series_is_its_rest(void **unused) {
                 for (int phase = 0; phase < period; phase++) {
                     s.impacts++;
                     s.contacts += 2;
-                    /* Large numbers would drown what is small beside them. */
+                    /* Large numbers would hide small ones beside them. */
                     add(&s, away, phase ? 0.1 * phase : 0);
                 }
             away /= ratio;
@@ -406,7 +405,7 @@ static void the_distance_left_of_a_series_is_its_rest(void **unused) {
     saltus_system_free(system);
 }
 
-/* Points that close in on a spiral: never said to be nearer than they are. */
+/* Points that converge in a spiral: never reported to be closer than they are. */
 static void a_made_up_spiral_is_not_left_early(void **unused) {
     (void)unused;
     saltus_spec spec = oscillator_spec(0.1, 1, 1, 1);

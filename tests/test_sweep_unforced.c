@@ -1,5 +1,5 @@
-/* Sweeps of scenes without forcing: rows say what classification says of orbits with periods of their own, of
- * rests and of chaos.
+/* Sweeps of unforced scenes: rows agree with classification for orbits with their own periods, equilibria and
+ * chaos.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_check.h"
 
@@ -93,8 +93,8 @@ static void rows_and_motions_agree(void **unused) {
     gsl_rng_free(rng);
 }
 
-/* The valve in the flow rate, both ways: at rest beyond the Hopf point, a cycle without impacts to where it
- * grazes, chaos behind, then one impact in each cycle, one or two maxima long (independent programs: Hopf
+/* The valve along the flow rate, both ways: at rest beyond the Hopf point, a cycle without impacts up to
+ * grazing, chaos beyond, then one impact in each cycle of one or two maxima (independent programs: Hopf
  * 8.4911, grazing 7.5572, no period at 7.55, 7.30, 7.05). */
 static void the_valve_is_carried_through_its_diagram(void **unused) {
     (void)unused;
@@ -124,7 +124,7 @@ static void the_valve_is_carried_through_its_diagram(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Published: the flutter's exponent lies between 1 and 2 where it is chaotic. */
+/* Published: the flutter's exponent is between 1 and 2 in chaos. */
 static void exponents_tell_chaos(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("flutter", "");
@@ -149,8 +149,8 @@ static void exponents_tell_chaos(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Behind its fork the flutter has a pair of cycles, mirror images of each other, and every plane of initial
- * states that is symmetric holds as much of one basin as of the other. */
+/* Beyond its pitchfork the flutter has two mirrored cycles, whose basins are equally large in every symmetric
+ * plane of initial states. */
 static void basins_of_a_pair_are_mirror_images(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};

@@ -1,4 +1,4 @@
-/* Building systems: what is refused and how, and what the built system says.
+/* Building systems: refusals with their messages, and properties of the built system.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 #include "system/spectrum.h"
@@ -69,7 +69,7 @@ static void refused_oscillators(void **unused) {
     expect_refusal(&spec, "m = 0");
 }
 
-/* The numbers stand in a refusal in their order, those of the stop that is wrong. */
+/* A refusal states numbers in order, those of the offending stop. */
 static void refusals_tell_the_numbers(void **unused) {
     (void)unused;
     static const struct {
@@ -120,7 +120,7 @@ static void refusals_tell_the_numbers(void **unused) {
     spec.stops[2].weight[1] = 2;
     spec.stop_count = SALTUS_STOPS_MAX + 1;
     expect_refusal(&spec, "stops: 13 given, at most 12");
-    /* One stop alone has no number. */
+    /* A single stop is not numbered. */
     spec.stop_count = 1;
     spec.stops[0].r = 1.5;
     saltus_message message = {.text = ""};
@@ -140,7 +140,7 @@ static void refusals_tell_the_numbers(void **unused) {
     saltus_system_free(system);
 }
 
-/* A place where no mode moves by a millionth is none for a stop; two stops a thousandth of a millionth apart
+/* A place where no mode moves by a millionth cannot have a stop; two stops a thousandth of a millionth apart
  * are one. */
 static void limits_of_stops(void **unused) {
     (void)unused;
@@ -164,9 +164,8 @@ static void limits_of_stops(void **unused) {
     }
 }
 
-/* What magnitudes are typical: the smallest clearance that is one, without any the response to the forces,
- * with neither the unit; velocities by the faster of forcing and spring; modes of a pipe fall with their
- * number. */
+/* Typical magnitudes: the smallest clearance, without any the response to the forces, without either the
+ * unit; velocities by the faster of forcing and spring; modes of a pipe decrease with their number. */
 static void scales_are_typical(void **unused) {
     (void)unused;
     static const double clearances[][3] = {{0.5, -0.2, 0.3}, {0, 0.7, 2}, {0.3, 0, 0.4}, {0, 0, 0}};
@@ -212,8 +211,8 @@ static void scales_are_typical(void **unused) {
     saltus_system_free(system);
 }
 
-/* From a stop that is in the way the state that scenes begin at keeps the same distance wherever the stop
- * stands, beside how far the modes move there; so it does whatever the unit of length. */
+/* The default initial state keeps the same distance from a stop in its way, relative to how far the modes
+ * move there, wherever the stop is and in any unit of length. */
 static void default_states_keep_their_distance(void **unused) {
     (void)unused;
     double first = 0;
@@ -242,7 +241,7 @@ static void default_states_keep_their_distance(void **unused) {
     assert_true(first > 0);
 }
 
-/* Steps that an integrator takes in the second period of a motion that strikes nothing. */
+/* How many steps an integrator takes in the second period of a motion without impacts. */
 static double steps_in_a_period(const saltus_system *system, saltus_integrator integrator) {
     saltus_flow_options options = saltus_flow_defaults();
     double state[2 * 14];
@@ -260,11 +259,10 @@ static double steps_in_a_period(const saltus_system *system, saltus_integrator i
     return (double)(info.steps - first);
 }
 
-/* Collocation is mixed in where stability makes Taylor's steps so short that a motion takes some forty times
- * as many of them as of collocation's, each of which costs as much more; where there are impacts, after each
- * of which it begins anew, some eighty times as many; where several trajectories could run side by side on
- * series, twice as many. For masses: where damping outruns all else by some two hundred, in any unit of
- * time. */
+/* Collocation is mixed in if stability makes Taylor's steps so short that a motion takes some forty times as
+ * many of them, which is how much more a step of collocation costs; with impacts, after each of which
+ * collocation begins anew, some eighty times; if several trajectories could run in lanes, twice as many. For
+ * masses: if damping is faster than all else by some two hundred, in any unit of time. */
 static void the_integrator_follows_the_stiffness(void **unused) {
     (void)unused;
     const double omegas[] = {20, 42, 55};
@@ -308,7 +306,7 @@ static void the_integrator_follows_the_stiffness(void **unused) {
     }
 }
 
-/* The gap is a linear function; normals vanish exactly at the nodes of a mode. */
+/* The gap is linear; normals vanish exactly at nodes of a mode. */
 static void geometry(void **unused) {
     (void)unused;
     saltus_spec spec = pipe_spec(6, 20);
@@ -328,8 +326,8 @@ static void geometry(void **unused) {
     saltus_system_free(system);
 }
 
-/* The vector field is that of model.md: evaluated term by term here, through the flow there; its tangent
- * action against central differences, and the trace against the sum of the diagonal. */
+/* The vector field is that of model.md: evaluated here term by term, and by the flow; its tangent action
+ * against central differences, and the trace against the sum of the diagonal. */
 static void field_of(const saltus_spec *spec, const double *x, double phase, double *f) {
     int n = (int)saltus_spec_get(spec, "N");
     double alpha = saltus_spec_get(spec, "alpha"), beta = saltus_spec_get(spec, "beta");
@@ -421,7 +419,7 @@ static void flow_options_are_checked(void **unused) {
     saltus_system_free(system);
 }
 
-/* A kernel is forced by name; a name that does not exist is no silent default. */
+/* A kernel can be forced by name; an unknown name is refused, not ignored. */
 static void forced_instruction_sets(void **unused) {
     (void)unused;
     static const char *const names[] = {"x86-64", "x86-64-v3", "x86-64-v4", "x86-64-v5", ""};
@@ -448,8 +446,8 @@ static void forced_instruction_sets(void **unused) {
     saltus_system_free(system);
 }
 
-/* A disturbance is about as large as asked for, leads beyond no stop however near it is, also where both ways
- * do, and leaves a face that holds the state and the velocity along its normal as they are. */
+/* A disturbance has about the requested size and passes no stop, however near, also if both directions would;
+ * a held face keeps the state and velocity along its normal. */
 static void disturbed_states(void **unused) {
     (void)unused;
     const double size = 1e-5;
@@ -489,7 +487,7 @@ static double polynomial_modulus(int order, double complex z) {
     return cabs(sum);
 }
 
-/* The largest of it over the eigenvalues, as if none grew, after a step. */
+/* The largest of these after a step over the eigenvalues, with growing modes taken as decaying. */
 static double largest_modulus(const saltus_eigenvalues *known, int order, double step) {
     double largest = 0;
     for (int i = 0; i < known->count; i++) {
@@ -499,7 +497,7 @@ static double largest_modulus(const saltus_eigenvalues *known, int order, double
     return largest;
 }
 
-/* Within the limit no order's polynomial lets any mode grow, but for a hundredth of a percent; where
+/* Within the step limit the polynomial of no order lets a mode grow, up to a hundredth of a percent; if
  * stability sets the limit, one grows within two strides of the search beyond it. */
 static void steps_end_where_modes_grow(void **unused) {
     (void)unused;

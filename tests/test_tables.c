@@ -1,5 +1,5 @@
-/* What stands above a table, and what an object of JSON begins with: trajectories, spectra and exponents of
- * one scene say the same of it, in numbers that give the scene back, and each with what it was run.
+/* The heads of tables and the first members of JSON objects: trajectories, spectra and exponents of a scene
+ * describe it in the same way, with numbers that reproduce it, and each with its run's options.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "json.h"
 #include "made_record.h"
@@ -9,7 +9,7 @@
 
 enum { tables = 3, objects = 4 };
 
-/* A line of a head behind these words, without its end; to be freed. NULL: there is none. */
+/* The rest of a head's line after these words; freed by the caller. NULL: there is none. */
 static char *told(const char *text, const char *words) {
     char begin[120];
     snprintf(begin, sizeof begin, "\n# %s", words);
@@ -27,7 +27,7 @@ static void check_told(const char *text, const char *words, const char *wanted) 
     free(own);
 }
 
-/* A number behind "name = " in a line. */
+/* The number after "name = " in a line. */
 static double number_of(const char *line, const char *name) {
     size_t length = strlen(name);
     for (const char *at = line; (at = strstr(at, name)) != NULL; at++)
@@ -64,7 +64,7 @@ static void check_stop(const char *line, const saltus_spec *spec, int s) {
     assert_string_equal(line + strlen(line) - strlen(end), end);
 }
 
-/* A scene with as many stops, all their numbers different. */
+/* A scene with as many stops as possible, all numbers different. */
 static saltus_scene scene_with(bool pipe, int stops) {
     static const saltus_sides sides[] = {SALTUS_BOTH, SALTUS_UPPER, SALTUS_LOWER};
     saltus_scene scene = {.spec = pipe ? pipe_spec(3, 20) : oscillator_spec(0.125, 1.75, 1.5, 0.625)};
@@ -159,7 +159,7 @@ static void tables_tell_their_scene(void **state) {
     }
 }
 
-/* One object of JSON by each writer, of a result with nothing in it but what is needed. */
+/* One JSON object from each writer, of a result with only the necessary content. */
 static void write_objects(const saltus_scene *scene, const saltus_system *system, char *text[objects]) {
     double state[16] = {0}, exponent = 0.5, error = 0.25;
     int dimension = saltus_system_dimension(system);
@@ -202,7 +202,7 @@ static void check_stop_object(const json *o, const saltus_spec *spec, int s) {
     assert_string_equal(json_text_at(o, "sides"), sides[stop->sides]);
 }
 
-/* So do all objects of JSON; the first stop's numbers stand among the parameters, too. */
+/* So do all JSON objects; the first stop's numbers are also among the parameters. */
 static void objects_tell_their_scene(void **state) {
     (void)state;
     for (int k = 0; k < 2 * (SALTUS_STOPS_MAX + 1); k++) {
@@ -236,7 +236,7 @@ static void objects_tell_their_scene(void **state) {
     }
 }
 
-/* The options of a run are those that it was given, the integrator that which was used. */
+/* The options of a run are those given, the integrator is the one used. */
 static void tables_tell_their_options(void **state) {
     (void)state;
     static const saltus_integrator asked[] = {SALTUS_AUTOMATIC, SALTUS_TAYLOR, SALTUS_RADAU};
@@ -249,7 +249,7 @@ static void tables_tell_their_options(void **state) {
     saltus_lyapunov lyapunov = lyapunov_of(&exponent, &error);
     for (int k = 0; k < 6; k++) {
         saltus_scene scene = scene_with(false, 1);
-        if (k % 2) /* so much damping that it is stiff */
+        if (k % 2) /* damping that makes it stiff */
             set_parameter(&scene.spec, "c", 4000);
         saltus_system *system = build(&scene.spec);
         saltus_flow_options flow = saltus_flow_defaults();
@@ -292,7 +292,7 @@ static void tables_tell_their_options(void **state) {
     }
 }
 
-/* An exponent is told with its error where that is known, and what is lost for good as such. */
+/* An exponent is reported with its error if known, and lost directions as such. */
 static void tables_tell_what_is_not_known(void **state) {
     (void)state;
     static const double numbers[][2] = {{0.5, 0.25}, {-0.5, INFINITY}, {-INFINITY, 0}};
@@ -315,7 +315,7 @@ static void tables_tell_what_is_not_known(void **state) {
     saltus_system_free(system);
 }
 
-/* What does not fit leaves nothing behind, and what was there before stays. */
+/* A failing write leaves nothing behind, and existing files unchanged. */
 static void what_does_not_fit_leaves_nothing(void **state) {
     (void)state;
     static made_up m;

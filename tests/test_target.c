@@ -1,4 +1,4 @@
-/* What a command may write to: nothing that is there is lost without a word.
+/* What a command may write to: no existing file is lost silently.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 
@@ -11,7 +11,7 @@ static void put_text(fixture *f, const char *name, const char *text) {
     fclose(file);
 }
 
-/* Finished results of each kind, and one of each that was interrupted. */
+/* Finished results of each kind, and an interrupted one of each. */
 static int prepare(void **state) {
     open_fixture(state);
     put_text(*state, "scene.yaml", "model: oscillator\nc: 0.1\nF: 0.5\nomega: 1\nstop: {d: 1, r: 0.8}\n");
@@ -43,7 +43,7 @@ static int clear_up(void **state) {
     return close_fixture(state);
 }
 
-/* Exit status, nothing on stdout, one sentence on stderr that begins like this and holds that. */
+/* Check the exit status, nothing on stdout, and one message on stderr with this begin and this part. */
 static void check_refused(fixture *f, const char *line, int status, const char *begin, const char *part) {
     int got = run(f, line);
     char *out = said(f, "out"), *err = said(f, "err"), *end = strchr(err, '\n');
@@ -54,7 +54,7 @@ static void check_refused(fixture *f, const char *line, int status, const char *
     free(err);
 }
 
-/* The files of the folder that may not change: their bytes, one after the other. */
+/* The bytes of the files that must not change, one after the other. */
 static char *kept(fixture *f, size_t *length) {
     static const char *const names[] = {"scene.yaml",  "branch.h5", "sweep.h5",  "run.h5",   "table.csv",
                                         "samples.csv", "lines.csv", "notes.csv", "notes.h5", "data.gp"};
@@ -80,7 +80,7 @@ static void what_is_there_is_kept(void **state) {
         int status;
         const char *begin, *part;
     } cases[] = {
-        /* inputs, whatever they are called */
+        /* inputs, under any name */
         {"export sweep.h5 -o other.csv", 2, "-o other.csv: ", input},
         {"continue impact-oscillator --from branch.h5:1 --in omega=0.99:1.01 -o branch.h5", 2,
          "-o branch.h5: ", "the input branch.h5:1"},
@@ -131,7 +131,7 @@ static void what_is_there_is_kept(void **state) {
          "-o nowhere/x.h5: ", "the folder nowhere cannot be used: No such file"},
         {"export sweep.h5 -o sweep.h5/x.csv", 1, "-o sweep.h5/x.csv: ", "sweep.h5 is no folder"},
         {"export sweep.h5 -o folder.csv", 1, "-o folder.csv: ", "is a folder"},
-        /* the scene is not there, but the place is looked at first */
+        /* the scene does not exist, but the target is checked first */
         {"diagnose nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
         {"lyapunov nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
         {"spectrum nothere -o nowhere/x.png", 1, "-o nowhere/x.png: ", "the folder nowhere"},
@@ -157,7 +157,7 @@ static void what_is_there_is_kept(void **state) {
     assert_int_equal(access(path_in(*state, "x.png"), F_OK), -1);
 }
 
-/* A folder that cannot be written to is named; for the superuser there is none. */
+/* A folder without write permission is named; the superuser has none. */
 static void a_locked_folder_is_named(void **state) {
     if (geteuid() == 0)
         skip();
@@ -167,8 +167,7 @@ static void a_locked_folder_is_named(void **state) {
     chmod(path_in(*state, "folder"), 0777);
 }
 
-/* A file of the same kind is replaced, and with --force any other; an empty file is nothing that could be
- * lost. */
+/* A file of the same kind is replaced, with --force any other; an empty file is nothing to lose. */
 static void the_same_kind_is_replaced(void **state) {
     static const char *const lines[] = {
         "sweep impact-oscillator --over omega=0.9:1.1:3 --quiet -o again.h5",
@@ -191,7 +190,7 @@ static void the_same_kind_is_replaced(void **state) {
         free(told(*state, lines[k]));
 }
 
-/* A run that is interrupted asks what is to become of it; what it has computed is there until then. */
+/* The file of an interrupted run is neither resumed nor replaced unless an option says so. */
 static void an_interrupted_run_is_not_begun_anew_by_accident(void **state) {
     fixture *f = *state;
     static const char *const lines[][2] = {
@@ -220,7 +219,7 @@ static void an_interrupted_run_is_not_begun_anew_by_accident(void **state) {
     free(told(f, "continue impact-oscillator --in omega=0.99:1.01 --points 2 -o cut.h5"));
 }
 
-/* Standard output gets the bytes that a file would, and nothing else. */
+/* Standard output gets exactly the bytes of a file. */
 static void standard_output_is_a_file_like_others(void **state) {
     static const struct {
         const char *line, *more, *file;
@@ -248,7 +247,7 @@ static void standard_output_is_a_file_like_others(void **state) {
     }
 }
 
-/* A scene from standard input is that of the file; its file is an input as any other. */
+/* A scene from standard input is the same as from its file; that file is an input like any other. */
 static void a_scene_comes_from_standard_input(void **state) {
     fixture *f = *state;
     char *wanted = told(f, "orbit scene.yaml --periods 1 --json"), *got;

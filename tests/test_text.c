@@ -1,4 +1,4 @@
-/* Systems from text against the hand-made models, and expressions against numbers.
+/* Systems from text against the built-in models, and expressions against numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -8,7 +8,7 @@
 #define LIST(array)                                                                                          \
     { array, sizeof array / sizeof array[0] }
 
-/* A choice by parameters takes its branch and nothing of the other, which here is not a number. */
+/* A choice by parameters evaluates only its branch: the other here is not a number. */
 static const saltus_equation oscillator_motion[] = {
     {"x1",
      "if(c > 0, -c*x1', sqrt(-1 - x1^2)) - if(k < 0, log(-1 - x1^2), k*x1) - c2*(x1' - x2') - k2*(x1 - x2) - "
@@ -18,7 +18,7 @@ static const saltus_equation oscillator_motion[] = {
 static const saltus_equation oscillator_states[] = {{"z", "kz*x1' - z/tz", 3}};
 static const saltus_equation oscillator_mass[] = {{"x1", "m", 4}, {"x2", "m2", 5}};
 
-/* The first mass, whatever their number says: every parameter must be somewhere. */
+/* The first mass, independent of N: every parameter must occur. */
 static const saltus_equation oscillator_seen[] = {{"seen", "x1 - x2 + 0*N", 8}};
 
 /* The parameters of a built-in model under the same names. */
@@ -91,7 +91,7 @@ static const saltus_model *pipe_text(void) {
     return model;
 }
 
-/* The same scene in text: equal parameters by name, the same stop. */
+/* The same scene as text: parameters equal by name, the same stop. */
 static saltus_spec in_text(const saltus_spec *spec, const saltus_model *model) {
     saltus_spec text = saltus_spec_defaults(model);
     int count;
@@ -108,7 +108,7 @@ static saltus_spec in_text(const saltus_spec *spec, const saltus_model *model) {
 enum { dimension_max = 24, columns_max = 24, state_max = 80 };
 static const double pi = 3.14159265358979323846;
 
-/* Both ways through the same events: states, tangent vectors and a parameter column at the end agree. */
+/* Run both through the same events: states, tangent vectors and a parameter column agree at the end. */
 static void compare(const saltus_spec *spec, const saltus_model *model, const double *start, double end,
                     const char *key, int impacts_at_least) {
     saltus_spec other = in_text(spec, model);
@@ -198,7 +198,7 @@ static void the_pipe(void **unused) {
     saltus_model_release(model);
 }
 
-/* Trajectories of a text side by side give the bits of trajectories alone, tangent vectors included. */
+/* Trajectories of a text in lanes have the bits of single ones, with tangent vectors. */
 static void lanes_of(const saltus_spec *spec, int periods) {
     enum { lanes = 16 };
     saltus_system *system = build(spec);
@@ -241,7 +241,7 @@ static void lanes_of(const saltus_spec *spec, int periods) {
     saltus_system_free(system);
 }
 
-/* Products of rows and of elements that stand apart, quotients, functions, a choice, a chain. */
+/* Products of rows and of separate elements, quotients, functions, a choice, a chain. */
 static const char *const many_kinds[] = {
     "-x[i] - 0.1*x[i]' - x[i]*sum(j, 1, N, j*x[j]^2) + if(F > 0.5, sqrt(-1 - x[i]^2), F*cos(omega*t))",
     "-x[i]/(1 + x[i]^2) - sin(x[i]) + sum(j, 1, N, if(j > i, x[j]*x[i]'/j, 0)) + F*exp(sin(omega*t))",
@@ -285,8 +285,8 @@ static void text_in_lanes(void **unused) {
         }
 }
 
-/* A chain of equal masses between walls swings in its modes, sin(pi j i / (N + 1)), each with the frequency
- * 2 sin(pi j / (2 (N + 1))). */
+/* A chain of equal masses between walls oscillates in its modes sin(pi j i / (N + 1)), with the frequencies 2
+ * sin(pi j / (2 (N + 1))). */
 static void chain_modes(void **unused) {
     (void)unused;
     const saltus_model *model =
@@ -316,7 +316,7 @@ static void chain_modes(void **unused) {
     saltus_model_release(model);
 }
 
-/* One text, two fields: a whole parameter chooses the exponent. Such systems share no flow. */
+/* One text, two fields: an integer parameter chooses the exponent. Such systems share no flow. */
 static void whole_parameters(void **unused) {
     (void)unused;
     static const saltus_equation motion[] = {{"x", "-x - x^n + F*cos(omega*t)", 1}};

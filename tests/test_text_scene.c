@@ -1,5 +1,5 @@
-/* Scenes whose models are equations: what is refused and where, what stops and starts take from the text, and
- * that files of results tell the whole model.
+/* Scenes with equations as models: refusals with their places, stops and starts that use the text, and result
+ * files that contain the whole model.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 
@@ -116,7 +116,7 @@ static void errors_tell_the_line(void **unused) {
     }
     refused("model: duffing\nc: 3\nkk: 4\n", "my.yaml:1: model = \"duffing\": is a scene, not a model");
     refused("model: spring\nc: 3\nkk: 4\n", "my.yaml:1: model = \"spring\": unknown; the models are pipe");
-    /* A divisor that the defaults make zero, and one that is zero here and there, are none of these. */
+    /* A divisor that is zero at the defaults, or only sometimes, is not refused. */
     saltus_scene scene;
     saltus_message message = {.text = ""};
     static const char good[] = "model:\n  parameters: {a: 0, n: 1}\n  motion:\n    x: a/(1 + a) - x/(n - "
@@ -151,8 +151,8 @@ static void stops_and_starts_follow_parameters(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* A constant part of a coordinate shifts the stop: the same motion, bit for bit but for rounding, as with the
- * clearance that this makes, on either side, and the same derivatives. */
+/* A constant part of a coordinate shifts the stop: the motion and its derivatives are the same, up to
+ * rounding, as with the shifted clearance, on either side. */
 static void a_constant_part_shifts_the_stop(void **unused) {
     (void)unused;
     static const char form[] = "model:\n"
@@ -209,7 +209,7 @@ static void a_constant_part_shifts_the_stop(void **unused) {
     }
 }
 
-/* The valve between two impacts, and the one in between, by hand: x'' and p' of the paper's equations. */
+/* The valve between two impacts, and at the one between, by hand: x'' and p' of the paper's equations. */
 static void a_relief_valve(void **unused) {
     (void)unused;
     saltus_scene scene;
@@ -247,7 +247,7 @@ static void a_relief_valve(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* Orbits, branches and sweeps of a text scene are taken up from their files alone: the model is in them. */
+/* Orbits, branches and sweeps of a text scene are resumed from their files alone, which contain the model. */
 static void files_tell_the_model(void **state) {
     free(told(*state, "orbit duffing --periods 1 --json"));
     free(told(*state, "continue duffing --in F=0.24:0.27 -o branch.h5"));
@@ -255,7 +255,7 @@ static void files_tell_the_model(void **state) {
     assert_non_null(strstr(orbit, "\"motion\": {\"x\": "));
     free(orbit);
     free(told(*state, "plot branch.h5 -o branch.png"));
-    /* The state goes by its names, what belongs to a multiplier does not. */
+    /* State entries have names; members of a multiplier do not. */
     free(told(*state, "export branch.h5 -o branch.csv"));
     size_t bytes;
     char *table = read_all(path_in(*state, "branch.csv"), &bytes);
@@ -282,8 +282,8 @@ static void files_tell_the_model(void **state) {
     saltus_scene_clear(&scene);
 }
 
-/* What a scene names goes by that name everywhere: in --set, columns of tables, axes, the spectrum's
- * quantities, --json; the numbers are those of the state's entries. */
+/* Names from a scene are used everywhere: in --set, columns of tables, axes, quantities of spectra, --json;
+ * the numbers are those of the state's entries. */
 static void names_are_those_of_the_text(void **state) {
     fixture *f = *state;
     FILE *file = fopen(path_in(f, "valve.yaml"), "w");
@@ -341,13 +341,13 @@ static void names_are_those_of_the_text(void **state) {
     saltus_scene_clear(&scene);
 }
 
-/* A motion that leaves where its equations have a value ends there, in every command, with what has none and
- * when: p falls to zero at a time known in closed form, while the rest of the state hardly notices. */
+/* A motion that leaves the domain of its equations ends there, in every command, with the failing part and
+ * the time: p falls to zero at a time known in closed form, while the rest of the state hardly changes. */
 static void faults_end_a_motion(void **state) {
     fixture *f = *state;
     FILE *file = fopen(path_in(f, "empty.yaml"), "w");
     assert_non_null(file);
-    /* What is not chosen has no value anywhere on the way: it is not to blame. */
+    /* The branch not chosen has no value on the way: it is not blamed. */
     fputs("model:\n  parameters: {F: 1, omega: 1.1, drain: 0.5}\n  motion: {x: \"-x - 0.1*x' + "
           "F*cos(omega*t) - if(drain < 0, sqrt(p - 100), 1e-3*sqrt(p))\"}\n  states: {p: -drain}\n  forcing: "
           "omega\n"
@@ -386,8 +386,8 @@ static void put_text(fixture *f, const char *name, const char *text) {
     fclose(file);
 }
 
-/* Equations in a file of their own serve scenes beside it, and what is wrong is told with the file it stands
- * in. Results need that file no more. */
+/* Equations in a separate file can be used by scenes beside it, and errors name that file. Results do not
+ * need it any more. */
 static void models_stand_in_files(void **state) {
     fixture *f = *state;
     put_text(f, "law.yaml",
@@ -408,7 +408,7 @@ static void models_stand_in_files(void **state) {
     check_near(start[0], acos(-1.0) / 100, 1e-16);
     saltus_system_free(system);
     saltus_scene_clear(&scene);
-    /* A whole scene may serve, too; only its equations are taken. */
+    /* A whole scene can be used too; only its equations are taken. */
     put_text(f, "two.yaml", "model: one-whole.yaml\n");
     put_text(f, "one-whole.yaml", "model:\n  motion: {x: -x}\nstop: {coordinate: x, d: 1}\n");
     check_ok(saltus_scene_load(path_in(f, "two.yaml"), &scene, &message), &message);
@@ -446,7 +446,7 @@ static void models_stand_in_files(void **state) {
     }
 }
 
-/* Names as long as they may be go everywhere that short ones go. */
+/* The longest names are accepted wherever short ones are. */
 static void long_names_are_keys(void **state) {
     fixture *f = *state;
     put_text(f, "long.yaml",

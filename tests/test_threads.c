@@ -1,4 +1,4 @@
-/* Several threads at once: spectra are those that one thread computes by itself, bit for bit.
+/* Spectra from several threads at once are those of one thread, bit for bit.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -6,14 +6,14 @@
 
 enum { threads = 4, rounds = 40, samples_max = 2048, lines_max = 64 };
 
-/* What one thread finds; nothing is asserted before all have come home. */
+/* The results of one thread; they are checked after all have ended. */
 typedef struct work {
     double samples[samples_max];
     double found[rounds][4];
     int failures;
 } work;
 
-/* Transforms of another length each time: each is planned anew, while others are planned and executed. */
+/* Transforms of a new length each time: each is planned while others are planned and executed. */
 static void analyse(work *w) {
     for (int r = 0; r < rounds; r++) {
         saltus_signal signal = {.samples = w->samples, .count = 64 * (2 + r % 30), .per_period = 16};

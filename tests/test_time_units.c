@@ -1,5 +1,5 @@
-/* One motion told in several units of time: with omega and dampers s times as large, stiffnesses and loads
- * s^2 times, the same displacements follow each other s times as fast, and no verdict may notice.
+/* One motion in several units of time: with omega and dampers s times, stiffnesses and loads s^2 times as
+ * large, the same displacements occur s times as fast, and verdicts must be the same.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -73,10 +73,10 @@ static void periodic_motions(void **unused) {
     }
 }
 
-/* A torus with impacts, where the largest exponent is no number of its own, and one without. */
+/* A torus with impacts, whose largest exponent is only an error, and one without. */
 static void quasi_periodic_motions(void **unused) {
     (void)unused;
-    skip_where_slow(); /* sanitizers are slow; test_verdict shows them tori */
+    skip_where_slow(); /* sanitizers are slow; test_verdict has tori for them */
     static const char *const settings[] = {"omega=1.7133", "d=-0.1797", "r=0.323", "c=0.07",
                                            "c2=0.07",      "m2=1.57",   "k2=2.51"};
     saltus_scene scene;
@@ -134,9 +134,9 @@ static void chaotic_motions(void **unused) {
     }
 }
 
-/* Chaos next to the fold of an orbit of period 6, near which it stays for long: laminar phases are counted in
- * periods, and what is much longer than the separation of neighbours is so in any unit. Amid it there is a
- * stable orbit; where that is found, chaos is not asserted. */
+/* Chaos near the fold of an orbit of period 6, near which it stays for long: laminar phases are counted in
+ * periods, and what is much longer than the separation of neighbours is so in any unit. Amid it is a stable
+ * orbit; if that is found, chaos is not asserted. */
 static void intermittent_motions(void **unused) {
     (void)unused;
     saltus_spec spec = impacting(0, 1, 3.04, 0, 0, 0.8);
@@ -154,8 +154,8 @@ static void intermittent_motions(void **unused) {
     }
 }
 
-/* A free motion that dies away too slowly to be waited for is on its way to something regular; of one that
- * takes twenty times as long nothing is asserted: it is what is lost in a period that counts. */
+/* A free motion that decays too slowly to wait for is on its way to something regular; for one that takes
+ * twenty times as long nothing is asserted: the loss per period counts. */
 static void slow_decays(void **unused) {
     (void)unused;
     saltus_classify_options options = saltus_classify_defaults();
@@ -176,7 +176,7 @@ static void slow_decays(void **unused) {
         }
 }
 
-/* Exponents and their errors are rates; the time that is needed counts in periods. */
+/* Exponents and their errors are rates; the time needed is in periods. */
 static void measured_exponents(void **unused) {
     (void)unused;
     const saltus_spec specs[] = {impacting(0.1, 1, 1, 0, 1, 0.8), impacting(0, 1, 0.3183, 0, 100, 0.8),
@@ -222,7 +222,7 @@ static void measured_exponents(void **unused) {
     }
 }
 
-/* Spectra count frequencies in those of the forcing: lines and densities of displacements are the same. */
+/* Frequencies of spectra are in units of the forcing's: lines and densities of displacements are the same. */
 static void spectra(void **unused) {
     (void)unused;
     saltus_spec spec = impacting(0.1, 1, 1, 0, 1, 0.8);
@@ -261,7 +261,7 @@ static void spectra(void **unused) {
     }
 }
 
-/* An unforced system rests: what omega is makes no difference to how it comes to rest. */
+/* An unforced system comes to rest in the same way for any omega. */
 static void rest_has_no_period(void **unused) {
     (void)unused;
     saltus_classify_options options = saltus_classify_defaults();

@@ -1,4 +1,4 @@
-/* Turning points are the zeros of the observed velocity: each is told once, none is passed over, maxima and
+/* Turning points are the zeros of the observed velocity: each is reported once, none is missed, maxima and
  * minima alternate.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
@@ -9,8 +9,8 @@ static double sign_of(double value, double nothing) {
     return value > nothing ? 1 : value < -nothing ? -1 : 0;
 }
 
-/* The way the observed point moves on the inside of the last step, which must be one way; `way` is what is
- * known of it, 0: nothing yet. */
+/* The direction of the observed point inside the last step, which must be one; `way`: what is known of it, 0:
+ * nothing. */
 static double one_way(const saltus_flow *flow, const saltus_system *system, double way, double nothing) {
     double state[scene_dimension_max], step = saltus_flow_step_length(flow, 0);
     for (int k = 1; k < samples; k++) {
@@ -64,7 +64,7 @@ static turning_tally follow(const scene *s, saltus_integrator integrator, double
             double time = saltus_time_periods(event.time);
             check_turning(flow, system, &event);
             assert_true(time > last);
-            /* It was moving one way, and the acceleration is against it. */
+            /* It moved one way, and the acceleration is opposite. */
             assert_true(way == 0 || event.velocity_before * way < 0);
             ++*(event.velocity_before < 0 ? &tally.maxima : &tally.minima);
             way = event.velocity_before < 0 ? -1 : 1;
@@ -122,7 +122,7 @@ static void free_oscillation_turns_twice_a_period(void **unused) {
     saltus_system_free(system);
 }
 
-/* Advances in small bits: no turning is told twice or lost. */
+/* Advancing in small parts: no turning point is reported twice or lost. */
 static void bits_of_an_advance_tell_the_same_turnings(void **unused) {
     (void)unused;
     for (int name = 0; name < scenes; name++) {

@@ -1,9 +1,9 @@
-/* Two masses that nothing joins, each with a stop of its own: the orbits are those of either mass, known in
- * closed form, and so are multipliers and special points. Two faces act in one sequence of events.
+/* Two uncoupled masses, each with its own stop: the orbits are those of the single masses, known in closed
+ * form, and so are multipliers and special points. Two faces act in one event sequence.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_recount.h"
 
-/* Mass 1 on a spring before a stop; mass 2 a ball on a table that vibrates in the same rhythm. */
+/* Mass 1 on a spring with a stop; mass 2 a ball on a table that vibrates in the same rhythm. */
 typedef struct two_bodies {
     closed_oscillator first;
     long double gamma, r;
@@ -13,7 +13,7 @@ typedef struct two_bodies {
     double state[4];
 } two_bodies;
 
-/* The orbits at given parameters; in time units of the period the table is the same for all omega. */
+/* The orbits at given parameters; with the period as unit of time the table is the same for all omega. */
 static bool solve(two_bodies *b) {
     long double omega = b->first.omega, square = omega * omega;
     if (!closed_orbit_at(&b->first, 1, &b->one) || !closed_table_orbit(1, b->r, b->gamma, 1, &b->two))
@@ -107,7 +107,8 @@ static void check_kinds_at(const branch_record *record, int branch, const char *
     assert_string_equal(found, kinds);
 }
 
-/* The ball's fold and flip, whatever the other mass does; beyond the flip the other goes round twice. */
+/* The ball's fold and flip, independent of the other mass, which beyond the flip traverses its orbit
+ * twice. */
 static void special_points_of_the_ball(void **unused) {
     (void)unused;
     double fold = (double)closed_table_fold(1, 0.5L), flip = (double)closed_table_flip(1, 0.5L);
@@ -131,7 +132,7 @@ static void special_points_of_the_ball(void **unused) {
     }
     assert_true(doubled > 3);
     branch_forget(&record);
-    /* In the ball's restitution: gamma is at the fold, pi (1 - r) / (1 + r). */
+    /* Along the ball's restitution: gamma is at the fold, pi (1 - r) / (1 + r). */
     double r = (double)((CLOSED_PI - 1.3L) / (CLOSED_PI + 1.3L));
     record = run(&b, "r2", 0.3, 0.52, 0, &options);
     int from = 0;
@@ -144,7 +145,7 @@ static void special_points_of_the_ball(void **unused) {
     branch_forget(&record);
 }
 
-/* The other mass's flip and grazing, with the ball beside it; then the ball is alone with its impact. */
+/* The other mass's flip and grazing, with the ball beside it; then only the ball has impacts. */
 static void special_points_of_the_other(void **unused) {
     (void)unused;
     closed_orbit flip, grazing, fold;

@@ -1,10 +1,10 @@
-/* Verdicts on scenes without forcing beside those on cycles: tori, chaos and its exponents, balls that come
- * to rest, scenes that keep volumes, sections that are not met.
+/* Verdicts on unforced scenes other than cycles: tori, chaos and its exponents, balls that come to rest,
+ * scenes that preserve volume, sections that are not met.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "sweep_check.h"
 
-/* Two oscillators that drive themselves, side by side. */
+/* Two self-excited oscillators, side by side. */
 static const char oscillators[] = "model:\n"
                                   "  parameters: {mu: 0.5, w: 1.7, c: 0.05}\n"
                                   "  motion:\n"
@@ -46,7 +46,7 @@ static saltus_motion classified(const saltus_scene *scene) {
     return motion;
 }
 
-/* Frequencies that do not fit fill a torus; where they do, coupling locks them. A sweep says the same. */
+/* Incommensurate frequencies fill a torus; close to a ratio coupling locks them. A sweep agrees. */
 static void two_oscillators_fill_a_torus_or_lock(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -77,7 +77,7 @@ static void two_oscillators_fill_a_torus_or_lock(void **unused) {
     }
 }
 
-/* Published: between 1 and 2. One exponent is that of time itself, and all add up to what the trace says. */
+/* Published: between 1 and 2. One exponent is that of time, zero, and the sum is that of the trace. */
 static void exponents_of_flutter(void **unused) {
     (void)unused;
     static const char *const settings[] = {"u=8.1", "u=8.2"};
@@ -117,8 +117,8 @@ static void a_stop_bounds_van_der_pol(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* A ball that falls from height 1 onto a table: flights shorter by r each time, all over after sqrt(2) (1 +
- * r) / (1 - r). Without loss it bounces for ever, with period 2 sqrt(2). */
+/* A ball falls from height 1 onto a table: flights shorten by r, ending after sqrt(2) (1 + r) / (1 - r).
+ * Without loss it bounces for ever, with period 2 sqrt(2). */
 static void a_ball_comes_to_rest(void **unused) {
     (void)unused;
     static const char *const settings[] = {"r=0", "r=0.5", "r=0.8", "r=0.95"};
@@ -148,7 +148,7 @@ static void a_ball_comes_to_rest(void **unused) {
     saltus_scene_clear(&scene);
 }
 
-/* The same damped mass at rest in units of time from seconds to ages, alone and along a branch of rests. */
+/* The same damped mass at rest in very different units of time, alone and along a branch of equilibria. */
 static void a_rest_is_stable_in_any_unit_of_time(void **unused) {
     (void)unused;
     for (int k = 0; k <= 10; k++) {
@@ -183,8 +183,9 @@ static void a_rest_is_stable_in_any_unit_of_time(void **unused) {
     }
 }
 
-/* Half a period of a hard spring against an elastic wall at its rest: energy kept, twice the time from the
- * wall to the turning point, which a substitution makes smooth. Orbits of all energies go on side by side. */
+/* Half a period of a hardening spring against an elastic wall at its rest: energy is kept, and the period is
+ * twice the time from the wall to the turning point, an integral that a substitution makes smooth. There is
+ * an orbit for every energy. */
 static void conservative_scenes_are_told(void **unused) {
     (void)unused;
     enum { pieces = 2000 };
@@ -227,7 +228,7 @@ static void a_section_that_is_not_met_is_told(void **unused) {
     assert_non_null(strstr(m.reason, "does not return to its section"));
     saltus_motion_clear(&m);
     saltus_scene_clear(&scene);
-    /* A ball that comes to rest on a table that oscillates: the gap has no maxima any more, the table has. */
+    /* A ball at rest on an oscillating table: the gap has no maxima any more, the table's position has. */
     static const char ball[] = "model:\n"
                                "  motion: {x: -0.2, y: 0.5*(1 - y^2)*y' - y}\n"
                                "  mass: {x: 0.05, y: 1}\n"
@@ -245,9 +246,8 @@ static void a_section_that_is_not_met_is_told(void **unused) {
     }
 }
 
-/* An oscillation that an elastic stop cuts off returns to the section at its impacts, which are as fast as
- * one another but for rounding: they are no chatter. Of its family the orbit found has a period in closed
- * form. */
+/* An oscillation against an elastic stop returns to the section at its impacts, which are equally fast but
+ * for rounding: they are no chatter. Of its family the orbit found has a closed-form period. */
 static void elastic_impacts_are_returns(void **unused) {
     (void)unused;
     static const double speeds[] = {1.2, 2, 3};

@@ -1,5 +1,5 @@
-/* One motion told in other units of length, time and mass, powers of two: nothing but the units changes, to
- * the last bit, in either integrator. No threshold may hang on what is large or small in the unit at hand.
+/* One motion in other units of length, time and mass, powers of two: only the units change, to the last bit,
+ * with either integrator. No threshold may depend on the size of numbers in a unit.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "scenes.h"
 
@@ -49,12 +49,12 @@ static double unit_of(const units *u, int dof, int i) {
                          : u->mass * u->length / (u->time * u->time);
 }
 
-/* How far two numbers may be apart, in the first unit. */
+/* How much two numbers may differ, in the first unit. */
 static double slack;
 
-/* Nothing in another unit of length or mass. Rounding in one of time, on which steps hang by a root, in one
- * of mass where a force is part of the state, and with the stiff integrator, which finds its linear part by
- * differences. */
+/* In another unit of length or mass: not at all. By rounding in one of time, on which steps depend by a root,
+ * in one of mass if a force is part of the state, and with the stiff integrator, which finds its linear part
+ * by differences. */
 static double slack_of(scene s, const units *u, bool stiff) {
     const bool force = saltus_spec_get(&s.spec, "kz") > 0;
     return stiff || u->time != 1 || (u->mass != 1 && force) ? 1e-9 : 0;

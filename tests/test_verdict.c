@@ -1,4 +1,4 @@
-/* Chaos or not: what classification says of motions without a period, and on what grounds.
+/* Chaos or not: verdicts of classification on motions without a period, and their reasons.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -79,8 +79,7 @@ static void verdicts_repeat_bit_for_bit(void **unused) {
     saltus_motion_clear(&b);
 }
 
-/* A torus of two masses, one of which hits a stop, and the one of an undamped oscillator that hits nothing.
- */
+/* A torus of two masses, one of which hits a stop, and one of an undamped oscillator without impacts. */
 static void tori_are_quasi_periodic(void **unused) {
     (void)unused;
     skip_where_slow();
@@ -105,7 +104,7 @@ static void tori_are_quasi_periodic(void **unused) {
     }
 }
 
-/* Trajectories on a chaotic transient leave it, one after the other: not chaos. */
+/* Trajectories on a chaotic transient leave it one by one: not chaos. */
 static void transients_are_seen_through(void **unused) {
     (void)unused;
     static const char *const settings[] = {"omega=1.6467", "d=-0.0687", "r=0.871", "c=0.035",
@@ -123,8 +122,8 @@ static void transients_are_seen_through(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* Chaos that lasts for some 1e4 periods (of the pipe: 1e5) and ends on an orbit: the orbit is found amid it,
- * and chaos is not asserted. */
+/* Chaos that lasts for some 1e4 periods (the pipe: 1e5) and ends on an orbit: the orbit is found amid it, and
+ * chaos is not asserted. */
 static void stable_orbits_amid_chaos_count(void **unused) {
     (void)unused;
     static const char *const pipe[] = {"omega=43.640162", "d=0.016796", NULL},
@@ -148,7 +147,7 @@ static void stable_orbits_amid_chaos_count(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* Without time to measure nothing is asserted, and what is lacking is said. */
+/* Without time to measure nothing is asserted, and what is lacking is stated. */
 static void little_time_leaves_it_open(void **unused) {
     (void)unused;
     saltus_classify_options options = saltus_classify_defaults();
@@ -185,7 +184,8 @@ static void the_caller_may_stop_it(void **unused) {
     saltus_motion_clear(&motion);
 }
 
-/* Orbits tell their exponent by their multipliers; a rest by its own; lost directions have none. */
+/* The exponent of an orbit follows from its multipliers, that of an equilibrium from its eigenvalues; lost
+ * directions have none. */
 static void orbits_have_exponents(void **unused) {
     (void)unused;
     static const char *const none[] = {NULL};
@@ -198,7 +198,7 @@ static void orbits_have_exponents(void **unused) {
     saltus_classify_options options = saltus_classify_defaults();
     motion = judge(&spec, &options);
     assert_string_equal(motion.label, "equilibrium");
-    /* The damping of one mode: alpha pi^4 / 2, and what the stretching adds at the buckled place. */
+    /* The damping of one mode: alpha pi^4 / 2, plus what stretching adds in the buckled state. */
     double q = motion.state[0], l4 = M_PI * M_PI * M_PI * M_PI;
     check_near(motion.lyapunov, -0.5 * 0.005 * l4 * (1 + 5000 * q * q), 1e-9);
     saltus_motion_clear(&motion);
