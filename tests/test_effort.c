@@ -152,6 +152,42 @@ static void stiff_elements_are_named(void **state) {
     saltus_scene_clear(&scene);
 }
 
+/* Without damping no orbit attracts, or so slowly that no trajectory would be seen to come to it: such
+ * motions are not measured to the end. What a longer run does decide it still does. */
+static void undamped_motions_are_measured_as_far_as_that_tells(void **state) {
+    static const struct {
+        const char *settings[3], *reason;
+        saltus_verdict verdict;
+        long long periods;
+    } cases[] = {{{"N=2", "alpha=0", "sigma=0"}, "volumes are kept", SALTUS_UNDECIDED, 32000},
+                 {{"N=3", "alpha=0", "sigma=0"}, "volumes are kept", SALTUS_UNDECIDED, 32000},
+                 {{"N=3", "alpha=1e-6", "r=0.9"}, "a stable 0/1 orbit lies", SALTUS_TRANSIENT, 32000},
+                 {{"N=3", "alpha=0", "sides=none"}, "none of 8 trajectories", SALTUS_CHAOTIC, 32000}};
+    (void)state;
+    skip_where_slow();
+    saltus_classify_options how = saltus_classify_defaults();
+    assert_true(how.measure > 200000);
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        saltus_scene scene = built_in("pipe");
+        saltus_message message = {.text = ""};
+        saltus_system *system = NULL;
+        saltus_motion motion;
+        double start[SALTUS_STATE_MAX];
+        for (int i = 0; i < 3; i++)
+            check_ok(saltus_scene_set(&scene, cases[k].settings[i], &message), &message);
+        check_ok(saltus_system_new(&scene.spec, &system, &message), &message);
+        check_ok(saltus_scene_state(&scene, system, start, &message), &message);
+        check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+        if (motion.verdict != cases[k].verdict || !strstr(motion.reason, cases[k].reason) ||
+            motion.evidence.periods != cases[k].periods)
+            fail_msg("case %zu: %s: %s (%lld periods)", k, motion.label, motion.reason,
+                     motion.evidence.periods);
+        saltus_motion_clear(&motion);
+        saltus_system_free(system);
+        saltus_scene_clear(&scene);
+    }
+}
+
 /* A clearance far below the motion's size does not set its scale: the motion is that without clearance, and
  * is found as quickly. */
 static void tiny_clearances_are_no_scale(void **state) {
@@ -233,6 +269,7 @@ int main(void) {
         cmocka_unit_test(slow_cycles_are_found),
         cmocka_unit_test(slow_forcing_is_named),
         cmocka_unit_test(stiff_elements_are_named),
+        cmocka_unit_test(undamped_motions_are_measured_as_far_as_that_tells),
         cmocka_unit_test(volumes_are_kept_or_not),
         cmocka_unit_test_setup_teardown(tiny_clearances_are_no_scale, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(branches_end_where_they_take_too_much, open_fixture, close_fixture),

@@ -3,6 +3,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
 
+#include "flow/effort.h"
+#include "motion/motion.h"
+
 typedef struct struck {
     double c, omega, d, r;
     const char *orbit;
@@ -139,11 +142,48 @@ static void those_who_leave_name_their_end(void **unused) {
     }
 }
 
+/* In 16 dimensions without damping close returns lead to hardly any orbit: the search for a stable one is
+ * given up, long before the steps (each once for every column, all of them counted) that all returns would
+ * take. */
+static void a_hopeless_search_is_given_up(void **unused) {
+    enum { points = 4000 };
+    (void)unused;
+    saltus_spec spec = pipe_spec(8, 42);
+    saltus_message message = {.text = ""};
+    saltus_effort effort = {.period = 1e300};
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_motion motion;
+    bool found;
+    set_parameter(&spec, "alpha", 0);
+    add_stop(&spec, 0.035, 0.9, SALTUS_UPPER);
+    saltus_system *system = build(&spec);
+    const int n = saltus_system_dimension(system);
+    double *states = calloc((size_t)((points + 1) * n), sizeof *states),
+           *growths = calloc(points, sizeof *growths);
+    assert_non_null(states);
+    assert_non_null(growths);
+    states[0] = 0.01;
+    check_ok(saltus_motion_settle(system, &options, 500, states, &message), &message);
+    for (int k = 1; k < points; k++) {
+        memcpy(states + k * n, states + (k - 1) * n, (size_t)n * sizeof *states);
+        check_ok(saltus_motion_settle(system, &options, 1, states + k * n, &message), &message);
+    }
+    const saltus_track track = {states, growths, points};
+    options.effort = &effort;
+    check_ok(saltus_stable_orbit_among(system, &options, &track, 1, &motion, &found, &message), &message);
+    assert_false(found);
+    assert_true(effort.spent > 0 && effort.spent < 0.3 * SALTUS_EFFORT_MOST);
+    free(states);
+    free(growths);
+    saltus_system_free(system);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_stable_orbit_among_chaos_counts),
         cmocka_unit_test(a_stable_orbit_beside_chaos_does_not_count),
         cmocka_unit_test(those_who_leave_name_their_end),
+        cmocka_unit_test(a_hopeless_search_is_given_up),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

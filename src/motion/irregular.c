@@ -33,14 +33,19 @@ enum {
     longest_laminar = 16
 };
 
+/* e-folding times in which what comes to an orbit is seen to do so, from the motion's extent */
+static const double approach = 6;
+
 typedef struct judge {
     const saltus_classify_options *options;
     saltus_ensemble ensemble;
     saltus_motion *motion;
     double *returns, *times; /* without forcing: the first trajectory's returns to the section, their times */
     long long return_count;
-    bool searched;                   /* stable orbits have been searched for */
-    bool sticks;                     /* a contact that wipes out all differences was met */
+    bool searched;        /* stable orbits have been searched for */
+    bool unseen;          /* one was found, so slow that no trajectory would be seen to come to it */
+    bool nowhere, drifts; /* a longer run would tell no more, as the exponent drifts */
+    bool sticks;          /* a contact that wipes out all differences was met */
     long long escaped[trajectories]; /* samples of each trajectory until it left; 0: it has not */
     /* Sticking may shrink tangent vectors without any escape: after a check in vain a trajectory is not
      * checked again before its samples have doubled. */
@@ -167,9 +172,12 @@ static saltus_status look_for_orbit(judge *j, saltus_message *message) {
         tracks[0] = (saltus_track){j->returns, j->times, j->return_count};
     saltus_status status = saltus_stable_orbit_among(e->system, &e->options->flow, tracks, trajectories,
                                                      &orbit, &found, message);
-    if (status == SALTUS_OK && found)
+    if (status == SALTUS_OK && found) {
+        const double slowest = orbit.multipliers[0].log_modulus / orbit.periods;
+        j->unseen = -slowest * (double)(j->options->measure / trajectories) < approach;
         snprintf(j->motion->evidence.stable_orbit, sizeof j->motion->evidence.stable_orbit, "%s",
                  orbit.label);
+    }
     saltus_motion_clear(&orbit);
     return status;
 }
@@ -229,8 +237,36 @@ static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_messag
     return status;
 }
 
+/* Whether a longer run would tell no more. If volumes are kept, nothing attracts and a motion does not
+ * settle: in the time left either neighbours would have to come apart, or the section points, of which nearly
+ * all are there, would have to fill a curve, or a drift (of the energy of a forced motion without damping)
+ * would have to stop. */
+static saltus_status leads_nowhere(judge *j, bool *nowhere, saltus_message *message) {
+    static const double likely = 2, drifts = 8; /* errors of an exponent, of a difference of halves */
+    static const double near_all = 0.9;
+    const saltus_ensemble *e = &j->ensemble;
+    const saltus_runs runs = runs_of(j);
+    const double fastest = runs.all.mean + likely * runs.all.standard_error,
+                 grows = fastest * runs.period * (double)(j->options->measure / trajectories);
+    bool kept = saltus_system_traceless(e->system);
+    for (int m = 0; m < trajectories && kept; m++)
+        kept = saltus_flow_information(e->member[m].flow, e->member[m].lane).log_volume ==
+               e->member[m].begin.log_volume;
+    *nowhere = false;
+    if (!kept || (double)points_there(e) < near_all * points_kept)
+        return SALTUS_OK;
+    j->drifts = fabs(runs.first.mean - runs.second.mean) >
+                drifts * hypot(runs.first.standard_error, runs.second.standard_error);
+    if (!j->drifts && !(grows < SALTUS_APART))
+        return SALTUS_OK;
+    saltus_outcome outcome = j->drifts ? SALTUS_OUTCOME_OPEN : SALTUS_OUTCOME_TORUS;
+    saltus_status status = ask_points(j, &outcome, message);
+    *nowhere = outcome != SALTUS_OUTCOME_TORUS;
+    return status;
+}
+
 /* Decide by the runs so far. If a stable orbit lies amid the chaos, it is a transient that has not ended
- * yet: go on for as long as allowed, to see when it ends. */
+ * yet: go on for as long as allowed, to see when it ends, unless that would not be seen. */
 static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *message) {
     const saltus_evidence *evidence = &j->motion->evidence;
     saltus_runs runs = runs_of(j);
@@ -249,7 +285,7 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     if (j->sticks)
         *outcome = SALTUS_OUTCOME_REGULAR;
     if (*outcome == SALTUS_OUTCOME_SHORT || evidence->stable_orbit[0])
-        *outcome = SALTUS_OUTCOME_OPEN;
+        *outcome = j->unseen ? SALTUS_OUTCOME_LEFT : SALTUS_OUTCOME_OPEN;
     return status;
 }
 
@@ -260,11 +296,13 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
     const saltus_evidence *evidence = &j->motion->evidence;
     long long samples = first_run, most = j->options->measure / trajectories;
     saltus_status status = saltus_ensemble_place(e, j->motion->state, message);
-    while (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN && samples > 0 &&
+    while (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN && samples > 0 && !j->nowhere &&
            first->samples + samples <= most) {
         status = run_on(j, samples, outcome, message);
         if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN)
             status = decide(j, outcome, message);
+        if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN)
+            status = leads_nowhere(j, &j->nowhere, message);
         samples = first->samples < most - first->samples ? first->samples : most - first->samples;
     }
     if (status != SALTUS_OK || *outcome != SALTUS_OUTCOME_OPEN)
@@ -274,7 +312,7 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
         *outcome = SALTUS_OUTCOME_LEFT;
     else if (saltus_runs_weigh(&runs) == SALTUS_OUTCOME_SHORT)
         *outcome = SALTUS_OUTCOME_SHORT;
-    else if (points_there(e) >= SALTUS_SERIES_LEAST)
+    else if (!j->nowhere && points_there(e) >= SALTUS_SERIES_LEAST)
         /* The tests of the points belong to the evidence even if they decide nothing. */
         status = ask_points(j, outcome, message);
     return status;
@@ -311,8 +349,10 @@ __attribute__((format(printf, 2, 3))) static void say(saltus_motion *motion, con
 
 /* Why the motion is undecided, and how long a run would decide: standard errors fall with the square root of
  * the time. */
-static void tell_undecided(saltus_motion *m, double period) {
+static void tell_undecided(const judge *j) {
+    saltus_motion *m = j->motion;
     const saltus_evidence *e = &m->evidence;
+    const double period = saltus_system_period(j->ensemble.system);
     double exponent = m->lyapunov, error = m->lyapunov_error, rate = exponent * period;
     double lacking = SALTUS_SIGNIFICANT * error / fmax(fabs(exponent), 1e-3 / period),
            needed = 1.2 * (double)e->periods * fmax(lacking * lacking, 2);
@@ -321,13 +361,19 @@ static void tell_undecided(saltus_motion *m, double period) {
         return;
     }
     say(m, "largest exponent %.3g +- %.1g per unit of time over %lld periods", exponent, error, e->periods);
-    if (exponent > SALTUS_SIGNIFICANT * error && (double)e->periods * rate < SALTUS_APART * e->members) {
+    if (j->drifts)
+        say(m, " drifts (halves %.3g and %.3g)", e->half[0], e->half[1]);
+    else if (exponent > SALTUS_SIGNIFICANT * error && (double)e->periods * rate < SALTUS_APART * e->members) {
         needed = 1.2 * SALTUS_APART * e->members / rate;
         say(m, ", in which neighbours have not come apart: chaos, or an unstable orbit that is left slowly");
     } else
         say(m, " is not told from zero (halves %.3g and %.3g), the section points %s", e->half[0], e->half[1],
             e->curves ? "fill closed curves" : "fill no closed curve");
-    say(m, "; measuring some %.1e periods would tell (--measure)", needed);
+    if (j->nowhere)
+        say(m, "; volumes are kept and nothing attracts: up to %lld periods would tell no more (--measure)",
+            j->options->measure);
+    else
+        say(m, "; measuring some %.1e periods would tell (--measure)", needed);
 }
 
 /* Transient chaos. */
@@ -416,7 +462,7 @@ static void tell(judge *j, saltus_outcome outcome) {
             1.05 * (double)e->periods * (double)j->options->lifetime / e->lifetime_at_least);
         break;
     default:
-        tell_undecided(m, saltus_system_period(system));
+        tell_undecided(j);
     }
 }
 

@@ -30,9 +30,11 @@ enum {
     bisections = 6, /* for the edge of the basin between an orbit and the points */
     probes = 64,    /* points that are enough for the extent of all */
     neighbours = 16,
-    wait_most = 200,  /* periods to wait for capture at most, ... */
-    wait_cycles = 12, /* ... or cycles, if these take longer */
-    remembered = 1024 /* latest points of orbits that have been tried */
+    wait_most = 200,   /* periods to wait for capture at most, ... */
+    wait_cycles = 12,  /* ... or cycles, if these take longer */
+    remembered = 1024, /* latest points of orbits that have been tried */
+    least_tries = 200, /* tries before the search is given up if fewer than one in ... */
+    hopeless = 25      /* ... this many has led to an orbit; with damping one in ten does */
 };
 static const double same_orbit = 1e-5; /* in scales: orbits this near are the same */
 static const double near_return = 0.2; /* of the points' extent: farther returns do not count */
@@ -53,6 +55,7 @@ typedef struct search {
     double *tried;      /* ring buffer of points of orbits that have been tried, and their periods */
     int tried_periods[remembered];
     long long tried_count;
+    long long tries, led; /* returns that Newton's method began with, and that led it to an orbit */
 } search;
 
 /* Advance a state at phase 0 by whole periods. False if the flow fails. */
@@ -194,7 +197,10 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     double state[SALTUS_STATE_MAX], direction[SALTUS_STATE_MAX];
     options.flow = *s->flow;
     *found = false;
-    if (!saltus_fixed_point_find(f, point, steps, s->extent) || was_tried(s, p, f->state, same_orbit))
+    const bool led = saltus_fixed_point_find(f, point, steps, s->extent);
+    s->tries++;
+    s->led += led;
+    if (!led || was_tried(s, p, f->state, same_orbit))
         return SALTUS_OK;
     int periods = p;
     memcpy(state, f->state, (size_t)s->n * sizeof *state);
@@ -215,13 +221,18 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     return status;
 }
 
+static bool is_hopeless(const search *s) {
+    return s->tries >= least_tries && s->led * hopeless < s->tries;
+}
+
 static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,
                                 saltus_message *message) {
     int tries = most / p > fewest ? most / p : fewest;
     saltus_fixed_point f = {0};
     saltus_return closest;
     saltus_status status = SALTUS_OK;
-    while (status == SALTUS_OK && tries > 0 && !*found && saltus_returns_next(returns, p, &closest)) {
+    while (status == SALTUS_OK && tries > 0 && !*found && !is_hopeless(s) &&
+           saltus_returns_next(returns, p, &closest)) {
         if (was_tried(s, p, closest.state, 2 * closest.distance))
             continue;
         if (!f.map)
@@ -263,7 +274,7 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
         for (long long k = 0; k < tracks[t].count; k++)
             saltus_returns_add(returns, tracks[t].points + k * s.n, tracks[t].numbers[k]);
     }
-    for (int p = 1; p <= longest && status == SALTUS_OK && !*found; p++)
+    for (int p = 1; p <= longest && status == SALTUS_OK && !*found && !is_hopeless(&s); p++)
         status = try_period(&s, returns, p, motion, found, message);
     saltus_returns_free(returns);
     saltus_flow_free(s.plain);

@@ -180,19 +180,24 @@ double saltus_system_trace(const saltus_system *system, const double *state, dou
     return system->spec.model->trace(system, state, phase);
 }
 
-bool saltus_system_keeps_volume(const saltus_system *system) {
+bool saltus_system_traceless(const saltus_system *system) {
     enum { places = 3 }; /* generic states */
     const double rounding = 1e-13;
     double state[SALTUS_STATE_MAX];
-    bool kept = true;
-    for (int f = 0; f < system->face_count; f++)
-        kept &= system->faces[f].r == 1;
-    for (int k = 0; k < places && kept; k++) {
+    bool zero = true;
+    for (int k = 0; k < places && zero; k++) {
         for (int i = 0; i < system->dimension; i++)
             state[i] = system->scale[i] * (0.2 + 0.1 * sin(1.7 * k + 2.3 * i + 0.4));
-        kept = fabs(saltus_system_trace(system, state, 0.3 * k)) <= rounding * system->rate;
+        zero = fabs(saltus_system_trace(system, state, 0.3 * k)) <= rounding * system->rate;
     }
-    return kept;
+    return zero;
+}
+
+bool saltus_system_keeps_volume(const saltus_system *system) {
+    for (int f = 0; f < system->face_count; f++)
+        if (system->faces[f].r != 1)
+            return false;
+    return saltus_system_traceless(system);
 }
 
 bool saltus_system_conservative(const saltus_system *system) {

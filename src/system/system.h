@@ -32,6 +32,8 @@ typedef struct saltus_coefficients {
 /* A clearance below this fraction of another estimate of the motion's size says nothing about that size. */
 #define SALTUS_NO_CLEARANCE 1e-4
 
+/* Whether the flow preserves volumes between impacts. */
+bool saltus_system_traceless(const saltus_system *system);
 /* Whether the flow preserves volumes: as saltus_system_conservative, but also for scenes with forcing. */
 bool saltus_system_keeps_volume(const saltus_system *system);
 
