@@ -306,6 +306,65 @@ static void gone_on_with_after_every_point(void **unused) {
     saltus_scene_clear(&scene);
 }
 
+/* What a run has taken beyond the usual goes with it: of a branch into forcing that is ever slower, gone on
+ * with before it is given up, the same is kept as of the whole run, and the end is the same. */
+static void a_run_gone_on_with_has_taken_as_much(void **unused) {
+    (void)unused;
+    enum { points_max = 200, back = 3 };
+    skip_where_slow();
+    saltus_scene scene = {0};
+    saltus_message message = {.text = ""};
+    saltus_motion motion = {0};
+    const saltus_classify_options how = saltus_classify_defaults();
+    const saltus_branch_point *point = NULL;
+    double start[2], *saved[points_max] = {NULL};
+    int saved_count[points_max] = {0}, count = 0;
+    char reason[sizeof point->reason] = "";
+    check_ok(saltus_scene_load("duffing", &scene, &message), &message);
+    saltus_system *system = build(&scene.spec);
+    check_ok(saltus_scene_state(&scene, system, start, &message), &message);
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    const saltus_branch_options options = branch_along("omega", 1e-9, 1.2);
+    for (int again = 0; again < 2; again++) {
+        saltus_branch *branch = NULL;
+        int next = 0;
+        check_ok(saltus_branch_new(&scene.spec, motion.periods, motion.state, &options, &branch, &message),
+                 &message);
+        if (again)
+            check_ok(
+                saltus_branch_resume(branch, saved[count - back], saved_count[count - back], &next, &message),
+                &message);
+        do {
+            double *numbers;
+            int number_count;
+            check_ok(saltus_branch_step(branch, &point, &message), &message);
+            assert_true(point && next < points_max);
+            check_ok(saltus_branch_save(branch, &numbers, &number_count, &message), &message);
+            if (again) {
+                assert_int_equal(number_count, saved_count[next]);
+                assert_memory_equal(numbers, saved[next], (size_t)number_count * sizeof *numbers);
+                free(numbers);
+            } else {
+                saved[next] = numbers;
+                saved_count[next] = number_count;
+            }
+            next++;
+        } while (!strstr(point->reason, "given up: "));
+        if (again) {
+            assert_int_equal(next, count);
+            assert_string_equal(point->reason, reason);
+        }
+        count = next;
+        snprintf(reason, sizeof reason, "%s", point->reason);
+        saltus_branch_free(branch);
+    }
+    for (int k = 0; k < count; k++)
+        free(saved[k]);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+}
+
 /* A requested value that a step meets exactly is reported there, and the rest of the run is unchanged. */
 static void values_met_exactly(void **unused) {
     (void)unused;
@@ -529,6 +588,7 @@ int main(void) {
         cmocka_unit_test(options_that_do_not_matter),
         cmocka_unit_test(damaged_numbers_are_refused),
         cmocka_unit_test(gone_on_with_after_every_point),
+        cmocka_unit_test(a_run_gone_on_with_has_taken_as_much),
         cmocka_unit_test(values_met_exactly),
         cmocka_unit_test(long_steps_follow_the_curve),
         cmocka_unit_test(a_dead_mass_leaves_its_table),

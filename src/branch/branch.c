@@ -184,7 +184,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
     /* The first number is the version of the format. */
-    const double own[] = {8,         a->n,         a->faces,    o->low[0],     o->high[0],
+    const double own[] = {9,         a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
     const double *numbers[] = {own, spec->parameters, o->values};
@@ -232,10 +232,14 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
     a->sound = true;
     a->sound = archive_identity(b, a) && a->sound;
     b->given_count = saltus_archive_whole(a, b->given_count, 0, INT_MAX);
+    double spent = b->effort.spent;
+    saltus_archive_finite(a, &spent, 1);
+    a->sound = a->sound && spent >= 0;
     saltus_trail_archive(&b->trail, a);
     saltus_archive_starts(a, &b->starts);
     saltus_archive_orbits(a, o);
     saltus_status status = archive_machine(b, a, message);
+    b->effort.spent = spent; /* whatever reading has taken */
     if (status == SALTUS_NO_MEMORY || a->starved)
         return saltus_branch_no_memory(message);
     bool whole = a->sound && (!a->reading || a->at == a->count);
