@@ -46,9 +46,10 @@ static inline double saltus_effort_period(const saltus_effort *effort, double ow
     return effort->period > 0 ? effort->period : own;
 }
 
-/* Add a step of length `periods` with `columns` tangent vectors; one of the stiff integrator counts three. */
+/* Add a step of length `periods` with `columns` tangent vectors; one of the stiff integrator counts a dozen
+ * (mixture.c). */
 static inline void saltus_effort_add(saltus_effort *effort, double periods, int columns, bool stiff) {
-    const double cost = stiff ? 3 : 1, usual = stiff ? SALTUS_EFFORT_USUAL_STIFF : SALTUS_EFFORT_USUAL;
+    const double cost = stiff ? 12 : 1, usual = stiff ? SALTUS_EFFORT_USUAL_STIFF : SALTUS_EFFORT_USUAL;
     const double spent = effort->spent + (1 + columns) * cost * (1 - usual * periods);
     effort->spent = spent > 0 ? spent : 0;
 }

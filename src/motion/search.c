@@ -9,6 +9,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/search.h"
 
+#include "flow/effort.h"
 #include "orbit/returns.h"
 #include "system/system.h"
 
@@ -61,6 +62,17 @@ static bool is_resting(const saltus_search *s) {
     return drift < drift_at_rest;
 }
 
+/* How much coarser than usual rounding is in the system's scales, if a motion is far larger than these: with
+ * a clearance that is all but zero, or under a load that is far too great. */
+static double coarseness(const saltus_search *s) {
+    static const double large = 1e4;
+    const double *scale = saltus_system_scale(s->system), *last = saltus_settling_point(&s->settling, 0);
+    double size = 0;
+    for (int i = 0; i < s->settling.n; i++)
+        size = fmax(size, fabs(last[i]) / scale[i]);
+    return fmax(1, size / large);
+}
+
 /* Distance of the trajectory's last section point from the orbit. */
 static double distance_from_orbit(const saltus_search *s) {
     double least = INFINITY;
@@ -77,7 +89,8 @@ static double distance_from_orbit(const saltus_search *s) {
 static saltus_status confirm(saltus_search *s, saltus_message *message) {
     enum { cycles_max = 60, patient_cycles = 40 };
     const saltus_orbit *orbit = &s->orbit;
-    const double start = distance_from_orbit(s), near = fmax(1e-9, 1e4 * s->options->flow.rtol);
+    const double start = distance_from_orbit(s),
+                 near = fmax(1e-9, 1e4 * s->options->flow.rtol) * coarseness(s);
     /* About one period of the orbit, in the trajectory's periods. */
     int periods = s->clocked ? (int)ceil(saltus_system_period(s->clocked) / saltus_system_period(s->system))
                              : orbit->periods;
@@ -194,6 +207,7 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     const double impacts = (double)saltus_flow_information(s->flow, 0).impacts / (double)s->settling.count;
     if (p == 0)
         return SALTUS_OK;
+    shooting.tolerance *= coarseness(s);
     const double recurrence = saltus_settling_recurrence(&s->settling, p),
                  *last = saltus_settling_point(&s->settling, 0);
     const bool costly = p * impacts > most_impacts;
@@ -203,7 +217,15 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
         s->next_costly = 4 * s->settling.count;
         shooting.iterations = few_steps; /* enough for Newton's method so near to an orbit */
     }
+    /* What is all but reached is worth more steps in a period than a search spends: they count only in all.
+     */
+    saltus_effort *effort = recurrence <= all_but_reached ? s->options->flow.effort : NULL,
+                  all = {.spent = effort ? effort->spent : 0};
+    if (effort)
+        shooting.flow.effort = &all;
     saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
+    if (effort)
+        effort->spent = all.spent;
     return take_orbit(s, status, recurrence, message);
 }
 

@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/motion.h"
 
+#include "flow/effort.h"
 #include "orbit/poincare.h"
 #include "orbit/returns.h"
 
@@ -104,17 +105,19 @@ saltus_status saltus_motion_returning(const saltus_system *system, const double 
     long long count = 0;
     int tried = 0;
     bool found = false;
+    saltus_classify_options how = *options;
+    saltus_effort effort;
+    how.flow = saltus_effort_begin(&options->flow, system, &effort);
     *motion = (saltus_motion){0};
-    saltus_status status =
-        points && times ? saltus_motion_section_points(system, &options->flow, state, options->transient,
-                                                       room, points, times, &count, message)
-                        : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for returns");
+    saltus_status status = points && times
+                               ? saltus_motion_section_points(system, &how.flow, state, options->transient,
+                                                              room, points, times, &count, message)
+                               : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for returns");
     if (status == SALTUS_OK)
         status = close_returns(system, points, count, periods, periods, tries_of_one, &returns, message);
     for (; status == SALTUS_OK && !found && saltus_returns_next(returns, periods, &closest); tried++) {
-        saltus_status own =
-            saltus_motion_cycle_after(system, times[closest.place + periods] - times[closest.place],
-                                      closest.state, options, motion, &why);
+        saltus_status own = saltus_motion_cycle_after(
+            system, times[closest.place + periods] - times[closest.place], closest.state, &how, motion, &why);
         found = own == SALTUS_OK && motion->periods == periods;
         if (own == SALTUS_NO_MEMORY || own == SALTUS_INTERRUPTED)
             status = saltus_fail(message, own, "%s", why.text);

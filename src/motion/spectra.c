@@ -1,5 +1,6 @@
 /* Spectra of motions: sampling on the dense output at exact fractions of the forcing period.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/effort.h"
 #include "motion/options.h"
 #include "saltus/spectrum.h"
 
@@ -364,11 +365,14 @@ saltus_status saltus_spectra_run(const saltus_system *system, const double *stat
     int per_period = options->per_period;
     sampler with = {.flow = NULL};
     recording record = {.samples = NULL};
+    saltus_spectrum_options how = *options;
+    saltus_effort effort;
+    how.flow = saltus_effort_begin(&options->flow, system, &effort);
     saltus_status status = check_options(system, periods, options, message);
     if (status == SALTUS_OK)
         status = plan_lengths(periods, options, &length, &segment, message);
     if (status == SALTUS_OK)
-        status = open_sampler(&with, system, options, message);
+        status = open_sampler(&with, system, &how, message);
     if (status == SALTUS_OK && per_period == 0)
         status = choose_samples(&with, state, segment ? 0 : periods, options, &per_period, message);
     while (options->per_period == 0 && per_period > per_period_min &&

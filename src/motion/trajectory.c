@@ -3,6 +3,7 @@
 #include "saltus/trajectory.h"
 
 #include "base/progress.h"
+#include "flow/effort.h"
 #include "orbit/lap.h"
 
 #include <limits.h>
@@ -206,7 +207,9 @@ saltus_status saltus_trajectory_follow(const saltus_system *system, const double
                      .plan = plan,
                      .last = periods * plan->per_period,
                      .told = LLONG_MIN};
-    saltus_status status = saltus_flow_single(system, 0, options, &self.flow, message);
+    saltus_effort effort;
+    const saltus_flow_options own = saltus_effort_begin(options, system, &effort);
+    saltus_status status = saltus_flow_single(system, 0, &own, &self.flow, message);
     record->dimension = saltus_system_dimension(system);
     if (status == SALTUS_OK &&
         !(reserve_rows(&self, self.last + 1 + 64) && reserve_events(&self, 64) &&
