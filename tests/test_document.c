@@ -1,4 +1,4 @@
-/* The document reader: what a text means, where its values stand, what is refused and where.
+/* The document reader: the meaning of a text, the places of its values, refusals with their places.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -23,7 +23,7 @@ static saltus_document read_text(const char *text) {
     return document;
 }
 
-/* Refused, the document is empty, and the message begins with its line and these words. */
+/* A refused text leaves the document empty; the message begins with its line and these words. */
 static void refused_as(const char *text, size_t length, int line, const char *words, saltus_cause cause) {
     saltus_document document;
     saltus_message message;
@@ -35,10 +35,10 @@ static void refused_as(const char *text, size_t length, int line, const char *wo
         fail_msg("'%s' (line %d, cause %d) instead of '%s' for\n%s", message.text, message.line,
                  message.cause, wanted, text);
     assert_null(strchr(message.text, '\n'));
-    /* A part of a file counts the lines before it. */
+    /* A part of a file also counts the lines before it. */
     assert_int_equal(read_as(text, length, 30, &document, &message), SALTUS_BAD_INPUT);
     assert_int_equal(message.line, line + 30);
-    /* Nobody needs to listen. */
+    /* A message is not required. */
     assert_int_equal(read_as(text, length, 0, &document, NULL), SALTUS_BAD_INPUT);
 }
 
@@ -166,7 +166,7 @@ static void refusals_have_their_line(void **state) {
     refused_as("a: \xc3", 4, 1, "not a text file in UTF-8 (byte 0xc3)", SALTUS_CAUSE_OTHER);
 }
 
-/* A second value, in whatever form, is told with the line in which it begins. */
+/* A second value, in any form, is reported with the line in which it begins. */
 static void several_values_are_told(void **state) {
     static const char *const firsts[] = {"{\"a\": 1}", "[1,\n 2]", "{a: {b: 'c\xc3\xa9'}}"};
     static const char *const seconds[] = {"{\"a\": 1}", "[", "x: 1",        "3",
@@ -182,7 +182,8 @@ static void several_values_are_told(void **state) {
             }
 }
 
-/* JSON that ends too early is cut off wherever it ends; no sound JSON and no other damage is. */
+/* JSON that ends too early is reported as truncated, wherever it ends; no valid JSON and no other damage
+ * is. */
 static void texts_that_break_off_are_told(void **state) {
     static const char whole[] =
         "\n {\"a\": [1, -2.5e-3, null, true], \"b\" : {\"c\\\"\\u00e9\": \"d: \\\\ \xc3\xa9\"},\n"
@@ -209,7 +210,7 @@ static void texts_that_break_off_are_told(void **state) {
     }
 }
 
-/* As many levels and keys as are possible, and one more. */
+/* The largest number of levels and keys, and one more. */
 static void bounds_hold(void **state) {
     enum { levels = 65, keys = 1024 };
     (void)state;
@@ -240,7 +241,7 @@ static void bounds_hold(void **state) {
     }
 }
 
-/* Damaged texts are read or refused with a sentence, and whatever is read has sound places. */
+/* Damaged texts are read, or refused with a message; values read have valid places. */
 static int check_tree(const saltus_node *node, int lines) {
     int nodes = 1, children = 0;
     assert_true(node->line >= 1 && node->line <= lines && node->key_line >= 1 &&
@@ -289,7 +290,7 @@ static void damaged_texts_are_read_or_refused(void **state) {
     assert_true(read > all / 10 && read < 9 * all / 10);
 }
 
-/* The fields of a message: those that were given, all others empty, whatever was there before. */
+/* The given fields of a message are set, all others are cleared. */
 static void messages_say_what_they_are_about(void **state) {
     (void)state;
     saltus_message message;
@@ -304,7 +305,7 @@ static void messages_say_what_they_are_about(void **state) {
     assert_true(message.cause == SALTUS_CAUSE_OTHER && message.stop == 0 && message.line == 0 &&
                 !message.key[0]);
     assert_int_equal(saltus_fail_at(NULL, SALTUS_IO, fault, "z"), SALTUS_IO);
-    /* What a system or a scene refuses has the key and the stop. */
+    /* Refusals by a system or scene contain the key and the stop. */
     static const struct {
         const char *text, *key;
         int stop, line;

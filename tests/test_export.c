@@ -96,7 +96,7 @@ static void a_branch_is_all_there(void **state) {
     saltus_branch_file_clear(&file);
 }
 
-/* A record that was written as HDF5 exports what one written as CSV says. */
+/* A record written as HDF5 exports the same CSV as one written directly. */
 static void a_record_is_all_there(void **state) {
     static const char *const names[][2] = {{"time", "time_over_T"},
                                            {"displacement", "displacement"},
@@ -123,7 +123,7 @@ static void a_record_is_all_there(void **state) {
     free_csv(strobe);
 }
 
-/* A record is drawn: every sample once in the script that gnuplot gets, a point where a period begins. */
+/* The drawing of a record: gnuplot's script has every sample once, and a point where a period begins. */
 static void a_record_is_drawn(void **state) {
     fixture *f = *state;
     FILE *file = fopen(path_in(f, "gnuplot"), "w");

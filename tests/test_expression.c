@@ -152,8 +152,8 @@ static int field(double t, const double *y, double *rate, void *context) {
     return isfinite(rate[1] + rate[2]) ? GSL_SUCCESS : GSL_EBADFUNC;
 }
 
-/* Flows of random systems are solutions of their plain equations, and their tangent vectors and parameter
- * columns differences of solutions. */
+/* Flows of random systems solve their equations, evaluated directly; tangent vectors and parameter columns
+ * are differences of solutions. */
 static void random_systems(void **unused) {
     (void)unused;
     const double span = 0.7, start[3] = {0.3, -0.4, 0.2};
@@ -209,8 +209,8 @@ static void random_systems(void **unused) {
     }
 }
 
-/* Steep tanh, as friction is often written: far from its step it is 1 to the last bit, and at it as exact as
- * a number can be. */
+/* Steep tanh, as in friction laws: far from its step it is 1 to the last bit, at the step accurate to
+ * rounding. */
 static void steep_friction(void **unused) {
     (void)unused;
     const saltus_equation motion[] = {{"x", "-tanh(x'/1e-6) - x", 1}};

@@ -59,7 +59,7 @@ static void defaults_fill_every_option(void **unused) {
     assert_null(saltus_option_find(&table, "se"));
 }
 
-/* What a text says is what the member takes, and the member says the same text again. */
+/* Text goes to the member and back unchanged. */
 static void values_read_back_as_the_same(void **unused) {
     (void)unused;
     static const char *const good[count][4] = {{"0.10000000000000001", "-2.5e-300", "nan"},
@@ -153,7 +153,7 @@ static void sentences_name_the_option_and_its_range(void **unused) {
     assert_string_equal(message.text, "set = 2: must be red or green, with commas between them");
 }
 
-/* Lists and matrices, in the struct or behind a pointer, close together or not. */
+/* Lists and matrices, in the struct or behind a pointer, contiguous or not. */
 static void entries_are_gathered_and_spread(void **unused) {
     (void)unused;
     static const saltus_field fields[] = {MEMBER(parts, SALTUS_REAL, -1, 2, .stride = sizeof(part)),
@@ -188,14 +188,14 @@ static void entries_are_gathered_and_spread(void **unused) {
     assert_true(entries[0] == 0);
 }
 
-/* The tables of the library: names told apart, defaults admissible, options of the command line explained,
- * and what lies beyond a bound refused by the name. */
+/* The library's tables: names are distinct, defaults admissible, command line options explained, values
+ * beyond a bound refused by name. */
 static void options_of_the_library_are_sound(void **unused) {
     (void)unused;
     static const saltus_option_table *const tables[] = {
         &saltus_flow_table,  &saltus_orbit_table,    &saltus_harvest_table,  &saltus_branch_table,
         &saltus_sweep_table, &saltus_classify_table, &saltus_lyapunov_table, &saltus_spectrum_table};
-    static double record[512]; /* as large as any of the structs */
+    static double record[512]; /* as large as the largest struct */
     saltus_message message = {.text = ""};
     for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
         saltus_options_fill(tables[t], record);

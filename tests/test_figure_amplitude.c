@@ -1,11 +1,11 @@
-/* Diagrams of scenes without forcing: equilibria, and the largest and smallest displacement of cycles.
+/* Diagrams of unforced scenes: equilibria, and the largest and smallest displacement of cycles.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch_check.h"
 #include "figure_folder.h"
 
 #include "saltus/scene.h"
 
-/* Points of the drawn lines of one look near a place. */
+/* How many points of lines with one style are near a place. */
 static int drawn_at(const figure_panel *panel, const char *look, double x, double y) {
     int count = 0;
     for (int e = 0; e < panel->element_count; e++) {
@@ -17,8 +17,8 @@ static int drawn_at(const figure_panel *panel, const char *look, double x, doubl
     return count;
 }
 
-/* An equilibrium at 0 that loses its stability to cycles, which are their own mirror images: the equilibrium
- * once, solid and dashed; each cycle at its highest maximum, where it is told, and at minus that. */
+/* An equilibrium at 0 loses its stability to cycles that are mirror symmetric: the equilibrium is drawn once,
+ * solid and dashed, each cycle at its highest maximum and at minus that. */
 static void cycles_have_two_extremes_and_rests_one(void **state) {
     static const char text[] = "model:\n  parameters: {mu: {default: -0.2}}\n"
                                "  motion: {x: mu*x' - x^2*x' - x}\n";

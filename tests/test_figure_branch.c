@@ -1,13 +1,13 @@
-/* Bifurcation diagrams draw the rows of their branch files: curves solid where stable and dashed where not,
- * special points with the mark that the legend explains, n/p on stretches of that motion. The branches are
- * made up, so that every kind of point is there.
+/* Bifurcation diagrams draw the rows of branch files: curves solid if stable and dashed if not, special
+ * points with the marks of the legend, n/p on stretches of that motion. The branches are made up, so that
+ * every kind of point occurs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure_folder.h"
 #include "made_sweep.h"
 
 enum { points = 90, dimension = 2, events_most = 3 };
 
-/* A branch file in the making; each test changes what it is about. */
+/* A branch file being made; each test changes what it is about. */
 typedef struct made_branch {
     saltus_scene scene;
     saltus_branch_options options;
@@ -26,7 +26,7 @@ static double omega_at(int k) {
 }
 
 /* Three branches of thirty points: 0 up, 1 down, 2 switched to from 0. Motions, stability and special points
- * change at places of their own. */
+ * change at different places. */
 static void make_branch(void) {
     made = (made_branch){.scene = {.spec = oscillator_spec(0.125, 1.75, 1.5, 1)},
                          .options = saltus_branch_defaults()};
@@ -86,7 +86,7 @@ static void write_branch(const char *name) {
     check_ok(saltus_branch_output_close(output, true, &message), &message);
 }
 
-/* The legend has as many rows as what it explains needs: in a row eight short names, or five. */
+/* The legend has the rows it needs: eight short names per row, or five. */
 static void check_rows_of_legend(const figure_panel *panel, int in_a_row) {
     int count = figure_titles(panel);
     assert_true(panel->key_rows * in_a_row >= count && (panel->key_rows - 1) * in_a_row < count);
@@ -107,7 +107,7 @@ static figure draw(const saltus_plot_options *how) {
     return draw_files(names, 1, how);
 }
 
-/* What is drawn of a point, up the page. */
+/* The value of a point drawn upwards. */
 static double height(saltus_show show, const saltus_branch_point *p) {
     double largest = 0, slowest = INFINITY;
     for (int e = 0; e < p->event_count; e++)
@@ -124,7 +124,7 @@ static double height(saltus_show show, const saltus_branch_point *p) {
 
 enum { solid, dashed, dotted };
 
-/* How a line is drawn: as the legend has it. */
+/* A line's style, as in the legend. */
 static int stroke_of(const figure_panel *panel, const char *style) {
     const char *dash = strstr(style, " dt ");
     const figure_element *unstable = figure_element_of(panel, "'unstable'", 0);
@@ -132,7 +132,7 @@ static int stroke_of(const figure_panel *panel, const char *style) {
     return !dash ? solid : word && strncmp(dash, word, 10) == 0 ? dashed : dotted;
 }
 
-/* How many pieces of line there are between two places, by strokes. */
+/* Count the pieces of line between two places, by strokes. */
 static void count_pieces(const figure_panel *panel, const double from[2], const double to[2], int pieces[3]) {
     pieces[solid] = pieces[dashed] = pieces[dotted] = 0;
     for (int e = 0; e < panel->element_count; e++) {
@@ -143,7 +143,7 @@ static void count_pieces(const figure_panel *panel, const double from[2], const 
             const double *a = line->values.at[k];
             if (hypot(a[0] - from[0], a[1] - from[1]) >= 1e-7)
                 continue;
-            /* On the way may be rows of a smooth curve. */
+            /* Rows of a smooth curve may lie between. */
             for (int j = k + 1; j < line->values.count && j <= k + 8 && line->values.joined[j]; j++) {
                 const double *b = line->values.at[j];
                 if (hypot(b[0] - to[0], b[1] - to[1]) >= 1e-7)
@@ -155,7 +155,7 @@ static void count_pieces(const figure_panel *panel, const double from[2], const 
     }
 }
 
-/* Whether a place across the page is that of a row of the file. */
+/* Whether a horizontal place is that of a row of the file. */
 static bool of_the_file(double x) {
     for (int k = 0; k < points; k++)
         if (fabs(made.point[k].value[0] - x) < 1e-9 || fabs(made.point[k].value[1] - x) < 1e-9)
@@ -163,7 +163,7 @@ static bool of_the_file(double x) {
     return false;
 }
 
-/* The number of all pieces that are drawn from row to row of the file. */
+/* Count all pieces drawn from row to row of the file. */
 static int all_pieces(const figure_panel *panel) {
     int count = 0;
     for (int e = 0; e < panel->element_count; e++)
@@ -177,8 +177,7 @@ static bool tells(const saltus_branch_point *p) {
     return p->kind == SALTUS_POINT_REGULAR || p->kind == SALTUS_POINT_UZ || p->kind == SALTUS_POINT_EP;
 }
 
-/* From one point to the next: as stable as both are; where stability changes at a special point, as the point
- * beside it. */
+/* A piece is as stable as both its points; where stability changes at a special point, as the other point. */
 static int stroke_between(const saltus_branch_point *a, const saltus_branch_point *b) {
     bool both = tells(a) && tells(b);
     if (!a->admissible && !b->admissible)
@@ -250,7 +249,7 @@ static void curves_are_the_rows_of_the_file(void **state) {
         assert_null(strstr(text, "{/:Italic ω} ="));
         figure_free(&f);
     }
-    /* Without any impact the displacement is shown. */
+    /* Without impacts the displacement is shown. */
     for (int k = 0; k < points; k++)
         made.point[k].event_count = 0;
     write_branch("b.h5");
@@ -260,12 +259,12 @@ static void curves_are_the_rows_of_the_file(void **state) {
     figure_free(&f);
 }
 
-/* Every impact is a curve of its own, from where it is born to where it dies. */
+/* Every impact is its own curve, from its birth to its death. */
 static void impacts_are_curves_of_their_own(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
     make_branch();
-    /* The second impact is there for points 10 to 19 of branch 0 only, then comes one of another face; in
+    /* The second impact exists for points 10 to 19 of branch 0 only, followed by one on another face; in
      * branch 1 it passes through phase 0, in branch 2 it jumps too far to be the same. */
     for (int k = 0; k < 10; k++)
         made.point[k].event_count = 1;
@@ -318,7 +317,7 @@ static const struct {
     [SALTUS_POINT_BE] = {"BE", "meets a stop"}, [SALTUS_POINT_CP] = {"co", "codimension two"},
 };
 
-/* The mark that the legend gives a kind, as "pt N", or none. */
+/* The legend's mark of a kind, as "pt N", or none. */
 static bool mark_of(const figure_panel *panel, int kind, char mark[16]) {
     for (int e = 0; e < panel->element_count; e++) {
         const char *title = panel->element[e].title, *type = strstr(panel->element[e].style, " pt ");
@@ -342,8 +341,8 @@ static int count_marks(const figure_panel *panel, const char *mark, double x, do
     return count;
 }
 
-/* Every kind of special point lies where its row says, with the mark that the legend explains; ends at the
- * border of what was asked for are none. */
+/* Every kind of special point is at its row's place, with the legend's mark; ends on the border of the range
+ * have none. */
 static void special_points_are_marked_at_their_rows(void **state) {
     (void)state;
     for (int show = SALTUS_SHOW_SPEED; show <= SALTUS_SHOW_IMPACTS; show++) {
@@ -379,7 +378,7 @@ static void special_points_are_marked_at_their_rows(void **state) {
     }
 }
 
-/* The legend explains what is shown and nothing else. */
+/* The legend explains exactly what is shown. */
 static void the_legend_explains_what_there_is(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
@@ -422,7 +421,7 @@ static void the_legend_explains_what_there_is(void **state) {
     assert_int_equal(saltus_plot(path_in("b.svg", out), paths, 1, &how, &message), SALTUS_BAD_INPUT);
 }
 
-/* The place of a label in the numbers of the axes. */
+/* A label's place in the axes' numbers. */
 static void place_of(const figure_panel *panel, const figure_mark *label, double place[2]) {
     for (int i = 0; i < 2; i++) {
         assert_int_equal(label->system[0][i], 'g');
@@ -430,7 +429,7 @@ static void place_of(const figure_panel *panel, const figure_mark *label, double
     }
 }
 
-/* n/p stands on a point of a stretch of that motion, and no label on another. */
+/* n/p is on a point of a stretch of that motion, and no label is on another. */
 static void names_stand_on_their_stretches(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
@@ -483,7 +482,7 @@ static void names_stand_on_their_stretches(void **state) {
     figure_free(&f);
 }
 
-/* However near special points are to each other, no name is nearer to the mark of another kind. */
+/* However close special points are, no name is closer to the mark of another kind. */
 static void names_are_nearest_to_their_own_marks(void **state) {
     (void)state;
     static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_GR,
@@ -525,8 +524,7 @@ static void names_are_nearest_to_their_own_marks(void **state) {
     assert_true(names > 20);
 }
 
-/* Where marks lie on each other, names that have no place beside them stand farther away, and lines lead from
- * the marks to them. */
+/* Where marks overlap, names without room beside them are placed farther away, with lines from the marks. */
 static void crowded_marks_have_their_names(void **state) {
     (void)state;
     static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
@@ -569,12 +567,12 @@ static void crowded_marks_have_their_names(void **state) {
         }
     }
     assert_true(led > 0);
-    /* With a name as long as that of branch points a column has room for one entry in a row. */
+    /* With the long name of branch points a column fits one entry per row. */
     check_rows_of_legend(panel, 1);
     figure_free(&f);
 }
 
-/* Two files with the same curves do not have their names on each other. */
+/* The names of two files with the same curves do not overlap. */
 static void names_do_not_lie_on_each_other(void **state) {
     (void)state;
     const char *const names[] = {"b.h5", "b.h5", "b.h5"};
@@ -592,7 +590,7 @@ static void names_do_not_lie_on_each_other(void **state) {
             const figure_mark *a = &panel->mark[m], *b = &panel->mark[o];
             if (a->kind != 'l' || b->kind != 'l' || a->system[0][0] != 'g' || b->system[0][0] != 'g')
                 continue;
-            /* Room for the letters of both, some of a hundredth of the page wide and twice that high. */
+            /* Room for the letters of both, about a hundredth of the page wide and twice as high. */
             double wide = 0.004 * (double)(strlen(a->text) + strlen(b->text));
             assert_true(fabs(a->place[0][0] - b->place[0][0]) > wide ||
                         fabs(a->place[0][1] - b->place[0][1]) > 0.02);
@@ -602,8 +600,7 @@ static void names_do_not_lie_on_each_other(void **state) {
     figure_free(&f);
 }
 
-/* A file over itself is the same curves; over another with one parameter changed the legend tells them apart.
- */
+/* A file over itself gives the same curves; over one with another parameter the legend distinguishes them. */
 static void files_over_each_other_have_their_own_colour(void **state) {
     (void)state;
     const char *const names[] = {"a.h5", "b.h5"};
@@ -635,7 +632,7 @@ static void files_over_each_other_have_their_own_colour(void **state) {
     assert_true(pieces[0] == 87 && pieces[1] == 87);
     figure_says(&f, "where nothing else is said");
     figure_free(&f);
-    /* Of one file a branch's colour tells how often it was switched. */
+    /* In one file a branch's colour shows its number of switches. */
     f = draw_files(names, 1, &how);
     long colour[3] = {-1, -1, -1};
     for (int e = 0; e < f.panel[0].element_count; e++) {
@@ -650,7 +647,7 @@ static void files_over_each_other_have_their_own_colour(void **state) {
     figure_free(&f);
 }
 
-/* A parameter whose name goes on from the axis's is none of its stops' and tells files apart. */
+/* A parameter whose name extends the axis's belongs to no stop and distinguishes files. */
 static void longer_names_are_other_parameters(void **state) {
     (void)state;
     const char *const names[] = {"a.h5", "b.h5"};
@@ -668,7 +665,7 @@ static void longer_names_are_other_parameters(void **state) {
     figure_free(&f);
 }
 
-/* A branch that shows nothing but zero has axes about it, in one column too. */
+/* A branch that is all zero has axes around it, also in one column. */
 static void zero_has_an_axis(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
@@ -704,8 +701,8 @@ static void make_locus(saltus_point_kind kind) {
     }
 }
 
-/* A curve of special points is solid where it bounds stable orbits: where no multiplier but its own is
- * outside. */
+/* A curve of special points is solid where it bounds stable orbits: where only its own multiplier is
+ * critical. */
 static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
@@ -717,13 +714,13 @@ static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
         for (int k = 0; k < points; k++) {
             solid_at[k] = true;
             if (kind == SALTUS_POINT_NS) {
-                /* A pair on the circle, in a system of two entries: nothing else is there. */
+                /* A pair on the circle, in a system with two multipliers only. */
                 made.multiplier[k][0] = (saltus_multiplier){0.6, 0.8, 0};
                 made.multiplier[k][1] = (saltus_multiplier){0.6, -0.8, 0};
             } else if (kind == SALTUS_POINT_GR) {
                 double modulus = k % 30 < 10 ? 1.5 : k % 30 < 20 ? 1e4 : 0.5;
                 made.multiplier[k][0] = (saltus_multiplier){modulus, 0, log(modulus)};
-                /* With a multiplier that has no bound the nearest point that tells. */
+                /* For an infinite multiplier the nearest point that decides counts. */
                 solid_at[k] = k % 30 >= 15;
             } else if (k % 30 > 9 && k % 30 < 20) {
                 solid_at[k] = false;
@@ -739,7 +736,7 @@ static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
             int pieces[3];
             if (a->branch != b->branch)
                 continue;
-            /* Two points in the middle are as near to the one side as to the other. */
+            /* Two points in the middle are equally near to both sides. */
             bool tie = kind == SALTUS_POINT_GR && k % 30 >= 14 && k % 30 <= 16;
             count_pieces(&f.panel[0], a->value, b->value, pieces);
             assert_int_equal(pieces[solid] + pieces[dotted], 1);
@@ -757,7 +754,7 @@ static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
         const double *y = f.panel[0].range[1];
         assert_true(y[0] < 0.2 && y[1] > 0.438 && y[1] - y[0] < 1.2 * 0.24);
         figure_says(&f, "special points in {/:Italic ω} and {/:Italic d}");
-        /* The points that make the curve are no marks; a sign stands on it now and then. */
+        /* The curve's own points have no marks; its symbol appears now and then. */
         char mark[16];
         int signs = 0;
         assert_true(mark_of(&f.panel[0], kind, mark));
@@ -768,8 +765,8 @@ static void loci_are_solid_where_they_bound_stable_orbits(void **state) {
     }
 }
 
-/* A locus whose parameters came in the other order is the same curve; names are written where they are asked
- * for; a range of either parameter clips. */
+/* A locus with its parameters in the other order is the same curve; names are written on request; a range of
+ * either parameter clips. */
 static void planes_turn_and_clip(void **state) {
     (void)state;
     const char *const names[] = {"a.h5", "b.h5"};
@@ -819,8 +816,8 @@ static void planes_turn_and_clip(void **state) {
     }
 }
 
-/* All names that are asked for are written, those beyond the page's edges left out; the curves' own share
- * with them the room that there is for four hundred. */
+/* All requested names are written, except beyond the page's edges; the curves' own share with them the room
+ * for four hundred. */
 static void no_more_than_four_hundred_names(void **state) {
     (void)state;
     enum { most = 400, names = most + 2 };
@@ -858,7 +855,7 @@ static void no_more_than_four_hundred_names(void **state) {
     assert_true(plenty > 2);
 }
 
-/* Branches of scenes with other stops have no page in common. */
+/* Branches of scenes with different stops cannot share a page. */
 static void other_structures_have_other_pages(void **state) {
     (void)state;
     const saltus_plot_options how = saltus_plot_defaults();
@@ -878,7 +875,7 @@ static void other_structures_have_other_pages(void **state) {
     }
 }
 
-/* Curves of several kinds in one plane: each has its own colour, and the legend names it. */
+/* Curves of several kinds in one plane have their own colours, named in the legend. */
 static void kinds_of_loci_have_their_own_colours(void **state) {
     (void)state;
     static const saltus_point_kind own[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
@@ -932,7 +929,7 @@ static void fill_sweep(made_place *m) {
     m->strobe[1] = 3;
 }
 
-/* Over a cloud the curves show what the cloud shows, in the same axes, and all of them are inside. */
+/* Over a cloud the curves show the cloud's quantity, in the same axes, and fit in completely. */
 static void branches_lie_over_clouds(void **state) {
     (void)state;
     static const saltus_view views[] = {SALTUS_VIEW_IMPACTS, SALTUS_VIEW_SPEED, SALTUS_VIEW_STROBOSCOPIC};
@@ -976,7 +973,7 @@ static void branches_lie_over_clouds(void **state) {
         assert_non_null(figure_element_of(panel, "title 'stable'", 0));
         figure_free(&f);
     }
-    /* What does not belong over the sweep is refused: another view, another system, another key. */
+    /* Unsuitable branches over a sweep are refused: another view, system or key. */
     how.view = SALTUS_VIEW_LARGEST;
     assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), SALTUS_BAD_INPUT);
     how.view = SALTUS_VIEW_SPEED;
@@ -1002,7 +999,7 @@ static void branches_lie_over_clouds(void **state) {
     strcpy(axis.key, "k");
     made_write(path, &made.scene, &axis, 1, &options, fill_sweep, 100);
     assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), SALTUS_BAD_INPUT);
-    /* A sweep is no branch, and says so in its own words. */
+    /* A sweep is no branch, with its own message. */
     saltus_branch_file file;
     char expected[2 * path_size];
     snprintf(expected, sizeof expected, "%s: holds a sweep, not a branch of orbits", path);
@@ -1010,8 +1007,7 @@ static void branches_lie_over_clouds(void **state) {
     assert_string_equal(message.text, expected);
 }
 
-/* Where lines have long names, those of curves of special points or of several files, fewer stand in a row.
- */
+/* With long names, of curves of special points or several files, fewer are in a row. */
 static void long_names_leave_room_for_fewer(void **state) {
     (void)state;
     static const saltus_point_kind marks[] = {SALTUS_POINT_PD, SALTUS_POINT_NS, SALTUS_POINT_BP,
@@ -1037,8 +1033,8 @@ static void long_names_leave_room_for_fewer(void **state) {
         }
 }
 
-/* The name of a tip stands beyond it, where there is no curve: above one that points up, at the right of one
- * that points there. */
+/* The name of a tip is beyond it, where there is no curve: above one that points up, at the right of one that
+ * points there. */
 static void tips_have_their_names_beyond_them(void **state) {
     (void)state;
     for (int way = 0; way < 2; way++) {
@@ -1098,7 +1094,7 @@ static figure draw_over(const char *const *names, int count, const saltus_figure
     return figure_taken(folder);
 }
 
-/* No curve runs through the name of a region. */
+/* No curve crosses the name of a region. */
 static void check_names_are_clear(const figure_panel *panel) {
     const double page[2] = {1600, 1200}, letter = 0.6, high = 0.7; /* of the type's size */
     double size[2];
@@ -1132,8 +1128,8 @@ static void check_names_are_clear(const figure_panel *panel) {
     assert_true(names > 3);
 }
 
-/* Curves of special points lie over a map of their two parameters, whichever of these came first, in the
- * map's axes, above its colours, with a rim; and the map keeps its legend. */
+/* Curves of special points over a map of their two parameters, in any order: in the map's axes, above its
+ * colours, with a rim; the map keeps its legend. */
 static void special_points_lie_over_maps(void **state) {
     (void)state;
     const char *const names[] = {"a.h5", "b.h5"};
@@ -1182,7 +1178,7 @@ static void special_points_lie_over_maps(void **state) {
         check_names_are_clear(panel);
         figure_free(&f);
     }
-    /* What has other parameters is refused, and so is a branch of orbits. */
+    /* Other parameters are refused, and so is a branch of orbits. */
     const char *list[] = {path_in("a.h5", out)};
     const saltus_sweep_view how = {.branches = list, .branch_count = 1};
     strcpy(axes[1].key, "c");
@@ -1202,7 +1198,7 @@ static void special_points_lie_over_maps(void **state) {
 
 /* What a reader makes of the curves */
 
-/* Two unstable branches on each other are dashed once; a stable one below them stays. */
+/* Two coinciding unstable branches are dashed once; a stable one below them stays. */
 static void dashes_do_not_fill_each_other(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
@@ -1225,7 +1221,7 @@ static void dashes_do_not_fill_each_other(void **state) {
     figure_free(&f);
 }
 
-/* How many dashed lines go over a place across the page. */
+/* Count the dashed lines that cross a horizontal place. */
 static int dashes_over(const figure_panel *panel, double x) {
     int count = 0;
     for (int e = 0; e < panel->element_count; e++) {
@@ -1238,7 +1234,7 @@ static int dashes_over(const figure_panel *panel, double x) {
     return count;
 }
 
-/* Where one unstable branch runs onto another, and leaves it, amid its steps, all of it is dashed, once. */
+/* Where an unstable branch joins another and leaves it within steps, all of it is dashed, once. */
 static void dashes_end_where_others_begin(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
@@ -1259,8 +1255,7 @@ static void dashes_end_where_others_begin(void **state) {
     figure_free(&f);
 }
 
-/* Few points of a circle become a curve that is as round on the page, and no name stands where its point is
- * cut off. */
+/* Few points of a circle become a curve as round on the page, and no name is where its point is cut off. */
 static void sparse_points_give_smooth_curves(void **state) {
     (void)state;
     const double step = 2 * acos(-1.0) / 24;
@@ -1281,7 +1276,7 @@ static void sparse_points_give_smooth_curves(void **state) {
         const figure_element *line = &f.panel[0].element[e];
         for (int k = 0; k < line->values.count && line->text[0] == '$' && strstr(line->style, "lines"); k++) {
             double x = (line->values.at[k][0] - 1.5) / 0.4, y = line->values.at[k][1] / 0.3;
-            /* Chords leave the circle by 0.86 %. */
+            /* Chords differ from the circle by 0.86 %. */
             assert_true(fabs(hypot(x, y) - 1) < 1.5e-3);
             between += !of_the_file(line->values.at[k][0]);
         }
@@ -1345,7 +1340,7 @@ static void pages_have_the_size_asked_for(void **state) {
     }
 }
 
-/* Axes change places, and are logarithmic where that is possible. */
+/* Axes can be swapped, and be logarithmic if possible. */
 static void axes_are_laid_out_as_asked(void **state) {
     (void)state;
     static const char *const keys[] = {"omega", "speed", "displacement"};
@@ -1372,7 +1367,7 @@ static void axes_are_laid_out_as_asked(void **state) {
     }
     double least = panel->range[0][0], largest = panel->range[0][1];
     figure_free(&f);
-    /* A speed that is but rounding does not stretch its axis. */
+    /* A speed that is only rounding does not stretch its axis. */
     for (int k = 0; k < made.point[3].event_count; k++)
         made.point[3].events[k].velocity_before = 1e-17;
     write_branch("b.h5");
@@ -1393,7 +1388,7 @@ static void axes_are_laid_out_as_asked(void **state) {
     assert_non_null(strstr(message.text, "positive"));
 }
 
-/* The script that is kept is the one that was drawn, and names the figure. */
+/* The kept script is the one drawn, and names the figure. */
 static void scripts_are_kept(void **state) {
     (void)state;
     char kept[path_size], drawn[path_size];

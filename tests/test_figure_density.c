@@ -1,12 +1,12 @@
-/* Clouds of very many points are painted as densities: each pixel has the part of it that points cover, the
- * darker the larger a part of their trajectories' points they are. Made anew here from the file's points.
+/* Clouds of very many points are drawn as densities: each pixel is covered as far as points cover it, and is
+ * darker the larger their share of their trajectories' points. Computed again here from the file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure_folder.h"
 #include "made_sweep.h"
 
 enum { levels = 24 };
 
-/* A picture of how much of each pixel is covered and with what parts of trajectories. */
+/* A picture: how much of each pixel is covered, and by which shares of trajectories. */
 typedef struct picture {
     int width, height;
     double *cover, *weight;
@@ -27,7 +27,7 @@ static void cover(picture *p, double left, double right, double low, double high
             }
 }
 
-/* All points of a sweep on a panel, as wide as their cells, or as dots where cells are wide. */
+/* Draw all points of a sweep on a panel, as wide as their cells, or as dots if cells are wide. */
 static picture cover_all(const figure_panel *panel, const figure_element *e, const saltus_sweep_file *file) {
     picture p = {e->width, e->height, NULL, NULL};
     p.cover = calloc((size_t)p.width * (size_t)p.height, sizeof *p.cover);
@@ -59,8 +59,8 @@ static double density_of(const picture *p, int k) {
     return p->weight[k] / fmin(p->cover[k], 1);
 }
 
-/* Opacity grows with the logarithm of the density, over a factor of 40 at least, from the density that two
- * percent of the pixels do not reach to that which three percent surpass; in 24 levels. */
+/* Opacity grows with the logarithm of the density, over a factor of at least 40, from the second to the 97th
+ * percentile of pixels, in 24 levels. */
 static void check_opacities(const picture *p, const figure_element *e, int allowed) {
     int size = p->width * p->height, count = 0, far = 0, most = 0, least = 255;
     unsigned colour = 0;
@@ -90,7 +90,7 @@ static void check_opacities(const picture *p, const figure_element *e, int allow
         most = shown > most ? shown : most;
         least = shown && shown < least ? shown : least;
     }
-    /* Roundings at the border of two levels. */
+    /* Rounding at the border of two levels. */
     assert_true(far <= count / 100 + allowed);
     assert_true(most == 255 && least < 0.2 * 255);
     free(list);
@@ -98,7 +98,7 @@ static void check_opacities(const picture *p, const figure_element *e, int allow
 
 static int values;
 
-/* Orbits of few points and of many by turns, and motions that never repeat. */
+/* Orbits of few and of many points alternate, with motions that never repeat. */
 static void fill(made_place *m) {
     static const int counts[] = {1, 2, 3, 6, 12, 25, 40, 90};
     bool orbit = values > 100 ? m->point % 3 > 0 : m->point % 2 == 0;
@@ -142,7 +142,7 @@ static void densities_are_those_of_the_points(void **state) {
         int filled = 0;
         for (int i = 0; i < p.width * p.height; i++)
             filled += p.cover[i] > 0;
-        /* Of more pixels than these a part is looked at. */
+        /* With more pixels only a part is examined. */
         assert_true(filled < 20000 || k % 4);
         check_opacities(&p, e, filled > 20000 ? filled : 0);
         free(p.cover);

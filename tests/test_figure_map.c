@@ -1,5 +1,5 @@
-/* Maps of sweeps over two axes: every pixel has the colour of the row whose cell it lies in, the legend or
- * the bar beside the map says what that colour means, and both agree with the file.
+/* Maps of sweeps over two axes: every pixel has the colour of its cell's row, and the legend or bar explains
+ * the colour; both agree with the file.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 #include "figure_folder.h"
@@ -23,7 +23,7 @@ static figure draw(const saltus_sweep_view *view, const char *picture) {
     return f;
 }
 
-/* A list in no order across, equal or equal-ratio steps up. */
+/* An unordered list across, equal or equal-ratio steps upwards. */
 static void make_axes(saltus_axis axes[2], saltus_spacing up) {
     static const double values[columns] = {0.9, 0.5, 1.5, 0.75, 0.6, 1.2};
     axes[0] = (saltus_axis){
@@ -35,8 +35,8 @@ static double place_of(double value, bool logarithmic) {
     return logarithmic ? log(value) : value;
 }
 
-/* Which entry of an axis a pixel belongs to: the one whose cell, half way to its neighbours, holds the
- * pixel's middle; -1 near an edge. */
+/* The axis entry of a pixel: the one whose cell, half way to its neighbours, holds the pixel's middle; -1
+ * near an edge. */
 static void find_cells(const saltus_axis *axis, const double range[2], int pixels, int *cell) {
     bool logarithmic = axis->spacing == SALTUS_LOGARITHMIC;
     int order[64];
@@ -63,7 +63,7 @@ static void find_cells(const saltus_axis *axis, const double range[2], int pixel
     }
 }
 
-/* The point of the grid at each pixel, -1 near an edge; to be freed. */
+/* The grid point at each pixel, -1 near an edge; freed by the caller. */
 static long long *points_of(const figure_panel *panel, const figure_element *e,
                             const saltus_sweep_file *file) {
     int *across = calloc((size_t)e->width, sizeof *across), *up = calloc((size_t)e->height, sizeof *up);
@@ -84,7 +84,7 @@ static long long *points_of(const figure_panel *panel, const figure_element *e,
     return points;
 }
 
-/* The words beside a square of that colour in the legend; `figures` too, where they are at its right. */
+/* The words beside the legend's square of a colour; `figures` too if they are to its right. */
 static const figure_mark *entry_of(const figure_panel *panel, unsigned colour, const char **figures) {
     char word[16];
     snprintf(word, sizeof word, "'#%06x'", colour);
@@ -159,7 +159,7 @@ static void each_cell_has_the_colour_of_its_class(void **state) {
             int opacity;
             unsigned own = figure_pixel(e, n % e->width, n / e->width, &opacity);
             assert_int_equal(opacity, 255);
-            /* Most of a cell is of its colour, the rest its texture. */
+            /* Most of a cell has its colour, the rest its texture. */
             if (votes[point[n]] == 0)
                 colour[point[n]] = own;
             votes[point[n]] += colour[point[n]] == own ? 1 : -1;
@@ -204,8 +204,8 @@ static double luminance(unsigned colour) {
     return 0.299 * (colour >> 16 & 0xff) + 0.587 * (colour >> 8 & 0xff) + 0.114 * (colour & 0xff);
 }
 
-/* A colour's lightness, and its strength and hue in degrees, as they look: Ottosson's Oklab, from the sRGB
- * standard's transfer curve. */
+/* A colour's perceived lightness, chroma and hue in degrees: Ottosson's Oklab, from the sRGB standard's
+ * transfer curve. */
 static void oklab_of(unsigned colour, double *lightness, double *chroma, double *hue) {
     double linear[3], cone[3], a, b;
     static const double cones[3][3] = {{0.4122214708, 0.5363325363, 0.0514459929},
@@ -238,7 +238,7 @@ static void fill_shades(made_place *m) {
                               1 + (int)(m->point / 8 % 2));
 }
 
-/* The hue tells the period; of one period more impacts are darker, in steps that can be told apart. */
+/* The hue shows the period; within a period more impacts are darker, in distinguishable steps. */
 static void shades_tell_period_and_impacts(void **state) {
     (void)state;
     saltus_scene scene = made_scene();
@@ -280,8 +280,7 @@ static void shades_tell_period_and_impacts(void **state) {
     figure_free(&f);
 }
 
-/* From several starts a cell shows the motion that most of them came to, and lines across where there is more
- * than one. */
+/* With several starts a cell shows the most frequent motion, with lines across if there are others. */
 static void fill_several(made_place *m) {
     for (int s = 0; s < m->seeds; s++) {
         m->row[s] = made_periodic(1, 1);
@@ -357,7 +356,7 @@ static void the_motion_of_most_starts_is_shown(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
-/* In passes the motions count as attractors, too; what was not computed counts for nothing. */
+/* In passes motions also count as attractors; rows not computed do not count. */
 static void fill_passes(made_place *m) {
     m->row[0] = made_periodic(1, m->pass == SALTUS_PASS_DOWN && m->point % 2 ? 2 : 1);
 }
@@ -407,7 +406,7 @@ static void passes_that_differ_are_two_attractors(void **state) {
     }
 }
 
-/* Region names stand in a region of that motion, in letters that can be read. */
+/* Names are in a region of their motion, in readable letters. */
 static void fill_regions(made_place *m) {
     m->row[0] = m->point % columns < 3 ? made_periodic(1, 1) : made_other(SALTUS_CHAOTIC);
     if (m->point / columns == 4)
@@ -449,13 +448,13 @@ static void names_stand_in_their_regions(void **state) {
     figure_free(&f);
 }
 
-/* However rare, chaos and the like keep an entry of their own, and where room is short the rarest periodic
- * motions give way, which are counted; the entries go from the most frequent down and stay on the page. */
+/* However rare, chaos and the like keep their own entry; if room is short the rarest periodic motions are
+ * merged and counted. Entries are sorted by frequency and stay on the page. */
 static const int other_verdicts[] = {SALTUS_EQUILIBRIUM,   SALTUS_HELD,        SALTUS_UNDECIDED,
                                      SALTUS_QUASIPERIODIC, SALTUS_LONG_PERIOD, SALTUS_CHAOTIC,
                                      SALTUS_FAILED};
 
-static int crowd; /* how many periodic motions there are */
+static int crowd; /* number of periodic motions */
 
 static void fill_crowd(made_place *m) {
     int k = (int)m->point;
@@ -519,8 +518,8 @@ static void the_rarest_chaos_keeps_its_entry(void **state) {
     }
 }
 
-/* A motion has one look, by its n/p alone, and those that are painted with one texture can be told apart, by
- * people who do not see red, too. */
+/* A motion's look depends on its n/p alone, and those with one texture are distinguishable, also without
+ * seeing red. */
 static void without_red(const double colour[3], double seen[3]) {
     seen[0] = seen[1] = 0.11238 * colour[0] + 0.88762 * colour[1];
     seen[2] = fmax(0, 0.00401 * (colour[0] - colour[1]) + colour[2]);
@@ -560,7 +559,7 @@ static void motions_look_different_without_red(void **state) {
                     fail_msg("%d/%d and %d/%d are %.3f apart", a % most, 1 + a / most, b % most, 1 + b / most,
                              apart);
             }
-    /* The texture is part of what is drawn: pixels of another colour, but few of them. */
+    /* The texture is visible: pixels of another colour, but few of them. */
     for (int k = 0; k < count; k++) {
         int other = 0;
         for (int n = 0; n < 90 * 90; n++)
@@ -576,7 +575,7 @@ static void fill_zoomed(made_place *m) {
     m->row[0] = made_periodic(1 + (int)(k % 4), 1 + (int)(k % 3) + (zoomed && k >= 12 ? 3 : 0));
 }
 
-/* The colour that a legend gives a motion, -1 where it has no entry. */
+/* A motion's colour in a legend, -1 if it has no entry. */
 static long colour_in(const figure_panel *panel, const char *words) {
     for (int m = 0; m < panel->mark_count; m++) {
         const char *figures;
@@ -587,8 +586,8 @@ static long colour_in(const figure_panel *panel, const char *words) {
     return -1;
 }
 
-/* One colour of a motion in every map, whatever else is there; and a part of a map explains what it shows,
- * with shares of the part. */
+/* A motion has the same colour in every map; a part of a map explains what it shows, with shares of that
+ * part. */
 static void a_motion_has_one_colour(void **state) {
     (void)state;
     saltus_scene scene = made_scene();
@@ -623,8 +622,7 @@ static void a_motion_has_one_colour(void **state) {
         figure_free(&f[k]);
 }
 
-/* Whatever part of a map is shown, its legend has an entry for each colour in it, if only of a part of a
- * cell, and for no other. */
+/* In any part of a map the legend has an entry for exactly the colours in it, even of a part of a cell. */
 static void a_part_explains_what_it_shows(void **state) {
     (void)state;
     saltus_scene scene = made_scene();
@@ -638,7 +636,7 @@ static void a_part_explains_what_it_shows(void **state) {
     for (int trial = 0; trial < 12; trial++) {
         saltus_plot_part parts[2] = {{.key = "omega"}, {.key = "d"}};
         for (int k = 0; k < 2; k++) {
-            /* Borders now and then just beyond an edge between cells. */
+            /* Some borders are just beyond an edge between cells. */
             random = random * 1103515245u + 12345u;
             double from = (random >> 16) % 700 / 1000.0, wide = 0.04 + (random >> 8) % 200 / 1000.0;
             if (trial % 3 == 0)
@@ -672,7 +670,7 @@ static void a_part_explains_what_it_shows(void **state) {
     }
 }
 
-/* Shares have two digits or, from a tenth on, as many as whole numbers have. */
+/* Shares have two digits or, from a tenth on, those of whole numbers. */
 static int few_points;
 
 static void fill_few(made_place *m) {
@@ -701,7 +699,7 @@ static void shares_have_two_digits(void **state) {
     }
 }
 
-/* Where no exponent is measured, a motion that is not decided has no period; otherwise it may be anything. */
+/* Without a measured exponent an undecided motion has no period; otherwise it may be anything. */
 static void fill_undecided(made_place *m) {
     m->row[0] = m->point ? made_other(SALTUS_UNDECIDED) : made_periodic(1, 1);
 }
@@ -728,8 +726,8 @@ static void undecided_is_more_than_no_period(void **state) {
     }
 }
 
-/* How far it is from each place to the nearest of another kind, or off the map: the least sum of steps to the
- * eight neighbours, of which one up or down counts `tall` and one across 1. */
+/* The distance from each place to the nearest of another kind, or off the map: the least sum of steps to the
+ * eight neighbours, of which a vertical one counts `tall` and a horizontal one 1. */
 static void measure_room(const unsigned *kind, int wide, int high, double tall, double *room) {
     for (int k = 0; k < wide * high; k++)
         room[k] = INFINITY;
@@ -750,7 +748,7 @@ static void measure_room(const unsigned *kind, int wide, int high, double tall, 
     }
 }
 
-/* The places that hang together with one, as marks in `region`; their number and middle. */
+/* The connected places around one, as marks in `region`; their number and middle. */
 static int hang_together(const unsigned *kind, int wide, int high, int start, bool *region,
                          double middle[2]) {
     int count = 1, known = 0;
@@ -776,7 +774,7 @@ static int hang_together(const unsigned *kind, int wide, int high, int start, bo
     return count;
 }
 
-/* Regions of many shapes: bent, in a ring, of two parts, one cell, at the edges. */
+/* Regions of many shapes: bent, a ring, two parts, one cell, at the edges. */
 static const char *const shapes[] = {"kaaaaaaaacccc", "abbbbbbbaaccc", "abdddddbaeecc",
                                      "abdbbbdbaeecc", "abdddddbaeeac", "abbbbbbbaeeaa",
                                      "aaaffaaaaeeag", "ahhhhhhhhhhag", "aaaaaaaaaaaag"};
@@ -792,7 +790,7 @@ static void fill_shapes(made_place *m) {
                            : made_periodic(1 + (c - 'a') / 3, 1 << (c - 'a') % 3);
 }
 
-/* The colour of a motion of these shapes, of which a pixel may be part of the texture. */
+/* The colour of one of these motions; a pixel may belong to the texture. */
 static unsigned untextured(unsigned colour) {
     const saltus_paint paints[2] = {saltus_class_paint(SALTUS_PERIODIC, 123, 7),
                                     saltus_class_paint(SALTUS_PERIODIC, 12345678, 17)};
@@ -802,8 +800,8 @@ static unsigned untextured(unsigned colour) {
     return colour;
 }
 
-/* A region's name stands where it has most room, nearest to the middle of the region, in letters that fill
- * this room as far as they are of a readable size; regions with less room have none. */
+/* A region's name is where it has most room, nearest to the region's middle, in letters as large as this room
+ * allows within readable sizes; regions with less room have none. */
 static void names_stand_where_there_is_most_room(void **state) {
     (void)state;
     enum { step = 4 };
@@ -913,7 +911,7 @@ static double number_shown(saltus_view view, const saltus_sweep_row *row) {
                                               : (double)row->settled;
 }
 
-/* The number that a colour means, from the bar beside the map: the middle of the steps that have it. */
+/* The number of a colour, from the bar beside the map: the middle of its steps. */
 static double read_bar(const figure_panel *bar, unsigned colour, double *width) {
     const figure_element *e = figure_element_of(bar, "binary", 0);
     int first = -1, last = -1;
@@ -927,7 +925,7 @@ static double read_bar(const figure_panel *bar, unsigned colour, double *width) 
     if (first >= 0)
         part = (0.5 * (first + last) + 0.5) / e->height;
     else {
-        /* No step has it exactly: the nearest one. */
+        /* If no step has it exactly, the nearest one. */
         double least = INFINITY;
         int nearest = 0;
         for (int y = 0; y < e->height; y++) {
@@ -1023,7 +1021,7 @@ static void colours_read_back_from_the_bar(void **state) {
         figure_free(&f);
         if (view == SALTUS_VIEW_LARGEST || view == SALTUS_VIEW_RATE || view == SALTUS_VIEW_CONTACT)
             continue;
-        /* A part of the range: beyond its ends the colours are those of the ends. */
+        /* With a part of the range, numbers beyond it have the colours of its ends. */
         saltus_plot_part part = {.low = low + 0.2 * (high - low), .high = high - 0.3 * (high - low)};
         static const char *const words[] = {
             [SALTUS_VIEW_LARGEST] = "largest", [SALTUS_VIEW_SPEED] = "speed",
@@ -1040,7 +1038,7 @@ static void colours_read_back_from_the_bar(void **state) {
         assert_non_null(strstr(f.panel[1].label[2], "(colours end at the range)"));
         assert_true(f.panel[1].logarithmic[3] == (view == SALTUS_VIEW_SETTLED));
         figure_free(&f);
-        /* From zero on there are no equal ratios. */
+        /* From zero on equal ratios are impossible. */
         part.low = 0;
         f = draw(&how, "s.png");
         assert_false(f.panel[1].logarithmic[3]);
@@ -1049,7 +1047,7 @@ static void colours_read_back_from_the_bar(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
-/* Exponents have a middle at zero: the palest step of the bar. */
+/* Exponents have zero in the middle: the palest step of the bar. */
 static void zero_is_the_palest_of_exponents(void **state) {
     (void)state;
     saltus_scene scene = made_scene();
@@ -1076,7 +1074,7 @@ static void zero_is_the_palest_of_exponents(void **state) {
     figure_free(&f);
 }
 
-/* The bar says that its colours end where any number is beyond it, and only then. */
+/* The bar shows that its colours end exactly if a number is beyond it. */
 static void cut_ranges_say_so(void **state) {
     (void)state;
     saltus_scene scene = made_scene();
@@ -1104,7 +1102,7 @@ static void cut_ranges_say_so(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
-/* Single numbers far from all others take no colours from them; those that are not so far do. */
+/* Single numbers far from all others do not stretch the colours; nearer ones do. */
 static double outlier;
 
 static void fill_outlier(made_place *m) {
@@ -1127,7 +1125,7 @@ static void far_numbers_do_not_stretch_the_colours(void **state) {
         check_near(f.panel[1].range[3][0], far ? -1 : -outlier, 1e-2);
         check_near(f.panel[1].range[3][1], far ? 1 : outlier, 1e-2);
         assert_true((strstr(f.panel[1].label[2], "percentiles") != NULL) == far);
-        /* What does not occur is not explained. */
+        /* Absent kinds are not explained. */
         assert_true(!figure_mark_of(&f.panel[0], 'l', "failed", 0) &&
                     !figure_mark_of(&f.panel[0], 'l', "not computed", 0) &&
                     !figure_mark_of(&f.panel[0], 'l', "no period found", 0));
@@ -1135,7 +1133,7 @@ static void far_numbers_do_not_stretch_the_colours(void **state) {
     }
 }
 
-/* More values than pixels: a pixel shows what most of its cells are. */
+/* With more values than pixels a pixel shows its most frequent motion. */
 enum { fine = 5400 };
 
 static void fill_fine(made_place *m) {
@@ -1176,7 +1174,7 @@ static void a_pixel_shows_what_most_of_its_cells_are(void **state) {
     figure_free(&f);
 }
 
-/* ... and the mean of their numbers, those left aside that have none. */
+/* ... and the mean of the numbers, without cells that have none. */
 static void fill_fine_numbers(made_place *m) {
     long long k = m->point % fine;
     m->row[0] = made_periodic(1, 1);
@@ -1232,7 +1230,8 @@ static void a_pixel_shows_the_mean_of_its_cells(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
-/* Basins: the colour of a start tells its attractor, whose orbit lies there as dots; paler the sooner. */
+/* Basins: the colour of a start is that of its attractor, whose orbit is drawn there as dots; paler if
+ * reached sooner. */
 static void check_basins(const char *omega, const char *d, bool shaded) {
     char path[path_size], command[700];
     path_in("s.h5", path);
@@ -1260,8 +1259,7 @@ static void check_basins(const char *omega, const char *d, bool shaded) {
                              *dots = figure_element_of(panel, name, 1);
         assert_true(rim && dots && k < 8);
         own[k] = (unsigned)figure_colour(dots->style);
-        /* The colour of the motion in every figure; of two attractors of one motion the later one is darker.
-         */
+        /* The motion's colour in every figure; of two attractors with one motion the later is darker. */
         snprintf(expected, sizeof expected, "%s%s", file.attractor_label[k],
                  strncmp(file.attractor_label[k], "0/", 2) == 0 ? "  no impact" : "");
         long everywhere = colour_in(&classes.panel[0], expected);
@@ -1300,7 +1298,7 @@ static void check_basins(const char *omega, const char *d, bool shaded) {
         const saltus_sweep_row *row = &file.rows[point[n]];
         unsigned colour = figure_pixel(e, n % e->width, n / e->width, NULL);
         if (row->attractor < 0) {
-            /* A start beyond the stop has a look of its own. */
+            /* A start beyond the stop has its own look. */
             double start = file.axes[0].list[point[n] % file.axes[0].count];
             bool beyond = start > file.spec.stops[0].d;
             assert_true(row->verdict != SALTUS_FAILED ? colour == nothing_colour
@@ -1308,9 +1306,9 @@ static void check_basins(const char *omega, const char *d, bool shaded) {
                                                       : colour == 0xff2d78);
             continue;
         }
-        /* Mixed with white: the same part of the way for all three colours. */
+        /* Mixed with white: the same share for all three channels. */
         double part[3] = {0}, mean = 0;
-        int told = 0; /* by channels that are not nearly full themselves */
+        int told = 0; /* by channels that are not nearly full */
         for (int c = 0; c < 3; c++) {
             double full = own[row->attractor] >> (8 * c) & 0xff;
             if (full > 240)
@@ -1322,7 +1320,7 @@ static void check_basins(const char *omega, const char *d, bool shaded) {
         bool plain = mean > -0.04;
         for (int c = 0; c < told; c++)
             plain = plain && fabs(part[c] - mean) < 0.03;
-        pixels[plain]++; /* others belong to a texture */
+        pixels[plain]++; /* others are of a texture */
         if (plain)
             paleness[point[n]] = mean;
     }
@@ -1350,15 +1348,15 @@ static void check_basins(const char *omega, const char *d, bool shaded) {
     remove(path);
 }
 
-/* Shades tell how soon a start settles, unless motions of one period, whose colours are near each other,
- * would be taken for one another. */
+/* Shades show how soon a start settles, unless motions of one period, with similar colours, would be
+ * confused. */
 static void basins_show_where_each_start_goes(void **state) {
     (void)state;
     check_basins("2.8", "0.2", false);
     check_basins("2.2", "0.5", true);
 }
 
-/* Over the force of a Maxwell element the orbits' points lie at that force. */
+/* Over the force of a Maxwell element the orbits' points are at that force. */
 static void forces_have_their_axis(void **state) {
     (void)state;
     char path[path_size], command[700];

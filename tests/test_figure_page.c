@@ -1,9 +1,9 @@
-/* A motion's page as a whole: which panels it has, where they stand, and that none spoils the next one.
+/* A motion's page as a whole: its panels, their places, and that none affects the next.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/page.h"
 #include "made_record.h"
 
-/* Which panels there can be, in their order, and words of their headings. */
+/* The possible panels in order, and words of their headings. */
 typedef enum part { portrait, history, section, map, structure, spectrum, convergence, circle, parts } part;
 
 static const char *part_words[parts] = {[portrait] = "phase portrait",
@@ -41,7 +41,7 @@ static saltus_spectra made_spectra(bool lines) {
     return spectra;
 }
 
-/* An oscillator, two masses or a pipe, with a stop on both sides of what is observed. */
+/* An oscillator, two masses or a pipe, with stops on both sides of the observed coordinate. */
 static saltus_system *structure_of(int kind) {
     saltus_spec spec = kind == 2 ? pipe_spec(2, 20) : oscillator_spec(0.125, 1.75, 1.5, 0.625);
     if (kind == 1)
@@ -103,7 +103,7 @@ static void check_grid(const figure *f, const part *there) {
     assert_true((edge[0][2] > edge[count - 1][3] + 0.1) == (count > 2) && edge[0][3] > 0.7);
 }
 
-/* What a panel sets holds in it alone. */
+/* Settings of a panel apply to it alone. */
 static void check_apart(const figure *f, const part *there) {
     for (int p = 0; p < f->panel_count; p++) {
         const figure_panel *panel = &f->panel[p];
@@ -119,8 +119,7 @@ static void check_apart(const figure *f, const part *there) {
             arrows += mark->kind == 'a';
         }
         assert_true((pages > 0) == (p == 0));
-        /* Beside headings: the times of the shapes and the frequency up to which a spectrum is to be trusted.
-         */
+        /* Words beside headings: the times of the shapes, and the trusted frequency of a spectrum. */
         assert_int_equal(own, 1 + ((there[p] == structure && pipe) || there[p] == spectrum));
         assert_int_equal(objects, stops || (there[p] == structure && pipe)
                                       ? 2
@@ -135,7 +134,7 @@ static void check_apart(const figure *f, const part *there) {
     }
 }
 
-/* Everything that there is has its panel, once, in one order; the structure's has the room that is left. */
+/* All available content has its panel, once, in order; the structure's has the remaining room. */
 static void a_page_has_all_there_is(void **state) {
     (void)state;
     static made_up m;
@@ -149,7 +148,7 @@ static void a_page_has_all_there_is(void **state) {
             saltus_motion motion = settled ? orbit_of(1) : irregular();
             motion.multiplier_count = more && settled ? few : 0;
             motion.lyapunov = motion.lyapunov_error = 0.5625;
-            /* An orbit's exponent is that of its multipliers; a history of it is not drawn. */
+            /* An orbit's exponent follows from its multipliers; its history is not drawn. */
             motion.evidence.history = estimates;
             motion.evidence.history_count = more || settled ? few : 0;
             make_record(&m, system, settled ? 1 : 3, two_impacts, struck ? 2 : 0);
@@ -186,8 +185,7 @@ static void a_page_has_all_there_is(void **state) {
     }
 }
 
-/* Tics stand as close as their numbers' room lets round distances be: between a 23rd and a 7th of the page
- * apart. */
+/* Tics are as close as their numbers allow at round distances: between a 23rd and a 7th of the page apart. */
 static void tics_leave_room_for_their_numbers(void **state) {
     (void)state;
     static made_up m;
@@ -210,7 +208,7 @@ static void tics_leave_room_for_their_numbers(void **state) {
     saltus_system_free(system);
 }
 
-/* What is said to be drawn is: the heading of the history names dots and bars where there are any. */
+/* Headings agree with the drawing: that of the history names dots and bars only if there are any. */
 static void the_history_says_what_it_shows(void **state) {
     (void)state;
     static made_up m;
@@ -265,8 +263,8 @@ static saltus_trajectory record_of_events(made_up *m, saltus_event *events, long
     return r;
 }
 
-/* Marks of the impact map are the smaller the more there are, beyond twenty thousand the first ones alone;
- * the heading says over how many periods they are. */
+/* Marks of the impact map shrink with their number; beyond twenty thousand only the first are drawn; the
+ * heading states their number of periods. */
 static void marks_get_smaller_as_they_become_more(void **state) {
     (void)state;
     static made_up m;
@@ -302,8 +300,8 @@ static void marks_get_smaller_as_they_become_more(void **state) {
     saltus_system_free(system);
 }
 
-/* Speeds over more than three decades are on a logarithmic axis. What is no impact, and an impact without
- * speed, neither widens it nor makes it one; a linear axis holds zero and little besides. */
+/* Speeds over more than three decades have a logarithmic axis. Events other than impacts, and impacts without
+ * speed, do not count for it; a linear axis includes zero and little more. */
 static void speeds_choose_their_axis(void **state) {
     (void)state;
     static made_up m;
@@ -316,7 +314,7 @@ static void speeds_choose_their_axis(void **state) {
     saltus_motion motion = orbit_of(1);
     const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
     for (int k = 0; k < 5; k++) {
-        /* The last one is but rounding: no axis goes down to it. */
+        /* The last one is only rounding: no axis goes down to it. */
         double fast = k == 3 ? -2 : 2, slow = k == 4 ? 1e-17 : k % 2 ? fast / 990 : -fast / 1010;
         make_record(&m, system, 1, list, 5);
         m.events[0].velocity_before = fast;
@@ -340,7 +338,7 @@ static void speeds_choose_their_axis(void **state) {
     saltus_system_free(system);
 }
 
-/* Each side of a stop has a colour of its own. A single face needs no legend. */
+/* Each side of a stop has its own colour. A single face needs no legend. */
 static void stops_have_their_colours(void **state) {
     (void)state;
     static made_up m;
@@ -356,7 +354,7 @@ static void stops_have_their_colours(void **state) {
         const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
         figure f = draw(system, &diagnosis);
         const figure_panel *panel = map_of(&f);
-        /* Of more than eight faces those that are hit. */
+        /* Of more than eight faces only those that are hit. */
         assert_int_equal(panel->element_count, stops > 4 ? 1 : saltus_system_face_count(system));
         assert_true(panel->key == (stops > 1));
         for (int a = 0; a < panel->element_count; a++)
@@ -367,7 +365,7 @@ static void stops_have_their_colours(void **state) {
     }
 }
 
-/* Multipliers have 15 percent of room about them and about the unit circle, whichever reaches farther. */
+/* Multipliers and unit circle have a margin of 15 percent around whichever is larger. */
 static void the_circle_has_room_about_it(void **state) {
     (void)state;
     static made_up m;
@@ -390,8 +388,8 @@ static void the_circle_has_room_about_it(void **state) {
     saltus_system_free(system);
 }
 
-/* Shapes of a motion without a period are those of its first two periods, sixteen at equal distances, in
- * colours that a bar beside the panel explains. */
+/* Shapes of a motion without a period are those of its first two periods, sixteen at equal distances, with a
+ * colour bar beside the panel. */
 static void shapes_are_spread_over_two_periods(void **state) {
     (void)state;
     static made_up m;
@@ -432,8 +430,8 @@ static void shapes_are_spread_over_two_periods(void **state) {
     saltus_system_free(system);
 }
 
-/* A stop within the shapes' width of them is a whole block, with its tip in the middle; one farther away is
- * not there, and takes no room. */
+/* A stop within the shapes' width of them is drawn as a whole block, with its tip in the middle; a more
+ * distant one is omitted and takes no room. */
 static void blocks_are_shown_where_they_are_near(void **state) {
     (void)state;
     static made_up m;
@@ -478,7 +476,7 @@ static void blocks_are_shown_where_they_are_near(void **state) {
     }
 }
 
-/* Long numbers of small exponents get room at the left. */
+/* Long numbers of small exponents have room on the left. */
 static void small_exponents_have_room_for_their_digits(void **state) {
     (void)state;
     static made_up m;
@@ -503,8 +501,8 @@ static void small_exponents_have_room_for_their_digits(void **state) {
     saltus_system_free(system);
 }
 
-/* Where a stop's line crosses the picture of both masses it does so from edge to edge, whatever the stop's
- * coordinate and wherever the masses are; the picture is of the motion with a little room about it. */
+/* A stop's line crosses the picture of both masses from edge to edge, for any coordinate of the stop and
+ * place of the masses; the picture shows the motion with a small margin. */
 static void a_stop_crosses_the_picture_of_both_masses(void **state) {
     (void)state;
     static made_up m;
@@ -553,8 +551,8 @@ static void a_stop_crosses_the_picture_of_both_masses(void **state) {
     }
 }
 
-/* The kept script is that which was drawn, and says where its picture goes, whatever that is called; the
- * record beside it is the one shown. */
+/* The kept script is the one drawn, and names its picture's file, whatever its name; the record beside it is
+ * the one shown. */
 static void the_script_kept_is_the_one_drawn(void **state) {
     (void)state;
     static made_up m;
@@ -589,7 +587,7 @@ static void the_script_kept_is_the_one_drawn(void **state) {
     saltus_system_free(system);
 }
 
-/* What cannot be a page is refused, with nothing left behind. */
+/* Impossible pages are refused, and leave nothing behind. */
 static void what_is_no_page_is_refused(void **state) {
     (void)state;
     static made_up m, other, one;
@@ -629,7 +627,7 @@ static void what_is_no_page_is_refused(void **state) {
     saltus_system_free(masses);
 }
 
-/* An orbit has no use for a long record, and a first quantity that does not move is no spectrum. */
+/* An orbit needs no long record, and a first quantity at rest has no spectrum. */
 static void an_orbit_is_shown_by_itself(void **state) {
     (void)state;
     static made_up m, lasting;
@@ -657,7 +655,7 @@ static void an_orbit_is_shown_by_itself(void **state) {
     saltus_system_free(system);
 }
 
-/* On a narrow page an axis has three to six tics, whatever its range. */
+/* On a narrow page an axis has three to six tics, for any range. */
 static void narrow_axes_have_enough_tics(void **state) {
     (void)state;
     for (double width = 0.01; width < 200; width *= 1.013)
@@ -675,8 +673,8 @@ static void narrow_axes_have_enough_tics(void **state) {
         }
 }
 
-/* A sheet in one column or two is no taller than a journal's page, has all its panels beside or below each
- * other, and no heading that leaves the page or reaches into the next panel. */
+/* A sheet of one column or two is no taller than a journal's page, has all panels beside or below each other,
+ * and no heading that leaves the page or reaches into another panel. */
 static void a_sheet_fits_a_journal(void **state) {
     (void)state;
     static made_up m;
@@ -729,7 +727,7 @@ static void a_sheet_fits_a_journal(void **state) {
             }
 }
 
-/* A page with no room for its panels below its words is not drawn but says so. */
+/* A page without room for its panels below the caption is not drawn, and says so. */
 static void a_page_too_small_says_so(void **state) {
     (void)state;
     static made_up m;

@@ -1,5 +1,5 @@
-/* What the page of a motion draws is what its record and its verdict say. The records are made up, so that
- * every kind of event is there and the numbers are known.
+/* A motion's page draws its record and verdict. The records are made up, so that every kind of event occurs
+ * and the numbers are known.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/caption.h"
 #include "made_record.h"
@@ -11,7 +11,7 @@ static bool is_struck(const saltus_trajectory *r, long long row) {
     return false;
 }
 
-/* The line of an element is displacement against velocity of the first rows, in pieces between impacts. */
+/* An element's line is displacement against velocity of the first rows, in pieces between impacts. */
 static void check_trajectory(const figure_element *e, const saltus_trajectory *r, long long rows) {
     assert_non_null(e);
     assert_int_equal(e->values.count, rows);
@@ -34,7 +34,7 @@ static void check_jumps(const figure_element *e, const saltus_trajectory *r, lon
     assert_int_equal(at, e->values.count);
 }
 
-/* Grey beyond a stop, from it to the edge, and a line at it; `axis` is that of the displacement. */
+/* Grey beyond a stop up to the edge, and a line at the stop; `axis` is that of the displacement. */
 static void check_stop(const figure_panel *panel, int k, int axis, double d, double edge) {
     const figure_mark *grey = figure_mark_of(panel, 'o', "rectangle", k),
                       *line = figure_mark_of(panel, 'a', "nohead", k);
@@ -50,7 +50,7 @@ static void check_stop(const figure_panel *panel, int k, int axis, double d, dou
     }
 }
 
-/* One closed orbit: the record's rows up to the period and no further. */
+/* One closed orbit: the record's rows up to the period only. */
 static void a_portrait_is_the_record(void **state) {
     (void)state;
     static made_up m;
@@ -100,11 +100,11 @@ static void a_portrait_is_the_record(void **state) {
     saltus_system_free(system);
 }
 
-/* A stop far from the motion is neither drawn nor given room; one that is near gets both. */
+/* A stop far from the motion is neither drawn nor given room; a near one gets both. */
 static void stops_are_shown_where_they_are_near(void **state) {
     (void)state;
     static made_up m;
-    const double reach = 0.031; /* of the motion, to both sides */
+    const double reach = 0.031; /* of the motion, on both sides */
     for (int k = 0; k < 2; k++) {
         double d = reach + (k ? 1.15 : 1.25) * 2 * reach * 0.5;
         saltus_system *system = between_stops(d);
@@ -165,8 +165,8 @@ static void check_history(const figure_panel *panel, const saltus_trajectory *r,
     check_stop(panel, 1, 1, -0.033, panel->range[1][0]);
 }
 
-/* Contacts that begin and end, that hold from the start, that hold to the end, on either face; an impact
- * before a release that nothing began is no contact. */
+/* Contacts that begin and end, that hold from the start or to the end, on either face; an impact before a
+ * release without a begin is no contact. */
 static void contacts_are_drawn_from_stick_to_release(void **state) {
     (void)state;
     static made_up m;
@@ -205,7 +205,7 @@ static void contacts_are_drawn_from_stick_to_release(void **state) {
     saltus_system_free(system);
 }
 
-/* A mass that a stop holds all the time: no event tells of it. */
+/* A mass always held by a stop: no event shows it. */
 static void a_contact_for_good_is_drawn_throughout(void **state) {
     (void)state;
     static made_up m;
@@ -231,7 +231,7 @@ static void a_contact_for_good_is_drawn_throughout(void **state) {
         figure_says(&f, "in contact for good");
         figure_free(&f);
     }
-    /* It touches the stop at both ends, but moves in between. */
+    /* It touches the stop at both ends and moves between. */
     for (long long row = 1; row + 1 < m.record.samples; row++)
         m.velocity[row] = 0.1;
     for (long long row = 0; row < m.record.samples; row += m.record.samples - 1)
@@ -242,7 +242,7 @@ static void a_contact_for_good_is_drawn_throughout(void **state) {
     saltus_system_free(system);
 }
 
-/* The impacts that one face's marks show: triangles up for upper sides, in the order of the events. */
+/* The impacts shown by one face's marks: triangles up for upper sides, in the order of events. */
 static void check_face(const figure_panel *panel, const saltus_system *system, const saltus_trajectory *r,
                        long long events, int face, bool size_alone) {
     saltus_face own = saltus_system_face(system, face);
@@ -293,7 +293,7 @@ static void an_impact_map_is_the_events(void **state) {
             check_face(panel, system, &m.record, 6, face, slow);
         assert_true(panel->range[0][0] == 0 && panel->range[0][1] == 1);
         assert_true((panel->range[1][0] > 0) == slow);
-        /* The scale of one panel is not that of the next. */
+        /* A panel's scale does not affect the next. */
         for (int p = 0; p < f.panel_count; p++)
             assert_true(&f.panel[p] == panel || !f.panel[p].logarithmic[1]);
         /* The stop that does not limit the coordinate shown has no line. */
@@ -306,8 +306,8 @@ static void an_impact_map_is_the_events(void **state) {
     saltus_system_free(system);
 }
 
-/* Without a period: section points and impacts of the long record, the trajectory of the short one, of which
- * twenty periods are the time history. */
+/* Without a period: section points and impacts of the long record, the trajectory of the short one, with
+ * twenty periods as time history. */
 static void the_section_is_of_the_long_record(void **state) {
     (void)state;
     static made_up shown, lasting;
@@ -341,7 +341,8 @@ static void the_section_is_of_the_long_record(void **state) {
     saltus_system_free(system);
 }
 
-/* Multipliers at their places, the unit circle round, whatever the panel's shape, and all of them inside. */
+/* Multipliers are at their places, the unit circle is round for any shape of the panel, and all of them
+ * fit. */
 static void multipliers_lie_about_the_unit_circle(void **state) {
     (void)state;
     static made_up m;
@@ -379,7 +380,7 @@ static void multipliers_lie_about_the_unit_circle(void **state) {
     saltus_system_free(system);
 }
 
-/* A pipe bent as its modes say: sums of sines at sixteen times of the orbit, and all that they sweep. */
+/* A pipe bent by its modes: sums of sines at sixteen times of the orbit, and the region that they sweep. */
 static void shapes_are_sums_of_sines(void **state) {
     (void)state;
     static made_up m;
@@ -403,7 +404,7 @@ static void shapes_are_sums_of_sines(void **state) {
         const double *at = lines->values.at[k];
         double eta = 0;
         shape += !lines->values.joined[k];
-        /* 24 rows a period, two periods: every third row. */
+        /* 24 rows per period, two periods: every third row. */
         long long row = 3LL * shape;
         for (int i = 0; i < modes; i++)
             eta += m.states[row * 2 * modes + i] * sin((i + 1) * acos(-1.0) * at[0]);
@@ -432,12 +433,12 @@ static void shapes_are_sums_of_sines(void **state) {
         assert_non_null(block);
         figure_near(block->place[0][0], spec.stops[s].xi, digits);
         figure_near(block->place[0][1], d, digits);
-        /* It stands beyond its tip. */
+        /* The stop is beyond its tip. */
         assert_true(s ? block->place[1][1] < d : block->place[1][1] > d);
         assert_true(d > panel->range[1][0] && d < panel->range[1][1]);
     }
     assert_true(panel->range[0][0] == 0 && panel->range[0][1] == 1);
-    /* The portrait shows the place of the first stop. */
+    /* The phase portrait is of the first stop's place. */
     assert_non_null(strstr(figure_panel_of(&f, "phase portrait")->label[0], "(0.25, "));
     figure_says(&f, "stop 1: {/:Italic ξ} = 0.25, {/:Italic d} = 0.02");
     figure_says(&f, "stop 2: {/:Italic ξ} = 0.625, {/:Italic d} = 0.025, {/:Italic r} = 0.5, lower");
@@ -445,7 +446,8 @@ static void shapes_are_sums_of_sines(void **state) {
     saltus_system_free(system);
 }
 
-/* Two masses against each other, and each stop as the line where its coordinate is at the clearance. */
+/* The two masses' displacements against each other, and each stop as the line where its coordinate equals the
+ * clearance. */
 static void masses_are_drawn_against_their_stops(void **state) {
     (void)state;
     static made_up m;
@@ -476,7 +478,7 @@ static void masses_are_drawn_against_their_stops(void **state) {
                 x[i] = figure_choice(&sum);
             }
             check_near(0.5 * x[0] - 1.25 * x[1], saltus_system_face(system, face).side * 0.03, 1e-8);
-            /* The line runs through the whole panel. */
+            /* The line crosses the whole panel. */
             assert_true(end == 0 || fabs(x[0]) > panel->range[0][1] || fabs(x[1]) > panel->range[1][1]);
         }
     figure_says(&f, "stop: 0.5 {/:Italic x}_1 − 1.25 {/:Italic x}_2, {/:Italic d} = 0.03");
@@ -487,7 +489,7 @@ static void masses_are_drawn_against_their_stops(void **state) {
     saltus_system_free(system);
 }
 
-/* The estimate's last finite stretch with its band, and the spectrum's lines, beside each other. */
+/* The estimate's last finite stretch with its band, beside the spectrum's lines. */
 static void exponents_and_lines_are_those_measured(void **state) {
     (void)state;
     static made_up m;
@@ -570,7 +572,7 @@ static void exponents_and_lines_are_those_measured(void **state) {
     saltus_system_free(system);
 }
 
-/* The panels bear the letters a, b, c, ... from left to right and from above. */
+/* The panels have the letters a, b, c, ... from left to right and from the top. */
 static void panels_are_lettered_as_they_are_read(void **state) {
     (void)state;
     static made_up m;
@@ -599,7 +601,7 @@ static void panels_are_lettered_as_they_are_read(void **state) {
     saltus_system_free(system);
 }
 
-/* What is too long for a picture is cut at whole periods. */
+/* Records too long for a picture are cut at whole periods. */
 static void long_records_are_cut_at_whole_periods(void **state) {
     (void)state;
     enum { samples = 61000, a_period = 500 };
@@ -637,7 +639,7 @@ static void long_records_are_cut_at_whole_periods(void **state) {
     saltus_system_free(system);
 }
 
-/* A caption that is too long for a line goes on in the next one, between words, and nothing is lost. */
+/* A caption too long for a line continues on the next, between words, and nothing is lost. */
 static void long_captions_are_broken_between_words(void **state) {
     (void)state;
     static made_up m;
@@ -681,7 +683,7 @@ static void long_captions_are_broken_between_words(void **state) {
     saltus_system_free(system);
 }
 
-/* What does not move has room about it, and what is at rest is said to be. */
+/* Constant values have a margin, and a motion at rest is named so. */
 static void a_rest_has_room_about_it(void **state) {
     (void)state;
     static made_up m;
@@ -712,8 +714,7 @@ static double page_height(const figure *f) {
     return height;
 }
 
-/* Beside the impacts, on a page of one column above them, there is room for the names of their stops' sides.
- */
+/* The names of the stops' sides have room beside the impacts, or in one column above them. */
 static void names_of_sides_stay_on_the_page(void **state) {
     (void)state;
     static made_up m;
@@ -746,8 +747,8 @@ static void names_of_sides_stay_on_the_page(void **state) {
     saltus_system_free(system);
 }
 
-/* A trajectory is drawn from its file with stops, jumps and impacts as on a sheet, on a page of one column
- * too, which its headings do not leave. */
+/* A trajectory is drawn from its file with stops, jumps and impacts as on a sheet, also in one column, where
+ * its headings fit. */
 static void a_trajectory_has_its_stops(void **state) {
     (void)state;
     static made_up m;

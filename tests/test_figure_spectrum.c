@@ -1,5 +1,5 @@
-/* Spectra and the convergence of exponents are drawn as their tables have them; and the commands draw what
- * they are asked for, with the numbers of the files that they write.
+/* Spectra and the convergence of exponents are drawn as in their tables, and commands draw what is requested,
+ * with the numbers of their files.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure_folder.h"
 
@@ -41,7 +41,7 @@ static figure draw_spectra(const saltus_spectra *spectra, const char *label) {
 
 enum { lines_most = 1024 };
 
-/* Lines at multiples of 1/p that fall off, up and down by turns. */
+/* Lines at multiples of 1/p that decrease, alternately up and down. */
 static void make_lines(saltus_spectrum *s, saltus_spectral_line *lines, int periods, int per_period,
                        double slope) {
     static double density[4];
@@ -69,7 +69,7 @@ static void make_lines(saltus_spectrum *s, saltus_spectral_line *lines, int peri
     }
 }
 
-/* The dots and stems of a panel are these lines: on its floor, red where multiples of omega. */
+/* A panel's dots and stems are these lines: on its floor, red at multiples of omega. */
 static void check_dots(const figure_panel *panel, const saltus_spectral_line *const *shown, int count,
                        int periods, double stems_end) {
     const char *colour[2];
@@ -101,7 +101,7 @@ static void check_dots(const figure_panel *panel, const saltus_spectral_line *co
     assert_true(strncmp(colour[0], colour[1], 7) != 0);
 }
 
-/* The low frequencies: every line up to the end of the axis, which no line within 60 dB lies beyond. */
+/* The low frequencies: every line up to the end of the axis, beyond which no line is within 60 dB. */
 static void check_low(const figure_panel *panel, const saltus_spectrum *s) {
     const saltus_spectral_line *shown[lines_most];
     int count = 0;
@@ -117,7 +117,7 @@ static void check_low(const figure_panel *panel, const saltus_spectrum *s) {
     assert_true(panel->range[1][0] >= -100 && panel->range[1][1] > 0 && !panel->logarithmic[0]);
 }
 
-/* All frequencies: of lines closer than 1/96 of an octave the highest, of the others each one. */
+/* All frequencies: of lines closer than 1/96 of an octave the highest, otherwise each. */
 static void check_whole(const figure_panel *panel, const saltus_spectrum *s) {
     const saltus_spectral_line *shown[lines_most];
     int count = 0;
@@ -138,7 +138,7 @@ static void check_whole(const figure_panel *panel, const saltus_spectrum *s) {
                     panel->range[1][0] == -200);
 }
 
-/* Grey from the highest trustworthy frequency to the end, and a line at it. */
+/* Grey from the trusted frequency to the end, and a line at it. */
 static void check_trust(const figure_panel *panel, double trustworthy) {
     const figure_mark *grey = figure_mark_of(panel, 'o', "rectangle", 0);
     double end = panel->range[0][1];
@@ -174,7 +174,7 @@ static void lines_are_drawn_where_they_are(void **state) {
             check_trust(&f.panel[2 * q], s->trustworthy);
             check_trust(whole, s->trustworthy);
             const figure_mark *between = figure_mark_of(whole, 'a', "dt (6,5)", 0);
-            /* Beneath the lowest line that is drawn it is told in words. */
+            /* A level between the lines that is below the axis is stated in words. */
             assert_true((between != NULL) == (20 * log10(s->between) > whole->range[1][0]));
             if (between) {
                 assert_true(between->system[0][1] == 'f');
@@ -193,7 +193,7 @@ static void lines_are_drawn_where_they_are(void **state) {
 
 enum { bins = 700 };
 
-/* A density in decibels of its peak with its confidence band; where bins are close their mean is drawn. */
+/* A density in decibels of its peak with its confidence band; close bins are averaged. */
 static void densities_are_drawn_with_their_band(void **state) {
     (void)state;
     static double density[bins];
@@ -260,7 +260,7 @@ static void densities_are_drawn_with_their_band(void **state) {
         assert_true(10 * log10(0.5 * density[k] / peak) >= whole->range[1][0]);
     check_trust(low, 8);
     check_trust(whole, 8);
-    /* Strong lines are marked, the weaker of two that would touch is not. */
+    /* Strong lines are marked, the weaker of two overlapping ones is not. */
     static const bool marked[] = {true, true, false, false, true};
     for (int k = 0; k < 5; k++) {
         bool found = false;
@@ -281,7 +281,7 @@ static void densities_are_drawn_with_their_band(void **state) {
     figure_free(&f);
 }
 
-/* A density that falls off, with lines at random places in it, some of equal height. */
+/* A decreasing density with lines at random places, some of equal height. */
 static saltus_spectra scattered_lines(saltus_spectral_line *lines, int count, unsigned seed) {
     static double density[129];
     for (int k = 0; k < 129; k++)
@@ -312,8 +312,8 @@ static saltus_spectra scattered_lines(saltus_spectral_line *lines, int count, un
                                          .trustworthy = 8}}};
 }
 
-/* Every line of a continuum within 60 dB of the highest has its mark, save where a stronger one is nearer
- * than 1.5 percent of the axis; lines that are equal both have theirs. */
+/* Every line of a continuum within 60 dB of the highest is marked, unless a stronger one is within 1.5
+ * percent of the axis; equal lines both are. */
 static void strong_lines_are_marked_where_they_stand_apart(void **state) {
     (void)state;
     enum { count = 90 };
@@ -355,8 +355,8 @@ static void check_heading(const figure_panel *panel, int letter, const char *wor
     check_near(heading->place[0][1], panel->frame[3], 1e-5);
 }
 
-/* Headings name what their panels show, and no more. One quantity has the width of the page, two a row each.
- */
+/* Headings name exactly what their panels show. One quantity has the width of the page, two have a row
+ * each. */
 static void spectra_are_headed_by_what_they_show(void **state) {
     (void)state;
     static saltus_spectral_line lines[2][lines_most];
@@ -397,7 +397,7 @@ static void spectra_are_headed_by_what_they_show(void **state) {
             check_heading(low, 2 * q, words);
             check_heading(whole, 2 * q + 1, cases[k].whole);
             assert_true((figure_mark_of(whole, 'a', "dt (6,5)", 0) != NULL) == (cases[k].orbits > 1));
-            /* Grey begins at the begin of the axis where nothing is to be trusted. */
+            /* If nothing is trusted, all of the axis is grey. */
             const figure_mark *grey = figure_mark_of(whole, 'o', "rectangle", 0);
             assert_true((grey != NULL) == (cases[k].trustworthy < whole->range[0][1]));
             char edge[40];
@@ -419,8 +419,8 @@ static void spectra_are_headed_by_what_they_show(void **state) {
     }
 }
 
-/* Axes end a little beyond what they show: the low frequencies behind the last strong line, between 4 and 16;
- * the decibels 10 to 30 below the lowest that is to be trusted; tics are three to seven. */
+/* Axes end slightly beyond their content: the low frequencies after the last strong line, between 4 and 16;
+ * the decibels 10 to 30 below the lowest trusted one; there are three to seven tics. */
 static void spectra_end_where_they_have_nothing_left(void **state) {
     (void)state;
     static saltus_spectral_line lines[lines_most];
@@ -446,7 +446,7 @@ static void spectra_end_where_they_have_nothing_left(void **state) {
             s->between = k % 4 ? NAN : 1e-16;
             s->trustworthy = 12;
             lowest = 0;
-            if (k % 3 == 0) /* a line that is not there by symmetry deepens nothing */
+            if (k % 3 == 0) /* a line that vanishes by symmetry does not deepen the axis */
                 lines[3].decibels = -INFINITY;
             for (int l = 0; l < s->line_count; l++) {
                 last = lines[l].decibels > -60 ? fmax(last, lines[l].frequency) : last;
@@ -494,7 +494,7 @@ static figure draw_convergence(const saltus_lyapunov *l) {
     return f;
 }
 
-/* The history with its band, whole or as differences from where it ends; a level at zero where it is near. */
+/* The history with its band, complete or as differences from its end; a level at zero if that is near. */
 static void histories_converge_to_their_end(void **state) {
     (void)state;
     enum { most = 40 };
@@ -542,7 +542,7 @@ static void histories_converge_to_their_end(void **state) {
             }
         }
         figure_check_inside(panel, line);
-        /* The band is whole where the begin is over. */
+        /* After the begin the band is complete. */
         double whole = panel->range[0][0] * pow(panel->range[0][1] / panel->range[0][0], 0.2);
         for (int k = 0; k < counts[c]; k++)
             if (history[k].time > whole * 1.001)
@@ -600,7 +600,7 @@ static void histories_converge_to_their_end(void **state) {
     figure_free(&f);
 }
 
-/* What is wrong with a measurement is the last that is said of it, in red; nothing else is. */
+/* A defect of the measurement is stated last, in red, alone. */
 static void convergence_tells_its_doubts(void **state) {
     (void)state;
     static const char *const begins[] = {"{/=20:Bold made\\_up:  largest Lyapunov exponent",
@@ -642,13 +642,14 @@ static void convergence_tells_its_doubts(void **state) {
 }
 
 /* Few estimates are marked; those that differ by less than three thousandths are drawn as differences; tics
- * of times are numbers over up to 3000 fold, powers of ten beyond. An axis of times is never empty. */
+ * of times are numbers over up to a factor of 3000, powers of ten beyond. The axis of times is never
+ * empty. */
 static void histories_choose_their_axes(void **state) {
     (void)state;
     static saltus_lyapunov_progress history[31];
     static const struct {
         int count;
-        double width, last; /* of all estimates in parts of the exponent, of the time */
+        double width, last; /* spread of all estimates over the exponent, of the times */
     } cases[] = {{29, 0.1, 100},  {30, 0.1, 100}, {30, 0.00265, 100}, {30, 0.0024, 100}, {30, 0.1, 2999},
                  {30, 0.1, 3001}, {2, 0.1, 1.21}, {2, 0.1, 1.19},     {30, 1e-13, 50}};
     for (int k = 0; k < 18; k++) {
@@ -708,7 +709,7 @@ static void write_scene(const char *name, const char *text) {
 
 static const char struck[] = "model: oscillator\nc: 0.4\nF: 1\nomega: 2\nstop: {d: 0.25, r: 0.8}\n";
 
-/* Numbers of one dataset; to be freed. */
+/* Numbers of one dataset; freed by the caller. */
 static double *dataset(hid_t file, const char *name, int *count) {
     hid_t set = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(set);
     *count = (int)H5Sget_simple_extent_npoints(space);
@@ -762,7 +763,7 @@ static int column(const table *t, const char *name) {
     return 0;
 }
 
-/* `diagnose` draws the trajectory that it writes, with the multipliers that `classify` tells. */
+/* `diagnose` draws the trajectory it writes, with the multipliers of `classify`. */
 static void diagnose_draws_the_data_that_it_keeps(void **state) {
     (void)state;
     char path[path_size];
@@ -810,7 +811,7 @@ static void diagnose_draws_the_data_that_it_keeps(void **state) {
             list += strcspn(list, "-0123456789");
             check_near(circle->values.at[k][i], strtod(list, &list), 1e-8);
         }
-    /* The spectrum's lines are those that `spectrum` tells. */
+    /* The spectrum's lines are those of `spectrum`. */
     static table t;
     run("spectrum scene.yaml --set d=0.2 --of displacement --samples 1024 --periods 2 -o s.csv --quiet");
     read_table("s.csv", &t);
@@ -830,7 +831,7 @@ static void diagnose_draws_the_data_that_it_keeps(void **state) {
     figure_free(&f);
 }
 
-/* Without a period the section is long, and goes through the same points as the record shown. */
+/* Without a period the section is long, and includes the points of the record shown. */
 static void diagnose_looks_longer_at_what_has_no_period(void **state) {
     (void)state;
     write_scene("scene.yaml", struck);
@@ -851,7 +852,7 @@ static void diagnose_looks_longer_at_what_has_no_period(void **state) {
     figure_free(&f);
 }
 
-/* `spectrum` draws the table that it writes, of the quantities asked for, in their order. */
+/* `spectrum` draws the table it writes, with the requested quantities in order. */
 static void spectrum_draws_its_table(void **state) {
     (void)state;
     static table t;
@@ -876,7 +877,7 @@ static void spectrum_draws_its_table(void **state) {
     figure_free(&f);
 }
 
-/* `lyapunov` draws the rows that it writes, to the number that it tells. */
+/* `lyapunov` draws the rows it writes, up to the number it reports. */
 static void lyapunov_draws_its_table(void **state) {
     (void)state;
     static table t;
@@ -904,8 +905,8 @@ static void lyapunov_draws_its_table(void **state) {
     figure_free(&f);
 }
 
-/* Over a displacement diagram a branch shows where its orbits turn: where a trajectory settled on it, the
- * points of the cloud lie on its curves. */
+/* Over a displacement diagram a branch shows its orbits' turning points: where a trajectory settled on it,
+ * the cloud's points are on its curves. */
 static void branches_turn_where_the_cloud_does(void **state) {
     (void)state;
     write_scene("scene.yaml", struck);
@@ -996,7 +997,7 @@ static void plot_draws_what_is_asked_for(void **state) {
     figure_free(&f);
 }
 
-/* `paper` runs the commands of a figure with the choices for a trial, into the folder named. */
+/* `paper` runs a figure's commands with the options of a trial, in the named folder. */
 static void paper_draws_the_figure_asked_for(void **state) {
     (void)state;
     char path[path_size];
@@ -1028,7 +1029,7 @@ static void paper_draws_the_figure_asked_for(void **state) {
     figure_free(&f);
 }
 
-/* Each kind of figure is one that gnuplot itself draws; of an empty curve it says so. */
+/* Each kind of figure is accepted by the real gnuplot; for an empty curve it prints a message. */
 static void gnuplot_takes_every_script(void **state) {
     (void)state;
     static const char *const figures[] = {
@@ -1041,7 +1042,7 @@ static void gnuplot_takes_every_script(void **state) {
         "lyapunov scene.yaml --transient 20 --periods 400 --members 2 --quiet"};
     char command[600], path[path_size];
     size_t length;
-    /* The one beyond the keeper of scripts. */
+    /* The gnuplot after the script keeper in the PATH. */
     const char *others = strchr(getenv("PATH"), ':') + 1;
     snprintf(command, sizeof command, "PATH='%s' gnuplot --version >'%s/version' 2>&1", others, folder);
     if (system(command) != 0)

@@ -1,5 +1,5 @@
 /* Diagrams of sweeps over one axis draw the rows and clouds of their files: points, numbers, exponents and
- * the strip of classes. The sweeps are made up, so that every kind of row is there.
+ * the strip of classes. The sweeps are made up, so that every kind of row occurs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 #include "figure_folder.h"
@@ -23,7 +23,7 @@ static figure draw(const char *name, const saltus_sweep_view *view, const char *
     return f;
 }
 
-/* Rows of a file by increasing value of the axis: the point at each rank. */
+/* Ranks of a file's points by increasing value of the axis. */
 static void sort_points(const saltus_sweep_file *file, int *order) {
     for (int k = 0; k < file->axes[0].count; k++) {
         int rank = 0;
@@ -37,7 +37,7 @@ static long long row_at(const saltus_sweep_file *file, int pass, int point, int 
     return (pass * file->points + point) * file->options.seeds + seed;
 }
 
-/* The drawn element of a pass: the one with the colour that the legend gives it. */
+/* The drawn element of a pass: the one with its legend colour. */
 static const figure_element *element_of_pass(const figure_panel *panel, const saltus_sweep_file *file,
                                              int pass, const char *kind) {
     static const char *const words[] = {[SALTUS_PASS_RESET] = "from the initial state",
@@ -99,7 +99,7 @@ static double cloud_number(const saltus_sweep_file *file, saltus_view view, long
                                          : file->strobes[(file->strobe_first[row] + k) * file->dimension];
 }
 
-/* The points of a view, pass by pass, of those rows and values that are asked for, and no others. */
+/* Exactly the points of a view, pass by pass, for the requested rows and values. */
 static void check_cloud(const figure *f, const saltus_sweep_file *file, saltus_view view,
                         const double across[2], const double up[2]) {
     const figure_panel *panel = &f->panel[0];
@@ -128,7 +128,7 @@ static void check_cloud(const figure *f, const saltus_sweep_file *file, saltus_v
 
 static const double everything[2] = {-INFINITY, INFINITY};
 
-/* The clouds of three passes, of an axis whose values come in no order. */
+/* The clouds of three passes, over an axis with unordered values. */
 static void clouds_are_those_of_the_file(void **state) {
     (void)state;
     static const double values[] = {0.9, 0.5, 1.5, 0.75, 0.6};
@@ -150,7 +150,7 @@ static void clouds_are_those_of_the_file(void **state) {
         assert_string_equal(f.panel[0].label[1][0] ? f.panel[0].label[1] : "",
                             view == SALTUS_VIEW_IMPACTS ? f.panel[0].label[1] : names[view]);
         assert_non_null(strstr(f.panel[0].label[1], names[view]));
-        /* No more room than the points need; speeds well above zero do not begin there. */
+        /* No more room than the points need; an axis of speeds well above zero does not begin there. */
         assert_true(f.panel[0].range[1][1] - f.panel[0].range[1][0] < 0.07);
         assert_true(f.panel[1].label[0][0] && strstr(f.panel[1].label[0], "{/:Italic ω}"));
         figure_free(&f);
@@ -174,7 +174,7 @@ static void clouds_are_those_of_the_file(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
-/* The caption tells the parameters that stand still, how many values there are and how they were reached. */
+/* The caption states the fixed parameters, the number of values and how they were reached. */
 static void captions_tell_how_the_sweep_was_made(void **state) {
     (void)state;
     saltus_axis axis = {.key = "omega", .count = 8, .low = 0.5, .high = 1.5};
@@ -242,7 +242,7 @@ static void impacts_on_two_sides_keep_their_signs(void **state) {
     }
 }
 
-/* Where the place of a pipe's stop varies, what is observed varies with it. */
+/* If the place of a pipe's stop varies, so does the observed coordinate. */
 static void fill_modes(made_place *m) {
     m->row[0] = made_periodic(0, 1);
     m->strobe_count[0] = 2;
@@ -291,8 +291,8 @@ static void fill_near_stops(made_place *m) {
     m->turning[1] = -0.24;
 }
 
-/* A stop that is within sight is a line with grey beyond it: level, or rising with the clearance where that
- * is the axis. Speeds have no stop. */
+/* A visible stop is a line with grey beyond it: horizontal, or rising if the clearance is the axis. Speeds
+ * have no stop. */
 static void stops_are_where_the_clearance_says(void **state) {
     (void)state;
     saltus_scene scene = scene_of(0.25, SALTUS_BOTH);
@@ -345,8 +345,8 @@ static void stops_are_where_the_clearance_says(void **state) {
     }
 }
 
-/* A stop less than a tenth of the points' width beyond them is shown too; all has a twentieth of room around
- * it. */
+/* A stop less than a tenth of the points' range beyond them is shown too; everything has a margin of a
+ * twentieth. */
 static void fill_a_tenth(made_place *m) {
     m->row[0] = made_periodic(1, 1);
     m->turning_count[0] = 2;
@@ -376,7 +376,7 @@ static void stops_near_the_points_widen_the_range(void **state) {
     }
 }
 
-/* Wishes that belong to branches are refused for a sweep, and a sweep is the only one of its kind. */
+/* Options for branches are refused for a sweep, and only one sweep is drawn. */
 static void wishes_for_branches_are_refused(void **state) {
     (void)state;
     saltus_scene scene = scene_of(1, SALTUS_UPPER);
@@ -460,7 +460,7 @@ static void fill_kinds(made_place *m) {
     m->row[0] = made_row(m->point);
 }
 
-/* What a view tells of a row; NAN where it has nothing to tell. */
+/* A view's number for a row; NAN if there is none. */
 static double number_shown(saltus_view view, const saltus_sweep_row *row) {
     bool settled =
         row->verdict == SALTUS_PERIODIC || row->verdict == SALTUS_EQUILIBRIUM || row->verdict == SALTUS_HELD;
@@ -493,7 +493,7 @@ static saltus_sweep_options number_options(void) {
     return options;
 }
 
-/* Each view's number of each row, joined to its neighbour where the motion is the same. */
+/* Each view's number for each row, joined to its neighbour if the motion is the same. */
 static void numbers_are_those_of_the_rows(void **state) {
     (void)state;
     static const char *const names[] = {[SALTUS_VIEW_CLASS] = "period in",
@@ -543,7 +543,7 @@ static void numbers_are_those_of_the_rows(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
-/* Without forcing there are no periods of it to count by: returns to the section are, or time. */
+/* Without forcing numbers refer to returns to the section, or to time. */
 static void unforced_numbers_are_named(void **state) {
     (void)state;
     static const char text[] = "model:\n  parameters: {mu: 1}\n  motion: {x: mu*(1 - x^2)*x' - x}\n"
@@ -572,7 +572,7 @@ static void unforced_numbers_are_named(void **state) {
     saltus_scene_clear(&scene);
 }
 
-/* The number of attractors met from several starts is that of the distinct ones. */
+/* The number of attractors from several starts is that of distinct ones. */
 static void fill_attractors(made_place *m) {
     for (int s = 0; s < m->seeds; s++) {
         int latest = m->seeds - 1 - s;
@@ -599,8 +599,8 @@ static void attractors_are_counted_by_point(void **state) {
     figure_free(&f);
 }
 
-/* Exponents: columns from zero, above it in one colour and below in another, as wide as their cells; bars of
- * one standard error; a mark where all directions are lost. */
+/* Exponents: columns from zero, positive ones in one colour and negative in another, as wide as their cells;
+ * bars of one standard error; a mark if all directions are lost. */
 static void exponents_stand_on_zero(void **state) {
     (void)state;
     saltus_axis axis = {.key = "omega", .count = kinds_made, .low = 0.5, .high = 1.5};
@@ -658,7 +658,7 @@ static void exponents_stand_on_zero(void **state) {
 
 /* The strip */
 
-/* Colours by label, as they are met: one label, one colour, and no two labels the same. */
+/* Colours by label: one label has one colour, and no two labels the same. */
 typedef struct legend {
     char label[32][32];
     unsigned colour[32];
@@ -668,7 +668,7 @@ typedef struct legend {
 static void check_legend(legend *l, const saltus_sweep_row *row, unsigned colour) {
     char label[32];
     saltus_paint paint = saltus_class_paint(row->verdict, row->impacts, row->periods);
-    bool inked = false; /* a pixel of the texture stands for its class */
+    bool inked = false; /* a pixel of the texture counts for its class */
     for (int n = 0; n < 18 * 18 && paint.texture; n++)
         inked = inked || saltus_paint_at(paint, n % 18, n / 18) == colour;
     colour = inked ? paint.colour : colour;
@@ -700,7 +700,7 @@ static double edge_of(const double *values, int count, int k, bool logarithmic) 
     return k == 0 ? 2 * low - middle : k == count ? 2 * high - middle : middle;
 }
 
-/* Each pixel of a band has the colour of the row whose cell it lies in, but at the cells' very edges. */
+/* Each pixel of a band has the colour of its cell's row, except at the very edges of cells. */
 static void check_strip(const figure_panel *panel, const saltus_sweep_file *file, legend *l) {
     const figure_element *e = figure_element_of(panel, "binary", 0);
     int order[64], n = file->axes[0].count, passes = file->pass_count;
@@ -725,7 +725,7 @@ static void check_strip(const figure_panel *panel, const saltus_sweep_file *file
                 continue;
             unsigned colour = figure_pixel(e, x, y, &opacity);
             assert_int_equal(opacity, 255);
-            /* A band is filled up to the line that separates it from the next one. */
+            /* A band is filled up to the line between it and the next. */
             int high = e->height / passes, bottom = (passes - 1 - pass) * high;
             for (int up = 0; up < high; up++) {
                 figure_pixel(e, x, bottom + up, &opacity);
@@ -736,7 +736,7 @@ static void check_strip(const figure_panel *panel, const saltus_sweep_file *file
     }
 }
 
-/* Every name stands on a stretch of its own motion, in letters that can be read on its colour. */
+/* Every name is on a stretch of its motion, in letters readable on its colour. */
 static void check_names(const figure_panel *panel, const saltus_sweep_file *file, const legend *l,
                         int least) {
     const figure_element *e = figure_element_of(panel, "binary", 0);
@@ -762,7 +762,7 @@ static void fill_other_way(made_place *m) {
     m->row[0] = made_row(m->pass == SALTUS_PASS_UP ? m->point : (m->point * 7 + 3) % kinds_made);
 }
 
-/* The strip under a diagram: the motion at each value, pass by pass, in equal and in logarithmic steps. */
+/* The strip below a diagram: the motion at each value, pass by pass, in equal and logarithmic steps. */
 static void the_strip_tells_the_motion_at_each_value(void **state) {
     (void)state;
     saltus_axis axis = {.key = "omega", .count = kinds_made, .low = 0.5, .high = 1.5};
@@ -805,7 +805,7 @@ static void the_strip_tells_the_motion_at_each_value(void **state) {
     }
 }
 
-/* Several starts: the motions stand one above the other, each as high as its share. */
+/* With several starts motions are stacked, each as high as its share. */
 static void fill_shares(made_place *m) {
     for (int s = 0; s < m->seeds; s++)
         m->row[s] = made_periodic(1, s < m->point ? 1 : 2);
@@ -836,7 +836,7 @@ static void shares_of_the_starts_are_heights(void **state) {
     figure_free(&f);
 }
 
-/* Tics of a logarithmic axis lie in its range, at round numbers. */
+/* Tics of a logarithmic axis are within its range, at round numbers. */
 static void logarithmic_tics_are_round(void **state) {
     (void)state;
     static const double ends[][2] = {{0.5, 1.5}, {0.5, 0.9}, {0.02, 1.5}, {0.5, 1.2}, {3, 110}};
@@ -871,8 +871,8 @@ static void logarithmic_tics_are_round(void **state) {
     }
 }
 
-/* Very many points are a picture of where they lie. Orbits of thirty points at every second value, recorded
- * once or fifty times, between motions that never repeat. */
+/* Very many points become a picture. Orbits of thirty points at every second value, recorded once or fifty
+ * times, between motions that never repeat. */
 enum { dense_count = 16, dense_each = 1500, dense_orbit = 30 };
 
 static double dense_point(long long point, int k) {
@@ -887,7 +887,7 @@ static void fill_dense(made_place *m) {
         m->turning[k] = m->pass == SALTUS_PASS_UP ? dense_point(m->point, k) : -0.2;
 }
 
-/* Every point is painted, and nothing that is far from all points; the most opaque pixel near each value. */
+/* Every point is painted, and nothing far from all points; returns the most opaque pixel near each value. */
 static void check_painted(const figure_panel *panel, const figure_element *e, const saltus_sweep_file *file,
                           int pass, int darkest[dense_count]) {
     unsigned char *near = calloc((size_t)e->width * (size_t)e->height, 1);
@@ -946,7 +946,7 @@ static void dense_clouds_are_painted_where_the_points_are(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
-/* Where nothing is asked for: clouds as far as they are there, otherwise the largest displacement. */
+/* By default clouds are drawn if there are any, otherwise the largest displacement. */
 static void views_are_chosen_by_what_there_is(void **state) {
     (void)state;
     static const unsigned keep[] = {SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS, SALTUS_KEEP_IMPACTS,
@@ -970,7 +970,7 @@ static void views_are_chosen_by_what_there_is(void **state) {
         how.view = lacking[k];
         assert_int_equal(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), SALTUS_BAD_INPUT);
     }
-    /* Parts of keys that are not shown, and parts where there is nothing, are refused. */
+    /* Ranges of keys not shown, and ranges without data, are refused. */
     static const saltus_plot_part wrong[] = {{"d", 0, 1}, {"omega", 1.7, 2}, {"omega", 0.1, 0.2}};
     for (int k = 0; k < 3; k++) {
         saltus_sweep_view how = {.parts = &wrong[k], .part_count = 1};
@@ -978,7 +978,7 @@ static void views_are_chosen_by_what_there_is(void **state) {
     }
 }
 
-/* What cannot be shown is refused in a sentence that names the file, what was asked for and what there is. */
+/* Impossible requests are refused with a message that names the file, the request and what there is. */
 static void views_that_cannot_be_shown_are_named(void **state) {
     (void)state;
     static const char *const none[] = {"none.h5"};

@@ -1,9 +1,9 @@
-/* What a page says of a motion: its caption, the headings of its panels and the names of its axes, of every
- * kind of motion and with all that may be known of one or not.
+/* The words on a motion's page: caption, headings of panels and names of axes, for every kind of motion, with
+ * each item known or unknown.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "made_record.h"
 
-/* A text with single blanks, as lines may be broken at any. */
+/* A text with single blanks, because lines may break at any. */
 static void single_blanks(char *text) {
     char *to = text;
     for (const char *from = text; *from; from++)
@@ -53,8 +53,8 @@ static figure draw_motion(const saltus_system *system, const saltus_motion *moti
     return draw(system, &diagnosis);
 }
 
-/* Each number of the evidence is told where it is known and the motion's kind rests on it, with one semicolon
- * between them, between what was measured and what is shown. */
+/* Each number of the evidence is given if it is known and supports the verdict, with one semicolon, between
+ * what was measured and what is shown. */
 static void evidence_is_told_where_it_is_known(void **state) {
     (void)state;
     saltus_system *system = between_stops(0.5);
@@ -89,14 +89,14 @@ static void evidence_is_told_where_it_is_known(void **state) {
         check_says(&f, wanted);
         figure_free(&f);
     }
-    for (int k = 0; k < 2; k++) { /* one half alone tells nothing */
+    for (int k = 0; k < 2; k++) { /* a single half says nothing */
         saltus_motion motion = chaotic();
         motion.evidence.half[k] = 0.5;
         figure f = draw_motion(system, &motion);
         check_says(&f, "by 5 trajectories 1.625 impacts");
         figure_free(&f);
     }
-    /* Nothing measured, nothing told; and an orbit has no use for it. */
+    /* Without measurement no numbers; an orbit needs none. */
     saltus_motion motion = chaotic(), orbit = orbit_of(1);
     orbit.evidence = motion.evidence;
     motion.evidence.periods = 0;
@@ -125,8 +125,7 @@ static void small_fractions_are_powers_of_ten(void **state) {
     saltus_system_free(system);
 }
 
-/* The exponent of a motion without a period, and what it says; curves and laminar phases where there are
- * any. */
+/* The exponent of a motion without a period and its meaning; curves and laminar phases if there are any. */
 static void irregular_motions_are_told_by_their_exponent(void **state) {
     (void)state;
     static const struct {
@@ -170,7 +169,7 @@ static void irregular_motions_are_told_by_their_exponent(void **state) {
     saltus_system_free(system);
 }
 
-/* What an orbit or a rest is; one of a thing is one of it. A pipe answers in two periods. */
+/* The description of an orbit or equilibrium, with singulars. A pipe responds in two periods. */
 static void settled_motions_are_told_by_their_impacts(void **state) {
     (void)state;
     static const struct {
@@ -232,7 +231,7 @@ static void settled_motions_are_told_by_their_impacts(void **state) {
         saltus_system_free(systems[k]);
 }
 
-/* The first four multipliers, a pair as one; a complex one without its partner as it is. */
+/* The first four multipliers, a pair as one; a complex one without its partner alone. */
 static void leading_multipliers_are_told(void **state) {
     (void)state;
     static const struct {
@@ -293,7 +292,7 @@ static void leading_multipliers_are_told(void **state) {
     saltus_system_free(system);
 }
 
-/* An orbit's exponent, and over how many periods; a rest's, and one that is not known, is not told. */
+/* An orbit's exponent, and over how many periods; not given for an equilibrium or if unknown. */
 static void exponents_of_orbits_are_told(void **state) {
     (void)state;
     static const struct {
@@ -349,7 +348,7 @@ static saltus_spectra spectra_of(saltus_spectrum_kind kind, int periods, saltus_
     return spectra;
 }
 
-/* The spectrum's heading says which lines there are; red ones only where some can be seen. */
+/* The spectrum's heading names its lines; red ones only if some are visible. */
 static void spectra_are_headed_by_their_lines(void **state) {
     (void)state;
     static made_up m;
@@ -381,7 +380,7 @@ static void spectra_are_headed_by_their_lines(void **state) {
         snprintf(wanted, sizeof wanted, "  displacement {/:Italic x}_1%s", cases[c].said);
         assert_true(heading && strlen(heading->text) > strlen(wanted));
         assert_string_equal(heading->text + strlen(heading->text) - strlen(wanted), wanted);
-        /* Where it comes from is told with what else is shown, of what is no closed orbit. */
+        /* The origin is given with what else is shown, unless the motion is a closed orbit. */
         check_says(&f, irregular_too ? "shown: 2 periods, section 2;  spectrum from " : "made\\_up");
         if (irregular_too && p)
             check_says(&f,
@@ -391,7 +390,7 @@ static void spectra_are_headed_by_their_lines(void **state) {
         assert_true(says(&f, "shown") == irregular_too);
         figure_free(&f);
     }
-    /* A rest is no closed orbit and has no section. */
+    /* An equilibrium is no closed orbit and has no section. */
     saltus_motion motion = orbit_of(0);
     motion.verdict = SALTUS_EQUILIBRIUM;
     figure f = draw_motion(system, &motion);
@@ -401,7 +400,7 @@ static void spectra_are_headed_by_their_lines(void **state) {
     saltus_system_free(system);
 }
 
-/* The observed coordinate by its name: a place of the pipe, a mass, or what the first stop limits. */
+/* The name of the observed coordinate: a place of the pipe, a mass, or the coordinate of the first stop. */
 static void axes_name_what_is_observed(void **state) {
     (void)state;
     static const struct {
@@ -446,7 +445,7 @@ static void axes_name_what_is_observed(void **state) {
     }
 }
 
-/* Lines of the caption stand at equal distances: title and what is shown grey, all else dark, in between. */
+/* Lines of the caption are equally spaced: title and what is shown grey, all between dark. */
 static void captions_have_an_order(void **state) {
     (void)state;
     static const char *const begins[] = {

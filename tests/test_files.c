@@ -1,5 +1,5 @@
-/* Files tell what the library holds, field by field, number by number, and tell the same in every format;
- * what has a limit is accepted up to it and refused, or cut, beyond.
+/* Files hold the library's data, field by field and number by number, the same in every format; sizes up to a
+ * limit are accepted, larger ones refused or cut.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 #include "json.h"
@@ -28,7 +28,7 @@ static int open_fixture(void **state) {
     fixture *f = calloc(1, sizeof *f);
     const double start[4] = {0.1, 0, 0.3, -0.2};
     strcpy(f->folder, "/tmp/saltus-test-XXXXXX");
-    /* Equal results give equal files, whenever they are made. */
+    /* Equal results give equal files at any time. */
     setenv("SOURCE_DATE_EPOCH", "0", 1);
     assert_non_null(mkdtemp(f->folder));
     check_ok(saltus_scene_load("two-mass", &f->scene, &message), &message);
@@ -60,7 +60,7 @@ static int run(const fixture *f, const char *arguments) {
     return system(line);
 }
 
-/* Datasets met and those without one of the filters. */
+/* Count datasets, and those without one of the filters. */
 typedef struct census {
     int sets, bare;
 } census;
@@ -79,7 +79,7 @@ static herr_t look_at_filters(hid_t group, const char *name, const H5O_info_t *i
         shuffled |= filter == H5Z_FILTER_SHUFFLE;
         short_ |= filter == H5Z_FILTER_DEFLATE;
     }
-    /* An empty one has nothing to be summed. */
+    /* An empty dataset has no checksum. */
     hid_t space = H5Dget_space(set);
     bool empty = H5Sget_simple_extent_npoints(space) == 0;
     H5Sclose(space);
@@ -116,7 +116,7 @@ static void every_dataset_has_a_checksum(void **state) {
     }
 }
 
-/* Put another dataset in place of one, of an extent that nothing is stored for, and seal the file again. */
+/* Replace a dataset by one of an extent for which nothing is stored, and seal the file again. */
 static void forge_extent(const char *path, const char *name, hsize_t rows) {
     hsize_t size[4], chunk[4] = {1, 1, 1, 1};
     char seal[SALTUS_H5_SEAL + 1];
@@ -149,7 +149,7 @@ static void forge_extent(const char *path, const char *name, hsize_t rows) {
     fclose(stream);
 }
 
-/* A file that says it has far more rows than bytes is refused, by a sentence, before memory is asked for. */
+/* A file that claims far more rows than it has bytes is refused before memory is requested. */
 static void an_extent_without_storage_is_refused(void **state) {
     const fixture *f = *state;
     char path[128];
@@ -232,8 +232,8 @@ static void check_spec(const json *object, const saltus_spec *spec) {
     }
 }
 
-/* All that a chaotic verdict rests on, and with numbers put in that are all different, so that none can stand
- * for another. */
+/* The evidence of a chaotic verdict; with made-up numbers that all differ, so that none can stand for
+ * another. */
 static void a_chaotic_motion_reads_back_field_by_field(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -344,8 +344,8 @@ static double *reals_of(hid_t file, const char *name, long long count) {
     return values;
 }
 
-/* The same trajectory as CSV and as HDF5 is the record, number by number, and both say which event is where.
- */
+/* The same trajectory as CSV and as HDF5 equals the record, number by number, and both name each row's
+ * event. */
 static void a_trajectory_is_the_same_in_every_format(void **state) {
     const fixture *f = *state;
     const saltus_trajectory *r = &f->record;
@@ -424,8 +424,7 @@ static void fill(char *text, size_t length) {
     text[length] = '\0';
 }
 
-/* A title of 159 bytes is kept whole and one of 160 is refused; a file's name is cut where a scene's name
- * ends. */
+/* A title of 159 bytes is kept, one of 160 refused; a file's name is cut to a scene name's length. */
 static void names_and_titles_have_their_limits(void **state) {
     const fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -474,8 +473,8 @@ static void names_and_titles_have_their_limits(void **state) {
             }
 }
 
-/* The longest name, title, label and reason come back whole from every kind of file, and so does what is one
- * letter shorter. */
+/* The longest name, title, label and reason, and those one letter shorter, are read back unchanged from every
+ * kind of file. */
 static void the_longest_words_come_back_whole(void **state) {
     const fixture *f = *state;
     for (size_t less = 0; less < 2; less++) {
@@ -557,7 +556,7 @@ static void the_longest_words_come_back_whole(void **state) {
     }
 }
 
-/* The title of a changed scene lists the settings; where they are too many it says so. */
+/* The title of a changed scene lists the settings, or says that they are too many. */
 static void titles_list_the_settings(void **state) {
     const fixture *f = *state;
     enum { most = sizeof f->scene.title - 1 };
@@ -583,7 +582,7 @@ static void titles_list_the_settings(void **state) {
     }
 }
 
-/* A sentence names file, line, key and value: for every parameter of every model and every key of a stop. */
+/* A message names file, line, key and value: for every parameter of every model and every key of a stop. */
 static void each_key_of_a_scene_file_is_named_when_it_is_wrong(void **state) {
     static const char *const models[] = {"pipe", "oscillator"};
     static const char *const stop[] = {"d: fast",     "r: 2",    "r: -0.5",
@@ -618,8 +617,8 @@ static void each_key_of_a_scene_file_is_named_when_it_is_wrong(void **state) {
     }
 }
 
-/* Keys of 31 letters are taken as keys, and those of 32 are refused with all that was written; so it is with
- * folders of 1023 and 1024 letters. */
+/* Keys of 31 letters are accepted, those of 32 refused with the full text; so are folders of 1023 and 1024
+ * letters. */
 static void words_of_the_command_line_have_their_limits(void **state) {
     static const struct {
         const char *begin, *end, *first, *named;
@@ -651,7 +650,7 @@ static void words_of_the_command_line_have_their_limits(void **state) {
         }
 }
 
-/* What the exponent's CSV tells in its head and in its last row is what JSON tells. */
+/* The head and last row of the exponent's CSV agree with JSON. */
 static void exponents_are_the_same_in_csv_and_json(void **state) {
     const fixture *f = *state;
     char path[128], line[64];
@@ -680,7 +679,7 @@ static void exponents_are_the_same_in_csv_and_json(void **state) {
     free(csv);
 }
 
-/* Lists of the command line: 255 and 256 of an option that may be repeated; of 257 one is refused. */
+/* Lists of the command line: 255 and 256 values of a repeatable option are accepted, 257 refused. */
 static void lists_of_the_command_line_have_their_limits(void **state) {
     static const struct {
         const char *begin, *each, *end;
@@ -720,8 +719,8 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
         }
 }
 
-/* Memory that was given back is overwritten at once (by glibc, where it is asked to): what still looked into
- * it would crash, or write something else. */
+/* Freed memory is overwritten at once (by glibc, on request): a use after free would crash, or write
+ * something else. */
 static void memory_given_back_is_not_looked_into(void **state) {
     static const struct {
         const char *arguments, *file;

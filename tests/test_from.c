@@ -1,4 +1,4 @@
-/* Any orbit of any file: what the commands make of --from.
+/* Any orbit of any file: the commands with --from.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 #include "json.h"
@@ -56,8 +56,8 @@ static int read_strobes(fixture *f, const char *name, double *states, int room) 
     return (int)size[0];
 }
 
-/* The record of an unstable orbit repeats itself for as long as is asked for; the trajectory from the same
- * state does not. */
+/* The record of an unstable orbit repeats for any requested time; the trajectory from the same state does
+ * not. */
 static void an_unstable_orbit_is_not_left(void **state) {
     enum { periods = 150 };
     static double states[periods * dimension];
@@ -106,7 +106,7 @@ static void exponents_are_those_of_the_multipliers(void **state) {
     json_free(l);
 }
 
-/* The page and the spectrum are of the orbit itself. */
+/* Page and spectrum are those of the orbit itself. */
 static void the_orbit_itself_is_described(void **state) {
     char *text = told(*state, "diagnose fig7a --from orbit.json -o sheet.svg");
     assert_int_equal(strncmp(text, "fig7a: 3/5, unstable\n", 21), 0);
@@ -114,13 +114,13 @@ static void the_orbit_itself_is_described(void **state) {
     json *spectrum = object_of(*state, "spectrum fig7a --from orbit.json --samples 1024 --json");
     assert_true(json_number_at(spectrum, "spectra.0.broadband_fraction") < 1e-9);
     json_free(spectrum);
-    /* At other parameters it is followed by Newton's method. */
+    /* At other parameters the orbit is found by Newton's method. */
     text = told(*state, "diagnose fig7a --from orbit.json --set omega=38.001 -o sheet.svg");
     assert_int_equal(strncmp(text, "fig7a: 3/5, unstable\n", 21), 0);
     free(text);
 }
 
-/* A row of a sweep gives its parameters, and the state that it keeps, or else the scene's own leads there. */
+/* A sweep's row gives its parameters, and its stored state or one reached from the scene's own. */
 static void rows_and_cells_are_orbits(void **state) {
     static const struct {
         const char *line, *path;
@@ -139,7 +139,7 @@ static void rows_and_cells_are_orbits(void **state) {
     orbit = told(*state, "orbit fig6 --from plain.h5:3");
     assert_int_equal(strncmp(orbit, "fig6: 3/4, stable\n", 18), 0);
     free(orbit);
-    /* What is recorded is the orbit from its begin on, and not the way to it. */
+    /* The record begins on the orbit, without the way to it. */
     free(told(*state, "simulate fig6 --from plain.h5:3 --periods 4 --quiet -o row.csv"));
     FILE *file = fopen(path_in(*state, "row.csv"), "r");
     char line[400];

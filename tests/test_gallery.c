@@ -1,6 +1,6 @@
 /* Every built-in scene with a stop, through twenty events from its start, against a simulator that shares
- * nothing with the library: the equations written down once more, in long double, integrated by extrapolation
- * of the midpoint rule, impacts one by one.
+ * nothing with the library: the equations written again, in long double, integrated by extrapolation of the
+ * midpoint rule, impacts one by one.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -10,7 +10,7 @@ enum { dof_max = 8, state_max = 2 * dof_max + 1, events_max = 20, names_max = 12
 
 static const real pi = 3.14159265358979323846264338327950288L;
 
-/* A scene to the simulator. */
+/* A scene for the simulator. */
 typedef struct plant plant;
 struct plant {
     int dof, extra;
@@ -27,7 +27,7 @@ struct plant {
     real step; /* short against the fastest vibration */
 };
 
-/* Sine and cosine of the forcing's phase, by those of its half: small arguments are quick. */
+/* Sine and cosine of the forcing's phase, from those of half of it: small arguments are fast. */
 typedef struct circle {
     real sine, cosine;
 } circle;
@@ -127,7 +127,7 @@ static void valve_field(const plant *s, real t, const real *x, real *rate) {
 }
 
 static const struct equations {
-    const char *name; /* of the model, or of a scene that is text */
+    const char *name; /* name of the model, or of a scene from text */
     void (*field)(const plant *, real, const real *, real *);
     const char *parameters[names_max];
     int dof; /* 0: the parameter N */
@@ -204,7 +204,7 @@ static real along(const plant *s, int face, const real *vector) {
     return sum;
 }
 
-/* Take `amount` of the normal direction out of a vector of velocities or accelerations. */
+/* Subtract `amount` of the normal direction from a vector of velocities or accelerations. */
 static void push(const plant *s, int face, real amount, real *vector) {
     real compliance = 0;
     for (int i = 0; i < s->dof; i++)
@@ -213,7 +213,7 @@ static void push(const plant *s, int face, real amount, real *vector) {
         vector[i] -= amount * s->face[face].normal[i] / s->mass[i] / compliance;
 }
 
-/* The field with the lasting contact, and the force that it asks for. */
+/* The field with the lasting contact, and the force that it requires. */
 static real field_at(const plant *s, real t, const real *x, real *rate) {
     s->field(s, t, x, rate);
     if (s->held < 0)
@@ -254,7 +254,7 @@ static void step(const plant *s, real t, const real *from, real h, real *to) {
     memcpy(to, table[0], (size_t)n * sizeof *to);
 }
 
-/* What is looked for on a step: the gap of a face, its rate, or the force of the lasting contact. */
+/* The quantity sought on a step: the gap of a face, its rate, or the force of the lasting contact. */
 typedef enum quantity { gap, gap_rate, force } quantity;
 
 static real value(const plant *s, quantity what, int face, real t, const real *x) {
@@ -264,8 +264,8 @@ static real value(const plant *s, quantity what, int face, real t, const real *x
     return what == gap_rate ? along(s, face, x + s->dof) : -field_at(s, t, x, rate);
 }
 
-/* Where it turns from negative at `low` to positive at `high` on the step from x; `what` need not be negative
- * at `low` to rounding. False position, the half that stays being halved in weight (Illinois). */
+/* Where `what` turns from negative at `low` to positive at `high` on the step from x; at `low` it may be
+ * positive by rounding. Regula falsi with the Illinois modification. */
 static real root(const plant *s, quantity what, int face, real t, const real *x, real low, real high) {
     real there[state_max], below, above;
     step(s, t, x, low, there);
@@ -294,8 +294,8 @@ static real root(const plant *s, quantity what, int face, real t, const real *x,
     return high;
 }
 
-/* The first time on a step at which a face is met; the step's length where it is not. A flight that begins on
- * the face leaves it first. */
+/* The first time on a step at which a face is reached, or the step's length. A flight that begins on the face
+ * leaves it first. */
 static real meeting(const plant *s, int face, real t, const real *x, const real *end, real h) {
     real there[state_max], low = 0;
     const real size = fabsl(s->face[face].d) + fabsl(value(s, gap, face, t, x) + s->face[face].d) + 1e-3L;
@@ -337,7 +337,7 @@ static bool comes_to_rest(const plant *s, int face, real t, real *x, real *rest)
     return a > 0 && v < 1e-10L * sqrtl(a * 1e-3L) && s->face[face].r < 1;
 }
 
-/* One step or up to an event; whether there was one. */
+/* One step, or up to an event; returns whether there was one. */
 static bool go(plant *s, real *t, real *x, real h, met *event) {
     real end[state_max], rest;
     const int n = 2 * s->dof + s->extra;
@@ -378,14 +378,14 @@ static bool go(plant *s, real *t, real *x, real h, met *event) {
     return true;
 }
 
-/* A simulation: where it is, and what it met last. */
+/* A simulation: its state and last event. */
 typedef struct run {
     plant s;
     real unit, t, x[state_max];
     met last;
 } run;
 
-/* To the next event. Chatter is told by its end, the last impacts not one by one. */
+/* Run to the next event. A chatter is reported by its end, not by its last impacts. */
 static void next_event(run *r, saltus_event_kind wanted) {
     int passed = 0;
     do {
@@ -404,7 +404,7 @@ static real distance(const double *scale, int n, const real *a, const real *b) {
     return largest;
 }
 
-/* The same of a motion that meets no stop: after five periods. */
+/* The same for a motion that meets no stop: after five periods. */
 static void compare_flights(const char *name, const saltus_system *system, const double *start, run *own) {
     const int n = saltus_system_dimension(system);
     saltus_flow_options options = saltus_flow_defaults();
@@ -424,9 +424,9 @@ static void compare_flights(const char *name, const saltus_system *system, const
     saltus_flow_free(flow);
 }
 
-/* A scene's flow and the simulator side by side: equal to 1e-10. A second simulation, begun a little off,
- * tells how fast differences grow; where they have grown a thousand times both take over the flow's state and
- * time, and one flight may bring 1e-13 times its own growth. */
+/* A scene's flow and the simulator agree to 1e-10. A second simulation, begun slightly off, shows how fast
+ * differences grow; when they have grown a thousand times both take the flow's state and time, and one flight
+ * may add 1e-13 times its own growth. */
 static void compare(const char *name, const saltus_spec *spec, const saltus_system *system,
                     const double *start) {
     const real off = 1e-9L;

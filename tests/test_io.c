@@ -1,4 +1,4 @@
-/* Results on disk: JSON, text, CSV, HDF5 and figures, and what happens when they cannot be written.
+/* Results on disk: JSON, text, CSV, HDF5 and figures, and failures to write them.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 #include "reference.h"
@@ -11,7 +11,7 @@
 
 enum { per_period = 48 };
 
-/* One 4/4 motion with its scene and a record of one orbit, in a folder of its own. */
+/* A 4/4 motion with its scene and a record of one orbit, in its own folder. */
 typedef struct fixture {
     char folder[64];
     saltus_scene scene;
@@ -149,7 +149,7 @@ static void text_gives_the_verdict_first(void **state) {
     free(text);
 }
 
-/* A direct flow that lands on each sample's phase gives the same states. */
+/* A flow that stops at each sample's phase gives the same states. */
 static void samples_lie_at_exact_phases(void **state) {
     fixture *f = *state;
     const saltus_trajectory *r = &f->record;
@@ -218,7 +218,7 @@ static void contacts_are_recorded(void **state) {
     free(c.text);
 }
 
-/* What cannot be recorded is refused by its name and leaves the record empty. */
+/* A request that cannot be recorded is refused by name and leaves the record empty. */
 static void records_have_their_limits(void **state) {
     fixture *f = *state;
     static const struct {
@@ -250,7 +250,7 @@ static void records_have_their_limits(void **state) {
         saltus_trajectory_clear(&r);
         assert_memory_equal(&r, &none, sizeof r);
     }
-    /* A start behind the stop is an error of the flow, which leaves nothing either. */
+    /* A start beyond the stop is an error of the flow, and also leaves nothing. */
     saltus_message message = {.text = ""};
     saltus_trajectory r, none = {0};
     double beyond[16] = {10};
@@ -265,7 +265,7 @@ static void note_the_alarm(int signal) {
     time_is_up = 1;
 }
 
-/* An interrupted record is the begin of the whole one. */
+/* An interrupted record is the beginning of the full one. */
 static void an_interrupted_record_is_a_begin(void **state) {
     (void)state;
     enum { periods = 400000, samples = 2 };
@@ -385,7 +385,7 @@ static void hdf5_is_reproducible_and_may_be_empty(void **state) {
     folder_files(f->folder, true);
 }
 
-/* Every failure is one sentence, and the folder stays as it was. */
+/* Every failure has one message, and the folder stays as it was. */
 static void unwritable_paths_leave_nothing(void **state) {
     fixture *f = *state;
     static const char *const endings[] = {"csv", "h5", "png"};
@@ -428,7 +428,7 @@ static void wrong_endings_are_refused(void **state) {
     assert_int_equal(folder_files(f->folder, true), 0);
 }
 
-/* With no gnuplot on the path the sheet fails in one sentence. */
+/* Without gnuplot the sheet fails with one message. */
 static void absent_gnuplot_is_named(void **state) {
     fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -442,7 +442,7 @@ static void absent_gnuplot_is_named(void **state) {
     assert_int_equal(folder_files(f->folder, true), 0);
 }
 
-/* A gnuplot that fails is quoted; what it drew is not kept. */
+/* A failing gnuplot is quoted; its drawing is not kept. */
 static void failing_gnuplot_is_quoted(void **state) {
     fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -466,7 +466,7 @@ static bool gnuplot_is_there(void) {
     return system("gnuplot --version >/dev/null 2>&1") == 0;
 }
 
-/* Pictures of each kind begin as such files do, and the kept script draws the same figure again. */
+/* Pictures begin as files of their kind, and the kept script draws the same figure again. */
 static void sheets_are_drawn(void **state) {
     fixture *f = *state;
     static const char *const names[] = {"s.png", "s.pdf", "s.svg"}, *const heads[] = {"\x89PNG", "%PDF",
@@ -492,7 +492,7 @@ static void sheets_are_drawn(void **state) {
     folder_files(f->folder, true);
 }
 
-/* Draw a diagnosis and return its script, which every gnuplot must take without a word. */
+/* Draw a diagnosis and return its script, on which gnuplot must print nothing. */
 static char *script_of(const fixture *f, const saltus_system *drawn, const saltus_diagnosis *diagnosis) {
     saltus_message message = {.text = ""};
     char path[128], data[128], command[512];
@@ -511,7 +511,7 @@ static char *script_of(const fixture *f, const saltus_system *drawn, const saltu
     return script;
 }
 
-/* Headings of the panels, one after the other and no more, and nothing but numbers in the datablocks. */
+/* The panels have exactly these headings, in order, and datablocks contain only numbers. */
 static void check_script(const char *script, const char *const *panels) {
     const char *at = script;
     char mark[64];
@@ -560,7 +560,7 @@ static void sheets_of_orbits_have_their_panels(void **state) {
     saltus_spectra_clear(&spectra);
 }
 
-/* What is told of a chaotic motion; numbers that are not known are left out. */
+/* The text about a chaotic motion; unknown numbers are left out. */
 static void sheets_of_chaos_have_their_panels(void **state) {
     fixture *f = *state;
     saltus_message message = {.text = ""};
@@ -607,7 +607,7 @@ static void sheets_of_chaos_have_their_panels(void **state) {
     saltus_spectra_clear(&spectra);
 }
 
-/* Nothing was measured: what is lacking is said, and the shapes take the place. */
+/* Without measurement the page says what is lacking, and the shapes take the place. */
 static void sheets_of_the_undecided_say_why(void **state) {
     fixture *f = *state;
     saltus_motion undecided = f->motion;

@@ -1,5 +1,4 @@
-/* Lyapunov exponents as text, JSON, CSV and figure: what is said of them, and what happens where they are
- * infinite, not known or not in agreement.
+/* Lyapunov exponents as text, JSON, CSV and figure, also if they are infinite, unknown or inconsistent.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 #include "reference.h"
@@ -13,7 +12,7 @@
 
 enum { directions = 4, points = 40 };
 
-/* A result made up by hand, with its scene, in a folder of its own. */
+/* A made-up result with its scene, in its own folder. */
 typedef struct fixture {
     char folder[64];
     saltus_scene scene;
@@ -22,10 +21,10 @@ typedef struct fixture {
     saltus_lyapunov result;
     double exponents[directions], errors[directions], state[directions], members[2];
     saltus_lyapunov_progress history[points];
-    char *text; /* what was written last */
+    char *text; /* last output */
 } fixture;
 
-/* Chaos: one direction grows. The values are exact in binary so that sums can be compared as text. */
+/* Chaos: one direction grows. The values are exact in binary, so that sums can be compared as text. */
 static void fill(fixture *f) {
     static const double exponents[directions] = {0.75, -0.5, -1.25, -4},
                         errors[] = {0.0625, 0.25, 0.5, 0.125};
@@ -138,7 +137,7 @@ static saltus_status write_file(const fixture *f, const char *path, saltus_messa
     return saltus_write_convergence(path, &f->scene, f->system, &f->options, &f->result, NULL, message);
 }
 
-/* As many digits as two of the error's. */
+/* Numbers have two digits of their error. */
 static void numbers_have_the_digits_their_errors_leave(void **state) {
     static const struct {
         double value, error;
@@ -241,7 +240,7 @@ static void text_says_what_it_means(void **state) {
     f->exponents[0] = 0.125;
     text = written(f, saltus_write_lyapunov_text);
     check_says(text, "zero within the error");
-    /* The precision asked for is reached where it is met. */
+    /* The requested precision is reported as reached if it is met. */
     f->exponents[0] = 0.5;
     f->errors[0] = 0.125;
     f->options.precision = 0.25;
@@ -320,7 +319,7 @@ static void csv_explains_itself(void **state) {
     free(text);
 }
 
-/* What is refused is refused before the computation, and nothing is left behind; what is there stays. */
+/* Refusals come before the computation and leave nothing behind; existing files stay. */
 static void paths_are_checked_beforehand(void **state) {
     fixture *f = *state;
     static const char *const bad[] = {"a.bmp", "a.txt", "a", ".png", "png", "a.h5", "a.PNG", "a.csv.gz"},
@@ -371,7 +370,7 @@ static void full_disks_are_named(void **state) {
     }
 }
 
-/* Results that leave little to draw, by number; false when there is no more. */
+/* Results with little to draw, by number; false when there is none left. */
 static bool make_awkward(fixture *f, int k) {
     fill(f);
     saltus_lyapunov *l = &f->result;
@@ -402,7 +401,7 @@ static bool make_awkward(fixture *f, int k) {
         for (int j = 0; j < points; j++)
             f->history[j] = (saltus_lyapunov_progress){pow(1.4, j), 0.75 + 1e-10 * sin(j), 1e-10};
         return true;
-    case 7: /* huge, and in doubt */
+    case 7: /* huge, and uncertain */
         for (int j = 0; j < points; j++)
             f->history[j] = (saltus_lyapunov_progress){1e12 * (j + 1), 1e9 * sin(j), 1e9};
         f->exponents[0] = -1e9;
@@ -412,7 +411,7 @@ static bool make_awkward(fixture *f, int k) {
     return false;
 }
 
-/* Pictures of each kind begin as such files do, whatever there is to draw. */
+/* Pictures begin as files of their kind, whatever there is to draw. */
 static void figures_are_drawn(void **state) {
     fixture *f = *state;
     static const char *const names[] = {"c.png", "c.pdf", "c.svg"}, *const heads[] = {"\x89PNG", "%PDF",
@@ -431,7 +430,7 @@ static void figures_are_drawn(void **state) {
     }
 }
 
-/* A panel leaves nothing behind that would spoil the next one, and gnuplot has nothing to say. */
+/* A panel leaves no settings for the next one, and gnuplot prints nothing. */
 static void panels_stand_side_by_side(void **state) {
     fixture *f = *state;
     saltus_message message = {.text = ""};

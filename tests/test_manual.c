@@ -1,5 +1,5 @@
-/* The manual: examples work as typed, pages tell every option and are sound for man, bash completes what the
- * tables tell.
+/* The manual: examples work as typed, pages document every option and are valid for man, bash completion
+ * follows the tables.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 
@@ -10,8 +10,8 @@ static const char *const commands[] = {"classify", "diagnose", "simulate", "orbi
                                        "export",   "paper",    "scenes",   "check"};
 enum { command_count = sizeof commands / sizeof commands[0] };
 
-/* The exit status of a line of the shell in a folder of its own, with `saltus` on the PATH and a gnuplot that
- * answers with an empty picture of the ending asked for. */
+/* The exit status of a shell line in its own folder, with `saltus` on the PATH and a gnuplot that writes an
+ * empty picture of the requested kind. */
 static int shell(fixture *f, const char *line) {
     char text[2048];
     snprintf(text, sizeof text, "cd %s && (PATH=%s:$PATH; %s) >out 2>err", f->folder, f->folder, line);
@@ -32,8 +32,7 @@ static void put_tools(fixture *f) {
     assert_int_equal(symlink(SALTUS_COMMAND, path_in(f, "saltus")), 0);
 }
 
-/* Each page by itself in a new folder, from the first example to the last: files that one needs come from
- * those before it. */
+/* The examples of each page in a new folder, in order: files that one needs come from those before. */
 static void examples_work_as_typed(void **state) {
     (void)state;
     for (int k = 0; k < command_count; k++) {
@@ -54,14 +53,14 @@ static void examples_work_as_typed(void **state) {
             examples += strstr(at, commands[k]) != NULL;
         }
         free(help);
-        /* Lines of other commands lead to the own ones. */
+        /* Lines of other commands lead to the page's own. */
         assert_true(examples >= 2);
         shell(f, "rm -r figures");
         close_fixture(&own);
     }
 }
 
-/* Asked for in either way the help is the same. */
+/* Both ways of asking give the same help. */
 static void help_is_told_by_name_too(void **state) {
     char line[64];
     for (int k = 0; k < command_count; k++) {
@@ -81,7 +80,7 @@ static void help_is_told_by_name_too(void **state) {
     assert_int_equal(run(*state, "help classify sweep"), 2);
 }
 
-/* What a value may be stands in the refusal of any other, and all of it in the option's line of the help. */
+/* The possible values are in the refusal of any other, and all of it in the option's line of the help. */
 static void help_names_what_may_be_chosen(void **state) {
     static const struct {
         const char *command, *option, *line;
@@ -126,8 +125,7 @@ static bool page_has(const char *page, const char *text) {
     return strstr(page, typed) != NULL;
 }
 
-/* A page has its sections, every option of the help, and no line that man would take for an unknown request.
- */
+/* A page has its sections, every option of the help, and no line that man would take for a request. */
 static void pages_tell_what_the_help_tells(void **state) {
     static const char *const requests[] = {".TH ", ".SH ", ".TP", ".PP", ".BR "};
     static const char *const sections[] = {".SH NAME",    ".SH SYNOPSIS", ".SH DESCRIPTION",
@@ -164,8 +162,8 @@ static void pages_tell_what_the_help_tells(void **state) {
     }
 }
 
-/* The page of the language: what it gives as files, and the commands behind them, work as typed, and man
- * shows the same lines. */
+/* The page of the language: its files, and the commands after them, work as typed, and man shows the same
+ * lines. */
 static void worked_examples_of_the_language_work(void **unused) {
     (void)unused;
     fixture *own;
@@ -209,7 +207,7 @@ static void worked_examples_of_the_language_work(void **unused) {
     close_fixture((void **)&own);
 }
 
-/* The pages of all commands and of the program, and the completion, are written as they are told. */
+/* The written pages of all commands and of the program, and the completion, are those printed. */
 static void all_pages_are_written(void **state) {
     fixture *f = *state;
     char line[128], name[64];
@@ -240,8 +238,7 @@ static void all_pages_are_written(void **state) {
     free(written);
 }
 
-/* What bash offers after a line of words, the last of which has been begun; words with blanks between them.
- */
+/* What bash offers after a line of words with an unfinished last one; words with blanks between them. */
 static char *offered(fixture *f, const char *words) {
     char line[512];
     snprintf(line, sizeof line,

@@ -1,5 +1,5 @@
-/* Texts about motions for people: the lines are there when there is something to say, with the numbers of the
- * motion in their places. The motions are made up, with a different number in every field.
+/* Printed texts about motions: each line appears if it applies, with the motion's numbers in their places.
+ * The motions are made up, with a different number in every field.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "text_lines.h"
 
@@ -118,7 +118,7 @@ static void an_orbit_is_told(void **state) {
     saltus_system_free(m.system);
 }
 
-/* One of a thing is said without an s, and what does not apply is not said. */
+/* The singular is used for one, and what does not apply is omitted. */
 static void variants_of_an_orbit_are_told(void **state) {
     (void)state;
     made m;
@@ -159,7 +159,7 @@ static void variants_of_an_orbit_are_told(void **state) {
     lines_next(&lines, "sum rule", "not checked: the trace is not known", 0);
     free(lines.text);
 
-    /* Chatter: counts without end; some multipliers are zero. More than four multipliers are cut. */
+    /* Chatter: unlimited counts; some multipliers are zero. More than four multipliers are cut. */
     saltus_system_free(m.system);
     make(&m);
     motion->impacts = -1;
@@ -183,7 +183,7 @@ static void variants_of_an_orbit_are_told(void **state) {
     lines_next(&lines, "settled", "1 period simulated; residual", 3, 1., 3.1e-13, 6.);
     lines_end(&lines);
 
-    /* Nothing is known of the multipliers; the verdict then says nothing of stability. */
+    /* The multipliers are unknown; then the verdict does not mention stability. */
     saltus_system_free(m.system);
     make(&m);
     motion->multiplier_count = motion->event_count = 0;
@@ -267,7 +267,7 @@ static void evidence_is_told(void **state) {
     }
 }
 
-/* Twelve lines of events at most; from four impacts on one face in a row on three lines tell them. */
+/* At most twelve lines of events; four or more impacts in a row on one face take three lines. */
 static void many_events_are_cut(void **state) {
     (void)state;
     made m;
@@ -298,7 +298,7 @@ static void many_events_are_cut(void **state) {
             }
             if (run == 5) /* the last of them is on another face */
                 m.events[7].face = 0;
-            if (run == 7) /* nor is a release an impact */
+            if (run == 7) /* a release is not an impact */
                 m.events[8].kind = SALTUS_RELEASE;
             int length = run == 5 ? 4 : run == 7 ? 5 : run, used = 0;
             write(&m, &lines);
@@ -419,7 +419,7 @@ static void harvests_are_told(void **state) {
     saltus_system_free(m.system);
 }
 
-/* What the pipe calls a response is two forcing periods long. */
+/* The pipe's response cycle is two forcing periods long. */
 static void a_pipe_responds_in_two_periods(void **state) {
     (void)state;
     made m;

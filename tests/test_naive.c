@@ -1,6 +1,6 @@
-/* The naive method is what it says: fourth order in free flight, first order through impacts, and therefore
- * wrong about the class of motion at coarse steps. It is tried here only so that what the trial of the paper
- * says of it rests on a method that works as described.
+/* The naive method behaves as described: fourth order in free flight, first order through impacts, and
+ * therefore wrong about the class of motion at coarse steps. It is tested only so that the trial of the paper
+ * uses a method that works as described.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "naive/naive_class.h"
 #include "reference.h"
@@ -16,7 +16,7 @@ static naive_pipe pipe_of(const saltus_spec *spec) {
 /* The period in which fig7b has its three impacts. */
 enum { struck = 2 };
 
-/* From the reference orbit's section point through that period: distance from where it should be. */
+/* From the reference orbit's section point through that period: the distance from the exact place. */
 static double error_past_impacts(const reference *r, const naive_pipe *pipe, double h) {
     naive_runner runner;
     double end = 2 * acos(-1) / pipe->omega, state[16];
@@ -31,8 +31,8 @@ static double error_past_impacts(const reference *r, const naive_pipe *pipe, dou
     return reference_distance(r, state, struck + 1);
 }
 
-/* How late an impact is noticed depends on where the steps fall, so errors are averaged over steps from h to
- * 2 h. */
+/* The delay of a noticed impact depends on the steps' phase, so errors are averaged over steps from h to 2
+ * h. */
 static double mean_error(const reference *r, const naive_pipe *pipe, double h) {
     double sum = 0;
     for (int k = 0; k < steps_averaged; k++)
@@ -80,7 +80,7 @@ static void free_flight_is_fourth_order(void **unused) {
     saltus_system_free(system);
 }
 
-/* All lanes from the reference orbit's first points, so that no other attractor could be to blame. */
+/* All lanes start on the reference orbit's first points, to exclude other attractors. */
 static void class_of_steps(const reference *r, double h, naive_class classes[naive_lanes]) {
     naive_pipe pipe = pipe_of(&r->spec);
     double states[naive_lanes * 10];

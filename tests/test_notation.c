@@ -1,5 +1,5 @@
-/* What a model says of itself beside its equations: where its stops sit, which of its parameters have an
- * effect, how it is written.
+/* A model's description beside its equations: where its stops are, which parameters have an effect, how it is
+ * written.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
@@ -14,7 +14,7 @@ static saltus_spec with_stop(const saltus_model *model) {
     return spec;
 }
 
-/* The numbers that place a stop are those that its contact coordinate depends on, and no others are. */
+/* A stop's place is given by exactly the numbers on which its contact coordinate depends. */
 static void stops_sit_where_their_key_says(void **state) {
     (void)state;
     for (int m = 0; m < saltus_model_count(); m++) {
@@ -41,7 +41,7 @@ static void stops_sit_where_their_key_says(void **state) {
     }
 }
 
-/* What is written of a specification, to be freed. */
+/* The written form of a specification; freed by the caller. */
 static char *written(const saltus_spec *spec, bool json) {
     char *text = NULL;
     size_t length;
@@ -58,7 +58,7 @@ static char *written(const saltus_spec *spec, bool json) {
     return text;
 }
 
-/* A model that is no pipe, but places its stops as one: they are written with xi. */
+/* A model other than the pipe that places stops in the same way: they are written with xi. */
 static void another_model_is_written_by_its_own_key(void **state) {
     (void)state;
     saltus_model beam = saltus_pipe, chain = saltus_oscillator;
@@ -96,7 +96,7 @@ static void follow(const saltus_spec *spec, int k, double factor, double *end, i
     saltus_system_free(system);
 }
 
-/* A parameter that has no effect changes nothing at all; one that has does. */
+/* A parameter without effect changes no bit; one with an effect does. */
 static void parameters_matter_where_they_say(void **state) {
     (void)state;
     int idle = 0;

@@ -1,6 +1,6 @@
-/* Options take effect: each option of each command, given another value than its default, is found in the
- * file or changes the result as its help says. The options are those that `saltus COMMAND --help` lists, so
- * that one without a row in the table below fails.
+/* Options take effect: each option of each command, with another value than its default, is found in the file
+ * or changes the result as its help says. The options are those of `saltus COMMAND --help`, so one without a
+ * row in the table below fails.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #define _XOPEN_SOURCE 700
 #include "folder.h"
@@ -19,10 +19,10 @@ enum { commands_max = 32, options_max = 256 };
 
 /* Inputs lie in `in`; each command is run without the option in `base` and with it in `with`. */
 typedef struct fixture {
-    char folder[64], last[512], with[1024]; /* the last runs in the two */
+    char folder[64], last[512], with[1024]; /* the last runs in both */
     int status, changed;                    /* how these ended */
     int listed_count;
-    unsigned short columns; /* of the terminal; 0: it does not say */
+    unsigned short columns; /* columns of the terminal; 0: unknown */
 } fixture;
 
 /* What shows that an option has been heeded, of the run with it as against the one without:
@@ -45,7 +45,7 @@ typedef struct option_case {
 #define DIAGNOSE "diagnose impact-oscillator -o s.png --data d.h5"
 #define SIMULATE "simulate impact-oscillator --periods 2 -o r.h5"
 
-/* Options that can be told apart in one run, each with a value of its own. */
+/* Options whose effects can be seen in one run, each with its value. */
 #define FLOW "--rtol 1e-6 --atol 1e-7 --integrator radau"
 #define SWEEP_SETS                                                                                           \
     "--set F=0.6 --seeds 3 --seed 7 --what impacts,lyapunov --at-most 300 --longest 9 --record 12 "          \
@@ -330,7 +330,7 @@ static const option_case cases[] = {
     {"check", "--derivatives", "", "check impact-oscillator", "--derivatives", "differs:out"},
 };
 
-/* Options that have a case of their own below. */
+/* Options that have their own case below. */
 static const char *const others[] = {"paper --quick", "paper --resume"};
 
 static void put_text(const fixture *f, const char *name, const char *text) {
@@ -342,8 +342,8 @@ static void put_text(const fixture *f, const char *name, const char *text) {
     fclose(file);
 }
 
-/* A command line with some options more: those that may be given once take the place of the line's own, with
- * their values. */
+/* A command line with additional options: those that may be given once replace the line's own, with their
+ * values. */
 static void join(const char *line, const char *more, char *text, size_t room) {
     static const char *const repeated[] = {"--set", "--over", "--of", "--label", "--range"};
     size_t used = 0;
@@ -366,8 +366,7 @@ static void join(const char *line, const char *more, char *text, size_t room) {
     snprintf(text + used, room - used, "%s", more);
 }
 
-/* The exit status of the command line in a folder of the fixture's; a leading path to the program is added.
- */
+/* The exit status of a command line in one of the fixture's folders; the program's path is added. */
 static int run_in(const fixture *f, const char *where, const char *command, const char *more) {
     char text[1600], line[1200];
     join(command, more, line, sizeof line);
@@ -441,7 +440,7 @@ static int open_fixture(void **state) {
         snprintf(path, sizeof path, "%s/%s", f->folder, rooms[k]);
         mkdir(path, 0777);
     }
-    /* Equal results give equal files, whenever they are made. */
+    /* Equal results give equal files at any time. */
     setenv("SOURCE_DATE_EPOCH", "0", 1);
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     prepare(f);
@@ -458,7 +457,7 @@ static int close_fixture(void **state) {
     return outcome;
 }
 
-/* Whether a value is the one that a witness names: numbers as numbers. */
+/* Whether a value is the witness's: numbers compare as numbers. */
 static bool is_value(const char *wanted, bool number, double value, const char *text) {
     return number ? value == strtod(wanted, NULL) : text && strcmp(text, wanted) == 0;
 }
@@ -526,7 +525,7 @@ static bool text_tells(const fixture *f, const char *where, const char *name, co
     return told;
 }
 
-/* Two HDF5 files object by object, a dataset by its bytes; what is not the same ends the walk. */
+/* Compare two HDF5 files object by object, datasets by their bytes; stops at a difference. */
 static herr_t same_attribute(hid_t first, const char *name, const H5A_info_t *info, void *context) {
     char bytes[2][4096] = {{0}};
     hid_t owner[2] = {first, *(hid_t *)context};
@@ -565,7 +564,7 @@ static bool same_dataset(const hid_t set[2]) {
 static herr_t same_object(hid_t first, const char *name, const H5O_info_t *info, void *context) {
     const hid_t second = *(hid_t *)context;
     if (strcmp(name, "command") == 0)
-        return 0; /* it tells the options, whatever they do */
+        return 0; /* it lists the options, whatever their effect */
     if (strcmp(name, ".") != 0 && H5Lexists(second, name, H5P_DEFAULT) <= 0)
         return 1;
     hid_t object[2] = {H5Oopen(first, name, H5P_DEFAULT), H5Oopen(second, name, H5P_DEFAULT)};
@@ -607,7 +606,7 @@ static bool same_files(const fixture *f, const char *name) {
     return same;
 }
 
-/* Whether a run in one of the two folders shows what the witness says. */
+/* Whether a run in one of the folders shows the witness's effect. */
 static bool tells(const fixture *f, const char *where, const char *witness) {
     char copy[256], path[320], *part[4] = {NULL}, *rest = copy;
     snprintf(copy, sizeof copy, "%s", witness);
@@ -637,7 +636,7 @@ static bool tells(const fixture *f, const char *where, const char *witness) {
     return text_tells(f, where, part[1], part[2], !words);
 }
 
-/* What is wrong; NULL: nothing. */
+/* What is wrong, or NULL. */
 static const char *check_case(fixture *f, const option_case *c) {
     char key[sizeof f->last], changed[sizeof f->with];
     bool made = strncmp(c->witness, "made:", 5) == 0, rows = strncmp(c->witness, "rows:", 5) == 0;
@@ -690,7 +689,7 @@ typedef struct listed {
     char command[16], name[24], argument[24], line[256];
 } listed;
 
-/* All options of all commands, from their help; how many. They are listed once. */
+/* All options of all commands, from their help, which is read once; returns their number. */
 static int list_options(fixture *f, const listed **list) {
     static listed options[options_max];
     char commands[commands_max][16];
@@ -758,7 +757,7 @@ static void each_listed_option_has_a_case(void **state) {
     }
 }
 
-/* The default that is told of an option that takes a value: one word; its length, or 0. */
+/* The default in the help of an option with a value: one word; its length, or 0. */
 static int default_of(const listed *o, const char **word) {
     const char *at = strstr(o->line, "(default ");
     *word = at ? at + strlen("(default ") : NULL;
@@ -766,7 +765,7 @@ static int default_of(const listed *o, const char **word) {
     return length && o->argument[0] && (*word)[length] == ')' ? length : 0;
 }
 
-/* Who says what is the default anyway changes nothing. */
+/* Giving the default value explicitly changes nothing. */
 static void told_defaults_change_nothing(void **state) {
     static const struct {
         const char *command, *line, *file;
@@ -804,7 +803,7 @@ static void told_defaults_change_nothing(void **state) {
     }
 }
 
-/* A command that has all it needs, but for the option. */
+/* A complete command except for the option. */
 static const char *beginning_of(const char *command) {
     static const char *const lines[][2] = {
         {"classify", "classify impact-oscillator"},
@@ -828,7 +827,7 @@ static const char *beginning_of(const char *command) {
     return NULL;
 }
 
-/* Exit status 2, nothing on stdout, one sentence on stderr that holds both words, and no file. */
+/* Check exit status 2, nothing on stdout, one message on stderr with both words, and no file. */
 static char *check_refused(const fixture *f, const char *line, const char *more, const char *one,
                            const char *other) {
     size_t length;
@@ -846,7 +845,7 @@ static char *check_refused(const fixture *f, const char *line, const char *more,
     return err;
 }
 
-/* Any file or text may be good for these. */
+/* These accept any file or text. */
 static bool takes_anything(const listed *o) {
     static const char *const names[] = {"-o", "--data", "--title"};
     for (int k = 0; k < 3; k++)
@@ -855,12 +854,12 @@ static bool takes_anything(const listed *o) {
     return false;
 }
 
-/* Numbers of a command that are all within their bounds, at the lower or at the upper ones. */
+/* A command's numbers, all within their bounds, at the lower or the upper ones. */
 typedef struct bounds {
     char at[2][1024];
 } bounds;
 
-/* The line of a command, of a scene that is not there: with good options it gets as far as that. */
+/* A command line with a missing scene: with valid options it gets as far as that. */
 static void without_scene(const char *command, char line[160]) {
     const char *beginning = beginning_of(command), *scene = strstr(beginning, "impact-oscillator");
     assert_non_null(scene);
@@ -868,8 +867,8 @@ static void without_scene(const char *command, char line[160]) {
              scene + strlen("impact-oscillator"));
 }
 
-/* What each number may be. An option of the same name and line of help is the same in all commands: it stands
- * here with the first of them. */
+/* The range of each number. An option with the same name and help line is the same in all commands: it is
+ * listed with the first of them. */
 static const struct {
     const char *command, *name;
     double low, high;
@@ -907,14 +906,14 @@ static void check_promised(const listed *o, const double bound[2]) {
     fail_msg("nothing is promised of %s %s", o->command, o->name);
 }
 
-/* The bounds are those that the sentence tells: what lies beyond them is refused. */
+/* Values beyond the bounds that the message states are refused. */
 static void check_beyond(const fixture *f, const listed *o, const char *sentence, bounds *known) {
     const char *at = strstr(sentence, "number ");
     char line[160], more[128], whole = strstr(sentence, "whole number") != NULL, value[48];
     double bound[2];
     if (!at)
         return;
-    /* A sentence of the form "number greater than 0 and at most 1": the lower bound is refused, too. */
+    /* With "number greater than 0 and at most 1" the lower bound is refused too. */
     bool open = sscanf(at, "number greater than %lf and %*s %*s %lf", &bound[0], &bound[1]) == 2;
     if (sscanf(at, "number of at least %lf", &bound[0]) == 1)
         bound[1] = INFINITY;
@@ -927,7 +926,7 @@ static void check_beyond(const fixture *f, const listed *o, const char *sentence
                                                                                             : open ? 0
                                                                                                    : -step);
         size_t used = strlen(known->at[k]);
-        /* A sweep's --transient does not go with the others. */
+        /* A sweep's --transient cannot be combined with the others. */
         bool alone = strcmp(o->command, "sweep") == 0 && strcmp(o->name, "--transient") == 0;
         snprintf(more, sizeof more, " %s %.17g", o->name, bound[k]);
         if (open && k == 0)
@@ -973,8 +972,8 @@ static void bad_values_are_refused_by_name(void **state) {
             lacking = true;
         }
         if (strcmp(o->command, "basins") == 0 && strcmp(o->name, "--over") == 0)
-            line = "basins impact-oscillator --over q1=0:1:2 -o never.h5"; /* exactly two are wanted */
-        /* Numbers are read in one place, from the same entry for all commands that list it alike. */
+            line = "basins impact-oscillator --over q1=0:1:2 -o never.h5"; /* exactly two are required */
+        /* Numbers are parsed in one place, from the same entry for all commands that list them alike. */
         bool shared = strcmp(o->name, "--integrator") != 0 && strcmp(o->name, "--from") != 0 &&
                       strcmp(o->name, "--over") != 0;
         for (int earlier = 0; earlier < k && shared; earlier++)
@@ -982,7 +981,7 @@ static void bad_values_are_refused_by_name(void **state) {
                 o = &options[earlier];
         if (!o->argument[0] || o != &options[k])
             continue;
-        /* That a value is lacking, too; once for each command. */
+        /* A missing value too; once for each command. */
         if (lacking)
             free(check_refused(f, line, o->name, o->name, ""));
         lacking = false;
@@ -1003,7 +1002,7 @@ static void bad_values_are_refused_by_name(void **state) {
     check_accepted(f, options[count - 1].command, &known);
 }
 
-/* What may be repeated has room for so many: all of them are heeded, one more is refused by its text. */
+/* Repeatable options have a limit: all values up to it are used, one more is refused by its text. */
 static void lists_are_taken_up_to_their_room(void **state) {
     static const struct {
         const char *line, *before, *item, *last, *refused;
@@ -1024,7 +1023,7 @@ static void lists_are_taken_up_to_their_room(void **state) {
         const char *items = lists[k].before;
         for (int more = 0; more < 2; more++) {
             char line[8192];
-            /* The first value of --at stands in the line. */
+            /* The first value of --at is in the line. */
             int count = lists[k].room + more - (items[0] == ','),
                 used = snprintf(line, sizeof line, "%s", lists[k].line);
             for (int i = 0; i < count; i++) {
@@ -1065,8 +1064,8 @@ static void unknown_options_are_refused_by_every_command(void **state) {
     free(check_refused(f, "unheard-of", "", "unheard-of", ""));
 }
 
-/* An option that is given twice is an error, whatever its values: one of them would be lost. Settings, axes
- * and parts of ranges are added up, but their keys are given once. */
+/* Giving an option twice is an error, for any values: one would be lost. Settings, axes and parts of ranges
+ * accumulate, but each key is given once. */
 static void no_option_is_given_twice(void **state) {
     static const char *const twice[][3] = {
         {"classify impact-oscillator", "--json --json", "--json: "},
@@ -1092,8 +1091,8 @@ static void no_option_is_given_twice(void **state) {
     ((fixture *)*state)->last[0] = ((fixture *)*state)->with[0] = '\0';
 }
 
-/* Bytes that a command writes to stderr where that is a terminal; as much of them as there is room for in
- * `said`, which may be NULL. */
+/* How many bytes a command writes to stderr on a terminal; as many as fit are stored in `said`, which may be
+ * NULL. */
 static size_t words_on_terminal(const fixture *f, const char *line, const char *more, char *said,
                                 size_t room) {
     int master = posix_openpt(O_RDWR | O_NOCTTY);
@@ -1130,8 +1129,8 @@ static size_t words_on_terminal(const fixture *f, const char *line, const char *
     return heard;
 }
 
-/* What a line of a terminal shows in the end: a new line begins an empty one, a return goes back to its
- * beginning, and there it may be wiped to its end. */
+/* The final content of a terminal's line: a newline begins an empty one, a return goes back to its begin,
+ * where it may be cleared to its end. */
 static void last_line(const char *said, char *shown, size_t room) {
     size_t at = 0;
     memset(shown, 0, room);
@@ -1154,8 +1153,8 @@ static void last_line(const char *said, char *shown, size_t room) {
         shown[0] = shown[0] ? shown[0] : '?';
 }
 
-/* On a terminal there is a progress line; --quiet is heeded by every command that lists it, and elsewhere
- * stderr is empty. In the end nothing of it is left. */
+/* On a terminal there is a progress line, which is gone in the end; --quiet suppresses it in every command
+ * that lists it, and stderr is empty otherwise. */
 static void quiet_commands_are_silent(void **state) {
     static const char *const lines[][2] = {
         {"classify", "classify impact-oscillator"},
@@ -1191,8 +1190,8 @@ static void quiet_commands_are_silent(void **state) {
     }
 }
 
-/* On a narrow terminal no line is longer than it, and what counts most stands first: seeds that are done, ...
- */
+/* On a narrow terminal no line is longer than it, and the most important part is first: seeds that are done,
+ * ... */
 static void progress_fits_a_narrow_terminal(void **state) {
     skip_where_slow();
     static const struct {
@@ -1225,13 +1224,12 @@ static void progress_fits_a_narrow_terminal(void **state) {
     f->columns = 0;
 }
 
-/* Whether a number is that of a text with so many digits. */
+/* Whether a number is that of a text with its digits. */
 static bool is_rounded(double value, double exact, int digits) {
     return fabs(value - exact) <= 0.51 * pow(10, 1 - digits) * fmax(fabs(exact), fabs(value));
 }
 
-/* What is told on the way is of the points that are found, one after the other, and of the work that is done.
- */
+/* The progress shows the points found, in order, and the work done. */
 static void progress_lines_tell_what_is_found(void **state) {
     static char said[65536];
     size_t length;
@@ -1263,7 +1261,7 @@ static void progress_lines_tell_what_is_found(void **state) {
     }
     assert_true(points > 8 && marked >= 4 && !strstr(line, "\romega = "));
     free(text);
-    /* The periods of a search and of a measurement only grow, up to those that are allowed. */
+    /* The periods of a search and of a measurement only increase, up to the limit. */
     words_on_terminal(*state, "classify " CHAOS, "--transient 300 --measure 4000", said, sizeof said);
     double last = 0, most = 0;
     int lines = 0;
@@ -1315,12 +1313,12 @@ static double seconds_of(struct timeval time) {
     return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
 }
 
-/* The bar of a sweep is as long as the part that is done, the part grows, the time left is what is left at
- * the speed told; at the end the line is wiped. */
+/* The bar of a sweep has the length of the part done, which grows; the time left is that of the rest at the
+ * shown speed; at the end the line is cleared. */
 static void a_progress_bar_tells_the_part_done(void **state) {
     static char said[65536];
     int seen = 0;
-    /* Pictures are a quarter of a second apart. */
+    /* Updates are a quarter of a second apart. */
     for (int points = 3000; points < 1000000 && seen < 2; points *= 3) {
         char line[160];
         double last = 0;
@@ -1334,7 +1332,7 @@ static void a_progress_bar_tells_the_part_done(void **state) {
         getrusage(RUSAGE_CHILDREN, &before);
         assert_true(words_on_terminal(*state, line, "", said, sizeof said) > 0);
         getrusage(RUSAGE_CHILDREN, &after);
-        /* The thread that tells of it sleeps meanwhile, and does not ask the system all the time. */
+        /* The reporting thread sleeps meanwhile, without polling the system. */
         double user = seconds_of(after.ru_utime) - seconds_of(before.ru_utime),
                asking = seconds_of(after.ru_stime) - seconds_of(before.ru_stime);
         assert_true(asking <= 0.1 + 0.25 * user);
@@ -1345,13 +1343,13 @@ static void a_progress_bar_tells_the_part_done(void **state) {
             assert_int_equal(sscanf(at + 32, "] %lf %%  %lf points/s  %lf s left", &part, &speed, &left), 3);
             assert_true(part >= last && part <= 100 && speed > 0);
             assert_true(fabs(0.3 * part - cells - 0.5) <= 0.5 + 0.3 * 0.06);
-            /* The part is told to 0.1 %, the speed to four digits, the time in whole seconds. */
+            /* The part is shown to 0.1 %, the speed to four digits, the time in whole seconds. */
             double wanted = points * (1 - part / 100) / speed,
                    slack = points * 5.1e-4 / speed + 1e-3 * wanted;
             assert_true(left >= wanted - slack && left < wanted + 1 + slack);
             last = part;
             seen++;
-            /* What was done at this speed was done since the beginning. */
+            /* The part done took the time since the beginning at this speed. */
             assert_true(part / 100 * points / speed >= 0.2 * seen);
         }
         assert_true(strcmp(said + strlen(said) - 4, "\r\033[K") == 0);
@@ -1359,7 +1357,7 @@ static void a_progress_bar_tells_the_part_done(void **state) {
     assert_true(seen >= 2);
 }
 
-/* Begin the paper's second figure, end it when its sweep has begun, and read what it was told to do. */
+/* Start the paper's second figure, end it when its sweep has begun, and read that sweep's options. */
 static void begin_figure(const fixture *f, const char *more, const char *transient, const char *values) {
     char text[1024], path[320];
     clear(f, "with");
@@ -1374,8 +1372,7 @@ static void begin_figure(const fixture *f, const char *more, const char *transie
     assert_true(rows_tell(path, "axes/axis1", values));
 }
 
-/* --quick runs fewer values, and shorter; --resume takes up what there is, where without it all begins anew.
- */
+/* --quick runs fewer values for shorter times; --resume continues, without it all begins again. */
 static void paper_is_quick_and_resumes(void **state) {
     fixture *f = *state;
     char path[320];
@@ -1395,8 +1392,7 @@ static void paper_is_quick_and_resumes(void **state) {
     assert_int_equal(before.st_size, after.st_size);
 }
 
-/* The state after some time from a scene with one setting more; where the scene refuses it, the test fails.
- */
+/* The state after some time from a scene with one more setting; the test fails if the scene refuses it. */
 static void settle(const saltus_scene *scene, const char *setting, double *state) {
     saltus_message message = {.text = ""};
     saltus_scene changed = *scene;
@@ -1417,7 +1413,7 @@ static void settle(const saltus_scene *scene, const char *setting, double *state
     saltus_system_free(system);
 }
 
-/* Every parameter, every key of a stop and every entry of the initial state moves the trajectory. */
+/* Every parameter, every key of a stop and every entry of the initial state affects the trajectory. */
 static void each_key_of_a_scene_changes_the_motion(void **state) {
     static const char *const pipe[] = {"N=3",        "alpha=0.006", "beta=0.6",   "kappa=5100", "u0=4.4",
                                        "sigma=0.3",  "omega=43",    "xi=0.45",    "d=0.0195",   "r=0.85",
@@ -1453,7 +1449,7 @@ static void each_key_of_a_scene_changes_the_motion(void **state) {
         }
         const saltus_parameter *p = saltus_model_parameters(scene.spec.model, &parameters);
         for (int k = 0; k < parameters; k++) {
-            /* With one mass a stop between two makes no sense; tz counts with kz only, see below. */
+            /* With one mass there is no stop between two; tz counts with kz only, see below. */
             bool tried = strcmp(p[k].name, "tz") == 0 || (s == 1 && strcmp(p[k].name, "N") == 0);
             for (size_t i = 0; i < scenes[s].count && !tried; i++)
                 tried = strncmp(scenes[s].keys[i], p[k].name, strlen(p[k].name)) == 0 &&

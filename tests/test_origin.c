@@ -1,4 +1,4 @@
-/* Files of results tell how they came about.
+/* Result files record how they were made.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 
@@ -7,7 +7,7 @@
 #include <hdf5.h>
 #include <sys/stat.h>
 
-/* A text of a file, to be freed; "" where it is not there. */
+/* A text of a file, freed by the caller; "" if missing. */
 static char *text_of(fixture *f, const char *name, const char *what) {
     hid_t file = H5Fopen(path_in(f, name), H5F_ACC_RDONLY, H5P_DEFAULT);
     assert_true(file >= 0);
@@ -41,8 +41,8 @@ static void put_scene(fixture *f, const char *name) {
     fclose(file);
 }
 
-/* The command without what the results do not depend on, in words that a shell takes; the scene as it stands
- * in its file; the date that is asked for. */
+/* The command without the parts on which results do not depend, as shell words; the scene as in its file; the
+ * requested date. */
 static void files_tell_command_scene_and_date(void **state) {
     fixture *f = *state;
     put_scene(f, "it's mine.yaml");
@@ -67,7 +67,7 @@ static void files_tell_command_scene_and_date(void **state) {
     }
 }
 
-/* Of a built-in scene the built-in text; of one from standard input none. */
+/* For a built-in scene its text; for one from standard input none. */
 static void where_the_scene_comes_from(void **state) {
     fixture *f = *state;
     assert_int_equal(run(f, "simulate impact-oscillator --periods 3 -o run.h5"), 0);
@@ -78,7 +78,7 @@ static void where_the_scene_comes_from(void **state) {
     assert_int_equal(run(f, "simulate - --periods 3 -o piped.h5 <mine.yaml"), 0);
     tells(f, "piped.h5", "command", "saltus simulate - --periods 3");
     tells(f, "piped.h5", "scene_text", "");
-    /* A pipe with a name can be read once. */
+    /* A named pipe can be read only once. */
     assert_int_equal(mkfifo(path_in(f, "pipe.yaml"), 0600), 0);
     char writer[200];
     snprintf(writer, sizeof writer, "cd %s && cat mine.yaml >pipe.yaml &", f->folder);
@@ -87,7 +87,7 @@ static void where_the_scene_comes_from(void **state) {
     tells(f, "named.h5", "scene_text", "");
 }
 
-/* A run that is gone on with is the one that was begun. */
+/* A resumed run keeps the origin of the first. */
 static void a_resumed_run_keeps_its_origin(void **state) {
     fixture *f = *state;
     static const char *const files[] = {"sweep.h5", "branch.h5"};

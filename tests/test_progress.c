@@ -1,4 +1,4 @@
-/* Progress on terminals of all widths: what share is done is told where little else fits.
+/* Progress on terminals of all widths: the share done is shown even where little else fits.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #define _GNU_SOURCE /* pseudo-terminals */
 #include "command.h"
@@ -7,7 +7,7 @@
 #include <regex.h>
 #include <sys/ioctl.h>
 
-/* All that a command line writes to a terminal of so many columns as stderr. */
+/* All that a command writes to stderr on a terminal of a width. */
 static char *shown(const fixture *f, const char *line, int columns) {
     char command[1200], *text = calloc(1, 1 << 20);
     size_t length = 0;
@@ -35,8 +35,8 @@ static char *shown(const fixture *f, const char *line, int columns) {
     return text;
 }
 
-/* Each line is cut below the terminal's width and begins with a number out of all, a share, or the value that
- * a parameter has come to. */
+/* Each line is shorter than the terminal's width and begins with a count, a share, or the value that a
+ * parameter has reached. */
 static void share_comes_first(void **state) {
     static const struct {
         const char *line, *form;

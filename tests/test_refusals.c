@@ -1,5 +1,4 @@
-/* What commands answer to bad input: an exit status, and one sentence with its words and numbers in their
- * order.
+/* The answers of commands to bad input: an exit status, and one message with its words and numbers in order.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command.h"
 
@@ -24,8 +23,7 @@ static int prepare(void **state) {
     return 0;
 }
 
-/* Whether a sentence begins with the first of the words that stand between bars, and has the others in their
- * order. */
+/* Whether a message begins with the first of the words between bars, and has the others in order. */
 static bool says(const char *sentence, const char *words) {
     const char *at = sentence;
     for (const char *word = words; word; word = strchr(word, '|') ? strchr(word, '|') + 1 : NULL) {
@@ -39,7 +37,7 @@ static bool says(const char *sentence, const char *words) {
     return true;
 }
 
-/* Nothing on stdout, one sentence on stderr, no file of the name `never`. */
+/* Check nothing on stdout, one message on stderr, no file `never`. */
 static void check_refused(fixture *f, const char *line, int status, const char *words) {
     int got = run(f, line);
     char *out = said(f, "out"), *err = said(f, "err"), *end = strchr(err, '\n');
@@ -149,7 +147,7 @@ static void sentences_name_what_is_wrong(void **state) {
          "sweep.h5: is a sweep; what is shown of it is chosen as a view"},
         {"plot sweep.h5 sweep.h5 --view speed -o never.png", 2, "plot: --view and --over are of one sweep"},
 
-        /* admissible, and too much: told soon, with what was too much */
+        /* admissible, but too much: reported soon, with the cause */
         {"classify pipe --set omega=1e-300", 1,
          "a forcing period, T = 6.28319e+300, |omega = 1e-300 is too small"},
         {"classify impact-oscillator --set omega=1e-300", 1,
@@ -189,7 +187,7 @@ static void sentences_name_what_is_wrong(void **state) {
         check_refused(*state, cases[k].line, cases[k].status, cases[k].words);
 }
 
-/* key=low:high, wherever it is asked for: all of it has to be there, the numbers finite and in order. */
+/* key=low:high, in all commands: complete, with finite numbers in order. */
 static void ranges_have_one_form(void **state) {
     static const char *const commands[][2] = {
         {"continue two-mass -o never.h5", "--in"},
@@ -224,9 +222,8 @@ static void ranges_have_one_form(void **state) {
         }
 }
 
-/* An interrupted run is gone on with by its own command line alone: another scene, another key, range or
- * locus, and any setting that the run does not have is another run, and the sentence tells which one it was.
- */
+/* An interrupted run can be resumed only by its own command line: another scene, key, range or locus, or a
+ * setting that the run does not have, is another run, and the message names the original. */
 static void another_run_is_not_gone_on_with(void **state) {
     static const char *const two[] = {"m=1.5",         "tz=2",          "omega=2",    "d=0.5",     "r=0.9",
                                       "weight=0.5,-1", "weight=1,-0.5", "sides=both", "sides=none"};
@@ -260,15 +257,15 @@ static void another_run_is_not_gone_on_with(void **state) {
         snprintf(line, sizeof line, "%s --resume -o two.h5", lines[k]);
         check_refused(*state, line, 2, words);
     }
-    /* What is as it was may be said again. */
+    /* Unchanged settings may be repeated. */
     for (size_t k = 0; k < sizeof same_two / sizeof same_two[0]; k++) {
         snprintf(line, sizeof line, "%s --set %s --quiet", runs[0].line, same_two[k]);
         free(told(*state, line));
     }
 }
 
-/* What a run goes on from is checked before it is used: any number of it out of bounds, fewer numbers, fewer
- * points than it says, and the file stays as it is. */
+/* Saved numbers are checked before use: one out of bounds, fewer numbers, fewer points than stated; the file
+ * stays as it is. */
 static void what_a_run_goes_on_from_is_checked(void **state) {
     static const char line[] = "continue impact-oscillator --in omega=0.99:1.01 --resume -o b.h5";
     static const char damaged[] =
@@ -295,8 +292,8 @@ static void what_a_run_goes_on_from_is_checked(void **state) {
     check_ok(saltus_branch_save(branch, &numbers, &count, &message), &message);
     saltus_branch_free(branch);
     for (int k = 0; k < 8; k++) {
-        /* The version, a parameter, how many points there are, whether there is a locus, the number of the
-         * next branch; fewer numbers, fewer points, and at last nothing. */
+        /* Change the version, a parameter, the number of points, whether there is a locus, the number of the
+         * next branch; then fewer numbers, fewer points, and finally nothing. */
         const int places[] = {0, 16, 14 + parameters, 15 + parameters, 17 + parameters};
         saltus_branch_output *output;
         int points = k == 6 ? 4 : 5, given = k == 5 ? count - 1 : count;

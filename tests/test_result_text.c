@@ -1,5 +1,5 @@
-/* Texts about rests, exponents, spectra and branches for people: their lines are there when there is
- * something to say, with the numbers of made-up results in their places, those of JSON and CSV.
+/* Printed texts about equilibria, exponents, spectra and branches: each line appears if it applies, with the
+ * numbers of made-up results in their places, which are those of JSON and CSV.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 #include "json.h"
@@ -126,7 +126,7 @@ typedef struct exponents {
     double value[4], error[4], member[3], state[4];
 } exponents;
 
-/* Errors of 0.0031 leave four decimals: rounding is no matter here. */
+/* Errors of 0.0031 leave four decimals, so rounding does not matter here. */
 static void make_exponents(exponents *e) {
     *e = (exponents){.value = {0.2512, -0.1378, -0.5213, -1.1004},
                      .error = {0.0031, 0.0042, 0.0053, 0.0064},
@@ -201,7 +201,7 @@ static void exponents_are_told(void **state) {
         lines_end(&lines);
     }
 
-    /* One trajectory, no transient beyond the wish, one exponent; the halves are the same. */
+    /* One trajectory, no transient beyond the requested one, one exponent; equal halves. */
     make_exponents(&e);
     e.l.members = e.l.count = 1;
     e.l.transient = 700;
@@ -222,7 +222,7 @@ static void exponents_are_told(void **state) {
     lines_next(&lines, "precision", "NOT reached: the standard error", 2, 100 * 0.0031 / 0.25, 0.1);
     lines_end(&lines);
 
-    /* A precision that is not reached although the error is small; one that is, although it is not. */
+    /* The precision is not reached despite a small error, or reached despite a large one. */
     make_exponents(&e);
     e.l.precise = e.l.agree = false;
     write_exponents(&e, &pushed, &lines);
@@ -250,7 +250,7 @@ static void exponents_are_told(void **state) {
     lines_next(&lines, "precision", "NOT reached: too few values for", 0);
     lines_end(&lines);
 
-    /* Some of the directions lost, or some of the exponents not asked for. */
+    /* Some directions are lost, or some exponents not requested. */
     make_exponents(&e);
     e.l.lost = 1;
     e.value[3] = -INFINITY;
@@ -389,7 +389,7 @@ static void spectra_are_told(void **state) {
     check_lines(&lines, &m.s.spectra[1]);
     lines_end(&lines);
 
-    /* Fewer lines than ten, too faint ones left out; none at all; trust not looked at. */
+    /* Fewer than ten lines, without faint ones; none; trust not examined. */
     m.s.spectra[0].trustworthy = 2;
     m.lines[0][1].decibels = -221;
     m.s.spectra[1].trustworthy = 0.25;
@@ -417,7 +417,7 @@ static void spectra_are_told(void **state) {
     lines_next(&lines, "no line stands out", NULL, 0);
     lines_end(&lines);
 
-    /* What rests has its mean alone; how it was analysed is told of what moves. */
+    /* A quantity at rest has only its mean; the method is given for moving ones. */
     m.s.spectra[0].kind = SALTUS_SPECTRUM_CONSTANT;
     m.s.spectra[1].segments = 1;
     write_spectra(&m, &s, &lines);
@@ -434,7 +434,7 @@ static void spectra_are_told(void **state) {
     saltus_system_free(s.system);
 }
 
-/* Numbers of a CSV row behind the header, by the header's names; the row is moved on. */
+/* Numbers of a CSV row by the header's names; moves to the next row. */
 static double cell(const char *header, const char *row, const char *name) {
     const char *at = row;
     for (const char *c = header; *c && *c != '\n';) {
@@ -548,7 +548,7 @@ static void spectra_are_the_same_in_every_format(void **state) {
                     if (member[k].there)
                         assert_true(json_number_at(one, member[k].key) == member[k].value);
                 }
-                /* Lines up to the trusted frequency, which is that of one of them and more. */
+                /* Lines up to and including the trusted frequency, and beyond. */
                 assert_int_equal(json_count(json_at(one, "lines")), 13);
                 for (int k = 0; k < 13; k++) {
                     snprintf(name, sizeof name, "lines.%d", k);
@@ -596,7 +596,7 @@ static void spectra_are_the_same_in_every_format(void **state) {
     saltus_system_free(s.system);
 }
 
-/* Another ending is refused, and where nothing can be written nothing is left. */
+/* Another file ending is refused, and a failed write leaves nothing. */
 static void spectra_go_where_they_can(void **state) {
     (void)state;
     static const struct {

@@ -1,4 +1,4 @@
-/* Scenes: built-in ones, files, JSON, settings, and a sentence for everything that can be wrong.
+/* Scenes: built-in ones, files, JSON, settings, and a message for every possible error.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 
@@ -39,7 +39,7 @@ static void expect_words(const saltus_message *message, const char *words, const
         fail_msg("for '%s': got '%s', expected '%s'", about, message->text, words);
 }
 
-/* The text is refused, and the message begins with these words. */
+/* The text is refused with a message that begins with these words. */
 static void refused(const char *text, const char *words) {
     saltus_scene scene, before;
     saltus_message message = {.text = ""};
@@ -85,7 +85,7 @@ static void builtin_scenes_build(void **state) {
         double start[SALTUS_SCENE_STATE_MAX];
         assert_string_equal(scene.name, saltus_scene_builtin_name(k));
         assert_true(scene.title[0] != '\0');
-        /* Its text is the scene, and its name cannot be taken for a path. */
+        /* A built-in scene's text gives the scene, and its name cannot be taken for a path. */
         saltus_scene same = {.name = ""};
         const char *text = saltus_scene_builtin_text(k);
         assert_int_equal(saltus_scene_parse(text, strlen(text), scene.name, &same, &message), SALTUS_OK);
@@ -153,7 +153,7 @@ static void builtin_values(void **state) {
     assert_true(get(&ball, "F0") == -9.8 && get(&ball, "k") == 0 && get(&ball, "F") == 0);
 }
 
-/* The scene objects of the reference results, as they stand in their JSON files. */
+/* The scene objects of the reference results, as in their JSON files. */
 static void json_is_read(void **state) {
     (void)state;
     saltus_scene chatter = parse(
@@ -314,7 +314,7 @@ static void not_text(void **state) {
     assert_int_equal(saltus_scene_parse(NULL, 0, NULL, &scene, NULL), SALTUS_BAD_INPUT);
 }
 
-/* Texts made to be slow or deep end at once with an ordinary refusal. */
+/* Malicious texts, slow or deeply nested, are refused at once in the usual way. */
 static void hostile_texts(void **state) {
     (void)state;
     enum { size = 1 << 20 };
@@ -436,8 +436,7 @@ static void settings_of_several_stops(void **state) {
     set_refused(&scene, "xi=0.5", "xi: a stop of the model oscillator is placed by weight");
 }
 
-/* Whatever key a stop can have, in every built-in scene: it sets that value, or is refused and changes
- * nothing. */
+/* Every key that a stop can have, in every built-in scene, sets its value or is refused without effect. */
 static void every_key_of_a_stop(void **state) {
     (void)state;
     static const char *const keys[] = {"xi", "d", "r", "sides", "weight", "coordinate"};
@@ -465,7 +464,7 @@ static void every_key_of_a_stop(void **state) {
             }
 }
 
-/* Numbers by key: what is set is read back bit for bit, of one stop or of all; nothing changes on error. */
+/* Numbers by key: set values are read back bit for bit, for one stop or all; errors change nothing. */
 static void values_by_key(void **state) {
     (void)state;
     static const char *const keys[] = {"omega", "beta", "d", "r", "xi", "d2", "xi1", "r1"};
@@ -482,7 +481,7 @@ static void values_by_key(void **state) {
             fail_msg("%s", message.text);
         assert_true(saltus_spec_get(&spec, keys[k]) == value);
     }
-    /* The stops' own values hold since d, r and xi were set for both. */
+    /* The stops' own values remain since d, r and xi were set for both. */
     assert_true(spec.stops[0].d == 1 / 5.0 && spec.stops[1].d == 1 / 8.0);
     assert_true(spec.stops[1].xi == 1 / 7.0 && spec.stops[0].xi == 1 / 9.0);
     assert_true(spec.stops[1].r == 1 / 6.0 && spec.stops[0].r == 1 / 10.0);

@@ -1,10 +1,10 @@
-/* A refusal of a scene names the line and the key at fault, whatever the layout: every key of several layouts
- * is damaged in turn. All layouts of a scene give the same scene.
+/* A refusal of a scene names the line and key at fault in any layout: every key of several layouts is damaged
+ * in turn. All layouts of a scene give the same scene.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "check.h"
 
-/* In the layouts below a pair in block style stands between < and >, one in flow style between ^ and >; it is
- * what gets damaged. */
+/* In the layouts below a key-value pair in block style is between < and >, one in flow style between ^ and >;
+ * these are damaged. */
 enum { text_size = 4096, key_size = 32 };
 
 static const char *const pipes[] = {
@@ -30,7 +30,7 @@ static const char *const pipes[] = {
     "initial:\n"
     "  <v: [0.1, 0.2]>\n"
     "  <q: [0.001]>\n",
-    /* The same with carriage returns, after a byte order mark, dashes in the column of their key. */
+    /* The same with carriage returns, a byte order mark, and dashes in the column of their key. */
     "\xef\xbb\xbf<model: pipe>\r\n"
     "\r\n"
     "<title: \"r: 1 # d: [\">\r\n"
@@ -70,12 +70,11 @@ static const char *const pipes[] = {
     "  ^\"q\": [0.001]>\n"
     " }\n"
     "}\n",
-    /* JSON without a blank, in one line. */
+    /* JSON without blanks, on one line. */
     "{^\"model\":\"pipe\">,^\"N\":2>,^\"omega\":37>,\"stops\":[{^\"d\":0.03>,^\"r\":0.5>,^\"xi\":0.3>},{^"
     "\"xi\":0.6>,^\"d\":0.04>,^\"r\":0.6>,^\"sides\":\"both\">}],\"initial\":{^\"v\":[0.1,0.2]>,^\"q\":[0."
     "001]>}}",
-    /* Everything is indented; a quoted title goes over lines; entries follow in lines below their * dashes.
-     */
+    /* Everything is indented; a quoted title spans lines; entries are on the lines below their dashes. */
     "---\n"
     "  <model: pipe>\n"
     "  <title: \"two\n"
@@ -197,15 +196,14 @@ static const char *const chains[] = {
     "^v: [0.2, 0.3]>}}\n",
 };
 
-/* A pair between marks: which one, where it begins, its key and value. */
+/* A pair between marks: its number, place, key and value. */
 typedef struct site {
     bool flow;
     int line, column;
     char key[key_size], written[key_size], value[128]; /* `written`: the key with its quotes */
 } site;
 
-/* Write the layout without marks, the pair of number `which` replaced if there is one; false when there are
- * not so many pairs. */
+/* Write the layout without marks, with pair `which` replaced; false if there are fewer pairs. */
 static bool write_layout(const char *layout, int which, const char *instead, char *text, site *found) {
     size_t used = 0, begin = strncmp(layout, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     int number = 0, line = 1;
@@ -252,7 +250,7 @@ static saltus_scene parse(const char *text) {
     return scene;
 }
 
-/* The text is refused, with this line and these words next. */
+/* The text is refused with this line, followed by these words. */
 static void check_refusal(const char *text, int line, const char *words) {
     saltus_scene scene;
     saltus_message message = {.text = ""};
@@ -267,7 +265,7 @@ static bool is_list(const site *s) {
     return strchr("qvzw", s->key[0]) != NULL;
 }
 
-/* A value that cannot be read, and one that can but is out of the key's range. */
+/* A value that cannot be read, and one outside the key's range. */
 static void damage_value(const char *layout, int which, const site *s) {
     static const struct {
         const char *key, *value;
@@ -296,7 +294,7 @@ static void damage_value(const char *layout, int which, const site *s) {
     }
 }
 
-/* A list or a mapping where a single value belongs, and the other way round. */
+/* A list or mapping instead of a single value, and vice versa. */
 static void damage_kind(const char *layout, int which, const site *s) {
     static const char *const wrong[2][3] = {{"[1, 2]", "{a: 1}", "[]"}, {"7", "{a: 1}", "\"\""}};
     char text[text_size], pair[256], words[64];
@@ -306,13 +304,13 @@ static void damage_kind(const char *layout, int which, const site *s) {
         snprintf(pair, sizeof pair, "%s: %s", s->written, wrong[list][k]);
         write_layout(layout, which, pair, text, &again);
         snprintf(words, sizeof words, "%s: must be a %s", s->key, list ? "list of" : "single value");
-        /* A mapping in the model's place is one of equations. */
+        /* A mapping as the model consists of equations. */
         bool equations = strcmp(s->key, "model") == 0 && wrong[list][k][0] == '{';
         check_refusal(text, s->line, equations ? "\"a\": unknown key; the keys here are parameters" : words);
     }
 }
 
-/* The pair twice: the second one is named. A strange key before it: that one is. */
+/* Of a duplicate pair the second is named; of an unknown key before it, that key. */
 static void add_keys(const char *layout, int which, const site *s) {
     char text[text_size], pair[600], words[96], between[80];
     site again;
@@ -327,7 +325,7 @@ static void add_keys(const char *layout, int which, const site *s) {
     snprintf(pair, sizeof pair, "%s:%s%sweird: 1", s->written, s->value, between);
     write_layout(layout, which, pair, text, &again);
     check_refusal(text, s->line + inner + 2, "\"weird\": unknown key; the keys here are ");
-    /* Of two strange keys the first is told. That a key is there twice comes before what is wrong with it. */
+    /* Of two unknown keys the first is reported. A duplicate key is reported before its wrong value. */
     snprintf(pair, sizeof pair, "weird: 1%sstrange: 2%s%s:%s", between, between, s->written, s->value);
     write_layout(layout, which, pair, text, &again);
     check_refusal(text, s->line, "\"weird\": unknown key; the keys here are ");
@@ -387,7 +385,7 @@ static void each_key_of_a_chain_is_found(void **state) {
     each_key_is_found(chains, sizeof chains / sizeof chains[0]);
 }
 
-/* Keys of a stop at the top, keys of the top below a stop: each is told where it belongs. */
+/* Top-level keys in a stop and keys of a stop at top level: the message says where they belong. */
 static void keys_in_the_wrong_place_are_sent_home(void **state) {
     static const char *const stop_keys[] = {"xi", "d", "r", "sides", "weight"}, *const tops[] = {"stop",
                                                                                                  "initial"};
@@ -418,8 +416,8 @@ static void keys_in_the_wrong_place_are_sent_home(void **state) {
             check_refusal(text, 1, words);
         }
     }
-    /* Without a model its keys cannot be listed; what comes next is not taken for it. One that is not known
-     * is told before any key. */
+    /* Without a model its keys cannot be listed, and the next entry is not taken for it. An unknown model is
+     * reported before any key. */
     static const char *const models[] = {
         "",         "model: beam\n",     "model: pipes-of-a-very-long-name-indeed-it-is\n",
         "model:\n", "model:\npipe: 1\n", "model: # none\n\"pipe\": 1\n"};
@@ -444,7 +442,7 @@ static void stops_without_clearance_are_placed(void **state) {
     check_refusal("model: oscillator\nstop:\n\n  weight: [1]\n", 4, "stop: d is missing");
     check_refusal("model: pipe\n\nstop: {}\n", 3, "stop: d is missing");
     check_refusal("model: pipe\n\nstops:\n- d: 1\n- {}\n", 5, "stop 2: d is missing");
-    /* A default that cannot be, of a key that is not there: the stop is named. */
+    /* A missing key with an impossible default: the stop is named. */
     check_refusal("model: pipe\nN: 2\n\nstops:\n- d: 0.1\n- d: 0.1\n", 4, "stops 1 and 2 limit the same");
 }
 

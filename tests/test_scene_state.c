@@ -1,4 +1,4 @@
-/* Where trajectories start: what a scene and its settings leave open is the system's default, everywhere.
+/* Where trajectories start: entries that scene and settings leave open are the system's defaults, everywhere.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_check.h"
 
@@ -37,8 +37,8 @@ static void sweeps_start_from_the_rest_of_the_default(void **unused) {
     saltus_system_free(system);
 }
 
-/* The order of settings does not matter, though the default depends on parameters; what a scene's text gives
- * stays. */
+/* The order of settings does not matter, though the default depends on parameters; entries given in the
+ * scene's text stay. */
 static void settings_leave_the_rest_alone(void **unused) {
     (void)unused;
     static const char *const orders[] = {"q1=0.003 d=0.011 u0=4.2", "d=0.011 q1=0.003 u0=4.2",
@@ -68,7 +68,7 @@ static void settings_leave_the_rest_alone(void **unused) {
     saltus_system_free(system);
 }
 
-/* What cannot be is said. */
+/* Impossible states are reported. */
 static void impossible_starts_are_refused(void **unused) {
     (void)unused;
     saltus_message message = {.text = ""};

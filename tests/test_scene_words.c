@@ -1,11 +1,11 @@
-/* Scenes read letter by letter: words nearly right, numbers and characters just inside and outside of what is
- * possible, settings that change what they name and nothing else.
+/* Scenes read letter by letter: misspelt words, numbers and characters just inside and outside the limits,
+ * settings that change exactly what they name.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "folder.h"
 
 enum { words_max = 40 };
 
-/* Refused; what is said behind the origin. */
+/* The text must be refused; returns the message after its origin. */
 static const char *refusal(const char *text, size_t length, saltus_message *message) {
     saltus_scene scene;
     assert_int_equal(saltus_scene_parse(text, length, "s", &scene, message), SALTUS_BAD_INPUT);
@@ -25,7 +25,7 @@ static int distance(const char *a, const char *b) {
     return table[m][n];
 }
 
-/* Words that are offered instead of an unknown key `word`, in a scene that goes on behind `before`. */
+/* The words suggested for an unknown key `word`, in a scene that begins with `before`. */
 typedef struct offer {
     char word[words_max][64];
     int count;
@@ -52,8 +52,8 @@ static offer offered(const char *before, const char *word) {
     return o;
 }
 
-/* One letter may be wrong, and one more in four, up to three; the nearest key is named, of equal ones the
- * first. Keys and words of one or two letters are no near misses. */
+/* One letter may be wrong, and one more for every four, up to three; the nearest key is suggested, of equally
+ * near ones the first. Words of one or two letters are not matched. */
 static void check_word(const char *before, const char *word, const offer *all) {
     const char *nearest = NULL;
     size_t length = strlen(word);
@@ -145,7 +145,7 @@ static void names_of_scenes_are_offered(void **state) {
         }
         assert_true(strstr(strstr(message.text, "built-in scenes: "), name) != NULL);
     }
-    /* All of them, where nothing is near; two letters are too few for a part of a name. */
+    /* Without a near one all are listed; two letters are too few for a part of a name. */
     static const char *const far[] = {"xyzxyzxyz", "pi", "fi"};
     for (int w = 0; w < 3; w++) {
         assert_int_equal(saltus_scene_load(far[w], &scene, &message), SALTUS_BAD_INPUT);
@@ -156,8 +156,8 @@ static void names_of_scenes_are_offered(void **state) {
     }
 }
 
-/* A name that is none of a file: with a sign of a path it is said to be no file, otherwise names are offered.
- */
+/* A name that is no file: with characters of a path it is reported as a missing file, otherwise names are
+ * suggested. */
 static void names_that_cannot_be_files(void **state) {
     (void)state;
     saltus_scene scene;
@@ -182,7 +182,7 @@ static void names_that_cannot_be_files(void **state) {
         assert_int_equal(saltus_scene_load(none[k], &scene, &message), SALTUS_BAD_INPUT);
         assert_int_equal(strncmp(message.text, "no scene given", 14), 0);
     }
-    /* What a file is called without folder and ending. */
+    /* A file's name without folder and ending. */
     static const char *const origins[][2] = {
         {"a/b.c/d.e.yaml", "d.e"}, {"a.b/c", "c"}, {".hidden", ".hidden"},
         {"a/.x.yaml", ".x"},       {"a.", "a"},    {"", ""}};
@@ -237,7 +237,7 @@ static void origins_and_values_are_cut(void **state) {
             if (strncmp(message.text, wanted, strlen(wanted)) != 0)
                 fail_msg("%s instead of %s", message.text, wanted);
         }
-    /* Keys: as long as the reader's own notes, with their line. */
+    /* Keys up to the length of the reader's own notes, with their line. */
     for (int length = 40; length < 48; length++) {
         char key[64];
         memset(key, 'k', sizeof key);
@@ -283,7 +283,7 @@ static void characters_are_those_of_utf8(void **state) {
     saltus_message message;
     for (int lead = 0x80; lead < 0x100; lead++)
         for (int k = 0; k < nexts * 9; k++) {
-            /* A comment behind a line, ended by the character itself or by a letter. */
+            /* A comment after a line, ended by the character itself or by a letter. */
             unsigned char text[32] = "model: pipe\n\n#";
             size_t length = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2, at = 14;
             const unsigned char tail[3] = {next[k % nexts], k / nexts % 3 == 1 ? 0xc0 : 0x80 + k / nexts,
@@ -338,7 +338,7 @@ static void a_mebibyte_is_the_most(void **state) {
     free(text);
 }
 
-/* Damage below good lines is placed in its own line. */
+/* Damage below valid lines is reported in its own line. */
 static void damaged_yaml_has_its_line(void **state) {
     static const struct {
         const char *text, *words;
@@ -401,7 +401,7 @@ static void numbers_are_decimal(void **state) {
     assert_true(scene.spec.parameters[index] == 7);
 }
 
-/* A scene of two stops, with something in every place. */
+/* A scene with two stops and every field set. */
 static saltus_scene two_stops(const char *model) {
     saltus_scene scene = {.spec = saltus_spec_defaults(saltus_model_find(model))};
     bool pipe = strcmp(model, "pipe") == 0;
@@ -417,7 +417,7 @@ static saltus_scene two_stops(const char *model) {
     return scene;
 }
 
-/* Apply the setting, and compare with the scene as it should be. */
+/* Apply the setting, and compare with the expected scene. */
 static void check_setting(const saltus_scene *before, const char *setting, const saltus_scene *wanted) {
     saltus_message message;
     saltus_scene after = *before;
