@@ -1,4 +1,4 @@
-/* Contacts: impact law, complete chatter, sticking, release, and what they do to tangent vectors.
+/* Contacts: impact law, complete chatter, sticking, release, and their effect on tangent vectors.
  *
  * Impact: Newton's law for all faces that take part (model.md, section 2). Which faces receive an impulse is
  * the solution of a complementarity problem, found by trying the few subsets in order of size: impulses push,
@@ -8,10 +8,10 @@
  * one until the rest of the sequence is negligible. With outgoing speed v, contact acceleration a > 0 of the
  * state projected on the stop, the sequence lasts 2 v / (a (1 - r)) and rises no further than v^2 / (2 a)
  * from the stop; when v^2 / (a (1 - r)) is below the tolerance in displacement, the velocity is projected on
- * n.q' = 0 and the contact holds from the same instant. The impulses act along one direction, to which the
- * rest of the state is blind but for the small excursion; its integral over the sequence is of third order in
- * v (the mean of the normal velocity vanishes between contacts), so the remaining error is v^3 in the state
- * and v^2 in its derivative.
+ * n.q' = 0 and the contact holds from the same instant. The impulses act along one direction and affect the
+ * rest of the state only through the small excursion, whose integral over the sequence is of third order in v
+ * (the mean of the normal velocity vanishes between contacts). So the remaining error is v^3 in the state and
+ * v^2 in its derivative.
  *
  * With r = 1 the bounces never end; under pressure only the flow's own damping lowers them, ever more slowly.
  * There the contact holds once the bounces, v^2 / (2 a) high, are below the tolerance in displacement.

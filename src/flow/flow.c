@@ -10,9 +10,9 @@
  * to the step.
  * - Just after an impact the gap is zero and opening. That zero is divided out of the polynomial, so the face
  * is watched again from the same instant, without a dead time: the next rise, however soon, is found. After a
- * release two zeros are divided out, and what rounding makes of the third is part of the gap. While a face
- * stays close, gap and rate are carried from the step's polynomial to the next step, because n.q - d loses
- * all digits there.
+ * release two zeros are divided out; the third coefficient, zero up to rounding, counts as part of the gap.
+ * While a face stays close, n.q - d loses all digits, so gap and rate are carried from the step's polynomial
+ * to the next step.
  * - The earliest event of a step wins; the state is evaluated there, the event is applied, and the flow goes
  * on. Faces reached in the same instant (to rounding) share one impact.
  * - Complete chatter, sticking and release: see contact.c. A held face is not searched for impacts, only its

@@ -1,4 +1,4 @@
-/* Zeros of a step's polynomial: the method stands in isolate.h.
+/* Zeros of a step's polynomial; isolate.h describes the method.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/isolate.h"
 

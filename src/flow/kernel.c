@@ -512,8 +512,8 @@ KERNEL_INLINE lane_t step_of_last(const saltus_work *w, lane_t step, int k, lane
 }
 
 /* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
- * 3). Where contacts hold also those of their forces: if they fix everything that could move, nothing else
- * tells how far the series reach. */
+ * 3), and with held contacts also those of their forces: if contacts fix everything that could move, only
+ * these show how far the series reach. */
 static void measure(saltus_work *w) {
     const int steady = w->columns - w->directions, first = w->degree_least - 1;
     const lane_t limit = *NUMBERS(w->lane->limit);

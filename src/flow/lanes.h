@@ -4,15 +4,15 @@
  *   lane_spread(s)   the pack that multiplies a pack of a row by each lane's own number
  *   lane_of(s)       the number per lane of a pack that holds it spread
  *   row_sum          sum over the modes in a fixed tree, the same at every width, spread
- *   row_total        the same for each lane, without the additions of nothing but zeros
+ *   row_total        the same for each lane, without adding zeros only
  *   row_couple       product with a coupling matrix, which joins modes of opposite parity only;
- *   row_couple_two   two products with the same one, of which the second may be absent (NULL)
+ *   row_couple_two   two products with the same matrix; the second may be absent (NULL)
  *   lane_largest     the largest of a row's modes, from the largest of each pack element
- *   lane_total       sum over the elements of a pack, as far as they belong to one lane
- *   lane_alternate   numbers for consecutive orders, as many as a pack holds; ORDERS_AT_ONCE of them are even
+ *   lane_total       sum over the elements of a pack that belong to one lane
+ *   lane_alternate   one of two numbers for each order in a pack, by the order's parity
  *   lane_word        the bits of a lane_t
  *   lane_if_less     a < b ? yes : no, lane by lane
- *   row_block        how many packs of a row are worked on side by side, in registers
+ *   row_block        how many packs of a row are worked on at once, in registers
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_LANES_H
 #define SALTUS_FLOW_LANES_H
