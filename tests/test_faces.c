@@ -196,8 +196,8 @@ static void a_rebound_and_a_catch_in_one_instant_are_told(void **unused) {
     }
 }
 
-/* The second of two simultaneous impacts is kept for the next run that watches impacts; an unwatched one is
- * not reported later. */
+/* The second of two simultaneous impacts waits for the next run only: if that does not watch impacts it is
+ * not reported later, and neither is one that nobody watched. */
 static void a_waiting_impact_is_not_told_late(void **unused) {
     (void)unused;
     static const lone_mass row[2] = {{1, 0, 0, 0.8, 0.1, 1, 0.3, 0.7, SALTUS_BOTH, 0.02, 0.3},

@@ -234,7 +234,7 @@ static void options_of_a_harvest(void **unused) {
     saltus_system_free(system);
 }
 
-/* The trajectory depends on the seed, or on a given state only. */
+/* The trajectory depends on the seed or, if a state is given, on that alone. */
 static void seeds_and_states(void **unused) {
     (void)unused;
     saltus_system *system = chaotic_oscillator();

@@ -346,7 +346,7 @@ static int chatter_times(const saltus_system *system, double phase, double *time
 }
 
 /* A system whose load puts the section `part` of the way from impact `from_end` before the chatter's last one
- * to the next; with 0, just after the accumulation point. *impacts counts the impacts. */
+ * to the next; from_end = 0: just after the accumulation point. *impacts counts the impacts. */
 static saltus_system *chatter_at_section(double omega, double r, double load, int from_end, double part,
                                          double *state, int *impacts) {
     double loads[2] = {load, load + 1e-3}, late[2] = {NAN, NAN}, times[64];

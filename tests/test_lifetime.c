@@ -234,7 +234,7 @@ static void first_contact_is_told(void **unused) {
 }
 
 /* In a periodic window with transient chaos of some 40,000 periods, the orbit is found or a trajectory
- * reaches it; it is the verdict. */
+ * reaches it; it is reported as the end. */
 static void long_orbits_amid_chaos_are_found(void **unused) {
     (void)unused;
     skip_where_slow();

@@ -101,7 +101,7 @@ static void a_stable_orbit_beside_chaos_does_not_count(void **unused) {
         saltus_motion m = classify_struck(system, scenes[k].d - 0.3, 700, 8000);
         assert_string_not_equal(m.evidence.stable_orbit, scenes[k].orbit);
         assert_int_equal(m.evidence.left, 0);
-        /* Among the points of the first there is another orbit. */
+        /* Amid the first scene's motion another stable orbit is found. */
         assert_int_equal(m.verdict, k ? SALTUS_CHAOTIC : SALTUS_TRANSIENT);
         assert_true((m.evidence.stable_orbit[0] == 0) == (k > 0));
         if (k == 0)

@@ -493,7 +493,7 @@ KERNEL_INLINE lane_t coefficient_step(lane_t room, int k, lane_t limit) {
     return lane_if_less(none, room, lane_if_less(room, lane_constant(untold), step, limit), none);
 }
 
-/* Zero if the whole state is finite, otherwise not a number. */
+/* Zero if all displacements and velocities of the state are finite, otherwise not a number. */
 KERNEL_INLINE lane_t finite_sum(const saltus_work *w) {
     const saltus_pack *q = PACKS(w->jet.q), *v = PACKS(w->jet.v);
     const int packs = row_packs(w->dof);

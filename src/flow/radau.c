@@ -688,8 +688,8 @@ static bool attempt_step(saltus_radau *r, double phase, int k, bool follows, dou
     return error <= accept;
 }
 
-/* Whether the step's polynomial is finite at its end. Its coefficients of powers of time may overflow where
- * the node values do not. */
+/* Whether displacements and velocities are finite at the end of the step's polynomial. Its coefficients of
+ * powers of time may overflow where the node values do not. */
 static bool ends_finite(const saltus_work *work) {
     double sum = 0;
     for (int i = 0; i < work->dof; i++) {
