@@ -252,6 +252,8 @@ static void every_command_names_what_was_too_much(void **state) {
                  {"orbit bouncing-ball --set k=1e6 --periods 1 --quiet", "k = 1e+06 is too great"},
                  {"lyapunov relief-valve --set kappa=1e6 --quiet", "kappa = 1e+06 is too great"},
                  {"classify van-der-pol --set mu=1000", "mu = 1000 is too great"},
+                 {"classify duffing --set c=1e300", "c = 1e+300 is too great"},
+                 {"lyapunov two-mass --set m=1e-300 --quiet", "m = 1e-300 is too small"},
                  {"diagnose duffing --set omega=1e-6 -o x.svg --quiet", "omega = 1e-06 is too small"},
                  {"spectrum duffing --set omega=1e-6 --quiet", "omega = 1e-06 is too small"}};
     fixture *f = *state;

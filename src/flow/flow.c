@@ -286,8 +286,10 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     if (flow->radau) {
         saltus_status status = saltus_flow_mix(flow);
         if (status != SALTUS_OK) {
-            saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods",
-                        saltus_time_periods(flow->lane[0].now));
+            char cause[SALTUS_CAUSE_MAX];
+            saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods: %s",
+                        saltus_time_periods(flow->lane[0].now),
+                        saltus_effort_cause(flow->lane[0].system, cause));
             fail_here(flow, 0, message);
             return status;
         }
