@@ -1094,8 +1094,10 @@ static void close_corners_are_told_apart(void **unused) {
     branch_forget(&record[1]);
 }
 
-/* Without its stop the pipe is mirror symmetric, and its orbits may be too. A curve of grazing is singular
- * where a curve of asymmetric orbits branches off it; that place is as sharp as any. */
+/* Without its stop the pipe is its own mirror image, and so may its orbits be: where others branch off a
+ * curve of grazing crosses theirs, and its equations are singular. The place is as sharp as any, and no fold.
+ * Where the pipe is free the stop does not matter: the branch points are at one frequency. The orbits that
+ * branch off, and their images, graze on both sides of there. */
 static void grazing_passes_a_crossing(void **unused) {
     (void)unused;
     static const char *const key[2] = {"d", "omega"};
@@ -1113,9 +1115,67 @@ static void grazing_passes_a_crossing(void **unused) {
         options.step_max = step_max[run];
         record[run] = branch_run(&spec, 2, state, &options);
     }
-    assert_true(same_corners(record, SALTUS_POINT_GR_LP) > 10);
+    assert_true(same_corners(record, SALTUS_POINT_GR_LP) > 6);
+    assert_int_equal(same_corners(record, SALTUS_POINT_GR_BP), 4);
     branch_forget(&record[0]);
     branch_forget(&record[1]);
+    options.switches = 1;
+    options.low[1] = 19;
+    record[0] = branch_run(&spec, 2, state, &options);
+    double place = NAN;
+    int broken = 0, free = 0;
+    for (int k = 0; k < record[0].count; k++) {
+        const saltus_branch_point *p = &record[0].point[k];
+        place = p->kind == SALTUS_POINT_GR_BP ? p->value[1] : place;
+        if (p->locus == SALTUS_POINT_BP)
+            check_near(p->value[1], place, 1e-10);
+        free += p->locus == SALTUS_POINT_BP && p->kind == SALTUS_POINT_EP && p->value[0] == high[0];
+        broken += p->locus == SALTUS_POINT_GR && p->parent >= 0 && p->step == 0 && p->value[1] == place;
+    }
+    assert_true(free == 1 && broken == 2);
+    branch_forget(&record[0]);
+}
+
+/* Stops at one distance to both sides that rebound differently: the scene is not symmetric, but the motion
+ * that only touches them is, and touches both. Of orbits that hit one and touch the other there are two
+ * curves, which begin on that of free motion where half a period is a whole number of free oscillations. */
+static void grazing_joins_a_symmetric_motion(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {1, 0.4}, high[2] = {1.6, 0.7}, step_max[] = {0.02, 0.01, 0.005};
+    static const double c[] = {0.236, 0.226};
+    for (int row = 0; row < 2; row++) {
+        saltus_spec spec = oscillator_spec(c[row], 1, 1, 0.568947);
+        add_stop(&spec, 1.32534, row ? 0.884679 : 0.415591, SALTUS_UPPER);
+        add_stop(&spec, 1.32534, row ? 0.932972 : 0.638022, SALTUS_LOWER);
+        saltus_motion motion = settled(&spec);
+        const double square = 0.25 * (1 - 0.25 * c[row] * c[row]), omega = sqrt(square);
+        const double d = 1 / hypot(1 - square, c[row] * omega);
+        for (int run = 0; run < 3; run++) {
+            saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+            options.switches = 1;
+            options.step_max = step_max[run];
+            branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+            int joins = 0, hits = 0, touches = 0, parent = -1;
+            for (int k = 0; k < record.count; k++) {
+                const saltus_branch_point *p = &record.point[k];
+                if (p->kind == SALTUS_POINT_GR_BP) {
+                    check_near(p->value[0], d, 1e-9);
+                    check_near(p->value[1], omega, 1e-9);
+                    parent = p->branch;
+                    joins++;
+                }
+                if (parent < 0 || p->parent != parent || p->locus != SALTUS_POINT_GR || p->step < 3)
+                    continue;
+                const double at = p->value[1], off = p->value[0] - 1 / hypot(1 - at * at, c[row] * at);
+                hits += fabs(off) > 1e-6 && p->grazing_side < 0 && p->step == 3;
+                touches += fabs(off) < 1e-9 && p->step == 3;
+            }
+            assert_true(joins == 1 && hits == 1 && touches == 2);
+            branch_forget(&record);
+        }
+        saltus_motion_clear(&motion);
+    }
 }
 
 /* Whether a curve of grazing of orbits of `periods` periods begins at or passes a point's place. */
@@ -1640,6 +1700,7 @@ int main(void) {
         cmocka_unit_test(a_shorter_orbit_grazes_once),
         cmocka_unit_test(close_corners_are_told_apart),
         cmocka_unit_test(grazing_passes_a_crossing),
+        cmocka_unit_test(grazing_joins_a_symmetric_motion),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),

@@ -349,31 +349,35 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
     return count;
 }
 
-/* Whether the null vector of a symmetric orbit leads to asymmetric ones: half a period later the vector
- * repeats itself, while the orbit is at minus itself. */
-static saltus_status breaks_symmetry(const saltus_extended *x, const saltus_solution *s, bool without,
-                                     bool *breaks, saltus_message *message) {
-    saltus_sequence halves = without ? saltus_corner_without(x, s) : s->sequence;
+/* Whether another branch crosses at an orbit with a multiplier 1: then the equations with both parameters
+ * have not the full rank either, as the left null vector is across what the parameters do. */
+static saltus_status is_branch_point(const saltus_extended *x, const saltus_solution *s, bool without,
+                                     bool *branches, saltus_message *message) {
+    const double across = 1e-4;
+    saltus_sequence sequence = without ? saltus_corner_without(x, s) : s->sequence;
     saltus_shooting *shooting;
     double value, *a = NULL;
-    const int n = x->orbits.n;
-    *breaks = false;
-    halves.cuts = 2;
-    halves.cut[1] = halves.base + 0.5 * halves.periods;
-    saltus_status status = evaluate_as(x, &halves, s, &shooting, message);
+    *branches = false;
+    saltus_status status = evaluate_as(x, &sequence, s, &shooting, message);
     if (status == SALTUS_OK) {
         const saltus_equations *e = saltus_shooting_equations(shooting);
-        const int c = e->count;
-        double sum = 0, *null = NULL;
+        const int c = e->count, m = e->unknowns;
+        double *left = NULL;
         a = calloc((size_t)(c * (c + 1)), sizeof *a);
         status = a ? SALTUS_OK : SALTUS_NO_MEMORY;
-        for (int i = 0; i < c && a; i++)
-            memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
+        for (int i = 0; i < c * c && a; i++)
+            a[i] = e->jacobian[i % c * m + i / c];
         if (a)
-            status = saltus_dense_null_vectors(a, c, c, 1, null = a + c * c, &value);
-        for (int i = 0; i < n && status == SALTUS_OK; i++)
-            sum += null[i] * null[n + i];
-        *breaks = sum > 0;
+            status = saltus_dense_null_vectors(a, c, c, 1, left = a + c * c, &value);
+        *branches = status == SALTUS_OK;
+        for (int k = c; k < m && status == SALTUS_OK; k++) {
+            double along = 0, size = 0;
+            for (int i = 0; i < c; i++) {
+                along += left[i] * e->jacobian[i * m + k];
+                size = hypot(size, e->jacobian[i * m + k]);
+            }
+            *branches = *branches && fabs(along) <= across * size;
+        }
     }
     saltus_shooting_free(shooting);
     free(a);
@@ -393,14 +397,14 @@ saltus_status saltus_corner_tell(const saltus_extended *x, const saltus_locus_te
                                  const saltus_solution *s, saltus_point_kind *kind, saltus_message *message) {
     const saltus_breach *worst = worst_of(x, s);
     saltus_status status = SALTUS_OK;
-    bool breaks = false;
+    bool branches = false;
     *kind = corner->kind;
     if (corner->breach && worst && (worst->kind == SALTUS_BREACH_HOLD || worst->kind == SALTUS_BREACH_FORCE))
         *kind = x->kind == SALTUS_POINT_GR && saltus_corner_ends_chatter(s, worst) ? SALTUS_POINT_CH_GR
                                                                                    : SALTUS_POINT_EP;
-    if (x->kind == SALTUS_POINT_GR && x->mirrored && *kind == SALTUS_POINT_GR_LP)
-        status = breaks_symmetry(x, s, corner->without, &breaks, message);
-    if (breaks)
+    if (x->kind == SALTUS_POINT_GR && *kind == SALTUS_POINT_GR_LP)
+        status = is_branch_point(x, s, corner->without, &branches, message);
+    if (branches)
         *kind = SALTUS_POINT_GR_BP;
     return status;
 }

@@ -22,12 +22,13 @@
 /* The unknowns are those of the orbit, including both parameters, and `extra` more. */
 typedef struct saltus_extended {
     saltus_point_kind kind;
-    saltus_orbits orbits; /* with both parameters */
-    int mark;             /* grazing: mark of the impact of zero speed */
-    bool mirrored; /* the orbits are their own mirror images; for branch points they are cut in halves */
-    int extra;     /* 0, or 1: theta, or the factor of b */
-    int copies;    /* 2 if v and w are complex: real parts, then imaginary parts */
-    bool sharp;    /* A' v by differences of fourth order, not second */
+    saltus_orbits orbits; /* of both parameters */
+    int mark;             /* grazing: the impact that has no speed */
+    bool mirrored; /* the orbits are their own mirror images, though the scene need not be, where they only
+                      touch its stops; for branch points they are cut in halves */
+    int extra;     /* theta, or what multiplies b */
+    int copies;    /* 2 where v and w are complex: real and imaginary parts one after the other */
+    bool sharp;    /* derivatives of fourth order */
     saltus_equations equations;
     /* For the present sequence. */
     saltus_arena arena;

@@ -55,11 +55,18 @@ static bool is_one_way(const saltus_locus *l) {
     return l->begun_at && l->way_count == 1;
 }
 
-/* The sign of the second parameter's change in a direction from the first point; 0: either. */
+/* Where a way heads from the first point, in the second parameter, or in the first where that one stands
+ * still; 0: either. */
 static int heading_of(const saltus_locus *l, int way) {
     if (l->begun_at)
         return is_one_way(l) ? 0 : way ? -1 : 1;
     return way || l->trail->options->direction < 0 ? -1 : 1;
+}
+
+/* Whether curves of grazing cross at the first point, that of orbits that are their own mirror images and one
+ * of those that branch off: where the orbits of the curve under way are not such, they do. */
+static bool begins_crossing(const saltus_locus *l) {
+    return l->begun_at == SALTUS_POINT_GR_BP && l->x.kind == SALTUS_POINT_GR;
 }
 
 /* The angle of the pair on the unit circle. */
@@ -116,20 +123,23 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
                                            &l->here.orbit, message);
         }
     }
-    if (status == SALTUS_OK && !start->leaves && saltus_system_mirror_symmetric(o->system, &shift) &&
+    const bool may_mirror =
+        breaks || start->kind == SALTUS_POINT_GR || saltus_system_mirror_symmetric(o->system, &shift);
+    if (status == SALTUS_OK && !start->leaves && may_mirror &&
         saltus_solution_half_distance(o, &l->here.orbit, true) < (breaks ? 1e-3 : 1e-7))
         become(l, start->kind, true);
-    if (status == SALTUS_OK && ((l->x.mirrored && breaks) || start->leaves)) {
+    const bool crossing = start->leaves || (begins_crossing(l) && l->x.mirrored);
+    if (status == SALTUS_OK && ((l->x.mirrored && breaks) || crossing)) {
         sequence.cuts = 2;
         sequence.cut[1] = sequence.base + 0.5 * sequence.periods;
         status = saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit,
                                        message);
     }
-    if (status == SALTUS_OK && start->leaves)
+    if (status == SALTUS_OK && crossing)
         status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
     if (status == SALTUS_OK)
-        status = start->leaves ? saltus_locus_find_leaving(&l->x, &l->here, message)
-                               : saltus_locus_find_near(&l->x, &l->here, start->theta, message);
+        status = crossing ? saltus_locus_find_crossing(&l->x, &l->here, start->leaves, message)
+                          : saltus_locus_find_near(&l->x, &l->here, start->theta, message);
     if (status != SALTUS_OK)
         return status;
     l->first = l->here.orbit.sequence;
@@ -274,10 +284,11 @@ static bool is_near(const saltus_locus *l) {
 static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found, saltus_message *why,
                            saltus_message *message) {
     static const double shorter[] = {1, 0.2, 0.04, 0.01};
-    double longest = leaves ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
+    const bool stays = begins_crossing(l) && l->x.mirrored;
+    double longest = leaves || stays ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
     *why = (saltus_message){.text = ""};
-    /* Where curves cross the equations are singular: a small residual moves points near there a lot. */
-    l->x.equations.tolerance = leaves ? 1e-12 : usual;
+    /* Where curves cross the equations are singular, and a residual moves a point near there by much. */
+    l->x.equations.tolerance = leaves || stays ? 1e-12 : usual;
     saltus_status status = SALTUS_OK;
     *found = false;
     const int ways = 1 + turns;
@@ -292,7 +303,8 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
             continue;
         /* Another curve, near or far, may have attracted the point. */
         *found = saltus_corner_breach(&l->x, &l->next.orbit) < 0 && is_near(l) &&
-                 !(leaves && saltus_locus_apart(&l->x, &l->next.orbit, NULL) < 1e-3 * ahead);
+                 !(leaves && saltus_locus_apart(&l->x, &l->next.orbit, NULL) < 1e-3 * ahead) &&
+                 !(stays && saltus_locus_distance(&l->x, &l->next.orbit, 1) > 1e-3 * ahead);
     }
     l->x.equations.tolerance = usual;
     if (*found)
@@ -333,18 +345,23 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     if (l->way > 0) { /* return from where the first direction ended */
         l->x.mark = l->first_mark;
         status = saltus_shooting_shape(l->x.orbits.shooting, &l->first, message);
-        const saltus_equations *e = l->x.orbits.equations;
-        if (status == SALTUS_OK)
-            status = saltus_locus_take_up(&l->x, &l->here, l->beginning,
-                                          l->beginning[e->unknowns + l->x.extra - 1], message);
-        if (status == SALTUS_OK)
-            status = saltus_locus_find_first(&l->x, &l->here, e->count + 1, message);
+        const double extra = l->beginning[l->x.orbits.equations->unknowns + l->x.extra - 1];
+        if (status == SALTUS_OK && !begins_crossing(l)) {
+            status = saltus_locus_find_again(&l->x, &l->here, l->beginning, extra, message);
+        } else if (status == SALTUS_OK) {
+            status = saltus_locus_take_up(&l->x, &l->here, l->beginning, extra, message);
+            if (status == SALTUS_OK)
+                status = saltus_locus_see_orbit(&l->x, &l->here, message);
+            if (status == SALTUS_OK)
+                status = saltus_locus_find_crossing(&l->x, &l->here, !l->x.mirrored, message);
+        }
         if (status == SALTUS_OK)
             status = saltus_locus_see(&l->x, &l->here, message);
     }
     if (status != SALTUS_OK)
         return status;
-    if (plane_of(l, l->here.at.tangent)[1] * heading < 0)
+    const double *way = plane_of(l, l->here.at.tangent);
+    if ((fabs(way[1]) > 1e-9 * fabs(way[0]) ? way[1] : way[0]) * heading < 0)
         saltus_curve_turn(&l->here.at);
     l->way++;
     saltus_trail_begin(l->trail, l->trail->number + 1, l->trail->parent, l->trail->depth, false);
@@ -616,7 +633,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
 static saltus_status begin_next(saltus_locus *l, bool *more, saltus_message *message) {
     saltus_locus_starts *starts = &l->starts;
     if (l->way < l->way_count)
-        return begin(l, false, message);
+        return begin(l, begins_crossing(l) && !l->x.mirrored, message);
     while (starts->next < starts->count && starts->start[starts->next].done)
         starts->next++;
     *more = starts->next < starts->count;

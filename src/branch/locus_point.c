@@ -79,17 +79,29 @@ saltus_status saltus_locus_find_first(saltus_extended *x, saltus_locus_point *he
     return status;
 }
 
+saltus_status saltus_locus_find_again(saltus_extended *x, saltus_locus_point *here, const double *u,
+                                      double extra, saltus_message *message) {
+    const int c = x->orbits.equations->count;
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    for (int k = 1; k >= 0 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k--) {
+        status = saltus_locus_take_up(x, here, u, extra, message);
+        if (status == SALTUS_OK)
+            status = saltus_locus_find_first(x, here, c + k, message);
+    }
+    return status;
+}
+
 saltus_status saltus_locus_find_near(saltus_extended *x, saltus_locus_point *here, double theta,
                                      saltus_message *message) {
     static const double aside[] = {0.05, 0.1, 0.2, 0.4};
     int c = x->orbits.equations->count;
-    bool meets = x->kind == SALTUS_POINT_NS && (theta == 0 || theta == M_PI);
     saltus_status status = SALTUS_NO_CONVERGENCE;
-    for (int k = 0; k < (meets ? 4 : 1) && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
-        double angle = meets ? fabs(theta - aside[k]) : theta;
-        status = saltus_locus_take_up(x, here, here->orbit.at.u, angle, message);
+    if (x->kind != SALTUS_POINT_NS || (theta != 0 && theta != M_PI))
+        return saltus_locus_find_again(x, here, here->orbit.at.u, theta, message);
+    for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
+        status = saltus_locus_take_up(x, here, here->orbit.at.u, fabs(theta - aside[k]), message);
         if (status == SALTUS_OK)
-            status = saltus_locus_find_first(x, here, meets ? c + 2 : c + 1, message);
+            status = saltus_locus_find_first(x, here, c + 2, message);
     }
     return status;
 }
@@ -100,8 +112,9 @@ static double half_apart(const saltus_extended *x, const double *u, int i, bool 
     return u[x->orbits.n + i] + (mirrored ? u[i] : -u[i]);
 }
 
-saltus_status saltus_locus_find_leaving(saltus_extended *x, saltus_locus_point *here,
-                                        saltus_message *message) {
+saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point *here, bool leaves,
+                                         saltus_message *message) {
+    const double singular = 1e-6;
     int m = x->equations.unknowns, n = x->orbits.n;
     double values[2], share[2][2] = {{0}}, length = 0, *plane = calloc(2 * (size_t)m, sizeof *plane);
     bool mirrored = !(saltus_solution_half_distance(&x->orbits, &here->orbit, false) < 1e-6);
@@ -114,8 +127,12 @@ saltus_status saltus_locus_find_leaving(saltus_extended *x, saltus_locus_point *
         for (int k = 0; k < 4; k++)
             share[k / 2][k % 2] += half_apart(x, plane + (k / 2) * m, i, mirrored) *
                                    half_apart(x, plane + (k % 2) * m, i, mirrored);
-    const double *own = share[share[1][1] > share[0][0]];
+    const double *most = share[share[1][1] > share[0][0]];
+    /* The equations of an impact that those which branch off do not have may have one tangent only. */
+    const bool alone = !leaves && !(values[1] < singular);
+    const double own[2] = {leaves ? most[0] : alone ? 1 : -most[1], leaves ? most[1] : alone ? 0 : most[0]};
     here->at.iterations = 0;
+    here->at.bent = false;
     for (int j = 0; j < m && status == SALTUS_OK; j++) {
         here->at.tangent[j] = own[0] * plane[j] + own[1] * plane[m + j];
         length = hypot(length, here->at.tangent[j]);
@@ -192,12 +209,13 @@ double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int p
 
 double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {
     bool shift;
+    /* What forces may have that symmetry, and orbits that only graze, where stops or impacts have not. */
+    const bool mirrors = !x->mirrored && (x->kind == SALTUS_POINT_GR ||
+                                          saltus_system_mirror_symmetric(x->orbits.system, &shift));
     int nearest = 2;
     double least = INFINITY;
     for (int k = 1, left = s->sequence.periods; k <= (left > 2 ? left : 2); k++) {
-        const bool tried = k == 1   ? !x->mirrored && saltus_system_mirror_symmetric(x->orbits.system, &shift)
-                           : k == 2 ? true
-                                    : x->kind == SALTUS_POINT_GR && left % k == 0;
+        const bool tried = k == 1 ? mirrors : k == 2 || (x->kind == SALTUS_POINT_GR && left % k == 0);
         const double own = tried ? saltus_locus_distance(x, s, k) : INFINITY;
         if (own < least || (k == 2 && own == least)) {
             least = own;

@@ -29,17 +29,22 @@ saltus_status saltus_locus_take_up(saltus_extended *extended, saltus_locus_point
 /* Move `here` onto the locus with unknown k fixed; its tangent has either sign. */
 saltus_status saltus_locus_find_first(saltus_extended *extended, saltus_locus_point *here, int k,
                                       saltus_message *message);
-/* `here` becomes the point of the locus at, or near, its orbit. At the angles 0 and pi, the ends of a
- * Neimark-Sacker curve, the equations are singular: the first point is then a little away from them. */
+/* The same onto a point of the locus with these unknowns, `extra` the one beside the orbit's, and whichever
+ * parameter as it is that does not stay so along the curve. */
+saltus_status saltus_locus_find_again(saltus_extended *extended, saltus_locus_point *here, const double *u,
+                                      double extra, saltus_message *message);
+/* `here` becomes its orbit, or one on the locus near it. Two points of a Neimark-Sacker curve have its angle
+ * 0 or pi, where the equations are singular: then the first point is a little away from there. */
 saltus_status saltus_locus_find_near(saltus_extended *extended, saltus_locus_point *here, double theta,
                                      saltus_message *message);
-/* At `here`, an orbit of half the period or its own mirror image, two curves of grazing cross: that of such
- * orbits and that of those that branch off. The tangent becomes that of the latter, from the null plane. */
-saltus_status saltus_locus_find_leaving(saltus_extended *extended, saltus_locus_point *here,
-                                        saltus_message *message);
-/* `here` becomes a point of the same curve after its orbit's sequence was edited from `old`, where the
- * tangent was `tangent` and the unknown besides the orbit's `more`; order: the former index of each mark.
- * Errors: SALTUS_NO_MEMORY, those of the equations. */
+/* At `here`, an orbit of half the period, or its own mirror image, which is cut after half of it, two curves
+ * of grazing cross: that of such orbits and that of those which branch off. The tangent becomes the latter's
+ * if it `leaves`, otherwise the former's, from the null plane. */
+saltus_status saltus_locus_find_crossing(saltus_extended *extended, saltus_locus_point *here, bool leaves,
+                                         saltus_message *message);
+/* `here` becomes a point of the same curve with the sequence that its orbit has now and that was made from
+ * `old`, at which the tangent was `tangent` and the unknown beside the orbit's `more`; order: where the marks
+ * stood. Errors: SALTUS_NO_MEMORY, those of the equations. */
 saltus_status saltus_locus_install(saltus_extended *extended, saltus_locus_point *here,
                                    const saltus_sequence *old, const double *tangent, double more,
                                    const int *order, saltus_message *message);

@@ -185,24 +185,44 @@ static int counterpart(const saltus_sequence *s, int mark, bool mirrored) {
     return found;
 }
 
-/* The curve of grazing of the orbits that branch off at a flip or branch point, from the sequence `whole` of
- * the orbit there and the mark in it that grazes. `without`: they branch off on the side without that impact.
- * False if it fails. */
-static bool grazing_of_broken(const saltus_sequence *whole, int mark, bool mirrored, bool without,
-                              saltus_locus_start *start) {
+/* The curve of grazing of the orbits that branch off at a flip or branch point: from the sequence of those
+ * that they branch off from, and the impact in it that grazes. `without`: they branch off where it is not yet
+ * born. Where mirror images branch off in a scene that is not symmetric itself, that of the image too.
+ * Returns how many there are, 0 where they cannot be had. */
+static int grazing_of_broken(const saltus_extended *x, const saltus_sequence *whole, int mark, bool mirrored,
+                             bool without, saltus_locus_start *start) {
+    bool shift;
     start->kind = SALTUS_POINT_GR;
     start->mark = mark;
-    start->one_way = start->leaves = true;
+    start->leaves = true;
     start->sequence = *whole;
     if (!mirrored && !saltus_sequence_double(whole, &start->sequence))
-        return false;
-    int other = counterpart(&start->sequence, mark, mirrored);
-    if (other >= 0 && without) {
-        saltus_sequence both = start->sequence;
-        without_mark(&both, other, &start->sequence);
-        start->mark -= other < mark;
+        return 0;
+    const int other = counterpart(&start->sequence, mark, mirrored);
+    /* Where there is no stop on the other side orbits and images touch on both ways from there. */
+    start->one_way = other >= 0;
+    if (other < 0)
+        return mirrored;
+    const saltus_sequence both = start->sequence;
+    const bool twice = mirrored && !saltus_system_mirror_symmetric(x->orbits.system, &shift);
+    for (int k = 0; k <= twice; k++) {
+        const int own = k ? other : mark, gone = k ? mark : other;
+        if (k)
+            start[1] = start[0];
+        start[k].sequence = both;
+        start[k].mark = own;
+        if (without) {
+            without_mark(&both, gone, &start[k].sequence);
+            start[k].mark -= gone < own;
+        }
     }
-    return other >= 0;
+    return 1 + twice;
+}
+
+/* Whether the branch points that grazing meets go on: those of orbits with impacts need a symmetric scene. */
+static bool goes_on_branching(const saltus_extended *x, bool without) {
+    bool shift;
+    return without || saltus_system_mirror_symmetric(x->orbits.system, &shift);
 }
 
 /* Where orbits join those of half the period, or symmetric ones: the curve of grazing of these, and that of
@@ -230,13 +250,15 @@ static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, co
         return 0;
     starts[1].kind = mirrored ? SALTUS_POINT_BP : SALTUS_POINT_PD;
     starts[1].one_way = true;
-    if (at->sequence.count < repeats * whole.count) {
+    const bool without = at->sequence.count < repeats * whole.count;
+    if (without) {
         saltus_sequence less = whole;
         if (other >= 0)
             without_mark(&whole, other, &less);
         without_mark(&less, mark - (other >= 0 && other < mark), &starts[1].sequence);
     }
-    return 2;
+    const int count = 1 + (!mirrored || goes_on_branching(x, without));
+    return count + (mirrored ? grazing_of_broken(x, &whole, mark, true, without, &starts[count]) : 0);
 }
 
 /* The curves that meet a curve of grazing at a special orbit, or one of special orbits where it ends by
@@ -254,10 +276,13 @@ static int special_curves(saltus_extended *x, const saltus_locus_test *corner, s
     starts[0].one_way = grazes;
     starts[0].mark = grazes ? 0 : mark;
     starts[0].sequence = grazes && without ? saltus_corner_without(x, at) : whole;
-    /* If the orbit closes after fewer periods the flip is not that of the shorter orbit. */
+    const int count = !grazes || special != SALTUS_POINT_BP || goes_on_branching(x, without);
+    /* Of orbits that close after fewer periods there it is not the flip. */
     bool breaks = whole.periods == at->sequence.periods &&
                   (special == SALTUS_POINT_PD || (special == SALTUS_POINT_BP && x->mirrored));
-    return 1 + (breaks && grazing_of_broken(&whole, mark, x->mirrored, without, &starts[1]));
+    return count +
+           (breaks ? grazing_of_broken(x, &whole, mark, special == SALTUS_POINT_BP, without, &starts[count])
+                   : 0);
 }
 
 static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const saltus_solution *at,
