@@ -46,7 +46,10 @@ saltus_status saltus_trace_give(saltus_trace *t, const saltus_solution *s, saltu
     if (status != SALTUS_OK)
         return status;
     const saltus_survey *before = &t->here->survey;
-    if (what.change && before->label[0]) {
+    /* Where the marks tell on which side of the change the orbit is, what they leave to the flow is counted
+     * on the orbit itself. */
+    const bool told = what.grazing && s->survey.walked && s->sequence.count == t->here->sequence.count;
+    if (what.change && !told && before->label[0]) {
         saltus_solution_label(&t->orbits, t->here, point->label);
         point->impacts = before->impacts;
         point->sticking_intervals = before->sticking_intervals;
