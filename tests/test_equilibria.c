@@ -506,8 +506,67 @@ static void curves_meet_where_two_eigenvalues_are_zero(void **unused) {
     }
 }
 
-/* An interrupted run continues with the same bits: equilibria with the cycles and mirror images that leave
- * them, across a stop, and along loci. */
+/* Cycles of radius r with a + b r^2 - r^4 = 0 fold where a = -b^2/4, r^2 = b/2, and shrink to nothing where
+ * the curve of Hopf points, a = 0, has its first Lyapunov coefficient zero. From the Hopf points their curve
+ * is followed from there, and from such a cycle it ends there, with steps of any length, interrupted or not.
+ */
+static void folding_cycles_grow_from_a_generalised_hopf_point(void **unused) {
+    (void)unused;
+    static const char *const motion[] = {"x'*(a + b*(x^2 + x'^2) - (x^2 + x'^2)^2) - x",
+                                         "x'*(a + b*(x^2 + x'^2) - (x^2 + x'^2)^2) - x, y: -2*y' - 3*y + x"};
+    static const double step_max[] = {0.05, 0.02, 0.01};
+    const double rest[4] = {0};
+    for (int k = 0; k < 6; k++) {
+        saltus_scene scene = scene_of("a: {default: -0.1}, b: {default: 1}", motion[k % 2], "");
+        saltus_branch_options options = branch_along("a", -0.5, 0.5);
+        snprintf(options.key[1], sizeof options.key[1], "b");
+        options.low[1] = -1;
+        options.high[1] = 2;
+        options.locus = SALTUS_POINT_HB;
+        options.switches = 1;
+        options.step_max = step_max[k / 2];
+        branch_record record = branch_run(&scene.spec, 0, rest, &options);
+        const saltus_branch_point *cycle = NULL;
+        double most = 0;
+        for (int i = 0; i < record.count; i++) {
+            const saltus_branch_point *p = &record.point[i];
+            const bool folds = p->locus == SALTUS_POINT_LP;
+            const double b = p->value[1];
+            check_near(p->value[0], folds ? -b * b / 4 : 0, 1e-9);
+            if (!folds)
+                continue;
+            assert_true(p->kind == SALTUS_POINT_LP || p->kind == SALTUS_POINT_EP);
+            check_near(p->period, 2 * M_PI, 1e-8);
+            check_near(hypot(p->state[0], p->state[k % 2 ? 2 : 1]), sqrt(b / 2), 1e-6);
+            most = fmax(most, b);
+            cycle = cycle || p->step < 10 ? cycle : p;
+        }
+        check_near(most, sqrt(2), 1e-9);
+        assert_int_equal(count_of(&record, SALTUS_POINT_GH), 1);
+        assert_non_null(cycle);
+        options.locus = SALTUS_POINT_LP;
+        options.orbit.free_period = true;
+        branch_record back = branch_run(&cycle->spec, 1, cycle->state, &options);
+        assert_int_equal(count_of(&back, SALTUS_POINT_GH), 1);
+        assert_int_equal(count_of(&back, SALTUS_POINT_CP), 0);
+        for (int i = 0; i < back.count; i++)
+            if (back.point[i].kind == SALTUS_POINT_GH) {
+                check_near(back.point[i].value[0], 0, 1e-10);
+                check_near(back.point[i].value[1], 0, 1e-10);
+                assert_int_equal(back.point[i + 1].kind, SALTUS_POINT_EP);
+            }
+        options.orbit.free_period = false;
+        options.locus = SALTUS_POINT_HB;
+        if (k < 2)
+            assert_true(branch_check_resumed(&scene.spec, 0, rest, &options, 7) > 3);
+        branch_forget(&back);
+        branch_forget(&record);
+        saltus_scene_clear(&scene);
+    }
+}
+
+/* A run that is cut short goes on with the same points to the last bit: equilibria with the cycles and mirror
+ * images that leave them, over a stop, and along loci. */
 static void runs_are_resumed_to_the_last_bit(void **unused) {
     (void)unused;
     saltus_scene scene = built_in("relief-valve", "q=9");
@@ -645,6 +704,7 @@ int main(void) {
         cmocka_unit_test(cycles_end_at_a_homoclinic_orbit),
         cmocka_unit_test(loci_are_where_they_are_known),
         cmocka_unit_test(curves_meet_where_two_eigenvalues_are_zero),
+        cmocka_unit_test(folding_cycles_grow_from_a_generalised_hopf_point),
         cmocka_unit_test(runs_are_resumed_to_the_last_bit),
         cmocka_unit_test(rests_are_classified_with_their_eigenvalues),
         cmocka_unit_test_setup_teardown(commands_hand_equilibria_on, open_fixture, close_fixture),

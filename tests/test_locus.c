@@ -1178,7 +1178,60 @@ static void grazing_joins_a_symmetric_motion(void **unused) {
     }
 }
 
-/* Whether a curve of grazing of orbits of `periods` periods begins at or passes a point's place. */
+/* The same where both stops rebound alike. Of the orbits that hit one stop a branch ends where they graze
+ * both; their folds end on the branch points of those that hit both, and do not come back as their mirror
+ * images. All is so whatever the steps are, also where several impacts lose their speed at once. */
+static void mirror_images_are_one_orbit(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {0.721263, 0.345251}, high[2] = {2.30804, 0.920668},
+                        step_max[2] = {0.02, 0.01};
+    const double c = 0.291, at = 0.575418, omega = sqrt(0.25 * (1 - 0.25 * c * c));
+    saltus_spec spec = oscillator_spec(c, 1, 1, at);
+    add_stop(&spec, 1.44253, 0.474783, SALTUS_BOTH);
+    saltus_motion motion = settled(&spec);
+    branch_record record[2];
+    for (int run = 0; run < 2; run++) {
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        options.switches = 1;
+        options.step_max = step_max[run];
+        record[run] = branch_run(&spec, motion.periods, motion.state, &options);
+        double cusp[2] = {NAN, NAN}, nearest = INFINITY;
+        for (int k = 0; k < record[run].count; k++) {
+            const saltus_branch_point *p = &record[run].point[k];
+            if (p->kind == SALTUS_POINT_GR_BP)
+                check_near(p->value[1], omega, 1e-9);
+            if (p->kind == SALTUS_POINT_CP) {
+                assert_true(p->locus == SALTUS_POINT_LP && p->admissible && p[1].kind == SALTUS_POINT_EP);
+                memcpy(cusp, p->value, sizeof cusp);
+            }
+        }
+        /* How far it is off the line through two branch points. */
+        for (int k = 1; k < record[run].count; k++) {
+            const saltus_branch_point *p = &record[run].point[k];
+            const double x[2] = {p->value[0] - p[-1].value[0], p->value[1] - p[-1].value[1]},
+                         y[2] = {cusp[0] - p->value[0], cusp[1] - p->value[1]};
+            if (p->kind == SALTUS_POINT_BP && hypot(y[0], y[1]) < 0.1)
+                nearest = fmin(nearest, fabs(x[0] * y[1] - x[1] * y[0]) / hypot(x[0], x[1]));
+        }
+        check_near(nearest, 0, 5e-4);
+        options = branch_along("d", low[0], high[0]);
+        options.direction = 1;
+        options.step_max = step_max[run];
+        branch_record branch = branch_run(&spec, motion.periods, motion.state, &options);
+        const saltus_branch_point *end = &branch.point[branch.count - 1];
+        assert_true(end[-1].kind == SALTUS_POINT_GR && end->kind == SALTUS_POINT_EP);
+        assert_non_null(strstr(end->reason, "mirror images at their grazing"));
+        check_near(end->value[0], 1 / hypot(1 - at * at, c * at), 1e-9);
+        branch_forget(&branch);
+    }
+    assert_true(same_corners(record, SALTUS_POINT_CP) == 2 && record[0].count != record[1].count);
+    branch_forget(&record[0]);
+    branch_forget(&record[1]);
+    saltus_motion_clear(&motion);
+}
+
+/* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
 static bool grazes_there(const branch_record *record, const saltus_branch_point *p, int periods) {
     bool found = false;
     for (int k = 0; k < record->count; k++)
@@ -1701,6 +1754,7 @@ int main(void) {
         cmocka_unit_test(close_corners_are_told_apart),
         cmocka_unit_test(grazing_passes_a_crossing),
         cmocka_unit_test(grazing_joins_a_symmetric_motion),
+        cmocka_unit_test(mirror_images_are_one_orbit),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),

@@ -121,14 +121,25 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
                              o->origin + o->family.unit[0] * parameter, why.text);
 }
 
-/* One step of the present phase: for branches of orbits a step along the current one, or the beginning of
- * another. *more is false when all branches of the phase are done. */
+/* One step along curves of special equilibria, or the begin of those of cycles that they have come to. */
+static saltus_status advance_rest_locus(saltus_branch *b, bool *more, saltus_message *message) {
+    saltus_locus_starts *cycles = saltus_rest_locus_cycles(b->rest_locus);
+    saltus_status status = saltus_rest_locus_step(b->rest_locus, more, message);
+    if (status != SALTUS_OK || *more || cycles->count == 0)
+        return status;
+    status = saltus_locus_go_on(&b->trace.orbits.family.spec, &b->trail, cycles, &b->locus, message);
+    b->phase = RUN_LOCUS;
+    return status == SALTUS_OK ? saltus_locus_step(b->locus, more, message) : status;
+}
+
+/* One step of the machine at work: of branches of orbits along the one under way, or the begin of another.
+ * *more is false when all of its branches are done. */
 static saltus_status advance(saltus_branch *b, bool *more, saltus_message *message) {
     switch (b->phase) {
     case RUN_RESTS:
         return saltus_equilibria_step(b->equilibria, more, message);
     case RUN_REST_LOCUS:
-        return saltus_rest_locus_step(b->rest_locus, more, message);
+        return advance_rest_locus(b, more, message);
     case RUN_LOCUS:
         return saltus_locus_step(b->locus, more, message);
     case RUN_ORBITS:
@@ -183,7 +194,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     const saltus_spec *spec = &b->trace.orbits.family.spec;
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
-    /* The first number is the version of the format. */
+    /* The first number is the version of what follows. */
     const double own[] = {9,         a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};

@@ -61,13 +61,35 @@ static void fill_singular(const saltus_extended *x, double theta, double *a, int
     }
 }
 
+/* The null vector of a matrix of `size` rows, which is overwritten. Where orbits that are their own mirror
+ * images fold as well as others branch off, that of the latter (saltus_extended_breaks). */
+static saltus_status find_null(const saltus_extended *x, double *a, int size, double *out) {
+    const double singular = 1e-6;
+    const int n = x->orbits.n, count = x->kind == SALTUS_POINT_BP && x->mirrored ? 2 : 1;
+    double values[2] = {0, INFINITY}, *both = calloc((size_t)(count * size), sizeof *both);
+    saltus_status status =
+        both ? saltus_dense_null_vectors(a, size, size, count, both, values) : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        memcpy(out, both, (size_t)size * sizeof *out);
+    if (status == SALTUS_OK && values[1] < singular) {
+        const double *one = both, *other = both + size;
+        const double turn = atan2(saltus_dot(one, other + n, n) + saltus_dot(other, one + n, n),
+                                  saltus_dot(one, one + n, n) - saltus_dot(other, other + n, n)) /
+                            2;
+        for (int i = 0; i < size; i++)
+            out[i] = cos(turn) * one[i] + sin(turn) * other[i];
+    }
+    free(both);
+    return status;
+}
+
 saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_message *message) {
     int size = x->copies * x->orbits.equations->count;
-    double value, *a = calloc((size_t)(size * size), sizeof *a);
+    double *a = calloc((size_t)(size * size), sizeof *a);
     if (!a)
         return saltus_branch_no_memory(message);
     fill_singular(x, theta, a, size);
-    saltus_status status = saltus_dense_null_vectors(a, size, size, 1, x->c, &value);
+    saltus_status status = find_null(x, a, size, x->c);
     fill_singular(x, theta, a, size);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < i; j++) {
@@ -76,7 +98,7 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
             a[j * size + i] = swap;
         }
     if (status == SALTUS_OK)
-        status = saltus_dense_null_vectors(a, size, size, 1, x->b, &value);
+        status = find_null(x, a, size, x->b);
     free(a);
     return status == SALTUS_OK
                ? status
@@ -239,6 +261,10 @@ double saltus_extended_double(const saltus_extended *x) {
     for (int i = 0; i < x->orbits.n; i++)
         sum += x->left[row + i] * x->right[i];
     return x->copies == 1 && c ? sum : NAN;
+}
+
+bool saltus_extended_breaks(const saltus_extended *x) {
+    return saltus_dot(x->right, x->right + x->orbits.n, x->orbits.n) > 0;
 }
 
 double saltus_extended_cusp(const saltus_extended *x) {

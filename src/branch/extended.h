@@ -58,7 +58,10 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
 
 /* w' v over the states, at the point last evaluated: zero where the critical multiplier is double. */
 double saltus_extended_double(const saltus_extended *extended);
-/* The second derivative along v, at the point last evaluated: zero at a cusp of folds. */
+/* Whether the null vector of orbits that are their own mirror images, cut in halves, leads to others, at the
+ * point last evaluated: half an orbit later it is itself again, not minus itself as they are. */
+bool saltus_extended_breaks(const saltus_extended *extended);
+/* Zero at a cusp of folds, at the point last evaluated: the second derivative along v. */
 double saltus_extended_cusp(const saltus_extended *extended);
 /* *value is zero where a flip changes from sub- to supercritical; u: a flip that was just evaluated. The
  * halves of orbits of twice the period are s + d and s - d, with d = a v and the null vector v of A. The mean

@@ -215,13 +215,10 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
     return status;
 }
 
-saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, const saltus_hopf *hopf,
-                                const saltus_branch_start *like, saltus_starts *starts,
-                                saltus_message *message) {
+void saltus_hopf_direction(const saltus_rests *r, const saltus_hopf *hopf, double *tangent) {
     const double *observer = saltus_system_observer(r->system), *a = hopf->vector[0], *b = hopf->vector[1];
-    saltus_branch_start start = *like;
-    double tangent[SALTUS_STATE_MAX + 2] = {0}, size = 0;
-    /* Begin where the observed displacement of Re(q e^(i phi)) is largest, a turning point. */
+    double size = 0;
+    /* Where the observed displacement of Re(q e^(i phi)) is largest, it turns. */
     const double along[2] = {saltus_dot(observer, a, r->dof), saltus_dot(observer, b, r->dof)};
     const double length = hypot(along[0], along[1]);
     const double cosine = length > 0 ? along[0] / length : 1, sine = length > 0 ? along[1] / length : 0;
@@ -231,6 +228,14 @@ saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, co
     }
     for (int i = 0; i < r->n; i++)
         tangent[i] /= size;
+}
+
+saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, const saltus_hopf *hopf,
+                                const saltus_branch_start *like, saltus_starts *starts,
+                                saltus_message *message) {
+    saltus_branch_start start = *like;
+    double tangent[SALTUS_STATE_MAX + 2] = {0};
+    saltus_hopf_direction(r, hopf, tangent);
     start.sequence =
         (saltus_sequence){.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf->omega};
     start.parameter = at->parameter[0];
@@ -241,27 +246,34 @@ saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, co
     return saltus_starts_add(starts, r->n, &start, message);
 }
 
+saltus_status saltus_hopf_aside(saltus_orbits *o, const double *parameters, const double *rest,
+                                const double *tangent, double apart, saltus_sequence *sequence, double *state,
+                                saltus_message *message) {
+    saltus_status status = saltus_shooting_shape(o->shooting, sequence, message);
+    for (int i = 0; i < o->n && status == SALTUS_OK; i++)
+        state[i] = rest[i] + apart * tangent[i] * saltus_shooting_scale(o->shooting)[i];
+    if (status == SALTUS_OK)
+        status = saltus_orbits_tune(o, parameters, sequence->omega, message);
+    if (status == SALTUS_OK)
+        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sequence_anchor(sequence, o->flow, true);
+    if (!(sequence->speed > 0))
+        saltus_sequence_anchor(sequence, o->flow, false);
+    return status;
+}
+
 saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *start, double apart,
                                 saltus_solution *out, saltus_message *message) {
     saltus_sequence sequence = start->sequence;
     saltus_equations *e = o->equations;
     double state[SALTUS_STATE_MAX], normal[SALTUS_STATE_MAX + 2] = {0}, place[SALTUS_STATE_MAX + 2];
-    saltus_status status = saltus_shooting_shape(o->shooting, &sequence, message);
-    if (status != SALTUS_OK)
-        return status;
-    for (int i = 0; i < o->n; i++) {
-        normal[i] = start->tangent[i];
-        state[i] = start->state[i] + apart * start->tangent[i] * saltus_shooting_scale(o->shooting)[i];
-    }
-    status = saltus_orbits_tune(o, &start->parameter, sequence.omega, message);
+    memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
+    saltus_status status = saltus_hopf_aside(o, &start->parameter, start->state, start->tangent, apart,
+                                             &sequence, state, message);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(o->flow, 0, (saltus_time){0, 0}, state, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_sequence_anchor(&sequence, o->flow, true);
-    if (!(sequence.speed > 0))
-        saltus_sequence_anchor(&sequence, o->flow, false);
-    status = saltus_shooting_shape(o->shooting, &sequence, message);
+        status = saltus_shooting_shape(o->shooting, &sequence, message);
     if (status == SALTUS_OK && !saltus_curve_reserve(&out->at, e->unknowns))
         status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)

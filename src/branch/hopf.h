@@ -19,8 +19,15 @@ typedef struct saltus_hopf {
 /* Errors: SALTUS_NO_MEMORY; SALTUS_NO_CONVERGENCE if there is no such pair. */
 saltus_status saltus_hopf_find(saltus_rests *rests, const saltus_rest *at, saltus_hopf *hopf,
                                saltus_message *message);
-/* Add to `starts` the branch of cycles that is born at `at`; `like` has what the starts have in common.
- * Errors: SALTUS_NO_MEMORY. */
+/* The unit vector, scaled (n), along the cycles born there where their observed displacement turns. */
+void saltus_hopf_direction(const saltus_rests *rests, const saltus_hopf *hopf, double *tangent);
+/* The state `apart` from an equilibrium along such a vector, and the sequence, of its contacts and frequency,
+ * of a cycle whose period is an unknown with its base there. Errors: the flow's, SALTUS_NO_MEMORY. */
+saltus_status saltus_hopf_aside(saltus_orbits *orbits, const double *parameters, const double *rest,
+                                const double *tangent, double apart, saltus_sequence *sequence, double *state,
+                                saltus_message *message);
+/* Where the branch of cycles begins that is born at `at`: added to `starts`. `like` has what is common to
+ * them. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_hopf_leave(const saltus_rests *rests, const saltus_rest *at, const saltus_hopf *hopf,
                                 const saltus_branch_start *like, saltus_starts *starts,
                                 saltus_message *message);

@@ -21,12 +21,15 @@ static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s
 
 enum { samples_most = 8 };
 
-/* `at` becomes the place where a remainder is zero: the worst breach or, without `breach`, the distance from
- * the shorter orbit. It is extrapolated from points on the curve before `here`, `apart` from one another,
- * where the equations are regular. *spread: its change in the plane if one of them is left out. Errors:
- * SALTUS_NO_MEMORY, those of the equations. */
-static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double apart, int samples,
-                                 bool breach, int parts, saltus_locus_point *at, double *spread,
+/* What falls to nothing along a curve, as its arclength does: the distance from a shorter orbit, a breach, or
+ * the root of one. */
+typedef enum measure { BY_DISTANCE, BY_BREACH, BY_ROOT } measure;
+
+/* `at` becomes the place where what is left by a measure is nothing, extrapolated from places on the curve of
+ * `here` so far apart before one `ahead` of it, where the equations are regular; *spread: how far off in the
+ * plane it would be with one of them less. Errors: SALTUS_NO_MEMORY, those of the equations. */
+static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double ahead, double apart,
+                                 int samples, measure by, int parts, saltus_locus_point *at, double *spread,
                                  saltus_message *message) {
     const double tolerance = 1e-13, usual = x->equations.tolerance;
     int m = here->at.unknowns;
@@ -36,12 +39,13 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
     x->equations.tolerance = tolerance;
     here->at.bent = false;
     for (int k = 0; k < samples && status == SALTUS_OK; k++) {
-        status = saltus_curve_visit(&x->equations, &here->at, -(k + 1) * apart, &at->at, message);
+        status = saltus_curve_visit(&x->equations, &here->at, ahead - (k + 1) * apart, &at->at, message);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, message);
         rest[k] = status != SALTUS_OK ? NAN
-                  : breach            ? saltus_corner_breach(x, &at->orbit)
-                                      : saltus_locus_distance(x, &at->orbit, parts);
+                  : by == BY_DISTANCE ? saltus_locus_distance(x, &at->orbit, parts)
+                                      : saltus_corner_breach(x, &at->orbit);
+        rest[k] = by == BY_ROOT ? sqrt(fabs(rest[k])) : rest[k];
         for (int j = 0; j < m && status == SALTUS_OK; j++)
             u[j * samples + k] = at->at.u[j];
     }
@@ -51,8 +55,8 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
         at->at.u[j] = saltus_curve_interpolate(rest, u + j * samples, samples);
         at->at.ahead += (at->at.u[j] - here->at.u[j]) * here->at.tangent[j];
     }
-    /* The halves may change places: that changes the sign of their distance, but not the parameters. */
-    for (int k = 0; k < samples && x->kind != SALTUS_POINT_GR; k++)
+    /* The halves may change places, which changes the distance's sign, but not the parameters. */
+    for (int k = 0; k < samples && by == BY_DISTANCE && x->kind != SALTUS_POINT_GR; k++)
         rest[k] *= rest[k];
     for (int j = x->orbits.equations->count, d = 0; d < 2 && status == SALTUS_OK; d++) {
         const double *values = u + (j + d) * samples;
@@ -63,10 +67,53 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
     return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
 }
 
-/* Whether, on a curve of folds or tori, the halves of the orbits may become alike without grazing. */
-static bool may_join(const saltus_extended *x, const saltus_solution *s) {
-    return (x->kind == SALTUS_POINT_LP || x->kind == SALTUS_POINT_NS) && !x->mirrored &&
-           s->sequence.periods % 2 == 0 && s->sequence.count % 2 == 0;
+void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
+    static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4};
+    enum { spacings = sizeof apart / sizeof apart[0] };
+    const double far = 1e-4, clear = 1e-10;
+    const int m = here->at.unknowns, c = x->orbits.equations->count;
+    const double place = at->at.ahead;
+    double spread, least = clear, ahead = place, *u = calloc(2 * (size_t)m, sizeof *u);
+    saltus_message ignored;
+    saltus_orbits_noted(&x->orbits, u ? SALTUS_OK : SALTUS_NO_MEMORY);
+    if (!u)
+        return;
+    double *located = u + m;
+    const bool bent = here->at.bent;
+    memcpy(located, at->at.u, (size_t)m * sizeof *u);
+    memcpy(u, located, (size_t)m * sizeof *u);
+    for (int k = 0; k < 2 * spacings; k++) {
+        const saltus_status status = extrapolate(x, here, place, apart[k / 2], 6, k % 2 ? BY_ROOT : BY_BREACH,
+                                                 0, at, &spread, &ignored);
+        const double moved = hypot(at->at.u[c] - located[c], at->at.u[c + 1] - located[c + 1]);
+        if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK || !(spread < least) || !(moved < far) ||
+            moved < 10 * spread)
+            continue;
+        least = spread;
+        ahead = at->at.ahead;
+        memcpy(u, at->at.u, (size_t)m * sizeof *u);
+    }
+    here->at.bent = bent;
+    memcpy(at->at.u, u, (size_t)m * sizeof *u);
+    at->at.ahead = ahead;
+    saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, &ignored));
+    free(u);
+}
+
+/* What orbits on a curve of folds or tori may become without grazing: those of half the period (2), or such
+ * that are their own mirror images (1), whichever is nearer; 0: neither. */
+static int may_join(saltus_extended *x, const saltus_solution *s) {
+    const double are = 1e-6;
+    bool shift;
+    if ((x->kind != SALTUS_POINT_LP && x->kind != SALTUS_POINT_NS) || x->mirrored || s->sequence.count % 2)
+        return 0;
+    const bool halves = s->sequence.periods % 2 == 0;
+    if (x->kind == SALTUS_POINT_LP && saltus_system_mirror_symmetric(x->orbits.system, &shift)) {
+        const double image = saltus_locus_distance(x, s, 1);
+        if (image > are && !(halves && saltus_locus_distance(x, s, 2) < image))
+            return 1;
+    }
+    return halves ? 2 : 0;
 }
 
 saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
@@ -86,7 +133,8 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     /* If several breaches fall to zero together, now one is the worst, now another: try the distance too. */
     for (int k = 0; k < 2 * spacings && !*kind; k++) {
         const double own = apart[k % spacings];
-        saltus_status status = extrapolate(x, here, own, 6, k < spacings, parts, at, &spread, &ignored);
+        saltus_status status = extrapolate(x, here, 0, own, 6, k < spacings ? BY_BREACH : BY_DISTANCE, parts,
+                                           at, &spread, &ignored);
         if (status == SALTUS_NO_MEMORY)
             return saltus_branch_no_memory(message);
         if (status == SALTUS_OK && fabs(at->at.ahead) < 2 * own &&
@@ -108,7 +156,8 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
     double spread, ahead = 0, before[2] = {NAN, NAN}, *u;
     saltus_message ignored;
     *kind = SALTUS_POINT_REGULAR;
-    if (!may_join(x, &here->orbit))
+    const int parts = may_join(x, &here->orbit);
+    if (!parts)
         return SALTUS_OK;
     /* From afar demand more accuracy: a step nearer may locate the place better and still not be too
      * close. */
@@ -117,8 +166,8 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
     saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
     for (int k = 0; k < 2 * spacings && status != SALTUS_NO_MEMORY; k++) {
         const double own = apart[k / 2];
-        status = extrapolate(x, here, own, k % 2 ? samples_most : samples_most - 2, false, 2, at, &spread,
-                             &ignored);
+        status = extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, BY_DISTANCE, parts, at,
+                             &spread, &ignored);
         if (status != SALTUS_OK)
             continue;
         /* The change from the attempt before says more than `spread` alone. */
@@ -126,7 +175,7 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
         memcpy(before, at->at.u + c, sizeof before);
         if (doubt < best && at->at.ahead > 0 && at->at.ahead < farthest * own &&
             saltus_corner_breach(x, &at->orbit) < -clear &&
-            saltus_solution_half_distance(&x->orbits, &at->orbit, false) < sharp) {
+            saltus_locus_distance(x, &at->orbit, parts) < sharp) {
             best = doubt;
             ahead = at->at.ahead;
             memcpy(u, at->at.u, (size_t)m * sizeof *u);
@@ -136,7 +185,8 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
         memcpy(at->at.u, u, (size_t)m * sizeof *u);
         at->at.ahead = ahead;
         status = saltus_locus_see_orbit(x, at, &ignored);
-        *kind = status == SALTUS_OK ? saltus_halved_tell(x, at) : SALTUS_POINT_REGULAR;
+        if (status == SALTUS_OK)
+            *kind = parts == 1 ? SALTUS_POINT_CP : saltus_halved_tell(x, at);
     }
     free(u);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
@@ -146,11 +196,12 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
                                const saltus_locus_point *next, double *ahead) {
     const double small = 0.3, little = 1e-3;
     double from[SALTUS_STATE_MAX], to[SALTUS_STATE_MAX], product = 0;
-    /* Near grazing the halves become alike with it, and the curve ends there. */
-    if (!may_join(x, &next->orbit) || saltus_corner_breach(x, &next->orbit) > -little)
+    /* Where grazing is near the halves become alike with it, and the curve ends there. */
+    const int parts = saltus_corner_breach(x, &next->orbit) > -little ? 0 : may_join(x, &next->orbit);
+    if (!parts)
         return false;
-    const double own = saltus_solution_halves(&x->orbits, &here->orbit, false, from);
-    const double other = saltus_solution_halves(&x->orbits, &next->orbit, false, to);
+    const double own = saltus_solution_halves(&x->orbits, &here->orbit, parts == 1, from);
+    const double other = saltus_solution_halves(&x->orbits, &next->orbit, parts == 1, to);
     if (!isfinite(own) || !isfinite(other))
         return false;
     for (int i = 0; i < x->orbits.n; i++)

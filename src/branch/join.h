@@ -14,20 +14,24 @@
  * SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message);
-/* Curves of folds and tori of orbits of twice the period end where the two halves of these become alike.
- * There the equations are singular, and beyond they are solved only by flips of the shorter orbits. But the
- * curve depends smoothly on the distance between the halves: extrapolation leads near the place, and the
- * equations of the shorter orbits locate it (halved.h). *kind: GPD, LP-PD, PD-NS, R2 or R4 if the curve ends
- * so ahead of `here`, at `at`; otherwise REGULAR. Errors: SALTUS_NO_MEMORY. */
+/* Where a curve of special orbits ends as an impact has lost its speed, at `at`, located ahead of `here`,
+ * several may have, and the equations be singular: then `at` becomes the place that the curve before it leads
+ * to, where that is told sharper. */
+void saltus_locus_sharpen_end(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at);
+/* Curves of folds and of tori of orbits of twice the period end where these become those of half of it. The
+ * equations are singular there, and beyond have nothing but the flips of the shorter orbits; but the curve
+ * depends smoothly on how far the halves are apart, which tells near where the equations of the shorter
+ * orbits have the place itself (halved.h). The same holds of folds of orbits that become their own mirror
+ * images, where the branch points of these change their criticality. *kind: GPD, LP-PD, PD-NS, R2, R4 or CP
+ * where the curve ends so ahead of `here`, at `at`; otherwise REGULAR. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_join_halves(saltus_extended *extended, saltus_locus_point *here,
                                        saltus_locus_point *at, saltus_point_kind *kind,
                                        saltus_message *message);
 /* Where the states of the two halves are this close (scaled), the equations no longer determine a curve of
  * folds. */
 static const double saltus_alike = 5e-4;
-/* Whether orbits on a curve of folds or tori become those of half the period between two points: the halves
- * change places, are almost equal at the second, or approach further when very close. *ahead of the first
- * they are not yet. */
+/* Whether orbits on a curve of folds or tori become such between two points: their halves
+ * change places, or are all but equal at the second, or ever nearer. *ahead of the first they are not yet. */
 bool saltus_locus_halves_ahead(saltus_extended *extended, const saltus_locus_point *here,
                                const saltus_locus_point *next, double *ahead);
 

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus.h"
 
+#include "branch/hopf.h"
 #include "branch/join.h"
 #include "branch/locus_corners.h"
 #include "branch/locus_starts.h"
@@ -63,10 +64,11 @@ static int heading_of(const saltus_locus *l, int way) {
     return way || l->trail->options->direction < 0 ? -1 : 1;
 }
 
-/* Whether curves of grazing cross at the first point, that of orbits that are their own mirror images and one
- * of those that branch off: where the orbits of the curve under way are not such, they do. */
+/* Whether curves of grazing may cross at the first point, that of orbits that are their own mirror images and
+ * one of those that branch off: where the orbits of the curve under way are not such, they do. */
 static bool begins_crossing(const saltus_locus *l) {
-    return l->begun_at == SALTUS_POINT_GR_BP && l->x.kind == SALTUS_POINT_GR;
+    return l->x.kind == SALTUS_POINT_GR && l->begun_at &&
+           (l->x.mirrored || l->begun_at == SALTUS_POINT_GR_BP);
 }
 
 /* The angle of the pair on the unit circle. */
@@ -95,20 +97,47 @@ static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
     l->x.equations.tolerance = fmax(kind == SALTUS_POINT_GR ? 0 : 1e-8, l->trail->options->orbit.tolerance);
 }
 
-/* Find the first point of a curve at a start. */
-static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+/* At a generalised Hopf point: `here` becomes a small cycle near it that folds, with the way on which cycles
+ * grow. The unknown that is farthest from the equilibrium stays as it is. */
+static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+    static const double apart[] = {0.1, 0.03, 0.3, 0.01};
+    saltus_orbits *o = &l->x.orbits;
+    double state[SALTUS_STATE_MAX];
+    int farthest = 0;
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++) {
+        saltus_sequence sequence = start->sequence;
+        status = saltus_hopf_aside(o, start->parameter, start->state, start->sequence.anchor, apart[k],
+                                   &sequence, state, message);
+        if (status == SALTUS_OK)
+            status =
+                saltus_solution_place(o, &sequence, start->parameter, state, false, &l->here.orbit, message);
+        if (status == SALTUS_OK)
+            status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
+        for (int i = 0; i < o->n && status == SALTUS_OK; i++)
+            if (fabs(l->x.c[i]) > fabs(l->x.c[farthest]))
+                farthest = i;
+        if (status == SALTUS_OK)
+            status = saltus_locus_find_first(&l->x, &l->here, farthest, message);
+    }
+    if (status == SALTUS_OK && l->here.at.tangent[farthest] * (state[farthest] - start->state[farthest]) < 0)
+        saltus_curve_turn(&l->here.at);
+    return status;
+}
+
+/* `here` becomes the orbit of a start, as one of its curve. */
+static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     const double alike = 1e-6;
     saltus_orbits *o = &l->x.orbits;
     saltus_sequence sequence = start->sequence;
     bool shift, breaks = start->kind == SALTUS_POINT_BP;
-    become(l, start->kind, false);
-    l->x.mark = start->mark;
-    l->begun_at = start->origin;
-    l->trail->parent = start->parent;
-    l->trail->depth = start->depth;
-    l->way = 0;
     saltus_status status =
         saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit, message);
+    const bool may_mirror =
+        breaks || start->kind == SALTUS_POINT_GR || saltus_system_mirror_symmetric(o->system, &shift);
+    if (status == SALTUS_OK && !start->leaves && may_mirror &&
+        saltus_solution_half_distance(o, &l->here.orbit, true) < (breaks ? 1e-3 : alike))
+        become(l, start->kind, true);
     int parts;
     if (status == SALTUS_OK && start->kind == SALTUS_POINT_GR && !start->leaves &&
         saltus_locus_apart(&l->x, &l->here.orbit, &parts) < alike && parts > 1) {
@@ -123,11 +152,6 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
                                            &l->here.orbit, message);
         }
     }
-    const bool may_mirror =
-        breaks || start->kind == SALTUS_POINT_GR || saltus_system_mirror_symmetric(o->system, &shift);
-    if (status == SALTUS_OK && !start->leaves && may_mirror &&
-        saltus_solution_half_distance(o, &l->here.orbit, true) < (breaks ? 1e-3 : 1e-7))
-        become(l, start->kind, true);
     const bool crossing = start->leaves || (begins_crossing(l) && l->x.mirrored);
     if (status == SALTUS_OK && ((l->x.mirrored && breaks) || crossing)) {
         sequence.cuts = 2;
@@ -135,21 +159,40 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
         status = saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit,
                                        message);
     }
-    if (status == SALTUS_OK && crossing)
-        status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
+    if (status != SALTUS_OK || !crossing)
+        return status == SALTUS_OK ? saltus_locus_find_near(&l->x, &l->here, start->theta, message) : status;
+    status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
+    return status == SALTUS_OK ? saltus_locus_find_crossing(&l->x, &l->here, start->leaves, message) : status;
+}
+
+/* A curve's first point, at a start. */
+static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
+    const double rest = 1e-9, zero[SALTUS_STATE_MAX] = {0};
+    const saltus_orbits *o = &l->x.orbits;
+    bool shift;
+    /* Small cycles around a rest that is its own mirror image are theirs, too. */
+    const bool small = start->origin == SALTUS_POINT_GH,
+               mirrored = small && saltus_system_mirror_symmetric(o->system, &shift) &&
+                          saltus_system_distance(o->system, start->state, zero) < rest;
+    become(l, start->kind, mirrored);
+    l->x.mark = start->mark;
+    l->begun_at = start->origin;
+    l->trail->parent = start->parent;
+    l->trail->depth = start->depth;
+    l->way = 0;
+    saltus_status status = small ? find_small(l, start, message) : find_start(l, start, message);
     if (status == SALTUS_OK)
-        status = crossing ? saltus_locus_find_crossing(&l->x, &l->here, start->leaves, message)
-                          : saltus_locus_find_near(&l->x, &l->here, start->theta, message);
+        status = saltus_locus_see(&l->x, &l->here, message);
     if (status != SALTUS_OK)
         return status;
+    const size_t bytes = (size_t)l->x.equations.unknowns * sizeof *l->beginning;
+    double *grown = realloc(l->beginning, bytes);
+    if (!grown)
+        return saltus_branch_no_memory(message);
+    l->beginning = memcpy(grown, l->here.at.u, bytes);
     l->first = l->here.orbit.sequence;
     l->first_mark = l->x.mark;
-    free(l->beginning);
-    l->beginning = calloc((size_t)l->x.equations.unknowns, sizeof *l->beginning);
-    if (!l->beginning)
-        return saltus_branch_no_memory(message);
-    memcpy(l->beginning, l->here.at.u, (size_t)l->x.equations.unknowns * sizeof *l->beginning);
-    return saltus_locus_see(&l->x, &l->here, message);
+    return SALTUS_OK;
 }
 
 /* Allocate a locus with two parameters, without any curve yet. */
@@ -169,7 +212,10 @@ static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, sa
     o->options.flow.stop = NULL;
     saltus_status status = saltus_branch_family(spec, options, 2, &o->family, l->origin, l->border, message);
     o->origin = l->origin[0];
-    return status == SALTUS_OK ? saltus_orbits_open(o, message) : status;
+    if (status == SALTUS_OK)
+        status = saltus_orbits_open(o, message);
+    o->options.free_period = status == SALTUS_OK && !saltus_system_forced(o->system);
+    return status;
 }
 
 saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, const saltus_solution *at,
@@ -190,6 +236,25 @@ saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, con
         return status;
     (*locus)->way_count = trail->options->direction ? 1 : 2;
     return open_start(*locus, &start, message);
+}
+
+saltus_status saltus_locus_go_on(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
+                                 saltus_locus **locus, saltus_message *message) {
+    const int number = trail->number;
+    saltus_status status = open_locus(spec, trail, locus, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_locus *l = *locus;
+    trail->number = number;
+    l->starts = *starts;
+    *starts = (saltus_locus_starts){.count = 0};
+    /* As long as there is no first point. */
+    l->way = l->way_count = 1;
+    l->first = (saltus_sequence){.periods = 1, .cuts = 1};
+    l->beginning =
+        calloc((size_t)saltus_sequence_unknowns(&l->first, l->x.orbits.n) + 2, sizeof *l->beginning);
+    become(l, SALTUS_POINT_LP, false);
+    return l->beginning ? SALTUS_OK : saltus_branch_no_memory(message);
 }
 
 void saltus_locus_free(saltus_locus *l) {
@@ -285,10 +350,12 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
                            saltus_message *message) {
     static const double shorter[] = {1, 0.2, 0.04, 0.01};
     const bool stays = begins_crossing(l) && l->x.mirrored;
-    double longest = leaves || stays ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
+    const bool branches = l->x.kind == SALTUS_POINT_BP && l->x.mirrored;
+    const bool sharp = leaves || stays || branches;
+    double longest = sharp ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
     *why = (saltus_message){.text = ""};
     /* Where curves cross the equations are singular, and a residual moves a point near there by much. */
-    l->x.equations.tolerance = leaves || stays ? 1e-12 : usual;
+    l->x.equations.tolerance = sharp ? 1e-12 : usual;
     saltus_status status = SALTUS_OK;
     *found = false;
     const int ways = 1 + turns;
@@ -297,9 +364,11 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
         if (k > 0 && turns)
             saltus_curve_turn(&l->here.at);
         status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->next.at, why);
+        /* Folds of orbits that stay their own mirror images solve the equations of branch points, too. */
+        const bool folds = branches && !saltus_extended_breaks(&l->x);
         if (status == SALTUS_OK)
             status = saltus_locus_see(&l->x, &l->next, why);
-        if (status != SALTUS_OK)
+        if (status != SALTUS_OK || folds)
             continue;
         /* Another curve, near or far, may have attracted the point. */
         *found = saltus_corner_breach(&l->x, &l->next.orbit) < 0 && is_near(l) &&
@@ -370,9 +439,9 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     l->trail->step = 0.1 * l->trail->options->step;
     memcpy(l->first_way, plane_of(l, l->here.at.tangent), sizeof l->first_way);
     status = give(l, &l->here, l->x.kind, 0, NULL, message);
-    bool resonance = l->begun_at == SALTUS_POINT_R1 || l->begun_at == SALTUS_POINT_R2;
-    if (status != SALTUS_OK || !l->begun_at || (resonance && l->x.kind == SALTUS_POINT_NS) ||
-        !l->trail->following)
+    const bool resonance = l->begun_at == SALTUS_POINT_R1 || l->begun_at == SALTUS_POINT_R2;
+    const bool aside = l->begun_at == SALTUS_POINT_GH || (resonance && l->x.kind == SALTUS_POINT_NS);
+    if (status != SALTUS_OK || !l->begun_at || aside || !l->trail->following)
         return status;
     saltus_message why;
     char reason[SALTUS_REASON_MAX];
@@ -417,6 +486,8 @@ static const char *const corner_reasons[2][SALTUS_POINT_KINDS] = {
     {[SALTUS_POINT_GR_PD] = "its orbits join those of half the period, whose flip meets grazing",
      [SALTUS_POINT_GR_BP] = "its orbits join their mirror images, whose branch point meets grazing",
      [SALTUS_POINT_GR_GR] = "two impacts graze",
+     [SALTUS_POINT_GH] = "its cycles shrink to an equilibrium, whose first Lyapunov coefficient is zero",
+     [SALTUS_POINT_CP] = "its orbits join their mirror images, whose branch point changes its criticality",
      [SALTUS_POINT_GPD] = "its orbits join those of half the period, whose flip changes its criticality",
      [SALTUS_POINT_LP_PD] = "its orbits join those of half the period, which fold and flip",
      [SALTUS_POINT_PD_NS] = "its orbits join those of half the period, at a flip and a pair on the circle",
@@ -542,8 +613,54 @@ static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message 
     return SALTUS_OK;
 }
 
-/* Step to a valid orbit, with smaller and smaller steps until there is one, and locate the corners on the
- * step. *reached as in saltus_curve_step. The curve may end instead. */
+static bool onward_at(void *context, double ahead, double *value) {
+    saltus_locus *l = context;
+    saltus_message ignored;
+    saltus_status status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->trial.at, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_locus_see_orbit(&l->x, &l->trial, &ignored);
+    *value = l->trial.orbit.onward;
+    return saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK;
+}
+
+/* Whether cycles that fold shrink to an equilibrium on the step from `here`, and their curve ends in a
+ * generalised Hopf point: beyond, the same cycles come again, half a period later. There the flow's speed is
+ * nothing and the equations are singular; but the curve goes through. */
+static saltus_status meet_rest(saltus_locus *l, saltus_message *message) {
+    enum { passes = 4 };
+    const double before = l->here.orbit.onward, after = l->next.orbit.onward, sharp = 1e-7;
+    const size_t m = (size_t)l->here.at.unknowns;
+    if (l->x.kind != SALTUS_POINT_LP || !(l->here.orbit.sequence.omega > 0) || !(before * after < 0))
+        return SALTUS_OK;
+    double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL, least = sharp;
+    double apart = 0.02, middle = l->next.at.ahead * before / (before - after);
+    const double usual = l->x.equations.tolerance;
+    saltus_status status = work ? SALTUS_OK : saltus_branch_no_memory(message);
+    l->x.equations.tolerance = 1e-11;
+    for (int k = 0; k < passes && status == SALTUS_OK; k++, apart *= 0.5) {
+        double place, spread;
+        if (!saltus_curve_cross(onward_at, l, &l->here.at, &l->trial.at, middle, apart, true, work, &place,
+                                &spread) ||
+            spread >= least)
+            continue;
+        middle = place;
+        least = spread;
+        memcpy(best, work, m * sizeof *best);
+    }
+    l->x.equations.tolerance = usual;
+    if (status == SALTUS_OK && least < sharp) {
+        memcpy(l->trial.at.u, best, m * sizeof *best);
+        status = saltus_locus_see_orbit(&l->x, &l->trial, message);
+        l->trial.at.ahead = middle;
+        if (status == SALTUS_OK)
+            status = give_join(l, SALTUS_POINT_GH, message);
+    }
+    free(work);
+    return status;
+}
+
+/* A step onto a sound orbit, halved until there is one, and with the corners on it. *reached as
+ * saltus_curve_step has it. The curve may end instead. */
 static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed,
                                saltus_message *message) {
     const int c = l->x.orbits.equations->count;
@@ -564,7 +681,9 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
         if (!found)
             return give_end(l, message);
         saltus_extended_renew(&l->x, l->next.at.u);
-        saltus_status status = meet_halves(l, &shorter, message);
+        saltus_status status = meet_rest(l, message);
+        if (status == SALTUS_OK && l->trail->following)
+            status = meet_halves(l, &shorter, message);
         if (status != SALTUS_OK || !l->trail->following)
             return status;
         if (shorter)
@@ -590,6 +709,8 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
         saltus_locus_visit(&l->x, &l->here, zero->place - just_before, &l->trial))
         saltus_survey_swap(&before, &l->trial.orbit);
     const bool found = saltus_locus_visit_zero(&l->x, &l->here, zero, &l->trial);
+    if (found && l->trial.corners[own].breach && l->x.kind != SALTUS_POINT_GR)
+        saltus_locus_sharpen_end(&l->x, &l->here, &l->trial);
     if (before.survey.walked)
         saltus_survey_swap(&before, &l->trial.orbit);
     saltus_solution_clear(&before);

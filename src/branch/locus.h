@@ -3,6 +3,7 @@
 #ifndef SALTUS_BRANCH_LOCUS_H
 #define SALTUS_BRANCH_LOCUS_H
 
+#include "branch/locus_starts.h"
 #include "branch/trail.h"
 
 typedef struct saltus_locus saltus_locus;
@@ -12,6 +13,10 @@ typedef struct saltus_locus saltus_locus;
  * SALTUS_NO_CONVERGENCE. */
 saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, const saltus_solution *at,
                                const saltus_sequence *beyond, saltus_locus **locus, saltus_message *message);
+/* The curves of cycles of a scene without forcing that begin at such starts, which become its own. Errors:
+ * SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
+saltus_status saltus_locus_go_on(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
+                                 saltus_locus **locus, saltus_message *message);
 /* NULL is accepted. */
 void saltus_locus_free(saltus_locus *locus);
 /* One step, which may give out points; *more is false when all curves are done. Errors: SALTUS_NO_MEMORY. */

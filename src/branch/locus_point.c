@@ -128,9 +128,11 @@ saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point 
             share[k / 2][k % 2] += half_apart(x, plane + (k / 2) * m, i, mirrored) *
                                    half_apart(x, plane + (k % 2) * m, i, mirrored);
     const double *most = share[share[1][1] > share[0][0]];
-    /* The equations of an impact that those which branch off do not have may have one tangent only. */
-    const bool alone = !leaves && !(values[1] < singular);
-    const double own[2] = {leaves ? most[0] : alone ? 1 : -most[1], leaves ? most[1] : alone ? 0 : most[0]};
+    if (status == SALTUS_OK && !leaves && !(values[1] < singular)) {
+        free(plane);
+        return saltus_locus_find_again(x, here, here->orbit.at.u, 0, message);
+    }
+    const double own[2] = {leaves ? most[0] : -most[1], leaves ? most[1] : most[0]};
     here->at.iterations = 0;
     here->at.bent = false;
     for (int j = 0; j < m && status == SALTUS_OK; j++) {

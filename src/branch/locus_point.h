@@ -39,7 +39,7 @@ saltus_status saltus_locus_find_near(saltus_extended *extended, saltus_locus_poi
                                      saltus_message *message);
 /* At `here`, an orbit of half the period, or its own mirror image, which is cut after half of it, two curves
  * of grazing cross: that of such orbits and that of those which branch off. The tangent becomes the latter's
- * if it `leaves`, otherwise the former's, from the null plane. */
+ * if it `leaves`, otherwise the former's, from the null plane; where none cross after all, its own. */
 saltus_status saltus_locus_find_crossing(saltus_extended *extended, saltus_locus_point *here, bool leaves,
                                          saltus_message *message);
 /* `here` becomes a point of the same curve with the sequence that its orbit has now and that was made from

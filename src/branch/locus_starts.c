@@ -31,8 +31,8 @@ void saltus_locus_starts_clear(saltus_locus_starts *starts) {
     *starts = (saltus_locus_starts){.count = 0};
 }
 
-static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
-                         const saltus_solution *at, saltus_message *message) {
+saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
+                                      saltus_message *message) {
     saltus_locus_start *grown = realloc(starts->start, ((size_t)starts->count + 1) * sizeof *grown);
     if (grown)
         starts->start = grown;
@@ -41,11 +41,10 @@ static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_
         free(state);
         return saltus_branch_no_memory(message);
     }
-    memcpy(state, at->state, (size_t)n * sizeof *state);
+    memcpy(state, start->state, (size_t)n * sizeof *state);
     saltus_locus_start *own = &starts->start[starts->count++];
     *own = *start;
     own->state = state;
-    memcpy(own->parameter, at->parameter, sizeof own->parameter);
     return SALTUS_OK;
 }
 
@@ -64,8 +63,12 @@ static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
 
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message) {
-    saltus_locus_start own = {
-        .kind = x->kind, .sequence = at->sequence, .mark = x->mark, .leaves = joins, .done = true};
+    saltus_locus_start own = {.kind = x->kind,
+                              .sequence = at->sequence,
+                              .state = at->state,
+                              .mark = x->mark,
+                              .leaves = joins,
+                              .done = true};
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
     bool known = false;
     for (int k = 0; k < starts->count; k++)
@@ -73,7 +76,7 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
             known = starts->start[k].done = true;
             *closes |= k == starts->next - 1;
         }
-    return known ? SALTUS_OK : add(starts, x->orbits.n, &own, at, message);
+    return known ? SALTUS_OK : saltus_locus_starts_add(starts, x->orbits.n, &own, message);
 }
 
 /* The least number of periods after which an orbit closes; that of its sequence if it cannot be told. */
@@ -326,6 +329,7 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
         bool known = false;
         fresh[k].origin = corner->kind;
+        fresh[k].state = at->state;
         fresh[k].parent = parent;
         fresh[k].depth = depth;
         fresh[k].sequence.cuts = 1;
@@ -333,7 +337,7 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
         for (int j = 0; j < starts->count; j++)
             known = known || are_one(&starts->start[j], &fresh[k]);
         if (!known)
-            status = add(starts, x->orbits.n, &fresh[k], at, message);
+            status = saltus_locus_starts_add(starts, x->orbits.n, &fresh[k], message);
     }
     return status;
 }

@@ -11,12 +11,12 @@ typedef struct saltus_locus_start {
     saltus_point_kind kind; /* of the curve's points */
     saltus_sequence sequence;
     double parameter[2];
-    double *state; /* at the base */
-    int mark;      /* grazing: mark of the impact of zero speed */
-    double theta;  /* Neimark-Sacker: angle of the pair of multipliers */
-    bool one_way;  /* its orbits are admissible only on one side of the start */
-    bool leaves; /* its orbits do not close after half the period, or are not their own mirror images, though
-                    the first one does or is */
+    double *state; /* at the base; GH: the equilibrium, which the sequence's anchor leads away from */
+    int mark;      /* grazing: the impact that has no speed */
+    double theta;  /* Neimark-Sacker: of the pair of multipliers */
+    bool one_way;  /* beyond the point of codimension two its orbits are not admissible */
+    bool leaves;   /* its orbits are not those of half the period, or not their own mirror images,
+                      as the one that it begins at is */
     saltus_point_kind origin; /* the point of codimension two; REGULAR: none */
     int parent, depth;
     bool done; /* a curve has come here from elsewhere */
@@ -28,10 +28,13 @@ typedef struct saltus_locus_starts {
 } saltus_locus_starts;
 
 void saltus_locus_starts_clear(saltus_locus_starts *starts);
-/* The curve of kind x->kind has come to the orbit `at`, a point of codimension two; `joins`: there its orbits
- * join those of half the period or symmetric ones. Mark a start that waits there for this very curve as done,
- * and note that the curve has been here. *closes is set if that start is the one taken last: the curve has
- * come back to its beginning. Errors: SALTUS_NO_MEMORY. */
+/* Keep a copy. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
+                                      saltus_message *message);
+/* The curve of kind x->kind has come to a point of codimension two, the orbit `at`, where it joins orbits of
+ * half the period, or such that are their own mirror images, if `joins`: a start that waits there for this
+ * very curve is done, and it is noted that the curve has been here. *closes is set where that start
+ * is the one that was taken last: the curve has come back to its begin. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message);
 /* Add the other curves that meet the present one at the orbit `at`, a point of codimension two, unless they

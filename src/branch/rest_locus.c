@@ -39,7 +39,8 @@ struct saltus_rest_locus {
     saltus_trail *trail; /* the caller's */
     passage *passages;
     int passage_count;
-    bool switched; /* the current curve begins at a BT point */
+    saltus_locus_starts cycles;
+    bool switched; /* the curve under way begins at such a place */
     saltus_rests rests;
     saltus_rest_special special; /* what makes the equilibria special, renewed from point to point */
     spot here, next, trial;
@@ -188,8 +189,13 @@ void saltus_rest_locus_free(saltus_rest_locus *l) {
     saltus_rest_clear(&l->next.rest);
     saltus_rest_clear(&l->trial.rest);
     clear_passages(l);
+    saltus_locus_starts_clear(&l->cycles);
     saltus_rests_close(&l->rests);
     free(l);
+}
+
+saltus_locus_starts *saltus_rest_locus_cycles(saltus_rest_locus *l) {
+    return &l->cycles;
 }
 
 static saltus_status give(saltus_rest_locus *l, const spot *at, saltus_point_kind kind, double ahead,
@@ -289,7 +295,30 @@ static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_me
                : status;
 }
 
-/* The direction along a curve of Hopf points, from a BT point, in which the two eigenvalues are imaginary. */
+/* Where the first Lyapunov coefficient is zero the curve of Hopf points goes through, and cycles that fold
+ * grow from the equilibrium. */
+static saltus_status leave_cycles(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
+    saltus_hopf hopf;
+    saltus_message ignored;
+    if (l->trail->depth >= l->trail->options->switches)
+        return SALTUS_OK;
+    saltus_status status = saltus_hopf_find(&l->rests, at, &hopf, &ignored);
+    if (status != SALTUS_OK)
+        return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    saltus_locus_start start = {
+        .kind = SALTUS_POINT_LP,
+        .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
+        .parameter = {at->parameter[0], at->parameter[1]},
+        .state = at->state,
+        .one_way = true,
+        .origin = SALTUS_POINT_GH,
+        .parent = l->trail->number,
+        .depth = l->trail->depth + 1};
+    saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
+    return saltus_locus_starts_add(&l->cycles, l->rests.n, &start, message);
+}
+
+/* The way along a curve of Hopf points from where two eigenvalues are zero on which these are a pair. */
 static int way_of_pairs(saltus_rest_locus *l) {
     const double apart = 1e-3;
     saltus_rest *aside = &l->trial.rest;
@@ -373,6 +402,8 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
         status = give(l, &l->trial, t->kind, place[k], "", message);
         if (status == SALTUS_OK && t->kind == SALTUS_POINT_BT && l->trail->following)
             status = meet(l, &l->trial.rest, message);
+        if (status == SALTUS_OK && t->kind == SALTUS_POINT_GH && l->trail->following)
+            status = leave_cycles(l, &l->trial.rest, message);
         if (status == SALTUS_OK && t->ends && l->trail->following)
             status = give(l, &l->trial, SALTUS_POINT_EP, place[k],
                           "beyond it two real eigenvalues add up to zero: no Hopf points", message);
@@ -493,6 +524,7 @@ static void archive_passages(saltus_rest_locus *l, saltus_archive *a) {
 
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
     archive_passages(l, a);
+    saltus_locus_starts_archive(a, &l->cycles);
     l->switched = saltus_archive_flag(a, l->switched);
     l->special.kind = archive_kind(a, l->special.kind);
     l->special.face = (int)saltus_archive_whole(a, l->special.face, -1, a->faces - 1);

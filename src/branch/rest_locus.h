@@ -3,6 +3,7 @@
 #ifndef SALTUS_BRANCH_REST_LOCUS_H
 #define SALTUS_BRANCH_REST_LOCUS_H
 
+#include "branch/locus_starts.h"
 #include "branch/rest.h"
 #include "branch/trail.h"
 
@@ -26,8 +27,11 @@ saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail
 void saltus_rest_locus_free(saltus_rest_locus *locus);
 /* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_rest_locus_step(saltus_rest_locus *locus, bool *more, saltus_message *message);
-/* Everything, except the trail, on which later steps depend: written, or read into what saltus_rest_locus_new
- * has made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
+/* Curves of cycles that begin where the curves followed have come to: generalised Hopf points, from which
+ * cycles that fold grow; its own. */
+saltus_locus_starts *saltus_rest_locus_cycles(saltus_rest_locus *locus);
+/* All that later steps depend on, but for the trail, written, or read into what saltus_rest_locus_new has
+ * made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *locus, saltus_archive *archive,
                                         saltus_message *message);
 

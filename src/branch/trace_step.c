@@ -276,7 +276,30 @@ static bool ends_run(const saltus_solution *s) {
     return false;
 }
 
-/* Continue beyond grazing at `next`, to a point a little further on. */
+/* Whether at grazing an impact has lost its speed just as the orbit touches the stop on the other side half a
+ * period later: the branch has come to orbits that are their own mirror images where these graze. */
+static bool joins_images(saltus_trace *t, const saltus_solution *at) {
+    const double little = 1e-6, near = 1e-4, alike = 1e-4, mirrored = 1e-7;
+    const double half = 0.5 * at->sequence.periods;
+    bool joins = false;
+    for (int k = 0; k < at->breach_count; k++) {
+        const saltus_breach *touch = &at->breaches[k];
+        bool dies = false, alone = true;
+        for (int j = 0; j < at->breach_count; j++) {
+            const saltus_breach *impact = &at->breaches[j];
+            const double apart = fabs(impact->time - touch->time);
+            if (impact->kind != SALTUS_BREACH_SPEED)
+                continue;
+            alone = alone && !(impact->face == touch->face && apart < near);
+            dies |= impact->face != touch->face && fabs(apart - half) < near && fabs(impact->value) < little;
+        }
+        joins |= touch->kind == SALTUS_BREACH_GAP && fabs(touch->value) < little && dies && alone;
+    }
+    return joins && saltus_solution_half_distance(&t->orbits, at, true) < alike &&
+           saltus_solution_half_distance(&t->orbits, t->here, true) > mirrored;
+}
+
+/* Beyond grazing at `next`, to a point a little further on. */
 static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     saltus_solution *at = t->next;
@@ -287,7 +310,8 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                           .accuracy = accuracy,
                           .change = true,
                           .grazing = &at->worst};
-    bool completes, joins = saltus_solution_half_distance(o, at, false) < 1e-4;
+    const bool images = joins_images(t, at);
+    bool completes, joins = images || saltus_solution_half_distance(o, at, false) < 1e-4;
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_status status = saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change, message);
     if (status != SALTUS_OK)
@@ -316,8 +340,9 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
         drop_starts(t);
     if (!goes_on)
         return saltus_trace_end(t, at, at->at.ahead,
-                                joins ? "joins the orbits of half the period at their grazing"
-                                      : "grazing: no orbit of this period goes on with other events",
+                                images  ? "joins the orbits that are their own mirror images at their grazing"
+                                : joins ? "joins the orbits of half the period at their grazing"
+                                        : "grazing: no orbit of this period goes on with other events",
                                 message);
     t->trail->arclength += at->at.ahead;
     saltus_births_note(&t->births, beyond.count > at->sequence.count, at->parameter[0]);
