@@ -93,7 +93,8 @@ typedef struct saltus_flow_info {
     long long steps;             /* steps of the integrator */
     long long field_evaluations; /* orders expanded (series), nodes evaluated (collocation) */
     long long impacts, sticks, releases;
-    double log_volume; /* sum of 2 ln r over the impacts: their share of the sum rule */
+    double log_volume; /* sum of ln r + ln |d(r speed)/d speed| over the impacts, 2 ln r for a constant
+                          restitution: their share of the sum rule */
     double square;     /* integral of the squared observed displacement over time in units of T, exact for the
                           steps' polynomials; only over times when turning points were watched */
 } saltus_flow_info;

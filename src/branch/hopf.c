@@ -168,6 +168,8 @@ static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex 
     double complex scale = 0;
     for (int i = 0; i < x->count; i++)
         scale += conj(left[i]) * right[i];
+    if (!(cabs(scale) > 0))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalues at a Hopf point are double");
     for (int i = 0; i < x->count; i++) {
         left[i] /= conj(scale);
         x->part[0][i] = creal(right[i]);
@@ -178,9 +180,7 @@ static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex 
         for (int i = 0; i < r->n; i++)
             x->size[k] = fmax(x->size[k], fabs(hopf->vector[k][i]) / r->state_scale[i]);
     }
-    return cabs(scale) > 0
-               ? SALTUS_OK
-               : saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalues at a Hopf point are double");
+    return SALTUS_OK;
 }
 
 saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf,

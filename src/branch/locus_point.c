@@ -323,17 +323,17 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     *found = false;
     /* A residual speed at grazing moves the place by as much. */
     x->equations.tolerance = fmin(usual, sharp);
-    for (int k = 0; k <= halvings; k++) {
+    for (int k = 0; k <= halvings && status != SALTUS_NO_MEMORY; k++) {
         double middle = k < halvings ? 0.5 * (low + high) : low;
         status = saltus_curve_visit(&x->equations, &here->at, middle, &at->at, &ignored);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, &ignored);
-        if (status == SALTUS_NO_MEMORY)
-            return saltus_branch_no_memory(message);
         *found = status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) <= 0;
         *(*found ? &low : &high) = middle;
     }
     x->equations.tolerance = usual;
+    if (status == SALTUS_NO_MEMORY)
+        return saltus_branch_no_memory(message);
     if (*found && saltus_corner_breach(x, &at->orbit) > -nothing)
         status = saltus_corner_tell(x, &contact, &at->orbit, &contact.kind, message);
     *found = contact.kind == SALTUS_POINT_CH_GR;
