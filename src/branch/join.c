@@ -70,7 +70,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
 void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at) {
     static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double far = 1e-4, clear = 1e-10;
+    const double far = 1e-4, clear = 1e-10, trusted = 1e-9;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     const double place = at->at.ahead;
     double spread, least = clear, ahead = place, *u = calloc(2 * (size_t)m, sizeof *u);
@@ -87,7 +87,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
                                                  0, at, &spread, &ignored);
         const double moved = hypot(at->at.u[c] - located[c], at->at.u[c + 1] - located[c + 1]);
         if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK || !(spread < least) || !(moved < far) ||
-            moved < 10 * spread)
+            moved < fmax(trusted, 10 * spread))
             continue;
         least = spread;
         ahead = at->at.ahead;
