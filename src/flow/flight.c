@@ -100,7 +100,7 @@ static void choose_pace(saltus_flow *flow) {
         const saltus_pace pace = self->settled ? self->later : self->first;
         flow->shortened |= pace.degree != self->degree;
         self->degree = pace.degree;
-        flow->work.lane->limit[l] = pace.limit;
+        flow->work.lane->limit[l] = flow->work.lane->reach[l] = pace.limit;
     }
 }
 
@@ -148,8 +148,10 @@ void saltus_flow_expand(saltus_flow *flow) {
     for (int l = 0; l < flow->lanes; l++) {
         const saltus_lane *self = &flow->lane[l];
         if (self->target.aimed && self->hold.count == 0 &&
-            (self->flight <= self->brief || w->lane->left[l] <= self->brief))
+            (self->flight <= self->brief || w->lane->left[l] <= self->brief)) {
             hasty |= 1u << l;
+            w->lane->reach[l] = w->lane->limit[l];
+        }
     }
     const int full = w->degree_most;
     if (hasty) {

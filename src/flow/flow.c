@@ -233,10 +233,6 @@ static void take_square(saltus_lane *self, double square) {
 
 /* Whether a lane surely has no event in the planned step, as most lanes in most steps. */
 static bool nothing_near(saltus_lane *self, double near) {
-    bool close = self->hold.faces != 0 || self->target.coasting;
-    for (int f = 0; f < self->system->face_count; f++)
-        close |= self->face[f].touch != 0 || self->face[f].shadow;
-    self->step.calm = !close;
     return self->step.calm && near < 0 && !(self->target.watch & SALTUS_WATCH_TURNING && self->step.turns);
 }
 
@@ -278,9 +274,14 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
     saltus_work *w = &flow->work;
     bool turning = false;
     for (int l = 0; l < flow->lanes; l++) {
-        const saltus_lane *self = &flow->lane[l];
+        saltus_lane *self = &flow->lane[l];
         w->lane->phase[l] = self->now.phase;
         w->lane->left[l] = self->target.aimed ? remaining(self) * self->system->period : 0;
+        self->step.calm = self->hold.faces == 0 && !self->target.coasting;
+        for (int f = 0; f < self->system->face_count; f++)
+            self->step.calm &= self->face[f].touch == 0 && !self->face[f].shadow;
+        w->lane->reach[l] = self->step.calm && !flow->radau && !flow->options.columns ? w->lane->damped[l]
+                                                                                      : w->lane->limit[l];
         turning |= watches_turning(self);
     }
     if (flow->radau) {

@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "flow/lanes.h"
-#include "system/spectrum.h"
 
 #define PACKS(place) ((saltus_pack *)(void *)(place))
 #define NUMBERS(place) ((lane_t *)(void *)(place))
@@ -104,7 +103,7 @@ static void reserve(saltus_work *w) {
 
 /* How many orders of the series of sin(omega t) and its square matter beside the tolerance at the limit. */
 static int count_orders(const saltus_work *w, int lane, const saltus_system *system) {
-    const double rtol = w->tolerance.relative, angle = w->lane->limit[lane] * system->omega;
+    const double rtol = w->tolerance.relative, angle = w->lane->damped[lane] * system->omega;
     const double small = fmax(1e-19, rtol * fmin(1e-3, 1e7 * rtol));
     double term = 1, twice = 1;
     int order = 0;
@@ -130,7 +129,11 @@ static void load_weights(const saltus_work *w, double *weights, int lane, const 
     }
 }
 
-static void load(saltus_work *w, int lane, const saltus_system *system, int degree, double limit) {
+/* Tolerances near rounding do without damped orders, whose longer steps would amplify it. So do stiff
+ * systems, whose integrator is chosen by plain steps. */
+static const double damped_from = 1e-11;
+
+static void load(saltus_work *w, int lane, const saltus_system *system, int degree, saltus_damping damping) {
     const saltus_coefficients *c = &system->coefficients;
     saltus_loaded *to = &w->loaded;
     to->tape = system->tape;
@@ -155,7 +158,11 @@ static void load(saltus_work *w, int lane, const saltus_system *system, int degr
     }
     w->lane->degree[lane] = degree;
     saltus_work_settle_degrees(w);
-    w->lane->limit[lane] = limit;
+    const bool damps = w->tolerance.relative > damped_from && system->stiffness_ratio <= 1;
+    w->lane->limit[lane] = w->lane->reach[lane] = damping.plain;
+    w->lane->damped[lane] = damps ? damping.limit : damping.plain;
+    w->lane->last[lane] = damping.last;
+    w->lane->before[lane] = damping.before;
     w->lane->period[lane] = system->period;
     w->lane->omega_unit[lane] = system->scale[n] / system->scale[0];
     to->lane_orders[lane] = count_orders(w, lane, system);
@@ -511,14 +518,18 @@ KERNEL_INLINE lane_t step_of_last(const saltus_work *w, lane_t step, int k, lane
     return lane_if_less(off, lane_constant(1), step, limit);
 }
 
+/* A step with damped orders is the shorter by this, so that what they lack is far below the tolerance. */
+static const double sure = 0.85;
+
 /* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
  * 3), and with held contacts also those of their forces: if contacts fix everything that could move, only
  * these show how far the series reach. */
 static void measure(saltus_work *w) {
     const int steady = w->columns - w->directions, first = w->degree_least - 1;
     const lane_t limit = *NUMBERS(w->lane->limit);
+    const lane_t reach = *NUMBERS(w->lane->reach), most = lane_if_less(limit, reach, reach / sure, limit);
     const saltus_tolerance allowed = w->tolerance;
-    lane_t step = limit, least[SALTUS_ORDER_MAX + 1];
+    lane_t step = most, least[SALTUS_ORDER_MAX + 1];
     for (int k = first; k <= w->degree_most; k++)
         least[k] = lane_constant(untold);
     for (int c = 0; c <= w->columns; c++) {
@@ -536,16 +547,17 @@ static void measure(saltus_work *w) {
             least[k] = lane_smaller(least[k], coefficient_room(column_norm(w, k, c), tolerance));
     }
     for (int k = first; k <= w->degree_most; k++)
-        step = lane_smaller(step, step_of_last(w, coefficient_step(least[k], k, limit), k, limit));
+        step = lane_smaller(step, step_of_last(w, coefficient_step(least[k], k, most), k, most));
     for (int m = 0; m < w->hold.count; m++) {
         const lane_t *force = NUMBERS(w->hold.force) + m * (w->order + 2);
         const lane_t size = lane_size(force[0]) + limit * (lane_size(force[1]) + limit * lane_size(force[2]));
         for (int k = w->degree_least - 3; k <= w->degree_most - 2; k++) {
             const lane_t room = coefficient_room(lane_size(force[k]), allowed.relative * size);
-            const lane_t own = coefficient_step(room, k, limit);
-            step = lane_smaller(step, step_of_last(w, own, k + 2, limit));
+            const lane_t own = coefficient_step(room, k, most);
+            step = lane_smaller(step, step_of_last(w, own, k + 2, most));
         }
     }
+    step = lane_if_less(limit, sure * step, sure * step, lane_smaller(step, limit));
     *NUMBERS(w->lane->step) = lane_if_less(finite_sum(w), lane_constant(1), step, lane_constant(0));
 }
 
@@ -590,17 +602,46 @@ static void bound_velocity(saltus_work *w, int row) {
     *NUMBERS(w->lane->turning) = lane_if_less(1e-12 * along * step, start, margin + 1e-12 * start, none);
 }
 
+/* Multiply the last two orders of all series by the factors of those lanes that go beyond their plain limits.
+ */
+static void damp(saltus_work *w) {
+    const lane_t one = lane_constant(1), advance = *NUMBERS(w->lane->advance);
+    const lane_t limit = *NUMBERS(w->lane->limit), degree = *NUMBERS(w->lane->degree);
+    const lane_t far = lane_if_less(limit, *NUMBERS(w->lane->reach), advance, lane_constant(0));
+    const lane_t last = lane_if_less(limit, far, *NUMBERS(w->lane->last), one),
+                 before = lane_if_less(limit, far, *NUMBERS(w->lane->before), one);
+    const long stride = (1 + w->columns) * (long)row_packs(w->dof);
+    const int extras = (1 + w->columns) * w->extra;
+    for (int k = w->degree_least - 1; k <= w->degree_most; k++) {
+        const lane_t at_last = lane_if_less(degree, lane_constant(k + 0.5), last, before),
+                     factor = lane_if_less(lane_size(degree - (k + 0.5)), lane_constant(1), at_last, one);
+        for (long p = k * stride; p < (k + 1) * stride; p++) {
+            PACKS(w->jet.q)[p] *= lane_spread(factor);
+            PACKS(w->jet.v)[p] *= lane_spread(factor);
+        }
+        for (int i = k * extras; i < (k + 1) * extras; i++)
+            NUMBERS(w->jet.e)[i] *= factor;
+        for (int s = 0; s < w->stops; s++)
+            NUMBERS(w->gap)[s * (w->order + 2) + k] *= factor;
+    }
+}
+
 /* The step of a lane: its own, or what is left to the target, or half of that if a sliver would remain. */
 static void plan(saltus_work *w) {
     const lane_t left = *NUMBERS(w->lane->left), step = *NUMBERS(w->lane->step);
     const lane_t advance = lane_if_less(step, left, lane_smaller(step, 0.5 * left), left);
     lane_t near = lane_constant(-1);
+    bool far = false;
+    *NUMBERS(w->lane->advance) = advance;
+    for (int l = 0; l < LANES; l++)
+        far |= w->lane->limit[l] < w->lane->advance[l] && w->lane->limit[l] < w->lane->reach[l];
+    if (far)
+        damp(w);
     for (int f = 0; f < w->loaded.faces; f++) {
         const lane_t margin = gap_margin(w, f, advance);
         *NUMBERS(w->lane->margin[f]) = margin;
         near = lane_if_less(margin, lane_constant(0), near, lane_constant(1));
     }
-    *NUMBERS(w->lane->advance) = advance;
     *NUMBERS(w->lane->passing) = advance / *NUMBERS(w->lane->period);
     *NUMBERS(w->lane->near) = near;
 }

@@ -15,6 +15,7 @@
 
 #include "base/memory.h"
 #include "base/simd.h"
+#include "system/spectrum.h"
 #include "system/system.h"
 
 enum { SALTUS_LANES_MAX = SALTUS_PACK_MAX };
@@ -40,6 +41,10 @@ typedef struct saltus_lane_numbers {
     double period[SALTUS_LANES_MAX];     /* of the forcing */
     double degree[SALTUS_LANES_MAX];     /* of its series; at most the work's `order` */
     double limit[SALTUS_LANES_MAX];      /* largest step */
+    double damped[SALTUS_LANES_MAX];     /* the same if the last two orders of its series are damped, ... */
+    double last[SALTUS_LANES_MAX];       /* ... the last one by this factor ... */
+    double before[SALTUS_LANES_MAX];     /* ... and the one before it by this one */
+    double reach[SALTUS_LANES_MAX];      /* the one of these two limits that holds now */
     double omega_unit[SALTUS_LANES_MAX]; /* velocities divided by it compare with displacements */
     double clearance[SALTUS_FACES_MAX][SALTUS_LANES_MAX];
     /* of the point of expansion */
@@ -134,7 +139,8 @@ struct saltus_kernel {
     /* Reserve all arrays in the work's arena; the sizes must be set. */
     void (*reserve)(saltus_work *work);
     /* Load a system's coefficients into a lane; its series will have `degree`, its steps at most `limit`. */
-    void (*load)(saltus_work *work, int lane, const saltus_system *system, int degree, double limit);
+    void (*load)(saltus_work *work, int lane, const saltus_system *system, int degree,
+                 saltus_damping damping);
     /* Load the derivative of a lane's coefficients along a direction. */
     void (*vary)(saltus_work *work, int lane, int direction, const saltus_variation *variation);
     /* States -> jets, gap and force series up to order `to`. `from` must be even: orders up to it are there

@@ -132,10 +132,10 @@ static void reserve(saltus_flow *flow) {
 /* Load a system and, behind the stops' rows, one for the observed displacement, which need not be a stop's
  * coordinate. */
 static void load_system(saltus_work *work, const saltus_kernel *kernel, int lane, const saltus_system *system,
-                        int degree, double limit) {
+                        int degree, saltus_damping damping) {
     const int rows = work->stops;
     work->stops = system->spec.stop_count;
-    kernel->load(work, lane, system, degree, limit);
+    kernel->load(work, lane, system, degree, damping);
     work->stops = rows;
     double *row = work->loaded.normal + system->spec.stop_count * work->row;
     for (int i = 0; i < system->dof; i++)
@@ -166,16 +166,17 @@ static void load_lane(saltus_flow *flow, int lane) {
     self->degree = degree;
     /* A requested order is that of every step. */
     self->brief = o->order ? -1 : saltus_flow_brief(system, degree, o->rtol);
-    self->first = (saltus_pace){degree, saltus_system_step_limit(system, &eigenvalues, degree)};
+    const saltus_damping damping = saltus_system_damping(system, &eigenvalues, degree);
+    self->first = (saltus_pace){degree, damping.plain};
     if (flow->radau && !collocated)
         flow->mixture.worth = collocation_cost * self->first.limit;
-    load_system(&flow->work, flow->kernel, lane, system, degree, self->first.limit);
+    load_system(&flow->work, flow->kernel, lane, system, degree, damping);
     self->later = steady == degree
                       ? self->first
                       : (saltus_pace){steady, saltus_system_step_limit(system, &eigenvalues, steady)};
     self->settled = false;
     load_system(&flow->probe[lane], flow->narrow, 0, system, SALTUS_ORDER_MIN,
-                saltus_system_step_limit(system, &eigenvalues, SALTUS_ORDER_MIN));
+                saltus_system_damping(system, &eigenvalues, SALTUS_ORDER_MIN));
 }
 
 static saltus_status open_works(saltus_flow *flow, bool stiff) {

@@ -12,7 +12,6 @@
  * has a boundary layer of its own length; the first step follows from the rates and sizes of these layers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/radau.h"
-#include "system/spectrum.h"
 
 #include <float.h>
 #include <math.h>
@@ -157,9 +156,9 @@ void saltus_radau_retune(saltus_radau *radau, const saltus_system *system) {
     for (int k = 0; k < radau->stages.chunks; k++) {
         saltus_work *w = &radau->work[k];
         saltus_work_forget(w);
-        const double limit = saltus_system_step_limit(system, NULL, w->order);
+        const saltus_damping damping = saltus_system_damping(system, NULL, w->order);
         for (int l = 0; l < w->lanes; l++)
-            radau->field->load(w, l, system, w->order, limit);
+            radau->field->load(w, l, system, w->order, damping);
         w->stops = 0;
     }
     find_linear_part(radau);

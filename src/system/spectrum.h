@@ -24,6 +24,16 @@ void saltus_system_eigenvalues(const saltus_system *system, saltus_eigenvalues *
 double saltus_system_step_limit(const saltus_system *system, const saltus_eigenvalues *eigenvalues,
                                 int order);
 
+/* Factors of the last two orders of a series that make longer steps stable. */
+typedef struct saltus_damping {
+    double before, last; /* of the last order but one and of the last one */
+    double plain;        /* the longest step without them, */
+    double limit;        /* and with them: never shorter */
+} saltus_damping;
+/* The factors for an order and these eigenvalues. NULL: none, and steps without regard to stability. */
+saltus_damping saltus_system_damping(const saltus_system *system, const saltus_eigenvalues *eigenvalues,
+                                     int order);
+
 /* Whether stability, not accuracy, bounds the steps of an order that resolves oscillations within `angle`
  * radians: the fastest motion that lasts turns by at most `angle` within the longest stable step. */
 bool saltus_system_outruns(const saltus_system *system, const saltus_eigenvalues *eigenvalues, int order,
