@@ -3,9 +3,10 @@
  * Once a trajectory is near its orbit it is disturbed by a small random vector. Only a stable orbit draws it
  * back to where it was: neither an unstable orbit nor one of a continuum does. If iteration cannot tell the
  * period, or the way back is slow, Newton's method and the multipliers decide, from the point reached, as
- * they always do in classification (motion/search.c). Using them for every orbit would make a sweep almost
- * three times as long: the disturbed trajectory stays in its lane beside the others, whereas Newton's method
- * stops all of them for a single trajectory with a tangent vector for each entry of the state.
+ * they always do in classification (motion/search.c); but only after a while, because a question takes as
+ * long as thousands of periods in a lane. Using them for every orbit would make a sweep almost three times as
+ * long: the disturbed trajectory stays in its lane beside the others, whereas Newton's method stops all of
+ * them for a single trajectory with a tangent vector for each entry of the state.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
@@ -70,6 +71,12 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     }
     saltus_motion_clear(&motion);
     return judgement;
+}
+
+/* What recurs is asked about first: it costs a fraction of what else there may be. */
+static saltus_judgement ask_newton_first(saltus_sweep_trajectory *t, int recurs, int period) {
+    const saltus_judgement judgement = recurs == period ? goes_on : ask_newton(t, recurs);
+    return judgement.verdict == SALTUS_PENDING ? ask_newton(t, period) : judgement;
 }
 
 bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *t, bool *counts) {
@@ -262,15 +269,17 @@ saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     saltus_judgement judgement = goes_on;
     if (period && !doubt)
         judgement = judge_orbit(t, period);
-    else if (period && (cycle >= t->stage_end || cycle >= p->ask_again) &&
+    else if (doubt && p->ask_again == 0 && cycle < t->stage_end)
+        p->ask_again = cycle + patience_per_period * recurs;
+    else if (doubt && (cycle >= t->stage_end || cycle >= p->ask_again) &&
              saltus_settling_impacts(&p->settling, period) <= polish_impacts) {
         p->ask_again = cycle + patience_per_period * period;
-        judgement = ask_newton(t, period);
+        judgement = ask_newton_first(t, recurs, period);
     }
     if (is_slow(t, recurs) && judgement.verdict == SALTUS_PENDING) {
         p->waited = 0;
         p->patience *= 2;
-        judgement = ask_newton(t, 0);
+        judgement = ask_newton_first(t, recurs, 0);
     }
     judgement.recurs = recurs;
     return judgement;

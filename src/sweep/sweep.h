@@ -127,11 +127,11 @@ typedef struct saltus_proof {
     long long waited;       /* ... and the periods since it began to */
     double trend[2];        /* its recurrence at the last look and at the one before */
     long long patience;     /* periods to wait before Newton's method is tried */
-    long long ask_again;    /* cycle before which Newton's method is not tried again */
-    double *orbit;          /* section points of the settled orbit; room for longest x n */
-    saltus_visits visits;   /* without forcing: its returns to the section */
-    saltus_rest_look rest;  /* without forcing: its last look for a rest */
-    double exponent;        /* without forcing: largest exponent of the orbit that Newton's method found */
+    long long ask_again;  /* cycle before which Newton's method is not tried again; 0: iteration could tell */
+    double *orbit;        /* section points of the settled orbit; room for longest x n */
+    saltus_visits visits; /* without forcing: its returns to the section */
+    saltus_rest_look rest; /* without forcing: its last look for a rest */
+    double exponent;       /* without forcing: largest exponent of the orbit that Newton's method found */
 } saltus_proof;
 
 /* A measurement of the exponent. */
