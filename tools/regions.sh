@@ -6,6 +6,10 @@
 set -eu
 saltus=$1
 place=$2
+# The figure is drawn in the folder of the curves: a path to the program must lead there from anywhere.
+case $saltus in
+*/*) saltus=$(cd "$(dirname "$saltus")" && pwd)/$(basename "$saltus") ;;
+esac
 mkdir -p "$place"
 
 # follow NAME ARGUMENTS...: compute a branch of the pipe's orbits or a locus of special points, as NAME.h5.
