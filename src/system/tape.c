@@ -500,6 +500,14 @@ static void find_outputs(arranger *m, int dof) {
             tape->output_row = false;
 }
 
+/* The number of rows that depend on no state; they come first. */
+static int count_steady(const saltus_tape *tape) {
+    int count = 0;
+    while (count < tape->row_count && !(tape->rows[count].out.depends & SALTUS_OF_STATES))
+        count++;
+    return count;
+}
+
 /* Fill a tape with rows made of steps. False: no memory. */
 static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) {
     const size_t registers = (size_t)steps->registers + 1, count = (size_t)steps->count + 1;
@@ -544,9 +552,7 @@ static bool arrange(saltus_tape *tape, const saltus_tape_steps *steps, int dof) 
     }
     tape->rows = m.made.items;
     tape->row_count = m.made.count;
-    while (tape->steady_rows < tape->row_count &&
-           !(tape->rows[tape->steady_rows].out.depends & SALTUS_OF_STATES))
-        tape->steady_rows++;
+    tape->steady_rows = count_steady(tape);
     tape->row_terms = m.terms.items;
     tape->row_term_count = m.terms.count;
     for (int width = 0; width < 2; width++) {
