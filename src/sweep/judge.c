@@ -269,12 +269,11 @@ saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     saltus_judgement judgement = goes_on;
     if (period && !doubt)
         judgement = judge_orbit(t, period);
-    else if (doubt && p->ask_again == 0 && cycle < t->stage_end)
-        p->ask_again = cycle + patience_per_period * recurs;
-    else if (doubt && (cycle >= t->stage_end || cycle >= p->ask_again) &&
+    else if (period && (cycle >= t->stage_end || cycle >= p->ask_again) &&
              saltus_settling_impacts(&p->settling, period) <= polish_impacts) {
-        p->ask_again = cycle + patience_per_period * period;
-        judgement = ask_newton_first(t, recurs, period);
+        const bool first = p->ask_again == 0 && cycle < t->stage_end;
+        p->ask_again = cycle + patience_per_period * (first ? recurs : period);
+        judgement = first ? ask_newton(t, recurs) : ask_newton_first(t, recurs, period);
     }
     if (is_slow(t, recurs) && judgement.verdict == SALTUS_PENDING) {
         p->waited = 0;
