@@ -13,6 +13,8 @@
 enum {
     SALTUS_EFFORT_USUAL = 500,
     SALTUS_EFFORT_USUAL_STIFF = 333, /* steps of the stiff integrator */
+    SALTUS_STIFF_COST = 12, /* of one of these in steps of series (measured on pipes of 10 to 64 modes: from
+                               half of that to twice) */
     SALTUS_EFFORT_MOST = 5000000,
     SALTUS_EFFORT_AT_POINT = SALTUS_EFFORT_MOST / 10,
     SALTUS_EFFORT_IN_PERIOD = SALTUS_EFFORT_MOST / 64 /* 64: the most periods before a motion is looked at */
@@ -46,10 +48,11 @@ static inline double saltus_effort_period(const saltus_effort *effort, double ow
     return effort->period > 0 ? effort->period : own;
 }
 
-/* Add a step of length `periods` with `columns` tangent vectors; one of the stiff integrator counts a dozen
- * (mixture.c). */
+/* Add a step of length `periods` with `columns` tangent vectors; one of the stiff integrator counts
+ * SALTUS_STIFF_COST. */
 static inline void saltus_effort_add(saltus_effort *effort, double periods, int columns, bool stiff) {
-    const double cost = stiff ? 12 : 1, usual = stiff ? SALTUS_EFFORT_USUAL_STIFF : SALTUS_EFFORT_USUAL;
+    const double cost = stiff ? SALTUS_STIFF_COST : 1,
+                 usual = stiff ? SALTUS_EFFORT_USUAL_STIFF : SALTUS_EFFORT_USUAL;
     const double spent = effort->spent + (1 + columns) * cost * (1 - usual * periods);
     effort->spent = spent > 0 ? spent : 0;
 }

@@ -151,9 +151,6 @@ static int usual_order(const saltus_flow_options *o) {
 static void load_lane(saltus_flow *flow, int lane) {
     saltus_eigenvalues eigenvalues = {.count = 0};
     const saltus_flow_options *o = &flow->options;
-    /* The cost of a step of collocation in steps of series (measured on pipes of 10 to 64 modes: from half of
-     * that to twice). */
-    static const double collocation_cost = 12;
     const bool collocated = o->integrator == SALTUS_RADAU;
     saltus_lane *self = &flow->lane[lane];
     const saltus_system *system = self->system;
@@ -169,7 +166,7 @@ static void load_lane(saltus_flow *flow, int lane) {
     const saltus_damping damping = saltus_system_damping(system, &eigenvalues, degree);
     self->first = (saltus_pace){degree, damping.plain};
     if (flow->radau && !collocated)
-        flow->mixture.worth = collocation_cost * self->first.limit;
+        flow->mixture.worth = SALTUS_STIFF_COST * self->first.limit;
     load_system(&flow->work, flow->kernel, lane, system, degree, damping);
     self->later = steady == degree
                       ? self->first

@@ -12,6 +12,7 @@
 #include "system/state.h"
 #include "system/system.h"
 
+#include <gsl/gsl_poly.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -148,14 +149,6 @@ static void add_zero(saltus_crossings *r, double since) {
         r->zero[r->zeros++] = since;
 }
 
-/* The polynomial's value. */
-static double value_at(const double *powers, double s) {
-    double value = 0;
-    for (int k = degree; k >= 0; k--)
-        value = value * s + powers[k];
-    return value;
-}
-
 /* Examine a piece of a step: in halves if the polynomial does not follow the expression, and once more behind
  * each zero. A zero already met, such as one at the beginning (`met`), is not met again if rounding, which is
  * at least `rounding`, restores the sign. */
@@ -177,8 +170,8 @@ static void look(saltus_crossings *r, const saltus_flow *flow, int lane, double 
     }
     interpolate(points, values, powers);
     if (end - begin > shortest &&
-        fabs(value_at(powers, between) - value_since(flow, lane, begin + between * (end - begin))) >
-            close * size) {
+        fabs(gsl_poly_eval(powers, degree + 1, between) -
+             value_since(flow, lane, begin + between * (end - begin))) > close * size) {
         look(r, flow, lane, begin, middle, met, rounding);
         look(r, flow, lane, middle, end, false, rounding);
         return;
