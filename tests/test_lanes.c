@@ -176,11 +176,82 @@ static void interleaved_flows(void **unused) {
     }
 }
 
+/* So far away that no step is shortened by it. */
+static saltus_time far_target(int k) {
+    return (saltus_time){100000, 0.01 * k};
+}
+
+/* A trajectory alone, step by step, until it has taken so many. */
+static saltus_time after_steps(const saltus_system *system, const saltus_flow_options *options,
+                               const double *start, long long steps, double *state) {
+    saltus_flow *flow = open_flow(system, options, 0, start);
+    saltus_message message = {.text = ""};
+    saltus_event event;
+    while (saltus_flow_information(flow, 0).steps < steps)
+        check_ok(saltus_flow_advance(flow, far_target(0), SALTUS_WATCH_STEP, &event, &message), &message);
+    const saltus_time time = saltus_flow_time(flow, 0);
+    saltus_flow_state(flow, 0, state);
+    saltus_flow_free(flow);
+    return time;
+}
+
+/* Whenever a lane has an event, the others are on their way, and some of them are given a new target: each
+ * tells its time, steps and state as if it were alone. */
+static void lanes_under_way(void **unused) {
+    (void)unused;
+    enum { modes = 3, questions = 40 };
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    saltus_flow_options options = saltus_flow_defaults();
+    saltus_system *systems[16];
+    const saltus_system *given[16];
+    static double states[16][dimension];
+    saltus_message message = {.text = ""};
+    saltus_flow *flow;
+    saltus_event event;
+    int lane = 0, between = 0;
+    options.rtol = 1e-7;
+    options.integrator = SALTUS_TAYLOR;
+    for (int l = 0; l < 16; l++) {
+        given[l] = systems[l] = random_system(rng, l, modes);
+        random_state(rng, systems[l], states[l]);
+    }
+    const int width = saltus_flow_width(systems[0], SALTUS_TAYLOR);
+    check_ok(saltus_flow_new(given, width, &options, &flow, &message), &message);
+    for (int l = 0; l < width; l++) {
+        check_ok(saltus_flow_start(flow, l, (saltus_time){0, 0}, states[l], &message), &message);
+        saltus_flow_aim(flow, l, far_target(l), SALTUS_WATCH_IMPACT);
+    }
+    for (int k = 0; k < questions; k++) {
+        for (int turn = 0; turn < 12; turn++) {
+            check_ok(saltus_flow_run(flow, &lane, &event, &message), &message);
+            saltus_flow_aim(flow, lane, far_target(k + lane), SALTUS_WATCH_IMPACT);
+        }
+        for (int l = 0; l < width; l++) {
+            double state[dimension], own[dimension];
+            const saltus_flow_info info = saltus_flow_information(flow, l);
+            const saltus_time now = saltus_flow_time(flow, l),
+                              then = after_steps(systems[l], &options, states[l], info.steps, state);
+            saltus_flow_state(flow, l, own);
+            assert_true(now.cycle == then.cycle && now.phase == then.phase);
+            assert_memory_equal(state, own, 2 * modes * sizeof *own);
+            between += l != lane && info.steps > 0;
+            if (gsl_rng_uniform(rng) < 0.3)
+                saltus_flow_aim(flow, l, far_target(k + l + 1), SALTUS_WATCH_IMPACT);
+        }
+    }
+    assert_true(width == 1 || between > questions);
+    saltus_flow_free(flow);
+    for (int l = 0; l < 16; l++)
+        saltus_system_free(systems[l]);
+    gsl_rng_free(rng);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(same_bits),
         cmocka_unit_test(same_bits_at_any_size),
         cmocka_unit_test(interleaved_flows),
+        cmocka_unit_test(lanes_under_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -147,7 +147,7 @@ void saltus_flow_expand(saltus_flow *flow) {
         set_full_degrees(flow);
     for (int l = 0; l < flow->lanes; l++) {
         const saltus_lane *self = &flow->lane[l];
-        if (self->target.aimed && self->hold.count == 0 &&
+        if (!(flow->quiet >> l & 1) && self->target.aimed && self->hold.count == 0 &&
             (self->flight <= self->brief || w->lane->left[l] <= self->brief)) {
             hasty |= 1u << l;
             w->lane->reach[l] = w->lane->limit[l];

@@ -26,6 +26,7 @@
 #include "flow/flow.h"
 
 #include "base/progress.h"
+#include "flow/quiet.h"
 
 #include <math.h>
 #include <string.h>
@@ -79,6 +80,8 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
                           .step = {.begin = now},
                           .hold = {.push = self->hold.push, .pull = self->hold.pull},
                           .delay = self->delay};
+    saltus_quiet_break(flow, lane);
+    flow->work.lane->taken[lane] = 0;
     memcpy(flow->state, state, (size_t)n * sizeof *state);
     memset(flow->tangents, 0, (size_t)(n * flow->options.columns) * sizeof *state);
     for (int c = 0; c < steady && c < n; c++)
@@ -112,6 +115,7 @@ static double remaining(const saltus_lane *self) {
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch) {
     saltus_lane *self = &flow->lane[lane];
     saltus_status status = saltus_time_check(until, &self->why);
+    saltus_quiet_break(flow, lane);
     self->target.aimed = true;
     if (status != SALTUS_OK) { /* reported by the next run */
         self->failure = status;
@@ -204,36 +208,35 @@ static bool watches_turning(const saltus_lane *self) {
     return self->target.aimed && self->target.watch & SALTUS_WATCH_TURNING;
 }
 
-/* For each row of the gap series in which a lane watches turning points: run `ask` on the row, then give each
- * such lane its answer. */
+/* For each row of the gap series in which a lane watches turning points: run `ask` on the row, then let each
+ * such lane take its answer. */
 static void observe(saltus_flow *flow, void (*ask)(saltus_work *work, int row),
-                    void (*take)(saltus_lane *lane, double answer), const double *answers) {
+                    void (*take)(saltus_flow *flow, int lane)) {
     for (int row = 0; row < flow->work.stops; row++) {
         bool asked = false;
         for (int l = 0; l < flow->lanes; l++) {
-            saltus_lane *self = &flow->lane[l];
-            if (!watches_turning(self) || self->system->observer.first != row)
+            if (!(flow->turning >> l & 1) || flow->lane[l].system->observer.first != row)
                 continue;
             if (!asked)
                 ask(&flow->work, row);
             asked = true;
-            take(self, answers[l]);
+            take(flow, l);
         }
     }
 }
 
-static void take_turning(saltus_lane *self, double bound) {
-    self->step.turns = !(bound < 0) || self->turned;
+static void take_turning(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_lane_numbers *numbers = flow->work.lane;
+    self->step.turns = !(numbers->turning[lane] < 0) || self->turned;
+    if (self->step.turns)
+        numbers->near[lane] = 1;
 }
 
-static void take_square(saltus_lane *self, double square) {
+static void take_square(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
     if (self->failure == SALTUS_OK)
-        self->info.square += square / self->system->period;
-}
-
-/* Whether a lane surely has no event in the planned step, as most lanes in most steps. */
-static bool nothing_near(saltus_lane *self, double near) {
-    return self->step.calm && near < 0 && !(self->target.watch & SALTUS_WATCH_TURNING && self->step.turns);
+        self->info.square += flow->work.lane->square[lane] / self->system->period;
 }
 
 /* Whether a lane may take the planned step. If a period or the whole question would take too many steps, or
@@ -269,12 +272,15 @@ static bool leads_on(saltus_flow *flow, int lane, double planned) {
     return false;
 }
 
-/* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. */
-static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
+/* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. Of
+ * the lanes in *passed the step is concluded. */
+static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_message *message) {
     saltus_work *w = &flow->work;
-    bool turning = false;
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
+        if (flow->quiet >> l & 1)
+            continue;
+        saltus_quiet_end(flow, l);
         w->lane->phase[l] = self->now.phase;
         w->lane->left[l] = self->target.aimed ? remaining(self) * self->system->period : 0;
         self->step.calm = self->hold.faces == 0 && !self->target.coasting;
@@ -282,7 +288,9 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
             self->step.calm &= self->face[f].touch == 0 && !self->face[f].shadow;
         w->lane->reach[l] = self->step.calm && !flow->radau && !flow->options.columns ? w->lane->damped[l]
                                                                                       : w->lane->limit[l];
-        turning |= watches_turning(self);
+        flow->turning &= ~(1u << l);
+        flow->turning |= (unsigned)watches_turning(self) << l;
+        saltus_quiet_begin(flow, l);
     }
     if (flow->radau) {
         saltus_status status = saltus_flow_mix(flow);
@@ -298,18 +306,20 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         saltus_flow_expand(flow);
     }
     flow->kernel->plan(w);
-    if (turning)
-        observe(flow, flow->kernel->bound_velocity, take_turning, w->lane->turning);
+    if (flow->turning)
+        observe(flow, flow->kernel->bound_velocity, take_turning);
+    *passed = saltus_quiet_pass(flow);
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
-        if (!self->target.aimed)
+        if (*passed >> l & 1 || !self->target.aimed)
             continue;
+        saltus_quiet_end(flow, l);
         const double planned = w->lane->advance[l];
         if (!leads_on(flow, l, planned))
             continue;
         self->pending.kind = SALTUS_STEP;
         self->step.lands = planned == w->lane->left[l];
-        if (nothing_near(self, w->lane->near[l]))
+        if (self->step.calm && w->lane->near[l] < 0)
             continue;
         const saltus_first_event first = saltus_events_first(flow, l, planned);
         if (first.kind != SALTUS_STEP)
@@ -321,8 +331,8 @@ static saltus_status expand_lanes(saltus_flow *flow, saltus_message *message) {
         }
     }
     flow->kernel->evaluate(w);
-    if (turning)
-        observe(flow, flow->kernel->integrate_square, take_square, w->lane->square);
+    if (flow->turning)
+        observe(flow, flow->kernel->integrate_square, take_square);
     return SALTUS_OK;
 }
 
@@ -496,11 +506,12 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
         return SALTUS_OK;
     int ready = waiting_lane(flow);
     while (ready < 0) {
+        unsigned passed = 0;
         *lane = 0;
         if (saltus_stop_asked(flow->options.stop))
             return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted at %.15g periods",
-                               saltus_time_periods(flow->lane[0].now));
-        saltus_status status = expand_lanes(flow, message);
+                               saltus_time_periods(saltus_flow_time(flow, 0)));
+        saltus_status status = expand_lanes(flow, &passed, message);
         if (status != SALTUS_OK) {
             flow->lane[0].target.aimed = false;
             return status;
@@ -508,7 +519,7 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
         /* A failure is kept until the lane's turn comes, so that the others finish their steps. */
         for (int l = 0; l < flow->lanes; l++) {
             saltus_lane *self = &flow->lane[l];
-            if (!self->target.aimed)
+            if (passed >> l & 1 || !self->target.aimed)
                 continue;
             if (self->failure == SALTUS_OK)
                 self->failure = conclude(flow, l);

@@ -116,6 +116,8 @@ struct saltus_flow {
     int lanes, dimension, dof, extra;
     saltus_lane *lane;
     saltus_work work;    /* jets of the step of all lanes */
+    unsigned quiet;      /* lanes that the kernel takes on in the next step (quiet.h) */
+    unsigned turning;    /* lanes that watch turning points */
     bool shortened;      /* some lanes' degrees in `work` are not their own (flight.c) */
     saltus_fixed fixed;  /* the kernel compiled for this system, if any */
     saltus_work *probe;  /* one narrow work per lane, for the field at single points */

@@ -646,6 +646,27 @@ static void plan(saltus_work *w) {
     *NUMBERS(w->lane->near) = near;
 }
 
+/* A quiet lane's step meets nothing if it ends before the target and the period do and no face comes near. */
+static void pass(saltus_work *w) {
+    const lane_t one = lane_constant(1), none = lane_constant(0), phase = *NUMBERS(w->lane->phase);
+    const lane_t next = phase + *NUMBERS(w->lane->passing), left = *NUMBERS(w->lane->left);
+    lane_t passed = lane_if_less(*NUMBERS(w->lane->quiet), none, one, none);
+    passed = lane_if_less(*NUMBERS(w->lane->near), none, passed, none);
+    passed = lane_if_less(*NUMBERS(w->lane->advance), left, passed, none);
+    passed = lane_if_less(phase, next, passed, none);
+    passed = lane_if_less(next, one, passed, none);
+    const lane_t ahead = *NUMBERS(w->lane->cycles) + (*NUMBERS(w->lane->until) - next);
+    const lane_t later = lane_if_less(none, passed, ahead * *NUMBERS(w->lane->period), left),
+                 taken = *NUMBERS(w->lane->taken) + passed;
+    *NUMBERS(w->lane->passed) = passed;
+    *NUMBERS(w->lane->from) = phase;
+    *NUMBERS(w->lane->phase) = lane_if_less(none, passed, next, phase);
+    *NUMBERS(w->lane->left) = later;
+    *NUMBERS(w->lane->taken) = taken;
+    const lane_t far = lane_if_less(*NUMBERS(w->lane->brief), later, -passed, one);
+    *NUMBERS(w->lane->quiet) = lane_if_less(taken, lane_constant(SALTUS_QUIET_STEPS), far, one);
+}
+
 /* Even and odd coefficients in two chains, which halves the latency of Horner's rule. */
 KERNEL_INLINE saltus_pack polynomial(const saltus_pack *newest, long stride, int order, saltus_pack time,
                                      saltus_pack square) {
@@ -729,6 +750,7 @@ const saltus_kernel SALTUS_KERNEL_NAME = {
     .expand = expand,
     .measure = measure,
     .plan = plan,
+    .pass = pass,
     .bound_velocity = bound_velocity,
     .evaluate = evaluate,
     .integrate_square = integrate_square,

@@ -18,7 +18,7 @@
 #include "system/spectrum.h"
 #include "system/system.h"
 
-enum { SALTUS_LANES_MAX = SALTUS_PACK_MAX };
+enum { SALTUS_LANES_MAX = SALTUS_PACK_MAX, SALTUS_QUIET_STEPS = 1000 };
 
 typedef struct saltus_kernel saltus_kernel;
 
@@ -51,6 +51,14 @@ typedef struct saltus_lane_numbers {
     double phase[SALTUS_LANES_MAX];   /* in [0,1) */
     double elapsed[SALTUS_LANES_MAX]; /* time since the step's begin */
     double left[SALTUS_LANES_MAX];    /* time left to the target; zero if the lane is not under way */
+    /* of lanes that the kernel takes on by itself (quiet.h) */
+    double quiet[SALTUS_LANES_MAX];  /* negative: the lane is one of them */
+    double cycles[SALTUS_LANES_MAX]; /* to the target: whole periods from the present one, ... */
+    double until[SALTUS_LANES_MAX];  /* ... and the phase in that period */
+    double brief[SALTUS_LANES_MAX];  /* this near to the target the lane is quiet no longer, ... */
+    double taken[SALTUS_LANES_MAX];  /* ... nor after SALTUS_QUIET_STEPS such steps */
+    double from[SALTUS_LANES_MAX];   /* phase at the last step's begin */
+    double passed[SALTUS_LANES_MAX]; /* 1: the planned step meets nothing; else 0 */
     /* of the step */
     double step[SALTUS_LANES_MAX];                     /* longest within the tolerance */
     double advance[SALTUS_LANES_MAX];                  /* where to evaluate */
@@ -151,6 +159,8 @@ struct saltus_kernel {
     /* `step` and `left` -> `advance`, `passing`, `margin` and `near`: how far to go, and which lanes may meet
      * a stop. */
     void (*plan)(saltus_work *work);
+    /* Let the planned step's time pass in quiet lanes that meet nothing in it. */
+    void (*pass)(saltus_work *work);
     /* A row of the gap series and `advance` -> `turning`. */
     void (*bound_velocity)(saltus_work *work, int row);
     /* Jets of the lanes' degrees -> states at `advance`. */

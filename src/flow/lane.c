@@ -8,20 +8,32 @@ const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane) {
 int saltus_flow_columns(const saltus_flow *flow) {
     return flow->options.columns;
 }
+/* Of a quiet lane, time and steps are those that the kernel has counted. */
 saltus_time saltus_flow_time(const saltus_flow *flow, int lane) {
-    return flow->lane[lane].now;
+    const saltus_lane_numbers *numbers = flow->work.lane;
+    saltus_time now = flow->lane[lane].now;
+    if (numbers->taken[lane] > 0)
+        now.phase = numbers->phase[lane];
+    return now;
 }
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane) {
     return flow->lane[lane].hold.faces;
 }
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane) {
-    return flow->lane[lane].info;
+    const double taken = flow->work.lane->taken[lane];
+    saltus_flow_info info = flow->lane[lane].info;
+    info.steps += (long long)taken;
+    info.field_evaluations += (long long)(taken * flow->work.lane->degree[lane]);
+    return info;
 }
 double saltus_flow_step_length(const saltus_flow *flow, int lane) {
-    return flow->lane[lane].step.length;
+    const saltus_lane_numbers *numbers = flow->work.lane;
+    return numbers->taken[lane] > 0 ? numbers->advance[lane] : flow->lane[lane].step.length;
 }
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane) {
-    return flow->lane[lane].step.begin;
+    const saltus_lane *self = &flow->lane[lane];
+    const saltus_lane_numbers *numbers = flow->work.lane;
+    return numbers->taken[lane] > 0 ? (saltus_time){self->now.cycle, numbers->from[lane]} : self->step.begin;
 }
 
 void saltus_lane_gather(const saltus_flow *flow, int lane, int column, double *vector) {
@@ -100,11 +112,10 @@ void saltus_flow_dense(const saltus_flow *flow, int lane, double since, double *
 }
 
 int saltus_flow_state_at(const saltus_flow *flow, int lane, saltus_time time, double *state) {
-    const saltus_lane *self = &flow->lane[lane];
-    double since = saltus_time_between(self->step.begin, time) * self->system->period;
-    int order = saltus_time_compare(time, self->now);
+    const double length = saltus_flow_step_length(flow, lane), period = flow->lane[lane].system->period;
+    const double since = saltus_time_between(saltus_flow_step_begin(flow, lane), time) * period;
+    const int order = saltus_time_compare(time, saltus_flow_time(flow, lane));
     if (order <= 0)
-        saltus_flow_dense(flow, lane, order < 0 && since < self->step.length ? since : self->step.length,
-                          state);
+        saltus_flow_dense(flow, lane, order < 0 && since < length ? since : length, state);
     return order;
 }

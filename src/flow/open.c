@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 #include "flow/options.h"
+#include "flow/quiet.h"
 #include "system/spectrum.h"
 
 #include <gsl/gsl_pow_int.h>
@@ -256,6 +257,8 @@ saltus_status saltus_flow_single(const saltus_system *system, int columns, const
 
 /* Load the lane's system and the directions into all works anew. */
 static void reload(saltus_flow *flow, int lane) {
+    saltus_quiet_end(flow, lane);
+    saltus_quiet_break(flow, lane);
     if (flow->lanes == 1)
         saltus_work_forget(&flow->work);
     saltus_work_forget(&flow->probe[lane]);
@@ -274,6 +277,7 @@ void saltus_flow_set_directions(saltus_flow *flow, const saltus_direction *direc
 }
 
 void saltus_flow_limit_steps(saltus_flow *flow, double per_period) {
+    flow->quiet = 0;
     flow->period_steps_max = per_period > 0 ? per_period : steps_usual(&flow->options);
 }
 

@@ -1,0 +1,73 @@
+/* Quiet lanes.
+ *
+ * Most steps of most lanes meet nothing: no face is near, no contact holds, the target and the end of the
+ * period are further away. The kernel takes such lanes on for all lanes at once, and what a lane counts is
+ * brought up to date only when a step of it may meet something. Only a lane's own state decides, and time
+ * passes by the same arithmetic, so its bits do not depend on its neighbours.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef SALTUS_FLOW_QUIET_H
+#define SALTUS_FLOW_QUIET_H
+
+#include "flow/flow.h"
+
+#include <math.h>
+
+/* Whether the kernel may take a lane on as long as its steps meet nothing. A period's first step is not for
+ * the kernel, because counters begin there. One lane alone gains nothing. */
+static inline bool saltus_quiet_allowed(const saltus_flow *flow, const saltus_lane *self) {
+    return flow->lanes > 1 && !flow->options.effort && !flow->options.directions && !flow->transients &&
+           self->step.calm && self->target.aimed && !(self->target.watch & SALTUS_WATCH_STEP) &&
+           self->flight == INFINITY && !self->turned && self->failure == SALTUS_OK && self->cycle_steps > 0 &&
+           self->cycle_steps + SALTUS_QUIET_STEPS < flow->period_steps_max && !self->system->guarded;
+}
+
+/* Leave a lane to the kernel, if that is allowed, once its next step is prepared. */
+static inline void saltus_quiet_begin(saltus_flow *flow, int lane) {
+    const saltus_lane *self = &flow->lane[lane];
+    saltus_lane_numbers *to = flow->work.lane;
+    if (!saltus_quiet_allowed(flow, self) || to->left[lane] <= self->brief) {
+        to->quiet[lane] = 1;
+        return;
+    }
+    to->quiet[lane] = -1;
+    to->cycles[lane] = (double)(self->target.until.cycle - self->now.cycle);
+    to->until[lane] = self->target.until.phase;
+    to->brief[lane] = self->brief;
+}
+
+/* Bring a lane's time and counters up to date. */
+static inline void saltus_quiet_end(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_lane_numbers *numbers = flow->work.lane;
+    const double steps = numbers->taken[lane];
+    if (steps == 0)
+        return;
+    numbers->taken[lane] = 0;
+    self->now.phase = numbers->phase[lane];
+    self->info.steps += (long long)steps;
+    self->info.field_evaluations += (long long)(steps * numbers->degree[lane]);
+    self->cycle_steps += (int)steps;
+    self->idle_events = 0;
+}
+
+/* To be called when a lane is given another start, target or system. */
+static inline void saltus_quiet_break(saltus_flow *flow, int lane) {
+    flow->quiet &= ~(1u << lane);
+}
+
+/* The lanes, as bits, whose planned step meets nothing and is concluded. */
+static inline unsigned saltus_quiet_pass(saltus_flow *flow) {
+    const saltus_lane_numbers *numbers = flow->work.lane;
+    unsigned passed = 0, stay = 0;
+    if (flow->lanes == 1)
+        return 0;
+    flow->kernel->pass(&flow->work);
+    for (int l = 0; l < flow->lanes; l++) {
+        passed |= (unsigned)(numbers->passed[l] > 0) << l;
+        stay |= (unsigned)(numbers->quiet[l] < 0) << l;
+    }
+    flow->quiet = passed & stay;
+    return passed;
+}
+
+#endif
