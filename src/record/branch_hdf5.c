@@ -32,9 +32,14 @@ struct saltus_branch_output {
     double written, cost; /* when the file was last exchanged, and how long that took; seconds */
 };
 
-static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
+static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
+    const saltus_branch_output *o = context;
     const saltus_branch_file *head = &o->head;
     const saltus_branch_options *options = &head->options;
+    char names[SALTUS_PARAMETERS_MAX * SALTUS_KEY_MAX] = "";
+    int count;
+    size_t used = 0;
+    (void)message;
     saltus_h5_put_head(w, "branch", head->scene, head->title, &head->spec, head->complete);
     saltus_h5_put_origin(w, &o->origin);
     saltus_h5_text(w, w->file, "integrator",
@@ -51,19 +56,10 @@ static void put_head(saltus_h5 *w, const saltus_branch_output *o) {
         saltus_h5_double(w, group, "period", 2 * M_PI / saltus_spec_omega(&head->spec));
     saltus_h5_reals(w, group, "state", "q, q', further states at phase 0", head->state, head->dimension);
     saltus_h5_close(group);
-}
-
-static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
-    const saltus_branch_output *o = context;
-    char names[SALTUS_PARAMETERS_MAX * SALTUS_KEY_MAX] = "";
-    int count;
-    size_t used = 0;
-    (void)message;
-    put_head(w, o);
-    hid_t group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
+    group = saltus_h5_open_group(w, "points", "points of the branches, one row each, as computed");
     saltus_h5_rows(w, group, &o->points);
     /* The parameters' names make the rows readable for other programs. */
-    const saltus_parameter *p = saltus_model_parameters(o->head.spec.model, &count);
+    const saltus_parameter *p = saltus_model_parameters(head->spec.model, &count);
     for (int k = 0; k < count && used < sizeof names; k++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k ? "," : "", p[k].name);
     hid_t set = w->sound ? H5Dopen2(group, "parameters", H5P_DEFAULT) : -1;

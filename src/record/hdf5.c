@@ -147,24 +147,6 @@ static const saltus_field_table *stop_table(const saltus_model *model) {
     return strcmp(saltus_model_stop_key(model), "xi") == 0 ? &by_position : &by_weights;
 }
 
-static void put_parameters(saltus_h5 *w, const saltus_spec *spec) {
-    const saltus_field_table *stop = stop_table(spec->model);
-    int count;
-    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    hid_t group = saltus_h5_open_group(w, "parameters", "parameters of the model; one group for each stop");
-    for (int k = 0; k < count; k++)
-        saltus_h5_double(w, group, p[k].name, spec->parameters[k]);
-    saltus_h5_close(group);
-    for (int s = 0; s < spec->stop_count; s++) {
-        char name[32];
-        snprintf(name, sizeof name, "parameters/stop_%d", s + 1);
-        group = saltus_h5_open_group(w, name, "a rigid stop");
-        for (int k = 0; k < stop->count; k++)
-            put_field(w, group, &stop->fields[k], &spec->stops[s]);
-        saltus_h5_close(group);
-    }
-}
-
 void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const char *title,
                         const saltus_spec *spec, bool complete) {
     saltus_h5_text(w, w->file, "kind", kind);
@@ -186,7 +168,21 @@ void saltus_h5_put_head(saltus_h5 *w, const char *kind, const char *scene, const
     if (saltus_h5_note_memory(w, dimension >= 0))
         saltus_h5_text(w, w->file, "state", names);
     saltus_h5_integer(w, w->file, "complete", complete);
-    put_parameters(w, spec);
+    const saltus_field_table *stop = stop_table(spec->model);
+    int count;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    hid_t group = saltus_h5_open_group(w, "parameters", "parameters of the model; one group for each stop");
+    for (int k = 0; k < count; k++)
+        saltus_h5_double(w, group, p[k].name, spec->parameters[k]);
+    saltus_h5_close(group);
+    for (int s = 0; s < spec->stop_count; s++) {
+        char name[32];
+        snprintf(name, sizeof name, "parameters/stop_%d", s + 1);
+        group = saltus_h5_open_group(w, name, "a rigid stop");
+        for (int k = 0; k < stop->count; k++)
+            put_field(w, group, &stop->fields[k], &spec->stops[s]);
+        saltus_h5_close(group);
+    }
 }
 
 /* FNV-1a checksum. It is stored behind the end of the file as HDF5 sees it, so a program that modifies the

@@ -75,24 +75,6 @@ saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, salt
     return status;
 }
 
-/* The column names of a table; those of a state are the names of its entries. */
-static saltus_status put_columns(const saltus_sweep_file *file, const saltus_cloud_kind *cloud, FILE *out,
-                                 saltus_message *message) {
-    saltus_system *system = NULL;
-    saltus_status status = SALTUS_OK;
-    if (!cloud || cloud->bytes)
-        put_names(cloud ? &cloud->fields : &saltus_line_fields, out);
-    else
-        status = saltus_system_new(&file->spec, &system, message);
-    if (system) {
-        for (int i = 0; i < saltus_system_dimension(system); i++)
-            fprintf(out, ",%s", saltus_system_state_name(system, i).text);
-        saltus_system_free(system);
-    }
-    fputc('\n', out);
-    return status;
-}
-
 saltus_sweep_entries saltus_sweep_entries_of(const saltus_sweep_file *file, int cloud) {
     const saltus_sweep_entries all[SALTUS_CLOUDS] = {
         {file->turning_first, file->turning_count, file->turning},
@@ -101,84 +83,76 @@ saltus_sweep_entries saltus_sweep_entries_of(const saltus_sweep_file *file, int 
     return all[cloud];
 }
 
-static saltus_status put_table(const saltus_sweep_file *file, saltus_table table, FILE *out,
-                               saltus_message *message) {
+saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *file, saltus_table table,
+                                     saltus_message *message) {
     const int cloud = (int)table - SALTUS_TABLE_TURNING;
     const saltus_cloud_kind *kind = cloud < 0 ? NULL : &saltus_clouds[cloud];
+    saltus_system *system = NULL;
+    saltus_output output;
+    if (table < SALTUS_TABLE_ROWS || table > SALTUS_TABLE_STROBES)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "table %d: there is none of that number", (int)table);
+    const saltus_sweep_entries e =
+        kind ? saltus_sweep_entries_of(file, cloud) : (saltus_sweep_entries){.count = NULL};
+    if (kind && !e.count)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the sweep did not keep %s points or impacts", path,
+                           kind->group);
+    saltus_status status = saltus_output_open(&output, path, message);
+    if (status != SALTUS_OK)
+        return status;
+    FILE *out = output.file;
     put_head(file, out);
-    saltus_status status = put_columns(file, kind, out, message);
+    /* The columns of a state are named like its entries. */
+    if (kind && !kind->bytes)
+        status = saltus_system_new(&file->spec, &system, message);
+    else
+        put_names(kind ? &kind->fields : &saltus_line_fields, out);
+    for (int i = 0; system && i < saltus_system_dimension(system); i++)
+        fprintf(out, ",%s", saltus_system_state_name(system, i).text);
+    fputc('\n', out);
     for (long long row = 0; row < file->row_count && status == SALTUS_OK && !ferror(out); row++) {
         saltus_sweep_line line = {.row = file->rows[row]};
         if (!kind) {
             saltus_sweep_label(&line.row, line.label);
             put_place(file, row, out);
             put_record(&saltus_line_fields, 0, &line, out);
-            continue;
         }
-        const saltus_sweep_entries e = saltus_sweep_entries_of(file, cloud);
-        const size_t stride = kind->bytes ? kind->bytes : (size_t)file->dimension * sizeof(double);
-        for (long long i = 0; i < e.count[row]; i++) {
+        const size_t stride = kind && kind->bytes ? kind->bytes : (size_t)file->dimension * sizeof(double);
+        for (long long i = 0; kind && i < e.count[row]; i++) {
             put_place(file, row, out);
             put_record(&kind->fields, file->dimension,
                        (const unsigned char *)e.values + (size_t)(e.first[row] + i) * stride, out);
         }
     }
-    return status;
-}
-
-saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *file, saltus_table table,
-                                     saltus_message *message) {
-    saltus_output output;
-    if (table < SALTUS_TABLE_ROWS || table > SALTUS_TABLE_STROBES)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "table %d: there is none of that number", (int)table);
-    if (table != SALTUS_TABLE_ROWS && !saltus_sweep_entries_of(file, (int)table - SALTUS_TABLE_TURNING).count)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the sweep did not keep %s points or impacts", path,
-                           saltus_clouds[(int)table - SALTUS_TABLE_TURNING].group);
-    saltus_status status = saltus_output_open(&output, path, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = put_table(file, table, output.file, message);
+    saltus_system_free(system);
     return saltus_output_close(&output, status, message);
 }
 
-/* Collect the lines `# name = value` at the head of a table. */
-static bool collect(FILE *file, FILE *text, bool *complete) {
+/* The lines `# name = value` at the head of a table are its identity. */
+saltus_status saltus_sweep_identity_csv(const char *path, char **identity, bool *complete,
+                                        saltus_message *message) {
+    size_t length = 0, room = 0;
     char *line = NULL;
-    size_t room = 0;
+    *identity = NULL;
     *complete = false;
-    while (getline(&line, &room, file) > 0 && line[0] == '#') {
+    const saltus_file_facts facts = saltus_file_identify(path);
+    bool sound = strcmp(facts.kind, "sweep table") == 0 || strcmp(facts.kind, "basins table") == 0;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: cannot be opened (%s)", path, strerror(errno));
+    FILE *text = open_memstream(identity, &length);
+    while (text && getline(&line, &room, file) > 0 && line[0] == '#') {
         *complete = *complete || strcmp(line, "# complete: 1\n") == 0;
         if (strncmp(line, "# title: ", 9) != 0 && strncmp(line, "# scene: ", 9) != 0 && strstr(line, " = "))
             fputs(line + 2, text);
     }
     free(line);
-    return !ferror(file);
-}
-
-saltus_status saltus_sweep_identity_csv(const char *path, char **identity, bool *complete,
-                                        saltus_message *message) {
-    size_t length = 0;
-    bool sound = false;
-    *identity = NULL;
-    const saltus_file_facts facts = saltus_file_identify(path);
-    const bool ours = strcmp(facts.kind, "sweep table") == 0 || strcmp(facts.kind, "basins table") == 0;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: cannot be opened (%s)", path, strerror(errno));
-    FILE *text = open_memstream(identity, &length);
-    if (text) {
-        sound = collect(file, text, complete);
-        sound = fclose(text) == 0 && sound;
-    }
+    sound = !ferror(file) && sound;
+    sound = (!text || fclose(text) == 0) && sound;
     fclose(file);
-    saltus_status status = SALTUS_OK;
-    if (!text)
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %s", path);
-    else if (!sound || !ours)
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not the table of a sweep", path);
-    if (status != SALTUS_OK) {
-        free(*identity);
-        *identity = NULL;
-    }
-    return status;
+    if (text && sound)
+        return SALTUS_OK;
+    free(*identity);
+    *identity = NULL;
+    return text ? saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not the table of a sweep", path)
+                : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %s", path);
 }

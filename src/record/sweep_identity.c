@@ -4,6 +4,7 @@
 #include "record/sweep_output.h"
 #include "sweep/options.h"
 
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,73 +31,57 @@ saltus_sweep_file saltus_sweep_head(const saltus_sweep *sweep, bool basins, bool
     return head;
 }
 
-typedef struct writer {
-    FILE *file;
-    const char *prefix;
-} writer;
-
-static void put_word(const writer *w, const char *name, const char *word) {
-    fprintf(w->file, "%s%s = %s\n", w->prefix, name, word);
-}
-
-static void put_real(const writer *w, const char *name, double value) {
-    char text[SALTUS_NUMBER_MAX];
-    put_word(w, name, saltus_number(value, text));
-}
-
-static void put_whole(const writer *w, const char *name, long long value) {
-    fprintf(w->file, "%s%s = %lld\n", w->prefix, name, value);
-}
-
-/* A grid by its ends and count, a list value by value. */
-static void put_axis(const writer *w, const saltus_axis *axis, int k) {
-    char name[64];
-    snprintf(name, sizeof name, "axis %d", k + 1);
-    put_word(w, name, axis->key);
-    snprintf(name, sizeof name, "%s values", axis->key);
-    put_whole(w, name, axis->count);
-    snprintf(name, sizeof name, "%s spacing", axis->key);
-    put_word(w, name, saltus_word_of(saltus_spacing_words, (int)axis->spacing));
-    for (int i = 0; i < axis->count;
-         i += axis->spacing == SALTUS_LIST || axis->count == 1 ? 1 : axis->count - 1) {
-        snprintf(name, sizeof name, "%s value %d", axis->key, i + 1);
-        put_real(w, name, saltus_axis_value(axis, i));
-    }
+/* A line, after the prefix. */
+__attribute__((format(printf, 3, 4))) static void put(FILE *file, const char *prefix, const char *format,
+                                                      ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fputs(prefix, file);
+    vfprintf(file, format, arguments);
+    fputc('\n', file);
+    va_end(arguments);
 }
 
 void saltus_sweep_identity_put(FILE *file, const saltus_sweep_file *head, const char *prefix) {
-    const writer w = {file, prefix};
     const saltus_spec *spec = &head->spec;
-    char name[64], text[SALTUS_FIELD_TEXT_MAX];
+    char number[SALTUS_NUMBER_MAX], text[SALTUS_FIELD_TEXT_MAX];
     int count;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    put_word(&w, "version", head->version);
-    put_word(&w, "kind", head->basins ? "basins" : "sweep");
-    put_word(&w, "model", saltus_model_name(spec->model));
+    put(file, prefix, "version = %s", head->version);
+    put(file, prefix, "kind = %s", head->basins ? "basins" : "sweep");
+    put(file, prefix, "model = %s", saltus_model_name(spec->model));
     for (int k = 0; k < count; k++)
-        put_real(&w, p[k].name, spec->parameters[k]);
+        put(file, prefix, "%s = %s", p[k].name, saltus_number(spec->parameters[k], number));
     if (spec->observe[0])
-        put_word(&w, "observe", spec->observe);
-    put_whole(&w, "stops", spec->stop_count);
+        put(file, prefix, "observe = %s", spec->observe);
+    put(file, prefix, "stops = %d", spec->stop_count);
     for (int s = 0; s < spec->stop_count; s++) {
         fprintf(file, "%sstop %d = ", prefix, s + 1);
         saltus_put_stop(file, spec, s);
         fputc('\n', file);
     }
-    put_whole(&w, "initial entries", head->initial_count);
-    for (int k = 0; k < head->initial_count; k++) {
-        snprintf(name, sizeof name, "initial entry %d", k + 1);
-        put_real(&w, name, head->initial[k]);
+    put(file, prefix, "initial entries = %d", head->initial_count);
+    for (int k = 0; k < head->initial_count; k++)
+        put(file, prefix, "initial entry %d = %s", k + 1, saltus_number(head->initial[k], number));
+    put(file, prefix, "axes = %d", head->axis_count);
+    /* A grid by its ends and count, a list value by value. */
+    for (int k = 0; k < head->axis_count; k++) {
+        const saltus_axis *axis = &head->axes[k];
+        const int step = axis->spacing == SALTUS_LIST || axis->count == 1 ? 1 : axis->count - 1;
+        put(file, prefix, "axis %d = %s", k + 1, axis->key);
+        put(file, prefix, "%s values = %d", axis->key, axis->count);
+        put(file, prefix, "%s spacing = %s", axis->key,
+            saltus_word_of(saltus_spacing_words, (int)axis->spacing));
+        for (int i = 0; i < axis->count; i += step)
+            put(file, prefix, "%s value %d = %s", axis->key, i + 1,
+                saltus_number(saltus_axis_value(axis, i), number));
     }
-    put_whole(&w, "axes", head->axis_count);
-    for (int k = 0; k < head->axis_count; k++)
-        put_axis(&w, &head->axes[k], k);
     for (int k = 0; k < saltus_sweep_table.count; k++) {
         const saltus_option *option = &saltus_sweep_table.options[k];
         const char *value = saltus_field_text(&option->field, &head->options, text);
         /* `keep` is 0. */
         if (!option->apart)
-            put_word(&w, option->field.name, value[0] ? value : "rows");
+            put(file, prefix, "%s = %s", option->field.name, value[0] ? value : "rows");
     }
 }
 

@@ -279,18 +279,6 @@ saltus_status saltus_journal_add(saltus_journal *journal, const saltus_sweep_res
         journal->path, strerror(reason));
 }
 
-saltus_status saltus_journal_get(saltus_journal *journal, long long place, saltus_sweep_result *result,
-                                 saltus_message *message) {
-    const unsigned char *bytes = NULL;
-    size_t length = 0;
-    bool whole = false;
-    saltus_status status = look_at_record(journal, journal->offset[place], &whole, &length, &bytes, message);
-    if (status == SALTUS_OK &&
-        (!whole || !saltus_sweep_unpack(journal->sweep, bytes, length, result) || result->place != place))
-        status = saltus_fail(message, SALTUS_IO, "%s: was changed while it was in use", journal->path);
-    return status;
-}
-
 void saltus_journal_close(saltus_journal *journal, bool discard) {
     if (journal->path && journal->file >= 0) {
         if (discard)
@@ -304,52 +292,42 @@ void saltus_journal_close(saltus_journal *journal, bool discard) {
     *journal = (saltus_journal){.file = -1};
 }
 
-/* The results in the order of the file, one place at a time. */
-
-bool saltus_sweep_stream_open(saltus_sweep_stream *stream) {
-    stream->lines = calloc((size_t)saltus_sweep_choices(stream->sweep)->seeds, sizeof *stream->lines);
-    return stream->lines != NULL;
-}
-
-void saltus_sweep_stream_close(saltus_sweep_stream *stream) {
-    free(stream->lines);
-    stream->lines = NULL;
-}
-
-/* Complete a line. All NaNs get the same bits, so that equal results give equal files. */
-static void finish_line(saltus_sweep_line *line) {
-    for (int k = 0; k < saltus_row_fields.count; k++) {
-        const saltus_field *field = &saltus_row_fields.fields[k];
-        if (field->type == SALTUS_REAL && isnan(saltus_field_number(field, line)))
-            saltus_field_set_number(field, NAN, line);
-    }
-    saltus_sweep_label(&line->row, line->label);
-}
-
 saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long place,
                                        saltus_message *message) {
-    int seeds = saltus_sweep_choices(stream->sweep)->seeds;
-    int dimension = saltus_sweep_dimension(stream->sweep);
+    saltus_journal *j = stream->journal;
+    const int seeds = saltus_sweep_choices(stream->sweep)->seeds;
+    const bool there = j->offset[place] != 0;
+    saltus_sweep_result *result = &stream->result;
+    saltus_status status = SALTUS_OK;
     stream->distinct = 0;
-    if (!stream->journal->offset[place]) {
-        stream->result = (saltus_sweep_result){.rows = NULL};
-        for (int s = 0; s < seeds; s++) {
-            stream->lines[s].row = saltus_sweep_row_of(SALTUS_PENDING);
-            finish_line(&stream->lines[s]);
-        }
-        return SALTUS_OK;
+    *result = (saltus_sweep_result){.rows = NULL};
+    if (there) {
+        const unsigned char *bytes = NULL;
+        size_t length = 0;
+        bool whole = false;
+        status = look_at_record(j, j->offset[place], &whole, &length, &bytes, message);
+        if (status == SALTUS_OK &&
+            (!whole || !saltus_sweep_unpack(j->sweep, bytes, length, result) || result->place != place))
+            status = saltus_fail(message, SALTUS_IO, "%s: was changed while it was in use", j->path);
     }
-    saltus_status status = saltus_journal_get(stream->journal, place, &stream->result, message);
     for (int s = 0; s < seeds && status == SALTUS_OK; s++) {
-        saltus_sweep_row *row = &stream->lines[s].row;
-        *row = stream->result.rows[s];
-        finish_line(&stream->lines[s]);
-        if (row->attractor >= stream->distinct && row->attractor < seeds)
+        saltus_sweep_line *line = &stream->lines[s];
+        saltus_sweep_row *row = &line->row;
+        *row = there ? result->rows[s] : saltus_sweep_row_of(SALTUS_PENDING);
+        /* All NaNs get the same bits, so that equal results give equal files. */
+        for (int k = 0; k < saltus_row_fields.count; k++) {
+            const saltus_field *field = &saltus_row_fields.fields[k];
+            if (field->type == SALTUS_REAL && isnan(saltus_field_number(field, line)))
+                saltus_field_set_number(field, NAN, line);
+        }
+        saltus_sweep_label(row, line->label);
+        if (there && row->attractor >= stream->distinct && row->attractor < seeds)
             stream->distinct = row->attractor + 1;
-        if (stream->basins && !stream->complete)
+        if (there && stream->basins && !stream->complete)
             row->attractor = -1;
-        else if (stream->basins)
-            status = saltus_basins_sort(stream->basins, row, stream->result.states + (size_t)s * dimension,
+        else if (there && stream->basins)
+            status = saltus_basins_sort(stream->basins, row,
+                                        result->states + (size_t)s * saltus_sweep_dimension(stream->sweep),
                                         &row->attractor, message);
     }
     return status;

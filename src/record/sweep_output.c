@@ -40,7 +40,8 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
                                   .basins = o->basins,
                                   .origin = &o->origin,
                                   .complete = last && o->journal.found == o->journal.places};
-    if (!saltus_sweep_stream_open(&stream))
+    stream.lines = calloc((size_t)saltus_sweep_choices(o->sweep)->seeds, sizeof *stream.lines);
+    if (!stream.lines)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", o->path);
     saltus_status status = SALTUS_OK;
     if (!o->table)
@@ -51,7 +52,7 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
             fsync(fileno(output.file));
         status = saltus_output_close(&output, status, message);
     }
-    saltus_sweep_stream_close(&stream);
+    free(stream.lines);
     o->written = saltus_seconds();
     o->cost = o->written - begin;
     return status;
@@ -75,27 +76,11 @@ static saltus_status test_target(const char *path, const saltus_sweep *sweep, bo
     return saltus_output_test(path, message);
 }
 
-/* Resuming without a journal: accept a finished file of the same sweep; then nothing is left to do. */
-static saltus_status accept_finished(saltus_sweep_output *o, const char *identity, saltus_message *message) {
-    char *there = NULL;
-    saltus_status status = o->table ? saltus_sweep_identity_csv(o->path, &there, &o->finished, message)
-                                    : saltus_sweep_identity_hdf5(o->path, &there, &o->finished, message);
-    if (status == SALTUS_OK)
-        status = saltus_sweep_identity_compare(o->path, there, identity, message);
-    if (status == SALTUS_OK && !o->finished)
-        status = saltus_fail(message, SALTUS_BAD_INPUT,
-                             "%s: is not finished, and %s.journal, from which it would go on, is not there; "
-                             "without --resume it is begun anew",
-                             o->path, saltus_path_name(o->path));
-    free(there);
-    return status;
-}
-
 static saltus_status open_journal(saltus_sweep_output *o, bool resume, bool exists, saltus_message *message) {
     const saltus_sweep_file head = saltus_sweep_head(o->sweep, o->basins != NULL, false);
     char *text = saltus_sweep_identity_text(&head);
     size_t room = strlen(o->path) + sizeof ".journal";
-    char *path = malloc(room);
+    char *path = malloc(room), *finished = NULL;
     bool there = false;
     saltus_status status = SALTUS_OK;
     if (!text || !path)
@@ -104,10 +89,21 @@ static saltus_status open_journal(saltus_sweep_output *o, bool resume, bool exis
         snprintf(path, room, "%s.journal", o->path);
         status = saltus_journal_open(&o->journal, path, o->sweep, text, resume, &there, message);
     }
-    if (status == SALTUS_OK && !there && resume && exists)
-        status = accept_finished(o, text, message);
+    /* Resuming without a journal: a finished file of the same sweep is accepted; nothing is left to do. */
+    if (status == SALTUS_OK && !there && resume && exists) {
+        status = (o->table ? saltus_sweep_identity_csv : saltus_sweep_identity_hdf5)(o->path, &finished,
+                                                                                     &o->finished, message);
+        if (status == SALTUS_OK)
+            status = saltus_sweep_identity_compare(o->path, finished, text, message);
+        if (status == SALTUS_OK && !o->finished)
+            status = saltus_fail(message, SALTUS_BAD_INPUT,
+                                 "%s: is not finished, and %s.journal, from which it would go on, is not "
+                                 "there; without --resume it is begun anew",
+                                 o->path, saltus_path_name(o->path));
+    }
     if (status == SALTUS_OK && !there && !o->finished)
         status = saltus_journal_begin(&o->journal, text, message);
+    free(finished);
     free(text);
     free(path);
     return status;

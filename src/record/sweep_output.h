@@ -46,10 +46,6 @@ saltus_status saltus_journal_begin(saltus_journal *journal, const char *identity
 /* Append a result. Errors: SALTUS_IO, SALTUS_NO_MEMORY; earlier results remain. */
 saltus_status saltus_journal_add(saltus_journal *journal, const saltus_sweep_result *result,
                                  saltus_message *message);
-/* Read the result of a place, which must be present; valid until the next call. Errors: SALTUS_IO,
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_journal_get(saltus_journal *journal, long long place, saltus_sweep_result *result,
-                                 saltus_message *message);
 /* Close the journal; with `discard` it is removed. A zeroed one is accepted. */
 void saltus_journal_close(saltus_journal *journal, bool discard);
 
@@ -60,16 +56,14 @@ typedef struct saltus_sweep_stream {
     saltus_basins *basins; /* NULL: not a basins file */
     bool complete;         /* all places are present, so the attractors of basins can be assigned */
     const saltus_origin *origin;
-    saltus_sweep_line *lines; /* of the current place */
+    saltus_sweep_line *lines; /* of the current place, one for each seed; the caller's */
     int distinct;             /* number of distinct attractors at this place */
     saltus_sweep_result result;
 } saltus_sweep_stream;
 
-bool saltus_sweep_stream_open(saltus_sweep_stream *stream);
-void saltus_sweep_stream_close(saltus_sweep_stream *stream);
 /* Read a place: fills stream->lines and stream->distinct; stream->result has the clouds, or is NULL if the
  * place has no result. Places must be read in increasing order. Errors: SALTUS_IO, SALTUS_NO_MEMORY, those of
- * saltus_basins_sort. */
+ * saltus_basins_sort. In sweep_journal.c. */
 saltus_status saltus_sweep_stream_read(saltus_sweep_stream *stream, long long place, saltus_message *message);
 /* The counts per seed and the entries of a cloud at the place just read. */
 const void *saltus_sweep_stream_cloud(const saltus_sweep_stream *stream, int cloud, const long long **counts);

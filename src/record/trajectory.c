@@ -95,18 +95,6 @@ static void put_rows(saltus_h5 *w, const char *name, const char *description, co
     saltus_h5_close(group);
 }
 
-static void put_events(saltus_h5 *w, const source *s) {
-    saltus_rows events = {.kind = &saltus_trajectory_event_fields};
-    for (long long k = 0; k < s->record->event_count && w->sound; k++) {
-        saltus_event_row row = saltus_event_row_of(s->system, &s->record->events[k]);
-        row.velocity_after = saltus_event_after(&s->record->events[k]);
-        row.row = s->record->event_rows[k];
-        saltus_h5_note_memory(w, saltus_rows_add(&events, &row));
-    }
-    put_rows(w, "events", "impacts, begins of contact (stick) and releases, in order", &events);
-    saltus_rows_clear(&events);
-}
-
 static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
     const source *s = context;
     const saltus_trajectory *r = s->record;
@@ -129,7 +117,15 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
     saltus_h5_double(w, w->file, "period", saltus_system_period(s->system));
     saltus_h5_options(w, w->file, &saltus_flow_table, &used);
     put_rows(w, "trajectory", "samples, with one on each side of every impact", &samples);
-    put_events(w, s);
+    saltus_rows events = {.kind = &saltus_trajectory_event_fields};
+    for (long long k = 0; k < r->event_count && w->sound; k++) {
+        saltus_event_row row = saltus_event_row_of(s->system, &r->events[k]);
+        row.velocity_after = saltus_event_after(&r->events[k]);
+        row.row = r->event_rows[k];
+        saltus_h5_note_memory(w, saltus_rows_add(&events, &row));
+    }
+    put_rows(w, "events", "impacts, begins of contact (stick) and releases, in order", &events);
+    saltus_rows_clear(&events);
     put_rows(w, "strobe", "stroboscopic points", &strobe);
     return SALTUS_OK;
 }
@@ -170,60 +166,45 @@ static saltus_status read_column(const saltus_h5_reader *r, const char *group, c
     return status;
 }
 
-static saltus_status read_samples(const saltus_h5_reader *r, saltus_trajectory *made) {
-    double **const columns[] = {&made->time, &made->states, &made->displacement, &made->velocity};
-    saltus_status status = SALTUS_OK;
-    for (int k = 0; k < 4 && status == SALTUS_OK; k++) {
-        const saltus_field *field = &saltus_sample_fields.fields[k];
-        long long count = 0;
-        status = read_column(r, "trajectory", field, made->dimension, columns[k], &count);
-        if (status == SALTUS_OK && (count < 1 || (k > 0 && count != made->samples)))
-            status = saltus_h5_refuse_part(r, "trajectory", field->name);
-        made->samples = count;
-    }
-    return status;
-}
-
-/* Read the events, each with the sample rows around it. */
-static saltus_status read_events(const saltus_h5_reader *r, const saltus_system *system,
-                                 saltus_trajectory *made) {
-    void *rows = NULL;
-    long long count = 0;
-    saltus_status status = saltus_h5_get_all(r, "events", &saltus_trajectory_event_fields, NULL, most_rows,
-                                             sizeof(saltus_event_row), &rows, &count);
-    made->events = calloc((size_t)count + 1, sizeof *made->events);
-    made->event_rows = calloc((size_t)count + 1, sizeof *made->event_rows);
-    if (status == SALTUS_OK && !(made->events && made->event_rows))
-        status = saltus_h5_no_memory(r);
-    for (long long k = 0; k < count && status == SALTUS_OK; k++) {
-        const saltus_event_row *row = (const saltus_event_row *)rows + k;
-        if (!saltus_event_of_row(system, row, &made->events[k]) ||
-            row->row >= made->samples - (row->kind != SALTUS_RELEASE) ||
-            row->row < (k ? made->event_rows[k - 1] : 0))
-            status = saltus_h5_refuse_part(r, "events", "row");
-        made->event_rows[k] = row->row;
-        made->event_count++;
-    }
-    free(rows);
-    return status;
-}
-
 saltus_status saltus_trajectory_file_read(const char *path, saltus_trajectory_file *file,
                                           saltus_message *message) {
     saltus_h5_reader r = {.path = path, .kind = "trajectory", .message = message};
     saltus_trajectory *made = &file->record;
+    double **const columns[] = {&made->time, &made->states, &made->displacement, &made->velocity};
+    void *rows = NULL;
+    long long count = 0;
     *file = (saltus_trajectory_file){.system = NULL};
     saltus_status status = saltus_h5_reader_open(&r);
     if (status == SALTUS_OK)
         status = saltus_h5_get_head(&r, "trajectory", "trajectory", &file->head);
     if (status == SALTUS_OK)
         status = saltus_system_new(&file->head.spec, &file->system, message);
-    if (status == SALTUS_OK) {
-        made->dimension = saltus_system_dimension(file->system);
-        status = read_samples(&r, made);
+    made->dimension = status == SALTUS_OK ? saltus_system_dimension(file->system) : 0;
+    for (int k = 0; k < 4 && status == SALTUS_OK; k++, made->samples = count) {
+        const saltus_field *field = &saltus_sample_fields.fields[k];
+        status = read_column(&r, "trajectory", field, made->dimension, columns[k], &count);
+        if (status == SALTUS_OK && (count < 1 || (k > 0 && count != made->samples)))
+            status = saltus_h5_refuse_part(&r, "trajectory", field->name);
     }
+    /* The events, each with the sample rows around it. */
+    count = 0;
     if (status == SALTUS_OK)
-        status = read_events(&r, file->system, made);
+        status = saltus_h5_get_all(&r, "events", &saltus_trajectory_event_fields, NULL, most_rows,
+                                   sizeof(saltus_event_row), &rows, &count);
+    made->events = calloc((size_t)count + 1, sizeof *made->events);
+    made->event_rows = calloc((size_t)count + 1, sizeof *made->event_rows);
+    if (status == SALTUS_OK && !(made->events && made->event_rows))
+        status = saltus_h5_no_memory(&r);
+    for (long long k = 0; k < count && status == SALTUS_OK; k++) {
+        const saltus_event_row *row = (const saltus_event_row *)rows + k;
+        if (!saltus_event_of_row(file->system, row, &made->events[k]) ||
+            row->row >= made->samples - (row->kind != SALTUS_RELEASE) ||
+            row->row < (k ? made->event_rows[k - 1] : 0))
+            status = saltus_h5_refuse_part(&r, "events", "row");
+        made->event_rows[k] = row->row;
+        made->event_count++;
+    }
+    free(rows);
     if (status == SALTUS_OK)
         status = read_column(&r, "strobe", saltus_strobe_fields.fields, made->dimension, &made->strobe_states,
                              &made->strobes);
