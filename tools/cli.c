@@ -473,45 +473,34 @@ bool cli_names_orbit(const cli_setup *setup) {
     return setup->start.periods > 0;
 }
 
-/* The orbit of --from, recomputed at the present parameters. */
-static saltus_status orbit_of_start(const cli_request *request, const cli_setup *setup,
-                                    const saltus_classify_options *how, saltus_motion *motion,
-                                    saltus_message *message) {
+saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
+                         saltus_motion *motion, saltus_message *message) {
     const saltus_start *start = &setup->start;
     saltus_orbit_options shooting = saltus_orbit_defaults();
     saltus_orbit orbit = {0};
     saltus_message reason = {.text = ""};
     saltus_status status;
     char period[32] = "";
+    *motion = (saltus_motion){0};
     shooting.flow = how->flow;
     shooting.tolerance = fmax(shooting.tolerance, 100 * how->flow.rtol);
-    if (start->own_period) {
+    if (!cli_on_orbit(setup)) {
+        status = saltus_classify(setup->system, start->state, how, motion, message);
+        cli_progress_end(request);
+    } else if (start->own_period)
         status = saltus_motion_cycle(setup->system, start->state, how, motion, &reason);
-    } else {
+    else {
         snprintf(period, sizeof period, " of period %d T", start->periods);
         status = saltus_orbit_find(setup->system, start->periods, start->state, &shooting, &orbit, &reason);
     }
-    if (status == SALTUS_NO_CONVERGENCE || status == SALTUS_SINGULAR)
-        status = SALTUS_BAD_INPUT;
-    if (status != SALTUS_OK)
+    if (cli_on_orbit(setup) && status != SALTUS_OK) {
+        if (status == SALTUS_NO_CONVERGENCE || status == SALTUS_SINGULAR)
+            status = SALTUS_BAD_INPUT;
         saltus_fail(message, status, "--from %.200s: is no orbit%s here: %.200s", cli_text(request, "--from"),
                     period, reason.text);
-    else if (!start->own_period)
+    } else if (period[0])
         status = saltus_motion_describe(setup->system, &orbit, how, motion, message);
     saltus_orbit_clear(&orbit);
-    return status;
-}
-
-saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
-                         saltus_motion *motion, saltus_message *message) {
-    saltus_status status;
-    *motion = (saltus_motion){0};
-    if (cli_on_orbit(setup)) {
-        status = orbit_of_start(request, setup, how, motion, message);
-    } else {
-        status = saltus_classify(setup->system, setup->start.state, how, motion, message);
-        cli_progress_end(request);
-    }
     if (status != SALTUS_OK || motion->trivial_multiplier == 0)
         return status;
     saltus_system *counted;

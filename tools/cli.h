@@ -68,6 +68,8 @@ typedef struct cli_option {
 
 #define CLI_OPTION(name, kind, argument, help)                                                               \
     { name, kind, argument, help, 0, 0, 0 }
+#define CLI_NUMBER(name, argument, help, fallback, min, max)                                                 \
+    { name, CLI_WHOLE, argument, help, fallback, min, max }
 
 /* Library options of a command: all options in a table that have a flag, except those in `without`. `offset`
  * locates the record in cli_request. An option that occurs in several tables is set in all of them; the
@@ -79,6 +81,23 @@ typedef struct cli_table {
 } cli_table;
 #define CLI_TABLE(table, member, without)                                                                    \
     { &table, offsetof(cli_request, member), without }
+/* Terminated lists of tables, options and examples. */
+#define CLI_TABLES(...)                                                                                      \
+    (const cli_table[]) {                                                                                    \
+        __VA_ARGS__, {                                                                                       \
+            NULL, 0, NULL                                                                                    \
+        }                                                                                                    \
+    }
+#define CLI_OPTIONS(...)                                                                                     \
+    (const cli_option *const[]) {                                                                            \
+        __VA_ARGS__, NULL                                                                                    \
+    }
+#define CLI_EXAMPLES(...)                                                                                    \
+    (const cli_example[]) {                                                                                  \
+        __VA_ARGS__, {                                                                                       \
+            NULL, NULL                                                                                       \
+        }                                                                                                    \
+    }
 
 /* An example; it works as typed after the examples before it have run. */
 typedef struct cli_example {

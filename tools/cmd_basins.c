@@ -6,12 +6,6 @@
 
 #include <string.h>
 
-static const cli_table tables[] = {
-    CLI_TABLE(saltus_sweep_table, sweep, "--seeds --seed --what --record --measure --lifetime"),
-    {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,    &cli_section, &sweep_over, &cli_output,
-                                            &cli_resume, &sweep_json,  NULL};
-
 /* Whether every axis is an entry of the initial state (q1, v1, z1 or names from a text model); false after a
  * message. */
 static bool check_axes(const cli_list *over, const saltus_scene *scene) {
@@ -42,11 +36,6 @@ static int run(const cli_request *request) {
     return code;
 }
 
-static const cli_example examples[] = {{"basins impact-pair --over q1=-1:1:20 --over v1=-1:1:20 -o basins.h5",
-                                        "20 displacements by 20 velocities"},
-                                       {"plot basins.h5 -o basins.png", "draw them"},
-                                       {NULL, NULL}};
-
 const cli_command cmd_basins = {
     .name = "basins",
     .summary = "which attractor each initial state leads to",
@@ -60,9 +49,12 @@ const cli_command cmd_basins = {
     .endings = cli_records,
     .kind = "basins",
     .resumes = true,
-    .tables = tables,
-    .options = options,
-    .examples = examples,
+    .tables = CLI_TABLES(
+        CLI_TABLE(saltus_sweep_table, sweep, "--seeds --seed --what --record --measure --lifetime")),
+    .options = CLI_OPTIONS(&cli_set, &cli_section, &sweep_over, &cli_output, &cli_resume, &sweep_json),
+    .examples = CLI_EXAMPLES({"basins impact-pair --over q1=-1:1:20 --over v1=-1:1:20 -o basins.h5",
+                              "20 displacements by 20 velocities"},
+                             {"plot basins.h5 -o basins.png", "draw them"}),
     .see = "plot sweep",
     .run = run,
 };

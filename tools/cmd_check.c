@@ -9,7 +9,6 @@
 
 static const cli_option derivatives =
     CLI_OPTION("--derivatives", CLI_FLAG, NULL, "compare all derivatives with differences of whole runs");
-static const cli_option *const options[] = {&cli_set, &derivatives, NULL};
 
 static void print_stop(const saltus_spec *spec, int s) {
     const saltus_model *model = spec->model;
@@ -129,12 +128,6 @@ static saltus_status check_scene(const cli_request *request, cli_setup *setup, c
                                                : SALTUS_OK;
 }
 
-static const cli_example examples[] = {
-    {"check pipe --set N=4 omega=40", "parameters and stops of a scene with changes"},
-    {"scenes two-stops | saltus check -", "one from standard input"},
-    {"check duffing --derivatives", "the equations, and that all derivatives are right"},
-    {NULL, NULL}};
-
 const cli_command cmd_check = {
     .name = "check",
     .summary = "what a scene means",
@@ -147,8 +140,11 @@ const cli_command cmd_check = {
             "of the start, all parameters and properties of stops are compared with differences of "
             "neighbouring runs. Exit status 1 when one is wrong.",
     .needs_scene = true,
-    .options = options,
-    .examples = examples,
+    .options = CLI_OPTIONS(&cli_set, &derivatives),
+    .examples =
+        CLI_EXAMPLES({"check pipe --set N=4 omega=40", "parameters and stops of a scene with changes"},
+                     {"scenes two-stops | saltus check -", "one from standard input"},
+                     {"check duffing --derivatives", "the equations, and that all derivatives are right"}),
     .see = "text scenes",
     .work = check_scene,
 };

@@ -8,12 +8,10 @@
 
 #include <math.h>
 
-static const cli_option seeds = {
-    "--seeds", CLI_WHOLE, "k", "classify from k random initial states, list the attractors", 0, 1, 1e6};
-static const cli_option seed = {"--seed", CLI_WHOLE, "s",         "seed of the random initial states",
-                                1,        0,         4294967295.0};
-static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set, &cli_section, &cli_json, &seeds, &seed, NULL};
+static const cli_option seeds =
+    CLI_NUMBER("--seeds", "k", "classify from k random initial states, list the attractors", 0, 1, 1e6);
+static const cli_option seed =
+    CLI_NUMBER("--seed", "s", "seed of the random initial states", 1, 0, 4294967295.0);
 
 static const char so_far[] = "this is what was found so far";
 
@@ -57,13 +55,6 @@ static saltus_status classify(const cli_request *request, cli_setup *setup, cons
     return SALTUS_OK;
 }
 
-static const cli_example examples[] = {
-    {"classify impact-oscillator", "the motion that the built-in scene settles on"},
-    {"classify pipe --set omega=41 d=0.03 --json", "the same at other parameters, as one JSON object"},
-    {"classify impact-pair --seeds 20",
-     "the attractors that 20 random initial states lead to, with their shares"},
-    {NULL, NULL}};
-
 const cli_command cmd_classify = {
     .name = "classify",
     .summary = "what a system settles on",
@@ -71,8 +62,8 @@ const cli_command cmd_classify = {
     .help = "Settle on the attractor, find its least period, polish the orbit by Newton's method and report "
             "n/p, contacts, events, multipliers, stability and symmetry.",
     .needs_scene = true,
-    .tables = tables,
-    .options = options,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_classify_table, classify, NULL)),
+    .options = CLI_OPTIONS(&cli_set, &cli_section, &cli_json, &seeds, &seed),
     .notes =
         "n/p means n impacts in p forcing periods; chatter/p has infinitely many impacts, which end in "
         "sticking; held means that the contact never opens. Without forcing p counts returns to the section, "
@@ -97,7 +88,11 @@ const cli_command cmd_classify = {
         "without forcing eigenvalues, by decreasing real part) with log_moduli, stable, mirror, residual, "
         "sum_rule; of motions without a period lyapunov with lyapunov_standard_error, lifetime_at_least and "
         "evidence; reason, parameters, version.",
-    .examples = examples,
+    .examples = CLI_EXAMPLES(
+        {"classify impact-oscillator", "the motion that the built-in scene settles on"},
+        {"classify pipe --set omega=41 d=0.03 --json", "the same at other parameters, as one JSON object"},
+        {"classify impact-pair --seeds 20",
+         "the attractors that 20 random initial states lead to, with their shares"}),
     .see = "orbit diagnose lyapunov sweep",
     .work = classify,
 };

@@ -19,22 +19,12 @@ static const cli_option range =
     CLI_OPTION("--in", CLI_TEXT, "key=lo:hi", "the parameter to continue in, and its range");
 static const cli_option second_range =
     CLI_OPTION("--and", CLI_TEXT, "key=lo:hi", "the second parameter of a locus");
-static const cli_option periods = {
-    "--periods", CLI_WHOLE, "p", "period of the orbit to start from, where it is not that of --from",
-    0,           1,         1e6};
+static const cli_option periods = CLI_NUMBER(
+    "--periods", "p", "period of the orbit to start from, where it is not that of --from", 0, 1, 1e6);
 static const cli_option values =
     CLI_OPTION("--at", CLI_TEXT, "v[,v...]", "values of the parameter to compute a point (UZ) at");
 static const cli_option json =
     CLI_OPTION("--json", CLI_FLAG, NULL, "one JSON object for each point on stdout");
-
-static const cli_table tables[] = {CLI_TABLE(saltus_branch_table, branch, "--segments"),
-                                   CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
-                                   {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,      &cli_section, &cli_from, &range,
-                                            &second_range, &periods,     &values,   &cli_resume,
-                                            &json,         &cli_output,  NULL};
-
-static const char *const endings[] = {".h5", NULL};
 
 /* One run: its start, its options and its results. */
 typedef struct run_state {
@@ -282,19 +272,6 @@ static int open_branch(run_state *run, saltus_message *message) {
     return cli_report(status, message);
 }
 
-/* Print the special points in the file as a table. */
-static saltus_status print_table(const run_state *run, saltus_message *message) {
-    saltus_branch_file file = {.point_count = 0};
-    saltus_status status = saltus_branch_file_read(run->request->output, &file, message);
-    if (status != SALTUS_OK)
-        return status;
-    printf("%s: %d point%s on %d branch%s in %s\n", run->setup.scene.name, run->rows,
-           run->rows == 1 ? "" : "s", run->branches, run->branches == 1 ? "" : "es", run->request->output);
-    saltus_write_branch_text(stdout, &file);
-    saltus_branch_file_clear(&file);
-    return status;
-}
-
 static int compute(run_state *run) {
     saltus_message message = {.text = ""}, closing = {.text = ""};
     int code = (cli_given(run->request, "--resume") ? begin_again : begin_anew)(run, &message);
@@ -308,8 +285,18 @@ static int compute(run_state *run) {
     bool complete = status == SALTUS_OK && !run->interrupted && !ferror(stdout);
     saltus_status written = saltus_branch_output_close(run->output, complete, &closing);
     run->output = NULL;
-    if (!cli_given(run->request, "--json") && status == SALTUS_OK && written == SALTUS_OK && run->rows)
-        status = print_table(run, &message);
+    /* The special points in the file as a table. */
+    if (!cli_given(run->request, "--json") && status == SALTUS_OK && written == SALTUS_OK && run->rows) {
+        saltus_branch_file file = {.point_count = 0};
+        status = saltus_branch_file_read(run->request->output, &file, &message);
+        if (status == SALTUS_OK) {
+            printf("%s: %d point%s on %d branch%s in %s\n", run->setup.scene.name, run->rows,
+                   run->rows == 1 ? "" : "s", run->branches, run->branches == 1 ? "" : "es",
+                   run->request->output);
+            saltus_write_branch_text(stdout, &file);
+        }
+        saltus_branch_file_clear(&file);
+    }
     if (status != SALTUS_OK || written != SALTUS_OK)
         return cli_report(status != SALTUS_OK ? status : written, status != SALTUS_OK ? &message : &closing);
     if (run->interrupted && !run->rows)
@@ -334,18 +321,6 @@ static int run(const cli_request *request) {
     return code;
 }
 
-static const cli_example examples[] = {
-    {"continue impact-oscillator --in omega=0.9:1.1 -o branch.h5",
-     "follow the orbit over frequencies; it flips at 0.96"},
-    {"plot branch.h5 -o branch.png", "draw the branch"},
-    {"continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and d=0.9:1.1 -o flip.h5",
-     "the curve of flips in two parameters"},
-    {"continue relief-valve --set q=9 --in q=7:9.5 --switch 1 -o valve.h5",
-     "an equilibrium over the flow rate, and the cycles born at its Hopf point"},
-    {"continue impact-oscillator --from branch.h5:PD1 --in omega=0.9:1.1 -o again.h5",
-     "from the first flip of the file"},
-    {NULL, NULL}};
-
 const cli_command cmd_continue = {
     .name = "continue",
     .summary = "branches of orbits and curves of bifurcations",
@@ -367,11 +342,13 @@ const cli_command cmd_continue = {
         "branches, no such curves. The file can be plotted, and read, while it grows; with --resume the "
         "options are those of the interrupted run, and the file becomes the one that it would have left.",
     .needs_scene = true,
-    .endings = endings,
+    .endings = (const char *const[]){".h5", NULL},
     .kind = "branch",
     .resumes = true,
-    .tables = tables,
-    .options = options,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_branch_table, branch, "--segments"),
+                         CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime")),
+    .options = CLI_OPTIONS(&cli_set, &cli_section, &cli_from, &range, &second_range, &periods, &values,
+                           &cli_resume, &json, &cli_output),
     .notes =
         "Labels: LP fold, PD flip, NS torus (Neimark-Sacker), BP branch point, GR grazing, CH complete "
         "chatter begins or ends, ST sticking begins, splits or ends, UZ a value asked for by --at, EP end of "
@@ -406,7 +383,17 @@ const cli_command cmd_continue = {
         "eigenvalues in their place, and lyapunov_coefficient at HB), arclength, heading, branch, parent, "
         "step, residual, iterations, log_volume, sum_rule, accuracy, reason, parameters, scene, version. A "
         "branch file has the same in columns, the touch as grazing_time, grazing_stop, grazing_side.",
-    .examples = examples,
+    .examples =
+        CLI_EXAMPLES({"continue impact-oscillator --in omega=0.9:1.1 -o branch.h5",
+                      "follow the orbit over frequencies; it flips at 0.96"},
+                     {"plot branch.h5 -o branch.png", "draw the branch"},
+                     {"continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and "
+                      "d=0.9:1.1 -o flip.h5",
+                      "the curve of flips in two parameters"},
+                     {"continue relief-valve --set q=9 --in q=7:9.5 --switch 1 -o valve.h5",
+                      "an equilibrium over the flow rate, and the cycles born at its Hopf point"},
+                     {"continue impact-oscillator --from branch.h5:PD1 --in omega=0.9:1.1 -o again.h5",
+                      "from the first flip of the file"}),
     .see = "orbit plot",
     .run = run,
 };

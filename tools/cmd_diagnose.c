@@ -7,9 +7,6 @@
 
 static const cli_option data =
     CLI_OPTION("--data", CLI_TEXT, "file.h5", "keep the data there, and gnuplot's script beside it (.gp)");
-static const cli_table tables[] = {CLI_TABLE(saltus_classify_table, classify, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set, &cli_section,       &cli_from, &cli_output,
-                                            &data,    CLI_FIGURE_OPTIONS, NULL};
 
 /* Record one orbit of a periodic motion; of any other motion a representative stretch, and section points. */
 static saltus_status record_motion(const saltus_system *system, const saltus_flow_options *flow,
@@ -80,13 +77,6 @@ static saltus_status diagnose(const cli_request *request, cli_setup *setup, cons
     return status;
 }
 
-static const cli_example examples[] = {
-    {"diagnose chatter -o chatter.png", "one page of figures about a motion with chatter"},
-    {"diagnose impact-oscillator --set F=0.6 -o sheet.pdf --size two-columns", "for a journal, 175 mm wide"},
-    {"diagnose impact-oscillator -o sheet.png --data sheet.h5",
-     "keep the record and the script of the figure"},
-    {NULL, NULL}};
-
 const cli_command cmd_diagnose = {
     .name = "diagnose",
     .summary = "a motion on one page",
@@ -98,9 +88,14 @@ const cli_command cmd_diagnose = {
     .needs_scene = true,
     .endings = cli_figures,
     .kind = "trajectory",
-    .tables = tables,
-    .options = options,
-    .examples = examples,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_classify_table, classify, NULL)),
+    .options = CLI_OPTIONS(&cli_set, &cli_section, &cli_from, &cli_output, &data, CLI_FIGURE_OPTIONS),
+    .examples =
+        CLI_EXAMPLES({"diagnose chatter -o chatter.png", "one page of figures about a motion with chatter"},
+                     {"diagnose impact-oscillator --set F=0.6 -o sheet.pdf --size two-columns",
+                      "for a journal, 175 mm wide"},
+                     {"diagnose impact-oscillator -o sheet.png --data sheet.h5",
+                      "keep the record and the script of the figure"}),
     .see = "classify spectrum lyapunov",
     .work = diagnose,
 };

@@ -9,15 +9,12 @@ static const cli_option table =
                "of a sweep rows (default), turning, impacts or stroboscopic; of a "
                "branch points (default) or events; of a trajectory samples (default), events or strobe");
 
-static const cli_option *const options[] = {&table, &cli_output, NULL};
-
-static const char *const endings[] = {".csv", NULL};
-
 static int run(const cli_request *request) {
-    static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic",
-                                         NULL}; /* in the order of saltus_table */
-    static const char *const all[] = {"rows",    "turning", "impacts", "stroboscopic", "points", "events",
-                                      "samples", "strobe",  NULL};
+    /* Those of a sweep in the order of saltus_table. */
+    static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic", NULL},
+                             *const all[] = {"rows",         "turning", "impacts",
+                                             "stroboscopic", "points",  "events",
+                                             "samples",      "strobe",  NULL};
     const char *input = request->inputs[0];
     saltus_sweep_file file = {.row_count = 0};
     saltus_message message = {.text = ""};
@@ -41,12 +38,6 @@ static int run(const cli_request *request) {
     return cli_report(cli_tell_written(request, "table", status), &message);
 }
 
-static const cli_example examples[] = {
-    {"sweep impact-oscillator --over omega=0.9:1.1:21 -o sweep.h5", "something to read"},
-    {"export sweep.h5 -o rows.csv", "one line for each trajectory"},
-    {"export sweep.h5 --table impacts -o impacts.csv", "one line for each impact"},
-    {NULL, NULL}};
-
 const cli_command cmd_export = {
     .name = "export",
     .summary = "tables of files as CSV",
@@ -54,9 +45,12 @@ const cli_command cmd_export = {
     .help = "Write a table of a file of saltus sweep, basins, continue or simulate as CSV; of a sweep: one "
             "line for each trajectory, or for each point of a cloud, with the values of the axes, the pass "
             "and the seed before it.",
-    .endings = endings,
-    .options = options,
-    .examples = examples,
+    .endings = (const char *const[]){".csv", NULL},
+    .options = CLI_OPTIONS(&table, &cli_output),
+    .examples =
+        CLI_EXAMPLES({"sweep impact-oscillator --over omega=0.9:1.1:21 -o sweep.h5", "something to read"},
+                     {"export sweep.h5 -o rows.csv", "one line for each trajectory"},
+                     {"export sweep.h5 --table impacts -o impacts.csv", "one line for each impact"}),
     .see = "sweep continue simulate plot",
     .run = run,
 };

@@ -7,9 +7,6 @@
 #include "progress.h"
 
 static const cli_option all = CLI_OPTION("--all", CLI_FLAG, NULL, "all exponents, not the largest one alone");
-static const cli_table tables[] = {CLI_TABLE(saltus_lyapunov_table, lyapunov, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,  &cli_section, &cli_from,          &all,
-                                            &cli_json, &cli_output,  CLI_FIGURE_OPTIONS, NULL};
 
 /* Show the progress of a measurement; `context` is its result. */
 static void show(void *context, double done, double at_most) {
@@ -88,12 +85,6 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
     return status;
 }
 
-static const cli_example examples[] = {
-    {"lyapunov pipe --all", "all exponents, the sum rule and the dimension"},
-    {"lyapunov near-grazing --precision 0.05 -o convergence.png",
-     "the largest one to 5 %, and how it converged"},
-    {NULL, NULL}};
-
 const cli_command cmd_lyapunov = {
     .name = "lyapunov",
     .summary = "Lyapunov exponents with standard errors",
@@ -107,14 +98,17 @@ const cli_command cmd_lyapunov = {
     .needs_scene = true,
     .endings = cli_figures_or_table,
     .kind = "largest Lyapunov exponent",
-    .tables = tables,
-    .options = options,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_lyapunov_table, lyapunov, NULL)),
+    .options =
+        CLI_OPTIONS(&cli_set, &cli_section, &cli_from, &all, &cli_json, &cli_output, CLI_FIGURE_OPTIONS),
     .notes =
         "Tangent vectors pass impacts by saltation matrices, and chatter, sticking and release by their "
         "limit maps. Directions lost in a lasting contact have exponent -infinity, and are named so. The "
         "standard error comes of an autoregressive fit to batches, for regular motion of how far the sums "
         "swing; the run ends when the precision asked for is reached and its halves and trajectories agree.",
-    .examples = examples,
+    .examples = CLI_EXAMPLES({"lyapunov pipe --all", "all exponents, the sum rule and the dimension"},
+                             {"lyapunov near-grazing --precision 0.05 -o convergence.png",
+                              "the largest one to 5 %, and how it converged"}),
     .see = "classify spectrum",
     .work = measure,
 };

@@ -6,14 +6,11 @@
 #include "orbit/options.h"
 #include "progress.h"
 
-static const cli_option periods = {
-    "--periods", CLI_WHOLE,
-    "p",         "period of the orbit, in forcing periods, without forcing in returns to the section",
-    0,           1,
-    1e6};
-static const cli_option transient = {
-    "--transient", CLI_WHOLE, "n", "without --from: periods of the flow before Newton's method begins",
-    200,           0,         1e12};
+static const cli_option periods = CLI_NUMBER(
+    "--periods", "p", "period of the orbit, in forcing periods, without forcing in returns to the section", 0,
+    1, 1e6);
+static const cli_option transient = CLI_NUMBER(
+    "--transient", "n", "without --from: periods of the flow before Newton's method begins", 200, 0, 1e12);
 static const cli_option mirror =
     CLI_OPTION("--mirror", CLI_FLAG, NULL, "begin with the mirror image of the start");
 static const cli_option verbose = CLI_OPTION("--verbose", CLI_FLAG, NULL, "Newton's residuals on stderr");
@@ -22,79 +19,61 @@ static const cli_option unstable =
     CLI_OPTION("--unstable", CLI_FLAG, NULL,
                "instead list all orbits, stable or not, of periods up to p (default 8) near the trajectory");
 
-static const cli_table tables[] = {CLI_TABLE(saltus_orbit_table, orbit, NULL),
-                                   CLI_TABLE(saltus_harvest_table, harvest, NULL),
-                                   {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set, &cli_section, &periods,  &cli_from, &transient,
-                                            &mirror,  &unstable,    &cli_json, &verbose,  NULL};
-
 static void print_step(void *context, int iteration, double residual, const char *what) {
     (void)context;
     fprintf(stderr, "step %2d  residual %.3e  %s\n", iteration, residual, what);
 }
 
-/* With forcing: find an orbit of `periods` forcing periods. */
-static saltus_status find(const cli_request *request, const cli_setup *setup, int periods,
-                          saltus_motion *motion, saltus_message *message) {
-    saltus_orbit_options how = request->orbit;
+/* With forcing: an orbit of `periods` forcing periods. Without: one of as many returns to the section, or the
+ * orbit of --from. */
+static saltus_status find_orbit(const cli_request *request, const cli_setup *setup, int periods,
+                                saltus_motion *motion, saltus_message *message) {
+    const saltus_start *start = &setup->start;
+    const bool forced = saltus_system_forced(setup->system);
     saltus_classify_options describing = saltus_classify_defaults();
+    saltus_orbit_options how = request->orbit;
     saltus_orbit orbit = {0};
-    describing.flow = how.flow;
+    describing.flow = forced ? how.flow : request->harvest.flow;
+    if (!forced)
+        return start->own_period && periods == start->periods
+                   ? saltus_motion_cycle(setup->system, start->state, &describing, motion, message)
+                   : saltus_motion_returning(setup->system, start->state, periods, &describing, motion,
+                                             message);
     if (how.tolerance < 100 * how.flow.rtol)
         how.tolerance = 100 * how.flow.rtol;
     if (cli_given(request, "--verbose"))
         how.history = print_step;
-    saltus_status status =
-        saltus_orbit_find(setup->system, periods, setup->start.state, &how, &orbit, message);
+    saltus_status status = saltus_orbit_find(setup->system, periods, start->state, &how, &orbit, message);
     if (status == SALTUS_OK)
         status = saltus_motion_describe(setup->system, &orbit, &describing, motion, message);
     saltus_orbit_clear(&orbit);
     return status;
 }
 
-/* Without forcing: find an orbit of `returns` returns to the section, or the orbit of --from. */
-static saltus_status find_cycle(const cli_request *request, const cli_setup *setup, int returns,
-                                saltus_motion *motion, saltus_message *message) {
-    saltus_classify_options how = saltus_classify_defaults();
-    how.flow = request->harvest.flow;
-    return setup->start.own_period && returns == setup->start.periods
-               ? saltus_motion_cycle(setup->system, setup->start.state, &how, motion, message)
-               : saltus_motion_returning(setup->system, setup->start.state, returns, &how, motion, message);
-}
-
-/* Without forcing: find an equilibrium. */
-static saltus_status find_equilibrium(const cli_request *request, const cli_setup *setup,
-                                      saltus_message *message) {
-    saltus_equilibrium_options how = saltus_equilibrium_defaults();
-    saltus_equilibrium rest = {0};
-    saltus_status status = saltus_equilibrium_find(setup->system, setup->start.state, &how, &rest, message);
-    if (status == SALTUS_OK)
-        (cli_given(request, "--json") ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(
-            stdout, &setup->scene, setup->system, &rest);
-    saltus_equilibrium_clear(&rest);
-    return status;
-}
-
-/* Newton's method from the settled trajectory, the file's orbit, or its mirror image. */
+/* Newton's method from the settled trajectory, the file's orbit, or its mirror image; without a period an
+ * equilibrium is found. */
 static saltus_status find_one(const cli_request *request, cli_setup *setup, int periods,
                               saltus_message *message) {
+    const saltus_equilibrium_options how = saltus_equilibrium_defaults();
     const saltus_flow_options *flow = &request->orbit.flow;
     const long transient = cli_whole(request, "--transient");
     double *state = setup->start.state;
+    saltus_equilibrium rest = {0};
     saltus_motion motion = {0};
     saltus_status status = SALTUS_OK;
     if (!cli_on_orbit(setup) && !setup->start.rests)
         status = saltus_motion_settle(setup->system, flow, transient, state, message);
     if (status == SALTUS_OK && cli_given(request, "--mirror"))
         status = saltus_motion_mirror(setup->system, flow, state, message);
-    if (status != SALTUS_OK)
-        return status;
-    if (!periods)
-        return find_equilibrium(request, setup, message);
-    status =
-        (saltus_system_forced(setup->system) ? find : find_cycle)(request, setup, periods, &motion, message);
     if (status == SALTUS_OK)
+        status = periods ? find_orbit(request, setup, periods, &motion, message)
+                         : saltus_equilibrium_find(setup->system, state, &how, &rest, message);
+    if (status == SALTUS_OK && periods)
         cli_print_motion(request, setup, &motion);
+    else if (status == SALTUS_OK)
+        (cli_given(request, "--json") ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(
+            stdout, &setup->scene, setup->system, &rest);
+    saltus_equilibrium_clear(&rest);
     saltus_motion_clear(&motion);
     return status;
 }
@@ -104,27 +83,11 @@ static void show_share(void *context, double done, double all) {
     progress_line("searching: %3.0f %%", 100 * done / all);
 }
 
-/* One JSON object per orbit and line, in the format of classify. */
-static saltus_status write_lines(const cli_setup *setup, const saltus_flow_options *flow,
-                                 const saltus_harvest *harvest, saltus_message *message) {
-    saltus_classify_options describing = saltus_classify_defaults();
-    saltus_status status = SALTUS_OK;
-    describing.flow = *flow;
-    describing.flow.stop = NULL; /* write all orbits found even after an interruption */
-    for (int k = 0; k < harvest->count && status == SALTUS_OK; k++) {
-        saltus_motion motion = {0};
-        status =
-            saltus_motion_describe(setup->system, &harvest->orbits[k].orbit, &describing, &motion, message);
-        if (status == SALTUS_OK)
-            saltus_write_motion_json(stdout, &setup->scene, setup->system, &motion);
-        saltus_motion_clear(&motion);
-    }
-    return status;
-}
-
+/* All orbits along a trajectory; in JSON one object per orbit and line, in the format of classify. */
 static saltus_status harvest(const cli_request *request, const cli_setup *setup, saltus_message *message) {
     const int longest = (int)cli_whole(request, "--periods");
     const bool json = cli_given(request, "--json");
+    saltus_classify_options describing = saltus_classify_defaults();
     saltus_harvest_options how = request->harvest;
     saltus_harvest found = {0};
     how.longest = longest ? longest : how.longest;
@@ -136,10 +99,17 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
     if (status == SALTUS_OK && json && found.count == 0)
         fprintf(stderr, "saltus: orbit: no periodic orbit of a period up to %d T was found in %lld periods\n",
                 how.longest, how.periods);
-    if (status == SALTUS_OK && json)
-        status = write_lines(setup, &how.flow, &found, message);
-    else if (status == SALTUS_OK)
+    if (status == SALTUS_OK && !json)
         saltus_write_harvest_text(stdout, &setup->scene, setup->system, &found);
+    describing.flow = how.flow;
+    describing.flow.stop = NULL; /* write all orbits found even after an interruption */
+    for (int k = 0; k < found.count && status == SALTUS_OK && json; k++) {
+        saltus_motion motion = {0};
+        status = saltus_motion_describe(setup->system, &found.orbits[k].orbit, &describing, &motion, message);
+        if (status == SALTUS_OK)
+            saltus_write_motion_json(stdout, &setup->scene, setup->system, &motion);
+        saltus_motion_clear(&motion);
+    }
     saltus_harvest_clear(&found);
     return status;
 }
@@ -157,13 +127,6 @@ static saltus_status find_orbits(const cli_request *request, cli_setup *setup, c
     return status;
 }
 
-static const cli_example examples[] = {
-    {"orbit impact-oscillator --periods 1 --json > orbit.json", "the orbit of period one, kept as a start"},
-    {"orbit impact-oscillator --from orbit.json --set omega=1.01", "the same orbit at another frequency"},
-    {"orbit impact-oscillator --periods 2 --unstable --search 500",
-     "all orbits of one or two periods near the trajectory"},
-    {NULL, NULL}};
-
 const cli_command cmd_orbit = {
     .name = "orbit",
     .summary = "find periodic orbits, stable or not",
@@ -175,9 +138,16 @@ const cli_command cmd_orbit = {
             "forcing p counts returns to the section, as in classify, and the period is found too; without "
             "--periods an equilibrium is found, with its eigenvalues.",
     .needs_scene = true,
-    .tables = tables,
-    .options = options,
-    .examples = examples,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_orbit_table, orbit, NULL),
+                         CLI_TABLE(saltus_harvest_table, harvest, NULL)),
+    .options = CLI_OPTIONS(&cli_set, &cli_section, &periods, &cli_from, &transient, &mirror, &unstable,
+                           &cli_json, &verbose),
+    .examples = CLI_EXAMPLES(
+        {"orbit impact-oscillator --periods 1 --json > orbit.json",
+         "the orbit of period one, kept as a start"},
+        {"orbit impact-oscillator --from orbit.json --set omega=1.01", "the same orbit at another frequency"},
+        {"orbit impact-oscillator --periods 2 --unstable --search 500",
+         "all orbits of one or two periods near the trajectory"}),
     .see = "classify continue",
     .work = find_orbits,
 };

@@ -6,7 +6,6 @@
 #include "paper.h"
 #include "ranks.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,8 +19,6 @@ static const cli_option quick =
     CLI_OPTION("--quick", CLI_FLAG, NULL, "fewer values and shorter runs, to try it");
 static const cli_option resume =
     CLI_OPTION("--resume", CLI_FLAG, NULL, "go on where an earlier run was interrupted");
-
-static const cli_option *const options[] = {&figure, &folder, &format, &quick, &resume, &cli_force, NULL};
 
 /* Commands allowed in the list. */
 static const cli_command *const known[] = {&cmd_sweep, &cmd_basins, &cmd_plot, &cmd_diagnose, &cmd_simulate};
@@ -97,41 +94,6 @@ static int run_line(const cli_request *request, char *text) {
     return cli_parse(command, count - 1, words + 1, &inner) ? cli_run(command, &inner) : CLI_FAILED;
 }
 
-/* The figure's number if the line begins a figure, otherwise 0. */
-static int figure_of(const char *line, size_t length) {
-    static const char word[] = "figure ";
-    int number = 0;
-    if (length > sizeof word && strncmp(line, word, sizeof word - 1) == 0 && isdigit(line[sizeof word - 1]))
-        number = line[sizeof word - 1] - '0';
-    return number;
-}
-
-static int run_figures(const cli_request *request) {
-    const char *number = cli_text(request, "--figure");
-    int current = 0, wanted = number ? number[0] - '0' : 0, code = CLI_DONE;
-    char text[line_size];
-    /* With several ranks continue to the next sweep after a signal: only there do all ranks learn of it, so
-     * that they end together. */
-    for (const char *line = paper_figures;
-         *line && code == CLI_DONE && (!interrupt_asked() || ranks_count() > 1);) {
-        size_t length = strcspn(line, "\n");
-        int begins = figure_of(line, length);
-        current = begins ? begins : current;
-        bool asked = current && (!wanted || wanted == current);
-        if (asked && begins)
-            printf("%.*s\n", (int)length, line);
-        else if (asked && length && line[0] != '#') {
-            fill_in(request, line, length, text);
-            code = run_line(request, text);
-            fflush(stdout);
-        }
-        line += length + (line[length] == '\n');
-    }
-    if (code == CLI_DONE && interrupt_asked())
-        return interrupt_report("--resume goes on");
-    return code;
-}
-
 /* Create the folder with its parents, and change to it. */
 static bool enter(const char *path) {
     char part[line_size];
@@ -151,7 +113,8 @@ static bool enter(const char *path) {
 static int run(const cli_request *request) {
     static const char *const formats[] = {"png", "pdf", "svg", NULL};
     const char *number = cli_text(request, "--figure");
-    int chosen = 0;
+    int chosen = 0, current = 0, code = CLI_DONE;
+    char text[line_size];
     if (request->input_count)
         return cli_refuse(CLI_BAD_INPUT, "%s: unexpected; paper takes options only", request->inputs[0]);
     if (number && (number[0] < '2' || number[0] > '8' || number[1]))
@@ -160,13 +123,26 @@ static int run(const cli_request *request) {
         return CLI_BAD_INPUT;
     if (!enter(request->output ? request->output : "paper"))
         return CLI_FAILED;
-    return run_figures(request);
+    /* With several ranks continue to the next sweep after a signal: only there do all ranks learn of it, so
+     * that they end together. */
+    for (const char *line = paper_figures;
+         *line && code == CLI_DONE && (!interrupt_asked() || ranks_count() > 1);) {
+        const size_t length = strcspn(line, "\n");
+        int begins = 0; /* the number of the figure that the line begins */
+        sscanf(line, "figure %1d", &begins);
+        current = begins ? begins : current;
+        const bool asked = current && (!number || number[0] - '0' == current);
+        if (asked && begins)
+            printf("%.*s\n", (int)length, line);
+        else if (asked && length && line[0] != '#') {
+            fill_in(request, line, length, text);
+            code = run_line(request, text);
+            fflush(stdout);
+        }
+        line += length + (line[length] == '\n');
+    }
+    return code == CLI_DONE && interrupt_asked() ? interrupt_report("--resume goes on") : code;
 }
-
-static const cli_example examples[] = {
-    {"paper --figure 3 -o figures", "one figure, with its data, into a folder"},
-    {"paper --figure 3 --format svg -o figures", "the same as SVG"},
-    {NULL, NULL}};
 
 const cli_command cmd_paper = {
     .name = "paper",
@@ -175,8 +151,9 @@ const cli_command cmd_paper = {
     .help = "Draw Figures 2 to 8 of Wang et al. 2020, doi 10.6052/0459-1879-20-137, from scratch. The data "
             "go beside the figures, as files that saltus plot and saltus export read.",
     .together = true,
-    .options = options,
-    .examples = examples,
+    .options = CLI_OPTIONS(&figure, &folder, &format, &quick, &resume, &cli_force),
+    .examples = CLI_EXAMPLES({"paper --figure 3 -o figures", "one figure, with its data, into a folder"},
+                             {"paper --figure 3 --format svg -o figures", "the same as SVG"}),
     .see = "sweep diagnose plot",
     .run = run,
 };

@@ -30,9 +30,6 @@ static const cli_option over = CLI_OPTION("--over", CLI_FILES, "file.h5 ...",
                                           "draw files of saltus continue over a sweep: branches over a "
                                           "diagram, curves of special points over a map");
 
-static const cli_option *const options[] = {&cli_output,        &show,     &range,   &label, &view, &over,
-                                            CLI_FIGURE_OPTIONS, &cli_swap, &cli_log, NULL};
-
 /* The data that the plot options point to. */
 typedef struct plot_wishes {
     saltus_plot_part parts[CLI_LIST_MAX];
@@ -124,14 +121,6 @@ static int run(const cli_request *request) {
     return cli_report(cli_tell_written(request, "figure", status), &message);
 }
 
-static const cli_example examples[] = {
-    {"sweep impact-oscillator --over omega=0.9:1.1:21 -o sweep.h5", "something to draw"},
-    {"plot sweep.h5 --view impacts -o speeds.png", "impact speeds over the frequency"},
-    {"continue impact-oscillator --in omega=0.9:1.1 -o branch.h5", "the branch that belongs to it"},
-    {"plot sweep.h5 --over branch.h5 -o both.pdf --size column",
-     "the branch over the diagram, one column of a journal wide"},
-    {NULL, NULL}};
-
 const cli_command cmd_plot = {
     .name = "plot",
     .summary = "files of results as figures",
@@ -145,12 +134,18 @@ const cli_command cmd_plot = {
             "file of saltus simulate: phase portrait and time history.",
     .inputs = CLI_LIST_MAX,
     .endings = cli_figures,
-    .options = options,
+    .options = CLI_OPTIONS(&cli_output, &show, &range, &label, &view, &over, CLI_FIGURE_OPTIONS, &cli_swap,
+                           &cli_log),
     .notes = "A motion has one colour and texture in all figures, by its n/p alone. Dense clouds are "
              "density-shaded rasters in vector axes. --view of a sweep shows the largest displacement, "
              "impact speed, rate, contact, settling time or the number of attractors. --over lays branches "
              "over a diagram (turning points, impacts, speed, section), curves of special points over a map.",
-    .examples = examples,
+    .examples = CLI_EXAMPLES(
+        {"sweep impact-oscillator --over omega=0.9:1.1:21 -o sweep.h5", "something to draw"},
+        {"plot sweep.h5 --view impacts -o speeds.png", "impact speeds over the frequency"},
+        {"continue impact-oscillator --in omega=0.9:1.1 -o branch.h5", "the branch that belongs to it"},
+        {"plot sweep.h5 --over branch.h5 -o both.pdf --size column",
+         "the branch over the diagram, one column of a journal wide"}),
     .see = "sweep continue simulate export",
     .run = run,
 };

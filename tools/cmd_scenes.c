@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-static const cli_option *const no_options[] = {NULL};
-
 static int list_scenes(const cli_request *request) {
     saltus_message message = {.text = ""};
     for (int k = 0; k < saltus_scene_builtin_count(); k++) {
@@ -28,13 +26,6 @@ static int list_scenes(const cli_request *request) {
                       request->scene);
 }
 
-static const cli_example scenes_examples[] = {
-    {"scenes", "list them"},
-    {"scenes two-stops > mine.yaml", "a scene to change"},
-    {"check mine.yaml --set d2=0.9 q1=0.2", "what it means with another second clearance and another start"},
-    {"sweep two-mass --set observe=q2 --over omega=0.9:1.3:200 -o x2.h5", "diagrams of the second mass"},
-    {NULL, NULL}};
-
 const cli_command cmd_scenes = {
     .name = "scenes",
     .summary = "the built-in scenes, and how scenes are written",
@@ -54,8 +45,12 @@ const cli_command cmd_scenes = {
         "first stop's coordinate. observe: in a scene, or --set observe=, chooses another displacement: "
         "stop2 is that of the second stop, q2 that entry of the state, 0.3 the place xi = 0.3 of a "
         "pipe.\nEquations of one's own stand under model: instead of a name; saltus help text tells how.",
-    .options = no_options,
-    .examples = scenes_examples,
+    .options = (const cli_option *const[]){NULL},
+    .examples = CLI_EXAMPLES(
+        {"scenes", "list them"}, {"scenes two-stops > mine.yaml", "a scene to change"},
+        {"check mine.yaml --set d2=0.9 q1=0.2",
+         "what it means with another second clearance and another start"},
+        {"sweep two-mass --set observe=q2 --over omega=0.9:1.3:200 -o x2.h5", "diagrams of the second mass"}),
     .see = "text check classify",
     .run = list_scenes,
 };

@@ -7,21 +7,14 @@
 #include "origin.h"
 #include "progress.h"
 
-static const cli_option periods = {
-    "--periods",
-    CLI_WHOLE,
-    "n",
-    "forcing periods to record; without forcing units of time, or with --from periods of the orbit",
-    0,
-    1,
-    1e6};
-static const cli_option transient = {
-    "--transient", CLI_WHOLE, "m", "as many to run before the recording", 0, 0, 1e12};
-static const cli_option samples = {
-    "--samples", CLI_WHOLE, "k", "samples per forcing period, without forcing per unit of time", 200, 1, 1e5};
-static const cli_table tables[] = {CLI_TABLE(saltus_flow_table, flow, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,   &cli_section, &cli_from,   &periods,
-                                            &transient, &samples,     &cli_output, NULL};
+static const cli_option periods = CLI_NUMBER(
+    "--periods", "n",
+    "forcing periods to record; without forcing units of time, or with --from periods of the orbit", 0, 1,
+    1e6);
+static const cli_option transient =
+    CLI_NUMBER("--transient", "m", "as many to run before the recording", 0, 0, 1e12);
+static const cli_option samples =
+    CLI_NUMBER("--samples", "k", "samples per forcing period, without forcing per unit of time", 200, 1, 1e5);
 
 static void show(void *context, double periods, double all) {
     static const double pause = 0.1; /* seconds between two lines */
@@ -79,13 +72,6 @@ static saltus_status simulate(const cli_request *request, cli_setup *setup, cons
     return status;
 }
 
-static const cli_example examples[] = {
-    {"simulate impact-oscillator --periods 20 -o run.csv",
-     "samples and events of 20 periods of the forcing as a table"},
-    {"simulate two-mass --periods 5 --transient 500 -o run.h5", "after 500 periods, as HDF5"},
-    {"plot run.h5 -o run.png", "draw it"},
-    {NULL, NULL}};
-
 const cli_command cmd_simulate = {
     .name = "simulate",
     .summary = "a trajectory as a file",
@@ -95,9 +81,13 @@ const cli_command cmd_simulate = {
     .needs_scene = true,
     .endings = cli_records,
     .kind = "trajectory",
-    .tables = tables,
-    .options = options,
-    .examples = examples,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_flow_table, flow, NULL)),
+    .options = CLI_OPTIONS(&cli_set, &cli_section, &cli_from, &periods, &transient, &samples, &cli_output),
+    .examples = CLI_EXAMPLES(
+        {"simulate impact-oscillator --periods 20 -o run.csv",
+         "samples and events of 20 periods of the forcing as a table"},
+        {"simulate two-mass --periods 5 --transient 500 -o run.h5", "after 500 periods, as HDF5"},
+        {"plot run.h5 -o run.png", "draw it"}),
     .see = "plot export orbit",
     .work = simulate,
 };

@@ -8,11 +8,6 @@
 static const cli_option of =
     CLI_OPTION("--of", CLI_LIST, "what",
                "displacement, velocity, q3, v2 or a name of the state; at most two (default the first two)");
-static const cli_table tables[] = {CLI_TABLE(saltus_spectrum_table, spectrum, NULL),
-                                   CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime"),
-                                   {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,  &cli_section, &cli_from,          &of,
-                                            &cli_json, &cli_output,  CLI_FIGURE_OPTIONS, NULL};
 
 static saltus_status analyse(const cli_request *request, cli_setup *setup, const char **cut,
                              saltus_message *message) {
@@ -56,11 +51,6 @@ static saltus_status analyse(const cli_request *request, cli_setup *setup, const
     return status;
 }
 
-static const cli_example examples[] = {
-    {"spectrum pipe", "the strongest lines of displacement and velocity"},
-    {"spectrum pipe --of velocity -o spectrum.csv", "all lines of the velocity as a table"},
-    {NULL, NULL}};
-
 const cli_command cmd_spectrum = {
     .name = "spectrum",
     .summary = "lines and power spectral density of a motion",
@@ -72,14 +62,18 @@ const cli_command cmd_spectrum = {
     .needs_scene = true,
     .endings = cli_figures_or_table,
     .kind = "spectrum",
-    .tables = tables,
-    .options = options,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_spectrum_table, spectrum, NULL),
+                         CLI_TABLE(saltus_classify_table, classify, "--measure --lifetime")),
+    .options =
+        CLI_OPTIONS(&cli_set, &cli_section, &cli_from, &of, &cli_json, &cli_output, CLI_FIGURE_OPTIONS),
     .notes = "Spectra of periodic motion are taken over whole orbits, so that the lines at multiples of "
              "omega/p are exact; other motion gets Welch's density with a confidence band, the lines that "
              "stand out and the broadband fraction. Velocities are the lines and densities of the "
              "displacement, differentiated, so that their jumps do not alias. The highest trustworthy "
              "frequency is stated and what lies above is greyed.",
-    .examples = examples,
+    .examples =
+        CLI_EXAMPLES({"spectrum pipe", "the strongest lines of displacement and velocity"},
+                     {"spectrum pipe --of velocity -o spectrum.csv", "all lines of the velocity as a table"}),
     .see = "lyapunov diagnose",
     .work = analyse,
 };

@@ -6,14 +6,9 @@
 
 #include <string.h>
 
-static const cli_option transient = {
-    "--transient",
-    CLI_WHOLE,
-    "m",
-    "run so many periods and record --record further ones, whatever the motion",
-    -1,
-    0,
-    1e9};
+static const cli_option transient =
+    CLI_NUMBER("--transient", "m",
+               "run so many periods and record --record further ones, whatever the motion", -1, 0, 1e9);
 static const cli_option start =
     CLI_OPTION("--start", CLI_TEXT, "how",
                "reset (each point anew), carry (from point to point, up and down), both (default reset)");
@@ -21,10 +16,6 @@ static const cli_option what =
     CLI_OPTION("--what", CLI_TEXT, "list",
                "kept beside the rows: turning, impacts, stroboscopic, lyapunov; class and max are "
                "always told (default turning,impacts over one axis, class over two)");
-
-static const cli_table tables[] = {CLI_TABLE(saltus_sweep_table, sweep, NULL), {NULL, 0, NULL}};
-static const cli_option *const options[] = {&cli_set,   &cli_section, &sweep_over, &start,      &what,
-                                            &transient, &cli_output,  &cli_resume, &sweep_json, NULL};
 
 /* Convert a comma-separated list of words into bits; false after a message. */
 static bool read_what(const char *text, unsigned *keep) {
@@ -94,16 +85,6 @@ static int run(const cli_request *request) {
     return code;
 }
 
-static const cli_example examples[] = {
-    {"sweep impact-oscillator --over omega=0.8:1.2:81 -o sweep.h5",
-     "a bifurcation diagram over 81 frequencies"},
-    {"plot sweep.h5 -o sweep.png", "draw it"},
-    {"sweep impact-oscillator --over omega=0.8:1.2:21 --over d=0.5:1.5:21 -o map.h5",
-     "a map of motions over two parameters"},
-    {"sweep pipe --over d=0.02,0.025,0.03 --set omega=41 --seeds 2 -o rows.csv",
-     "three clearances from two initial states each, as a table"},
-    {NULL, NULL}};
-
 const cli_command cmd_sweep = {
     .name = "sweep",
     .summary = "many trajectories over one or two parameters",
@@ -121,8 +102,9 @@ const cli_command cmd_sweep = {
     .endings = cli_records,
     .kind = "sweep",
     .resumes = true,
-    .tables = tables,
-    .options = options,
+    .tables = CLI_TABLES(CLI_TABLE(saltus_sweep_table, sweep, NULL)),
+    .options = CLI_OPTIONS(&cli_set, &cli_section, &sweep_over, &start, &what, &transient, &cli_output,
+                           &cli_resume, &sweep_json),
     .notes = "A least period is certain when the trajectory comes back to within 1e-9 of the state's scale, "
              "closes in on that, has as many impacts each time, and returns after a small random "
              "disturbance, which it would not to an unstable orbit. Where iteration is slow or cannot tell "
@@ -136,7 +118,13 @@ const cli_command cmd_sweep = {
              "The file is the same, byte for byte, for any number of lanes, threads and processes, and "
              "however often a run was killed and finished by --resume. It is plain HDF5 (layout in "
              "saltus/record.h), for h5py, MATLAB and Julia.",
-    .examples = examples,
+    .examples = CLI_EXAMPLES({"sweep impact-oscillator --over omega=0.8:1.2:81 -o sweep.h5",
+                              "a bifurcation diagram over 81 frequencies"},
+                             {"plot sweep.h5 -o sweep.png", "draw it"},
+                             {"sweep impact-oscillator --over omega=0.8:1.2:21 --over d=0.5:1.5:21 -o map.h5",
+                              "a map of motions over two parameters"},
+                             {"sweep pipe --over d=0.02,0.025,0.03 --set omega=41 --seeds 2 -o rows.csv",
+                              "three clearances from two initial states each, as a table"}),
     .see = "plot export basins",
     .run = run,
 };

@@ -154,50 +154,6 @@ static void put_part(const char *before, const char *text, const char *behind, F
     fputs(behind, file);
 }
 
-static void put_command_page(const cli_command *command, FILE *file) {
-    cli_entry entry;
-    char text[SALTUS_FIELD_TEXT_MAX];
-    fprintf(file, ".SH NAME\nsaltus\\-%s \\- %s\n.SH SYNOPSIS\n\\fBsaltus %s\\fR ", command->name,
-            command->summary, command->name);
-    put_part("", command->usage, "\n", file);
-    put_part(".SH DESCRIPTION\n", command->help, "\n.SH OPTIONS\n", file);
-    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
-        put_part(".TP\n\\fB", entry.flag, "\\fR", file);
-        if (entry.argument)
-            put_part(" \\fI", entry.argument, "\\fR", file);
-        put_part("\n", meaning_of(&entry, text), "", file);
-        if (*default_of(&entry, text))
-            put_part(" (default ", text, ")", file);
-        fputc('\n', file);
-    }
-    fputs(".SH EXAMPLES\n", file);
-    for (const cli_example *e = command->examples; e->line; e++) {
-        put_part(".TP\n\\fBsaltus ", e->line, "\\fR\n", file);
-        put_part("", e->what, "\n", file);
-    }
-    if (command->notes)
-        put_part(".SH NOTES\n", command->notes, "\n", file);
-    put_see(command->see, file);
-}
-
-static void put_program_page(FILE *file) {
-    fputs(
-        ".SH NAME\nsaltus \\- non\\-smooth dynamics of structures that hit rigid stops\n"
-        ".SH SYNOPSIS\n\\fBsaltus\\fR \\fIcommand\\fR ...\n.br\n\\fBsaltus help\\fR [\\fIcommand\\fR]\n.br\n"
-        "\\fBsaltus \\-\\-version\\fR\n.SH COMMANDS\n",
-        file);
-    for (int k = 0; manual_commands[k]; k++)
-        fprintf(file, ".TP\n.BR saltus\\-%s (1)\n%s\n", manual_commands[k]->name,
-                manual_commands[k]->summary);
-    for (int k = 0; manual_topics[k]; k++)
-        fprintf(file, ".TP\n.BR saltus\\-%s (5)\n%s\n", manual_topics[k]->name, manual_topics[k]->summary);
-    fputs(".SH NOTES\n", file);
-    put_roff(scenes_and_exits, ".PP", file);
-    fputs("\n.SH EXAMPLES\n.TP\n\\fBsaltus classify impact\\-oscillator\\fR\nwhat the scene settles on\n"
-          ".TP\n\\fBsaltus scenes impact\\-oscillator > mine.yaml\\fR\na scene to change\n",
-          file);
-}
-
 static void put_title(const char *name, const char *section, FILE *file) {
     fputs(".TH SALTUS", file);
     for (const char *c = name; *c; c++)
@@ -234,12 +190,53 @@ void manual_topic_page(const manual_topic *topic, FILE *file) {
     put_see(topic->see, file);
 }
 
+static void put_program_page(FILE *file) {
+    fputs(
+        ".SH NAME\nsaltus \\- non\\-smooth dynamics of structures that hit rigid stops\n"
+        ".SH SYNOPSIS\n\\fBsaltus\\fR \\fIcommand\\fR ...\n.br\n\\fBsaltus help\\fR [\\fIcommand\\fR]\n.br\n"
+        "\\fBsaltus \\-\\-version\\fR\n.SH COMMANDS\n",
+        file);
+    for (int k = 0; manual_commands[k]; k++)
+        fprintf(file, ".TP\n.BR saltus\\-%s (1)\n%s\n", manual_commands[k]->name,
+                manual_commands[k]->summary);
+    for (int k = 0; manual_topics[k]; k++)
+        fprintf(file, ".TP\n.BR saltus\\-%s (5)\n%s\n", manual_topics[k]->name, manual_topics[k]->summary);
+    fputs(".SH NOTES\n", file);
+    put_roff(scenes_and_exits, ".PP", file);
+    fputs("\n.SH EXAMPLES\n.TP\n\\fBsaltus classify impact\\-oscillator\\fR\nwhat the scene settles on\n"
+          ".TP\n\\fBsaltus scenes impact\\-oscillator > mine.yaml\\fR\na scene to change\n",
+          file);
+}
+
 void manual_page(const cli_command *command, FILE *file) {
+    cli_entry entry;
+    char text[SALTUS_FIELD_TEXT_MAX];
     put_title(command ? command->name : "", "1 \"\" \"Saltus " SALTUS_VERSION "\" \"User commands\"", file);
-    if (command)
-        put_command_page(command, file);
-    else
+    if (!command) {
         put_program_page(file);
+        return;
+    }
+    fprintf(file, ".SH NAME\nsaltus\\-%s \\- %s\n.SH SYNOPSIS\n\\fBsaltus %s\\fR ", command->name,
+            command->summary, command->name);
+    put_part("", command->usage, "\n", file);
+    put_part(".SH DESCRIPTION\n", command->help, "\n.SH OPTIONS\n", file);
+    for (int k = 0; cli_entry_at(command, k, &entry); k++) {
+        put_part(".TP\n\\fB", entry.flag, "\\fR", file);
+        if (entry.argument)
+            put_part(" \\fI", entry.argument, "\\fR", file);
+        put_part("\n", meaning_of(&entry, text), "", file);
+        if (*default_of(&entry, text))
+            put_part(" (default ", text, ")", file);
+        fputc('\n', file);
+    }
+    fputs(".SH EXAMPLES\n", file);
+    for (const cli_example *e = command->examples; e->line; e++) {
+        put_part(".TP\n\\fBsaltus ", e->line, "\\fR\n", file);
+        put_part("", e->what, "\n", file);
+    }
+    if (command->notes)
+        put_part(".SH NOTES\n", command->notes, "\n", file);
+    put_see(command->see, file);
 }
 
 void manual_completion(FILE *file) {
@@ -290,23 +287,18 @@ void manual_completion(FILE *file) {
           file);
 }
 
-/* Content of one file. */
-typedef struct page {
-    const cli_command *command;
-    const manual_topic *topic;
-    bool completion; /* all three unset: the program's page */
-} page;
-
-static bool write_file(const char *folder, const char *name, page what) {
+/* Write a file with a page, that of the program if `command` and `topic` are NULL, or with the completion. */
+static bool write_file(const char *folder, const char *name, const cli_command *command,
+                       const manual_topic *topic) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s", folder, name);
     FILE *file = fopen(path, "w");
-    if (file && what.completion)
+    if (file && strcmp(name, "saltus.bash") == 0)
         manual_completion(file);
-    else if (file && what.topic)
-        manual_topic_page(what.topic, file);
+    else if (file && topic)
+        manual_topic_page(topic, file);
     else if (file)
-        manual_page(what.command, file);
+        manual_page(command, file);
     bool good = file && !ferror(file);
     if ((file && fclose(file) != 0) || !good)
         return cli_refuse(false, "%s: cannot be written: %s", path, strerror(errno));
@@ -315,15 +307,14 @@ static bool write_file(const char *folder, const char *name, page what) {
 
 int manual_write(const char *folder) {
     char name[64];
-    bool good = write_file(folder, "saltus.1", (page){.completion = false}) &&
-                write_file(folder, "saltus.bash", (page){.completion = true});
+    bool good = write_file(folder, "saltus.1", NULL, NULL) && write_file(folder, "saltus.bash", NULL, NULL);
     for (int k = 0; manual_commands[k] && good; k++) {
         snprintf(name, sizeof name, "saltus-%s.1", manual_commands[k]->name);
-        good = write_file(folder, name, (page){.command = manual_commands[k]});
+        good = write_file(folder, name, manual_commands[k], NULL);
     }
     for (int k = 0; manual_topics[k] && good; k++) {
         snprintf(name, sizeof name, "saltus-%s.5", manual_topics[k]->name);
-        good = write_file(folder, name, (page){.topic = manual_topics[k]});
+        good = write_file(folder, name, NULL, manual_topics[k]);
     }
     return good ? CLI_DONE : CLI_FAILED;
 }

@@ -18,24 +18,10 @@ void progress_begin(progress *p, bool quiet, long long total, long long earlier)
     *p = (progress){.shown = !quiet,
                     .terminal = isatty(STDERR_FILENO) == 1,
                     .total = total,
-                    .earlier = earlier,
-                    .begin = now,
                     .looked = now,
                     .told = now,
                     .seen = earlier,
                     .told_done = earlier};
-}
-
-static void describe_left(const progress *p, long long done, double rate, char text[48]) {
-    double left = rate > 0 ? (double)(p->total - done) / rate : INFINITY;
-    if (left < 100)
-        snprintf(text, 48, "%.0f s left", ceil(left));
-    else if (left < 6000)
-        snprintf(text, 48, "%.0f min left", ceil(left / 60));
-    else if (left < 1e6)
-        snprintf(text, 48, "%.1f h left", left / 3600);
-    else
-        snprintf(text, 48, "time left unknown");
 }
 
 /* Width of the terminal on stderr; 1000 if unknown. */
@@ -67,8 +53,14 @@ void progress_show(progress *p, long long done) {
     p->looked = now;
     const double rate = p->time > 0 ? p->work / p->time : 0,
                  part = p->total > 0 ? (double)done / (double)p->total : 1;
-    char left[48], bar[cells + 1] = "";
-    describe_left(p, done, rate, left);
+    const double seconds = rate > 0 ? (double)(p->total - done) / rate : INFINITY;
+    char left[48] = "time left unknown", bar[cells + 1] = "";
+    if (seconds < 100)
+        snprintf(left, sizeof left, "%.0f s left", ceil(seconds));
+    else if (seconds < 6000)
+        snprintf(left, sizeof left, "%.0f min left", ceil(seconds / 60));
+    else if (seconds < 1e6)
+        snprintf(left, sizeof left, "%.1f h left", seconds / 3600);
     for (int k = 0; k < cells; k++)
         bar[k] = part * cells >= k + 1 ? '#' : '.';
     /* If the bar does not fit, show only the percentage and the remaining time. */

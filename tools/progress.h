@@ -7,9 +7,8 @@
 
 typedef struct progress {
     bool shown, terminal;
-    long long total, earlier; /* points in all, and those present at the beginning */
-    double begin;             /* time in seconds, as below */
-    double looked, told;      /* times of the last measurement of the rate and of the last output */
+    long long total;     /* points */
+    double looked, told; /* times, in seconds, of the last measurement of the rate and of the last output */
     long long seen, told_done;
     double work, time; /* weighted points and seconds; their quotient is the rate */
 } progress;
@@ -18,6 +17,7 @@ typedef struct progress {
  * begin with what matters most. An empty line erases it. */
 __attribute__((format(printf, 1, 2))) void progress_line(const char *format, ...);
 
+/* `earlier`: points that are there at the beginning. */
 void progress_begin(progress *p, bool quiet, long long total, long long earlier);
 /* Report that `done` points are finished, if an update is due. */
 void progress_show(progress *p, long long done);
