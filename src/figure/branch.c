@@ -26,37 +26,6 @@ static bool shows_cycles(const saltus_plot_page *page) {
            (page->files[0].points[0].trivial_multiplier != 0 || shows(page, true));
 }
 
-static void name_measure(const saltus_plot_page *page, saltus_line *line) {
-    const saltus_show show = page->show;
-    const bool cycles = shows_cycles(page);
-    const bool largest = show == SALTUS_SHOW_AMPLITUDE;
-    if (show == SALTUS_SHOW_DISPLACEMENT || show == SALTUS_SHOW_VELOCITY || largest) {
-        saltus_line_observed(line, page->system, show == SALTUS_SHOW_VELOCITY);
-        saltus_line_add(line, "%s",
-                        !largest             ? (cycles ? "  at its maximum" : "  at phase 0")
-                        : shows(page, false) ? "  largest and smallest of an orbit"
-                                             : "");
-    } else if (show == SALTUS_SHOW_PERIOD)
-        saltus_line_add(line, cycles ? "period" : "period in {/:Italic T}");
-    else
-        saltus_line_add(line, "%s  |{/:Bold n·q′}|",
-                        show == SALTUS_SHOW_IMPACTS ? "speed of every impact" : "largest impact speed");
-}
-
-static void put_axes(const saltus_plot_page *page) {
-    const saltus_branch_options *o = &page->files[0].options;
-    const saltus_spec *spec = &page->files[0].spec;
-    saltus_line name[2] = {{.length = 0}, {.length = 0}};
-    saltus_line_parameter(&name[page->swap], spec, o->key[0]);
-    if (page->locus)
-        saltus_line_parameter(&name[1], spec, o->key[1]);
-    else
-        name_measure(page, &name[!page->swap]);
-    for (int axis = 0; axis < 2; axis++)
-        saltus_page_axis(page->paper, axis ? "y" : "x", page->frame, page->logarithmic[axis], name[axis].text,
-                         axis ? page->y : page->x);
-}
-
 /* The heading, and the parameters common to all files; parameters that differ have the values of the first
  * file. */
 static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
@@ -94,7 +63,32 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     page->frame = saltus_page_rest(paper, 31.2 + saltus_plot_legend_place(page));
     bool sound = saltus_plot_data(page);
     saltus_page_frame(paper, page->frame);
-    put_axes(page);
+    const saltus_branch_options *o = &page->files[0].options;
+    const saltus_spec *spec = &page->files[0].spec;
+    saltus_line name[2] = {{.length = 0}, {.length = 0}};
+    saltus_line_parameter(&name[page->swap], spec, o->key[0]);
+    if (page->locus)
+        saltus_line_parameter(&name[1], spec, o->key[1]);
+    else {
+        saltus_line *line = &name[!page->swap];
+        const saltus_show show = page->show;
+        const bool cycles = shows_cycles(page);
+        const bool largest = show == SALTUS_SHOW_AMPLITUDE;
+        if (show == SALTUS_SHOW_DISPLACEMENT || show == SALTUS_SHOW_VELOCITY || largest) {
+            saltus_line_observed(line, page->system, show == SALTUS_SHOW_VELOCITY);
+            saltus_line_add(line, "%s",
+                            !largest             ? (cycles ? "  at its maximum" : "  at phase 0")
+                            : shows(page, false) ? "  largest and smallest of an orbit"
+                                                 : "");
+        } else if (show == SALTUS_SHOW_PERIOD)
+            saltus_line_add(line, cycles ? "period" : "period in {/:Italic T}");
+        else
+            saltus_line_add(line, "%s  |{/:Bold n·q′}|",
+                            show == SALTUS_SHOW_IMPACTS ? "speed of every impact" : "largest impact speed");
+    }
+    for (int axis = 0; axis < 2; axis++)
+        saltus_page_axis(page->paper, axis ? "y" : "x", page->frame, page->logarithmic[axis], name[axis].text,
+                         axis ? page->y : page->x);
     saltus_plot_labels(page, NULL, NULL);
     fputs("plot \\\n", page->paper->file);
     saltus_plot_elements(page);

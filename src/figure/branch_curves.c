@@ -109,30 +109,8 @@ static void put_curves(const saltus_plot_page *page, const content *c) {
         }
 }
 
-/* Legend of the lines: kinds of special points, or files. */
-static void put_line_legend(const saltus_plot_page *page, const content *c) {
-    static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
-    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
-        if (c->hue[hue])
-            fprintf(page->paper->file,
-                    "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
-                    marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
-                    hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
-    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
-        saltus_line name = {.length = 0};
-        saltus_line_plain(&name, page->files[i].scene);
-        saltus_plot_add_differences(page, i, &name);
-        fprintf(page->paper->file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
-    }
-    if (c->dots)
-        fprintf(page->paper->file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
-    if (!page->locus) {
-        fprintf(page->paper->file, line, "lw 2.6", "#404040", "stable");
-        fprintf(page->paper->file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
-    }
-}
-
 void saltus_plot_elements(const saltus_plot_page *page) {
+    FILE *file = page->paper->file;
     const content c = find_content(page);
     put_curves(page, &c);
     /* Marks have a white rim that separates them from the curves. Kinds that would often be covered by others
@@ -141,18 +119,34 @@ void saltus_plot_elements(const saltus_plot_page *page) {
         bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
                      kind != SALTUS_POINT_BE;
         if (c.kind[kind] && solid)
-            fprintf(page->paper->file,
-                    "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n", kind,
-                    marks[kind].point_type, marks[kind].size + 0.45);
+            fprintf(file, "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n",
+                    kind, marks[kind].point_type, marks[kind].size + 0.45);
         if (c.kind[kind])
-            fprintf(page->paper->file,
-                    "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n", kind,
-                    marks[kind].point_type, marks[kind].size, marks[kind].colour);
+            fprintf(file, "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n",
+                    kind, marks[kind].point_type, marks[kind].size, marks[kind].colour);
     }
-    put_line_legend(page, &c);
+    /* Legend of the lines: kinds of special points, or files. */
+    static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
+    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
+        if (c.hue[hue])
+            fprintf(file, "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
+                    marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
+                    hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
+    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
+        saltus_line name = {.length = 0};
+        saltus_line_plain(&name, page->files[i].scene);
+        saltus_plot_add_differences(page, i, &name);
+        fprintf(file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
+    }
+    if (c.dots)
+        fprintf(file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
+    if (!page->locus) {
+        fprintf(file, line, "lw 2.6", "#404040", "stable");
+        fprintf(file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
+    }
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         if (c.kind[kind])
-            fprintf(page->paper->file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
+            fprintf(file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
                     marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
-    fputs("     NaN notitle\n", page->paper->file);
+    fputs("     NaN notitle\n", file);
 }

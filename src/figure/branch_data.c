@@ -114,29 +114,27 @@ static double grazing_speed(const saltus_plot_page *page, const saltus_branch_po
     return 0;
 }
 
-/* For a grazing orbit the displacement at the touch; otherwise the largest displacement among its visits. */
-static double turning_value(const saltus_plot_page *page, const saltus_branch_point *point) {
-    double largest = NAN;
-    for (int i = 0; i < page->count && page->visits; i++) {
-        ptrdiff_t k = point - page->files[i].points;
-        if (k < 0 || k >= page->files[i].point_count)
-            continue;
-        for (int v = 0; v < page->visits[i][k].count; v++)
-            largest = fmax(largest, page->visits[i][k].list[v].value);
-    }
-    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
-        saltus_face face = saltus_system_face(page->system, f);
-        if (face.stop + 1 == point->grazing_stop && face.side == point->grazing_side &&
-            saltus_system_stop_observed(page->system, face.stop))
-            return face.side * point->spec.stops[face.stop].d;
-    }
-    return largest;
-}
-
 /* The value that the diagram shows for a point. */
 static double measure(const saltus_plot_page *page, const saltus_branch_point *point) {
-    if (page->turning)
-        return turning_value(page, point);
+    if (page->turning) {
+        /* For a grazing orbit the displacement at the touch; otherwise the largest displacement among its
+         * visits. */
+        double largest = NAN;
+        for (int i = 0; i < page->count && page->visits; i++) {
+            ptrdiff_t k = point - page->files[i].points;
+            if (k < 0 || k >= page->files[i].point_count)
+                continue;
+            for (int v = 0; v < page->visits[i][k].count; v++)
+                largest = fmax(largest, page->visits[i][k].list[v].value);
+        }
+        for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+            saltus_face face = saltus_system_face(page->system, f);
+            if (face.stop + 1 == point->grazing_stop && face.side == point->grazing_side &&
+                saltus_system_stop_observed(page->system, face.stop))
+                return face.side * point->spec.stops[face.stop].d;
+        }
+        return largest;
+    }
     switch (page->show) {
     case SALTUS_SHOW_DISPLACEMENT:
         return saltus_system_observed(page->system, point->state);
@@ -294,22 +292,19 @@ static double from_critical(const saltus_multiplier *m, saltus_point_kind kind) 
     return hypot(m->re - (kind == SALTUS_POINT_PD ? -1 : 1), m->im);
 }
 
-/* Whether an equilibrium has eigenvalues with positive real part besides the critical ones. */
-static bool others_grow(const saltus_branch_point *point, saltus_point_kind kind) {
-    const double still = 1e-6;
-    const int critical = kind == SALTUS_POINT_HB ? 2 : kind == SALTUS_POINT_LP ? 1 : 0;
-    int growing = 0, near = 0;
-    for (int k = 0; k < point->multiplier_count; k++) {
-        growing += point->multipliers[k].re > still;
-        near += fabs(point->multipliers[k].re) <= still;
-    }
-    return growing > (near < critical ? critical - near : 0);
-}
-
 /* Whether multipliers are outside the unit circle besides the critical ones. */
 static bool others_outside(const saltus_branch_point *point, saltus_point_kind kind) {
-    if (!point->periods)
-        return others_grow(point, kind);
+    if (!point->periods) {
+        /* Whether an equilibrium has eigenvalues with positive real part besides the critical ones. */
+        const double still = 1e-6;
+        const int critical = kind == SALTUS_POINT_HB ? 2 : kind == SALTUS_POINT_LP ? 1 : 0;
+        int growing = 0, near = 0;
+        for (int k = 0; k < point->multiplier_count; k++) {
+            growing += point->multipliers[k].re > still;
+            near += fabs(point->multipliers[k].re) <= still;
+        }
+        return growing > (near < critical ? critical - near : 0);
+    }
     const double inside = 1e-6;
     int critical = 0, outside = 0;
     for (int k = 1; k < point->dimension; k++)

@@ -81,33 +81,6 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     saltus_page_draw(page, "convergence");
 }
 
-/* The rows of the history, below a header with their origin. */
-static void put_table(FILE *file, const saltus_scene *scene, const saltus_system *system,
-                      const saltus_lyapunov_options *o, const saltus_lyapunov *l) {
-    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], c[SALTUS_NUMBER_MAX];
-    saltus_put_table_head(file, "largest Lyapunov exponent", scene, NULL, saltus_system_spec(system));
-    fprintf(file, "# options: transient = %lld, periods = %lld, members = %d, seed = %lu", o->transient,
-            o->periods, o->members, o->seed);
-    fprintf(file, ", precision = %s, interval = %s, ", saltus_number(o->precision, a),
-            saltus_number(o->interval, b));
-    saltus_put_tolerances(file, system, &o->flow);
-    fprintf(file, ", order = %d\n", o->flow.order);
-    if (isfinite(l->exponents[0]))
-        fprintf(file, "# result: exponent = %s, standard_error = %s\n", saltus_number(l->exponents[0], a),
-                isfinite(l->standard_errors[0]) ? saltus_number(l->standard_errors[0], b) : "unknown");
-    else
-        fputs("# result: exponent = -infinity: every direction is lost for good\n", file);
-    fprintf(file, "# measured: %lld periods, trajectories: %d, transient: %lld periods, T = %s\n", l->periods,
-            l->members, l->transient, saltus_number(l->period, a));
-    fputs("# time: measured by all trajectories together\n"
-          "# exponent, standard_error: the estimate after that time, per unit of time\n"
-          "time,exponent,standard_error\n",
-          file);
-    for (int k = 0; k < l->history_count && isfinite(l->exponents[0]); k++)
-        fprintf(file, "%s,%s,%s\n", saltus_number(l->history[k].time, a),
-                saltus_number(l->history[k].exponent, b), saltus_number(l->history[k].standard_error, c));
-}
-
 /* The result, how long and with how many trajectories it was measured, and possible doubts. */
 static void put_caption(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
                         const saltus_lyapunov *l, double precision) {
@@ -156,6 +129,7 @@ saltus_status saltus_write_convergence(const char *path, const saltus_scene *sce
     saltus_status status = saltus_convergence_check(path, message);
     if (status != SALTUS_OK)
         return status;
+    const bool finite = isfinite(lyapunov->exponents[0]);
     if (!saltus_path_ends(path, ".csv")) {
         status = saltus_page_open(&page, path, look, message);
         if (status != SALTUS_OK)
@@ -172,6 +146,32 @@ saltus_status saltus_write_convergence(const char *path, const saltus_scene *sce
     status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
         return status;
-    put_table(output.file, scene, system, options, lyapunov);
+    /* The rows of the history, below a header with their origin. */
+    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], c[SALTUS_NUMBER_MAX];
+    FILE *file = output.file;
+    saltus_put_table_head(file, "largest Lyapunov exponent", scene, NULL, saltus_system_spec(system));
+    fprintf(file, "# options: transient = %lld, periods = %lld, members = %d, seed = %lu", options->transient,
+            options->periods, options->members, options->seed);
+    fprintf(file, ", precision = %s, interval = %s, ", saltus_number(options->precision, a),
+            saltus_number(options->interval, b));
+    saltus_put_tolerances(file, system, &options->flow);
+    fprintf(file, ", order = %d\n", options->flow.order);
+    if (finite)
+        fprintf(file, "# result: exponent = %s, standard_error = %s\n",
+                saltus_number(lyapunov->exponents[0], a),
+                isfinite(lyapunov->standard_errors[0]) ? saltus_number(lyapunov->standard_errors[0], b)
+                                                       : "unknown");
+    else
+        fputs("# result: exponent = -infinity: every direction is lost for good\n", file);
+    fprintf(file, "# measured: %lld periods, trajectories: %d, transient: %lld periods, T = %s\n",
+            lyapunov->periods, lyapunov->members, lyapunov->transient, saltus_number(lyapunov->period, a));
+    fputs("# time: measured by all trajectories together\n"
+          "# exponent, standard_error: the estimate after that time, per unit of time\n"
+          "time,exponent,standard_error\n",
+          file);
+    for (int k = 0; k < lyapunov->history_count && finite; k++)
+        fprintf(file, "%s,%s,%s\n", saltus_number(lyapunov->history[k].time, a),
+                saltus_number(lyapunov->history[k].exponent, b),
+                saltus_number(lyapunov->history[k].standard_error, c));
     return saltus_output_close(&output, SALTUS_OK, message);
 }

@@ -41,22 +41,6 @@ static int run(FILE *script, FILE *picture, FILE *complaints, int *outcome) {
     return WIFEXITED(*outcome) && WEXITSTATUS(*outcome) == exit_absent ? ENOENT : 0;
 }
 
-/* The line of gnuplot's error messages that names the error ("..., line 7: ..."), otherwise the last line. */
-static void pick_complaint(FILE *complaints, char *text, size_t room) {
-    char line[512];
-    bool named = false;
-    text[0] = 0;
-    rewind(complaints);
-    while (!named && fgets(line, sizeof line, complaints)) {
-        char *place = strstr(line, "line ");
-        char *start = place ? place : line + strspn(line, " \t^\n");
-        start[strcspn(start, "\n")] = 0;
-        named = place && strchr(place, ':') && !strstr(place, "warning:");
-        if (*start && (named || !place))
-            snprintf(text, room, "%s", start);
-    }
-}
-
 /* Whether the picture is complete; a full disk at $TMPDIR cuts off its end. */
 static bool complete(FILE *picture) {
     char tail[64] = "";
@@ -86,7 +70,20 @@ saltus_status saltus_gnuplot_run(FILE *script, FILE **picture, saltus_message *m
     else if (failure)
         saltus_fail(message, status, "gnuplot could not be run: %s", strerror(failure));
     else if (!WIFEXITED(outcome) || WEXITSTATUS(outcome) != 0) {
-        pick_complaint(complaints, text, sizeof text);
+        /* The line of gnuplot's error messages that names the error ("..., line 7: ..."), otherwise the last
+         * line. */
+        char line[512];
+        bool named = false;
+        text[0] = 0;
+        rewind(complaints);
+        while (!named && fgets(line, sizeof line, complaints)) {
+            char *place = strstr(line, "line ");
+            char *start = place ? place : line + strspn(line, " \t^\n");
+            start[strcspn(start, "\n")] = 0;
+            named = place && strchr(place, ':') && !strstr(place, "warning:");
+            if (*start && (named || !place))
+                snprintf(text, sizeof text, "%s", start);
+        }
         saltus_fail(message, status, "gnuplot failed: %s", text[0] ? text : "it gave no reason");
     } else if (!complete(*picture))
         saltus_fail(message, status, "gnuplot left an incomplete picture");

@@ -50,33 +50,6 @@ saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus
                       : saltus_fail(message, SALTUS_IO, "no temporary file can be made: %s", strerror(errno));
 }
 
-/* Pages without a requested size are for screens; the others are for print, with 300 dots per inch. */
-static void put_terminal(const saltus_page *page) {
-    const double inch = mm_per_unit / 25.4, dot = 300 * inch, points = 72 * inch;
-    double w = page->width, h = page->height;
-    bool sized = page->look.width > 0;
-    fputs("# Saltus " SALTUS_VERSION ": a figure\nset terminal ", page->file);
-    if (saltus_path_ends(page->path, ".png")) {
-        fprintf(page->file, "pngcairo size %.0f,%.0f enhanced font 'DejaVu Sans,13' ", sized ? w * dot : w,
-                sized ? h * dot : h);
-        if (sized)
-            fprintf(page->file, "fontscale %.5g linewidth %.5g pointscale %.5g ", dot, dot, dot);
-        fputs("background '#ffffff' rounded\n", page->file);
-    } else if (saltus_path_ends(page->path, ".svg"))
-        fprintf(page->file,
-                "svg size %.0f,%.0f %s enhanced font 'DejaVu Sans,17' background '#ffffff' rounded\n", w, h,
-                sized ? "fixed" : "dynamic");
-    else if (sized) /* in this terminal a font of 13 has 52/3 points */
-        fprintf(page->file,
-                "pdfcairo size %.5gin,%.5gin enhanced font 'DejaVu Sans,13' fontscale %.5g linewidth %.5g "
-                "pointscale %.5g rounded\n",
-                w * inch, h * inch, points, 1.42 * points, 1.42 * points);
-    else
-        fputs("pdfcairo size 11.69in,8.77in enhanced font 'DejaVu Sans,13' fontscale 0.58 linewidth 0.75 "
-              "pointscale 0.75 rounded\n",
-              page->file);
-}
-
 /* Copy the picture to its place; in an SVG file the size in units is replaced by the size on paper. */
 static saltus_status deliver(const saltus_page *page, FILE *picture, saltus_message *message) {
     saltus_output output;
@@ -234,7 +207,30 @@ void saltus_page_begin(saltus_page *page) {
     if (page->free_height)
         page->height = fmin(page->height, tallest / mm_per_unit);
     lay_caption(page, false);
-    put_terminal(page);
+    /* Pages without a requested size are for screens; the others are for print, with 300 dots per inch. */
+    const double inch = mm_per_unit / 25.4, dot = 300 * inch, points = 72 * inch;
+    double w = page->width, h = page->height;
+    bool sized = page->look.width > 0;
+    fputs("# Saltus " SALTUS_VERSION ": a figure\nset terminal ", page->file);
+    if (saltus_path_ends(page->path, ".png")) {
+        fprintf(page->file, "pngcairo size %.0f,%.0f enhanced font 'DejaVu Sans,13' ", sized ? w * dot : w,
+                sized ? h * dot : h);
+        if (sized)
+            fprintf(page->file, "fontscale %.5g linewidth %.5g pointscale %.5g ", dot, dot, dot);
+        fputs("background '#ffffff' rounded\n", page->file);
+    } else if (saltus_path_ends(page->path, ".svg"))
+        fprintf(page->file,
+                "svg size %.0f,%.0f %s enhanced font 'DejaVu Sans,17' background '#ffffff' rounded\n", w, h,
+                sized ? "fixed" : "dynamic");
+    else if (sized) /* in this terminal a font of 13 has 52/3 points */
+        fprintf(page->file,
+                "pdfcairo size %.5gin,%.5gin enhanced font 'DejaVu Sans,13' fontscale %.5g linewidth %.5g "
+                "pointscale %.5g rounded\n",
+                w * inch, h * inch, points, 1.42 * points, 1.42 * points);
+    else
+        fputs("pdfcairo size 11.69in,8.77in enhanced font 'DejaVu Sans,13' fontscale 0.58 linewidth 0.75 "
+              "pointscale 0.75 rounded\n",
+              page->file);
     saltus_page_template(page, "style");
 }
 

@@ -160,38 +160,31 @@ static double density_at(const saltus_tally *tally, size_t k) {
     return tally->weight[k] / fmin(tally->cover[k], 1);
 }
 
-/* The logarithms of density between which opacity grows. */
-static void find_tones(const saltus_tally *tally, double *low, double *high) {
+void saltus_tally_paint(const saltus_tally *tally, uint32_t colour, saltus_raster *raster) {
     enum { sample = 20000 };
     const double least_ratio = 40, rare = 0.02, common = 0.97;
+    const double faintest = 0.16, levels = 24; /* few levels keep compressed files small */
     size_t size = (size_t)tally->width * (size_t)tally->height, filled = 0, count = 0, seen = 0;
     float *densities = malloc(sample * sizeof *densities);
+    double low = 0, high = 0; /* logarithms of density between which opacity grows */
     for (size_t k = 0; k < size; k++)
         filled += tally->cover[k] > 0;
     for (size_t k = 0; k < size && densities && count < sample; k++)
         if (tally->cover[k] > 0 && seen++ % (1 + filled / sample) == 0)
             densities[count++] = (float)density_at(tally, k);
-    *low = *high = 0;
     if (count) {
         gsl_sort_float(densities, 1, count);
-        *low = log(densities[(size_t)(rare * (double)(count - 1))]);
-        *high = log(densities[(size_t)(common * (double)(count - 1))]);
+        low = log(densities[(size_t)(rare * (double)(count - 1))]);
+        high = log(densities[(size_t)(common * (double)(count - 1))]);
     }
-    *low = fmin(*low, *high - log(least_ratio));
+    low = fmin(low, high - log(least_ratio));
     free(densities);
-}
-
-void saltus_tally_paint(const saltus_tally *tally, uint32_t colour, saltus_raster *raster) {
-    const double faintest = 0.16, levels = 24; /* few levels keep compressed files small */
-    double low, high;
-    find_tones(tally, &low, &high);
-    for (int y = 0; y < tally->height; y++)
-        for (int x = 0; x < tally->width; x++) {
-            size_t k = (size_t)y * (size_t)tally->width + (size_t)x;
-            if (tally->cover[k] <= 0)
-                continue;
-            double tone = fmin(fmax((log(density_at(tally, k)) - low) / (high - low), 0), 1);
-            double opacity = fmin(tally->cover[k], 1) * (faintest + (1 - faintest) * tone);
-            saltus_raster_set(raster, x, y, colour, round(opacity * levels) / levels);
-        }
+    for (size_t k = 0; k < size; k++) {
+        if (tally->cover[k] <= 0)
+            continue;
+        double tone = fmin(fmax((log(density_at(tally, k)) - low) / (high - low), 0), 1);
+        double opacity = fmin(tally->cover[k], 1) * (faintest + (1 - faintest) * tone);
+        saltus_raster_set(raster, (int)(k % (size_t)tally->width), (int)(k / (size_t)tally->width), colour,
+                          round(opacity * levels) / levels);
+    }
 }

@@ -13,18 +13,18 @@ typedef struct saltus_sheet {
     const saltus_system *system;
     const saltus_motion *motion;
     const saltus_trajectory *record;
-    const saltus_trajectory *section; /* for section points and impact map */
-    const saltus_spectrum *spectrum;  /* source of section points and impact map */
-    const saltus_spectra *spectra;    /* of the first quantity; NULL: none, or constant */
-    saltus_course course;             /* the spectra that contain it */
-    bool orbit;               /* of the largest exponent, finite numbers only; count 0: not measured */
-    bool strong;              /* shows one closed orbit; otherwise a stretch of trajectory */
-    bool timed;               /* few, distinguishable curves, drawn with strong lines */
-    long long rows;           /* time is in forcing periods, with a point at the beginning of each */
-    long long events;         /* rows of the record that are shown */
-    long long history_rows;   /* events among the rows shown */
-    long long history_events; /* rows of the time history, from the first one on */
-    long long mapped;         /* events of the time history */
+    const saltus_trajectory *section; /* source of section points and impact map */
+    const saltus_spectrum *spectrum;  /* of the first quantity; NULL: none, or constant */
+    const saltus_spectra *spectra;    /* the spectra that contain it */
+    saltus_course course;     /* of the largest exponent, finite numbers only; count 0: not measured */
+    bool orbit;               /* shows one closed orbit; otherwise a stretch of trajectory */
+    bool strong;              /* few, distinguishable curves, drawn with strong lines */
+    bool timed;               /* time is in forcing periods, with a point at the beginning of each */
+    long long rows;           /* rows of the record that are shown */
+    long long events;         /* events among the rows shown */
+    long long history_rows;   /* rows of the time history, from the first one on */
+    long long history_events; /* events of the time history */
+    long long mapped;         /* events of `section` in the impact map */
     long long contacts;       /* intervals of lasting contact in the time history */
     saltus_range displacement, velocity;
 } saltus_sheet;

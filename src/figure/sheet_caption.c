@@ -8,17 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Append plain text with "+-" replaced by the plus-minus sign. */
-static void add_sentence(saltus_line *l, const char *text) {
-    for (const char *sign; (sign = strstr(text, " +- ")); text = sign + 4) {
-        saltus_line before = {.length = 0};
-        saltus_line_add(&before, "%.*s", (int)(sign - text), text);
-        saltus_line_plain(l, before.text);
-        saltus_line_add(l, " ± ");
-    }
-    saltus_line_plain(l, text);
-}
-
 static void add_uncertain(saltus_line *l, double value, double error) {
     saltus_line_uncertain(l, saltus_uncertain_text(value, error));
 }
@@ -27,7 +16,15 @@ static void add_uncertain(saltus_line *l, double value, double error) {
 static void add_irregular(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
     if (m->verdict != SALTUS_CHAOTIC && m->verdict != SALTUS_QUASIPERIODIC) {
-        add_sentence(l, m->reason);
+        /* Append plain text with "+-" replaced by the plus-minus sign. */
+        const char *text = m->reason;
+        for (const char *sign; (sign = strstr(text, " +- ")); text = sign + 4) {
+            saltus_line before = {.length = 0};
+            saltus_line_add(&before, "%.*s", (int)(sign - text), text);
+            saltus_line_plain(l, before.text);
+            saltus_line_add(l, " ± ");
+        }
+        saltus_line_plain(l, text);
         return;
     }
     saltus_line_add(l, "largest exponent ");
@@ -74,30 +71,6 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
     if (e->lifetime_at_least > 0)
         saltus_line_add(l, "mean lifetime at least %.0f {/:Italic T};  ", e->lifetime_at_least);
     saltus_line_add(l, "%.4g impacts per {/:Italic T}", e->impacts_per_period);
-}
-
-static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
-    const saltus_motion *m = sheet->motion;
-    if (!saltus_verdict_settled(m->verdict))
-        add_irregular(l, m);
-    else if (m->verdict == SALTUS_EQUILIBRIUM)
-        saltus_line_add(l, "at rest, clear of every stop");
-    else if (m->verdict == SALTUS_HELD)
-        saltus_line_add(l, "in contact for good");
-    else if (m->impacts < 0)
-        saltus_line_add(l, "complete chatter, %d sticking interval%s in %d {/:Italic T}",
-                        m->sticking_intervals, saltus_plural(m->sticking_intervals), m->periods);
-    else if (m->impacts == 0)
-        saltus_line_add(l, "no impact in %d {/:Italic T}", m->periods);
-    else
-        saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
-                        saltus_plural(m->impacts), m->periods, saltus_impacts_per_response(sheet->system, m),
-                        saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
-    if (m->trivial_multiplier != 0)
-        saltus_line_add(l, ";  period %.8g, {/:Italic T} is the mean time between maxima", m->period);
-    if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
-        saltus_line_add(l, ";  %s",
-                        m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");
 }
 
 /* The leading multipliers; a complex pair is written once, with its modulus. */
@@ -163,7 +136,26 @@ void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
     saltus_line_plain(&head, sheet->scene->name);
     saltus_line_add(&head, ":  ");
     saltus_line_plain(&head, verdict);
-    add_motion(&motion, sheet);
+    if (!saltus_verdict_settled(m->verdict))
+        add_irregular(&motion, m);
+    else if (m->verdict == SALTUS_EQUILIBRIUM)
+        saltus_line_add(&motion, "at rest, clear of every stop");
+    else if (m->verdict == SALTUS_HELD)
+        saltus_line_add(&motion, "in contact for good");
+    else if (m->impacts < 0)
+        saltus_line_add(&motion, "complete chatter, %d sticking interval%s in %d {/:Italic T}",
+                        m->sticking_intervals, saltus_plural(m->sticking_intervals), m->periods);
+    else if (m->impacts == 0)
+        saltus_line_add(&motion, "no impact in %d {/:Italic T}", m->periods);
+    else
+        saltus_line_add(&motion, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
+                        saltus_plural(m->impacts), m->periods, saltus_impacts_per_response(sheet->system, m),
+                        saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
+    if (m->trivial_multiplier != 0)
+        saltus_line_add(&motion, ";  period %.8g, {/:Italic T} is the mean time between maxima", m->period);
+    if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
+        saltus_line_add(&motion, ";  %s",
+                        m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");
     add_multipliers(&motion, m);
     add_exponent(&evidence, m);
     add_evidence(&evidence, m);

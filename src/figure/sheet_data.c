@@ -110,49 +110,6 @@ void saltus_sheet_choose_all(saltus_sheet *sheet) {
     find_ranges(sheet);
 }
 
-/* Rows of the trajectory; an empty line where the velocity jumps. */
-static void put_rows(const saltus_sheet *sheet) {
-    const saltus_trajectory *r = sheet->record;
-    long long event = 0;
-    fputs("$orbit << EOD\n# tau/T displacement velocity\n", sheet->page->file);
-    for (long long row = 0; row < sheet->rows; row++) {
-        fprintf(sheet->page->file, "%.9g %.9g %.9g\n", r->time[row], r->displacement[row], r->velocity[row]);
-        while (event < r->event_count && r->event_rows[event] < row)
-            event++;
-        if (event < r->event_count && r->event_rows[event] == row && r->events[event].kind != SALTUS_RELEASE)
-            fputc('\n', sheet->page->file);
-    }
-    fputs("EOD\n$history << EOD\n# tau/T displacement\n", sheet->page->file);
-    for (long long row = 0; row < sheet->history_rows; row++)
-        fprintf(sheet->page->file, "%.9g %.9g\n", r->time[row], r->displacement[row]);
-    fputs("EOD\n", sheet->page->file);
-}
-
-static void put_impacts(const saltus_sheet *sheet) {
-    const saltus_trajectory *r = sheet->record;
-    fputs("$jumps << EOD\n# displacement velocity, before and after each impact\n", sheet->page->file);
-    for (long long k = 0; k < sheet->events; k++) {
-        long long row = r->event_rows[k];
-        if (r->events[k].kind != SALTUS_RELEASE)
-            fprintf(sheet->page->file, "%.9g %.9g\n%.9g %.9g\n\n", r->displacement[row], r->velocity[row],
-                    r->displacement[row + 1], r->velocity[row + 1]);
-    }
-    fputs("EOD\n$impacts << EOD\n# tau/T displacement\n", sheet->page->file);
-    for (long long k = 0; k < sheet->history_events; k++)
-        if (r->events[k].kind != SALTUS_RELEASE)
-            fprintf(sheet->page->file, "%.9g %.9g\n", r->time[r->event_rows[k]],
-                    r->displacement[r->event_rows[k]]);
-    fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->page->file);
-    for (long long k = 0; k < sheet->mapped; k++) {
-        const saltus_event *event = &sheet->section->events[k];
-        saltus_face face = saltus_system_face(sheet->system, event->face);
-        if (event->kind != SALTUS_RELEASE)
-            fprintf(sheet->page->file, "%.9g %.9g %d %d\n", event->time.phase, event->velocity_before,
-                    face.side, face.stop + 1);
-    }
-    fputs("EOD\n", sheet->page->file);
-}
-
 static void put_contact(saltus_sheet *sheet, double begin, double end, double displacement) {
     fprintf(sheet->page->file, "%.9g %.9g\n%.9g %.9g\n\n", begin, displacement, end, displacement);
     sheet->contacts++;
@@ -192,19 +149,6 @@ static void put_contacts(saltus_sheet *sheet) {
         }
         if (holds)
             put_contact(sheet, begin, end, displacement);
-    }
-    fputs("EOD\n", sheet->page->file);
-}
-
-/* Stroboscopic points of the part shown: rows at whole numbers of periods. The end of a closed orbit equals
- * its beginning and is omitted. */
-static void put_strobes(const saltus_sheet *sheet) {
-    const saltus_trajectory *r = sheet->record;
-    double point[2];
-    fputs("$strobe << EOD\n# displacement velocity tau/T\n", sheet->page->file);
-    for (long long k = 0; k < r->strobes && sheet->timed && (double)k < r->time[sheet->rows - 1]; k++) {
-        saltus_sheet_strobe(sheet, r, k, point);
-        fprintf(sheet->page->file, "%.9g %.9g %lld\n", point[0], point[1], k);
     }
     fputs("EOD\n", sheet->page->file);
 }
@@ -265,10 +209,51 @@ static void put_shapes(const saltus_sheet *sheet) {
 }
 
 void saltus_sheet_record_data(saltus_sheet *sheet) {
-    put_rows(sheet);
-    put_impacts(sheet);
+    /* Rows of the trajectory; an empty line where the velocity jumps. */
+    const saltus_trajectory *r = sheet->record;
+    long long event = 0;
+    fputs("$orbit << EOD\n# tau/T displacement velocity\n", sheet->page->file);
+    for (long long row = 0; row < sheet->rows; row++) {
+        fprintf(sheet->page->file, "%.9g %.9g %.9g\n", r->time[row], r->displacement[row], r->velocity[row]);
+        while (event < r->event_count && r->event_rows[event] < row)
+            event++;
+        if (event < r->event_count && r->event_rows[event] == row && r->events[event].kind != SALTUS_RELEASE)
+            fputc('\n', sheet->page->file);
+    }
+    fputs("EOD\n$history << EOD\n# tau/T displacement\n", sheet->page->file);
+    for (long long row = 0; row < sheet->history_rows; row++)
+        fprintf(sheet->page->file, "%.9g %.9g\n", r->time[row], r->displacement[row]);
+    fputs("EOD\n$jumps << EOD\n# displacement velocity, before and after each impact\n", sheet->page->file);
+    for (long long k = 0; k < sheet->events; k++) {
+        long long row = r->event_rows[k];
+        if (r->events[k].kind != SALTUS_RELEASE)
+            fprintf(sheet->page->file, "%.9g %.9g\n%.9g %.9g\n\n", r->displacement[row], r->velocity[row],
+                    r->displacement[row + 1], r->velocity[row + 1]);
+    }
+    fputs("EOD\n$impacts << EOD\n# tau/T displacement\n", sheet->page->file);
+    for (long long k = 0; k < sheet->history_events; k++)
+        if (r->events[k].kind != SALTUS_RELEASE)
+            fprintf(sheet->page->file, "%.9g %.9g\n", r->time[r->event_rows[k]],
+                    r->displacement[r->event_rows[k]]);
+    fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->page->file);
+    for (long long k = 0; k < sheet->mapped; k++) {
+        const saltus_event *mapped = &sheet->section->events[k];
+        saltus_face face = saltus_system_face(sheet->system, mapped->face);
+        if (mapped->kind != SALTUS_RELEASE)
+            fprintf(sheet->page->file, "%.9g %.9g %d %d\n", mapped->time.phase, mapped->velocity_before,
+                    face.side, face.stop + 1);
+    }
+    fputs("EOD\n", sheet->page->file);
     put_contacts(sheet);
-    put_strobes(sheet);
+    /* Stroboscopic points of the part shown: rows at whole numbers of periods. The end of a closed orbit
+     * equals its beginning and is omitted. */
+    double point[2];
+    fputs("$strobe << EOD\n# displacement velocity tau/T\n", sheet->page->file);
+    for (long long k = 0; k < r->strobes && sheet->timed && (double)k < r->time[sheet->rows - 1]; k++) {
+        saltus_sheet_strobe(sheet, r, k, point);
+        fprintf(sheet->page->file, "%.9g %.9g %lld\n", point[0], point[1], k);
+    }
+    fputs("EOD\n", sheet->page->file);
 }
 
 void saltus_sheet_data(saltus_sheet *sheet) {

@@ -42,6 +42,38 @@ static void put_bin(const row *r, double frequency, double density) {
             decibels(s->low * density / r->peak, 10), decibels(s->high * density / r->peak, 10));
 }
 
+static row make_row(const saltus_spectra_source *source, int k, int number, const saltus_page *page) {
+    const saltus_spectrum *s = &source->spectra->spectra[k];
+    const bool lines = s->kind == SALTUS_SPECTRUM_LINES, density = s->kind == SALTUS_SPECTRUM_WELCH;
+    row r = {.source = source,
+             .s = s,
+             .quantity = source->spectra->quantities[k],
+             .page = page,
+             .number = number,
+             .begin = lines ? 0.8 / s->periods : s->resolution,
+             .end = s->per_period / 2.0};
+    for (long long b = 0; b < s->bins; b++)
+        r.peak = fmax(r.peak, s->density[b]);
+    const double between = s->between > 0 && isfinite(s->between) ? decibels(s->between, 20) : least;
+    double last = 4, lowest = lines && between > deep ? between : 0;
+    for (long long l = 0; l < s->line_count; l++) {
+        if (s->lines[l].decibels > -60)
+            last = fmax(last, s->lines[l].frequency);
+        if (lines && s->lines[l].frequency <= s->trustworthy && s->lines[l].decibels > deep)
+            lowest = fmin(lowest, s->lines[l].decibels);
+    }
+    for (long long b = 1; b < s->bins && density; b++) {
+        if (s->density[b] > 1e-6 * r.peak)
+            last = fmax(last, (double)b * s->resolution);
+        lowest = fmin(lowest, decibels(s->low * s->density[b] / r.peak, 10));
+    }
+    /* The low frequencies end where no line is within 60 dB of the highest, between 4 and 16 omega; the floor
+     * is below the lowest value drawn, but not below the resolution of double precision. */
+    r.low_end = fmin(fmin(16, r.end), ceil(last + 0.25));
+    r.floor = fmax(deep, 20 * floor((lowest - 10) / 20));
+    return r;
+}
+
 static void put_low_data(const row *r) {
     const saltus_spectrum *s = r->s;
     fprintf(r->page->file, "$low%d << EOD\n", r->number);
@@ -79,47 +111,6 @@ static void put_whole_data(const row *r) {
         put_bin(r, 0.5 * s->resolution * (double)(first + k - 1), sum / (double)(k - first));
     }
     fputs("EOD\n", r->page->file);
-}
-
-/* The low frequencies end where no line is within 60 dB of the highest, between 4 and 16 omega. */
-static double find_low_end(const saltus_spectrum *s, double peak) {
-    double end = 4;
-    for (long long k = 0; k < s->line_count; k++)
-        if (s->lines[k].decibels > -60)
-            end = fmax(end, s->lines[k].frequency);
-    for (long long k = 1; k < s->bins && s->kind == SALTUS_SPECTRUM_WELCH; k++)
-        if (s->density[k] > 1e-6 * peak)
-            end = fmax(end, (double)k * s->resolution);
-    return fmin(fmin(16, s->per_period / 2.0), ceil(end + 0.25));
-}
-
-/* A floor below the lowest value drawn, but not below the resolution of double precision. */
-static double find_floor(const row *r) {
-    const saltus_spectrum *s = r->s;
-    double between = s->between > 0 && isfinite(s->between) ? decibels(s->between, 20) : least;
-    double lowest = s->kind == SALTUS_SPECTRUM_LINES && between > deep ? between : 0;
-    for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES; k++)
-        if (s->lines[k].frequency <= s->trustworthy && s->lines[k].decibels > deep)
-            lowest = fmin(lowest, s->lines[k].decibels);
-    for (long long k = 1; k < s->bins && s->kind == SALTUS_SPECTRUM_WELCH; k++)
-        lowest = fmin(lowest, decibels(s->low * s->density[k] / r->peak, 10));
-    return fmax(deep, 20 * floor((lowest - 10) / 20));
-}
-
-static row make_row(const saltus_spectra_source *source, int k, int number, const saltus_page *page) {
-    const saltus_spectrum *s = &source->spectra->spectra[k];
-    row r = {.source = source,
-             .s = s,
-             .quantity = source->spectra->quantities[k],
-             .page = page,
-             .number = number,
-             .end = s->per_period / 2.0};
-    for (long long b = 0; b < s->bins; b++)
-        r.peak = fmax(r.peak, s->density[b]);
-    r.low_end = find_low_end(s, r.peak);
-    r.floor = find_floor(&r);
-    r.begin = s->kind == SALTUS_SPECTRUM_LINES ? 0.8 / s->periods : s->resolution;
-    return r;
 }
 
 static void open_panel(const row *r, saltus_frame frame, int letter, const saltus_line *heading,

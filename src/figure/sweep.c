@@ -261,21 +261,27 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     return status;
 }
 
-/* Draw a sweep that has been read; `path` is its name in messages. */
-static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path,
-                                const saltus_sweep_view *view, const char *figure, saltus_message *message) {
+saltus_status saltus_plot_sweep(const char *figure, const char *path, const saltus_sweep_view *view,
+                                saltus_message *message) {
+    saltus_sweep_file sweep;
+    saltus_status status = saltus_figure_check(figure, &view->look, message);
+    if (status != SALTUS_OK)
+        return status;
+    status = saltus_sweep_file_read(path, &sweep, message);
+    if (status != SALTUS_OK)
+        return status;
     saltus_system *system = NULL;
-    saltus_status status = saltus_system_new(&sweep->spec, &system, message);
-    if (status == SALTUS_OK && saltus_system_dimension(system) != sweep->dimension)
+    status = saltus_system_new(&sweep.spec, &system, message);
+    if (status == SALTUS_OK && saltus_system_dimension(system) != sweep.dimension)
         status = saltus_fail(
             message, SALTUS_BAD_INPUT,
             "%.300s: is not a sound sweep file: its states have %d entries, its scene makes it %d", path,
-            sweep->dimension, saltus_system_dimension(system));
-    saltus_sweep_page page = {.sweep = sweep,
+            sweep.dimension, saltus_system_dimension(system));
+    saltus_sweep_page page = {.sweep = &sweep,
                               .wish = view,
                               .path = path,
                               .figure = figure,
-                              .view = choose_view(sweep, view->view),
+                              .view = choose_view(&sweep, view->view),
                               .system = system};
     if (status == SALTUS_OK)
         status = check_view(&page, message);
@@ -290,19 +296,6 @@ static saltus_status draw_sweep(const saltus_sweep_file *sweep, const char *path
     saltus_classes_close(&page.classes);
     free(page.observers);
     saltus_system_free(system);
-    return status;
-}
-
-saltus_status saltus_plot_sweep(const char *figure, const char *path, const saltus_sweep_view *view,
-                                saltus_message *message) {
-    saltus_sweep_file sweep;
-    saltus_status status = saltus_figure_check(figure, &view->look, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = saltus_sweep_file_read(path, &sweep, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = draw_sweep(&sweep, path, view, figure, message);
     saltus_sweep_file_clear(&sweep);
     return status;
 }

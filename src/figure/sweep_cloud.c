@@ -43,33 +43,27 @@ static long long cloud_count(const saltus_sweep_page *page, long long row) {
                : 1;
 }
 
-static double observed(const saltus_sweep_page *page, long long row, long long k) {
-    const saltus_sweep_file *sweep = page->sweep;
-    int n = saltus_system_dof(page->system);
-    long long value = row / sweep->options.seeds % sweep->points;
-    const double *state = sweep->strobes + (sweep->strobe_first[row] + k) * sweep->dimension,
-                 *observer = page->observers + (page->observer_count > 1 ? value * n : 0);
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum = fma(observer[i], state[i], sum);
-    return sum;
-}
-
 static double cloud_value(const saltus_sweep_page *page, long long row, long long k) {
     const saltus_sweep_file *sweep = page->sweep;
-    double speed, number;
+    const int n = saltus_system_dof(page->system), seeds = sweep->options.seeds;
+    const double *state, *observer = page->observers;
+    double number, sum = 0;
     int most = -1;
     switch (page->view) {
     case SALTUS_VIEW_TURNING:
         return sweep->turning[sweep->turning_first[row] + k];
     case SALTUS_VIEW_IMPACTS:
-        speed = sweep->impacts[sweep->impact_first[row] + k].speed;
-        return page->sides ? speed : fabs(speed);
+        number = sweep->impacts[sweep->impact_first[row] + k].speed;
+        return page->sides ? number : fabs(number);
     case SALTUS_VIEW_STROBOSCOPIC:
-        return observed(page, row, k);
+        state = sweep->strobes + (sweep->strobe_first[row] + k) * sweep->dimension;
+        observer += page->observer_count > 1 ? row / seeds % sweep->points * n : 0;
+        for (int i = 0; i < n; i++)
+            sum = fma(observer[i], state[i], sum);
+        return sum;
     case SALTUS_VIEW_ATTRACTORS:
         /* Number of distinct attractors met at this grid point, shown only for the first seed. */
-        for (int s = 0; s < sweep->options.seeds && row % sweep->options.seeds == 0; s++)
+        for (int s = 0; s < seeds && row % seeds == 0; s++)
             most = sweep->rows[row + s].attractor > most ? sweep->rows[row + s].attractor : most;
         return most < 0 ? NAN : most + 1;
     default:
@@ -122,23 +116,6 @@ static bool limits(const saltus_sweep_page *page, saltus_face face) {
     return shows_displacement(page) && saltus_system_stop_observed(page->system, face.stop);
 }
 
-/* Extend a range by margins, to faces near the points, and to zero if that is near. */
-static void pad_range(const saltus_sweep_page *page, saltus_range *range) {
-    double width = range->high - range->low;
-    bool from_zero = page->view != SALTUS_VIEW_LYAPUNOV && !shows_displacement(page) && range->low >= 0;
-    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
-        saltus_face face = saltus_system_face(page->system, f);
-        double d = clearance(page, face, page->x.range.high);
-        if (limits(page, face) && d > range->low - 0.1 * width && d < range->high + 0.1 * width)
-            saltus_range_add(range, d);
-    }
-    if (page->view == SALTUS_VIEW_LYAPUNOV || (from_zero && range->low < 0.4 * range->high))
-        saltus_range_add(range, 0);
-    saltus_range_pad(range, 0.05, fmax(1e-3 * fabs(range->high), 1e-9));
-    if (from_zero && range->low < 0)
-        range->low = -0.015 * range->high;
-}
-
 static saltus_status find_range(saltus_sweep_page *page, saltus_message *message) {
     saltus_range found = {INFINITY, -INFINITY};
     page->sides = page->view == SALTUS_VIEW_IMPACTS && !page->branches && two_sided(page);
@@ -173,8 +150,22 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
     if (page->logarithmic) {
         saltus_range_floor(&page->up);
         page->up = (saltus_range){page->up.low / 1.3, page->up.high * 1.3};
-    } else
-        pad_range(page, &page->up);
+    } else {
+        /* Extend a range by margins, to faces near the points, and to zero if that is near. */
+        double width = page->up.high - page->up.low;
+        bool from_zero = page->view != SALTUS_VIEW_LYAPUNOV && !shows_displacement(page) && page->up.low >= 0;
+        for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+            saltus_face face = saltus_system_face(page->system, f);
+            double d = clearance(page, face, page->x.range.high);
+            if (limits(page, face) && d > page->up.low - 0.1 * width && d < page->up.high + 0.1 * width)
+                saltus_range_add(&page->up, d);
+        }
+        if (page->view == SALTUS_VIEW_LYAPUNOV || (from_zero && page->up.low < 0.4 * page->up.high))
+            saltus_range_add(&page->up, 0);
+        saltus_range_pad(&page->up, 0.05, fmax(1e-3 * fabs(page->up.high), 1e-9));
+        if (from_zero && page->up.low < 0)
+            page->up.low = -0.015 * page->up.high;
+    }
     return SALTUS_OK;
 }
 
@@ -324,26 +315,6 @@ static void put_exponents(const saltus_sweep_page *page, bool lost) {
         }
 }
 
-/* Drawn below the points. */
-static void put_exponent_elements(const saltus_sweep_page *page) {
-    static const uint32_t positive = 0xf3cfc4, negative = 0xdfe9f3, error_colour = 0xc0392b;
-    double zero = fmin(fmax(0, page->up.low), page->up.high);
-    /* Columns are drawn only if each value of the axis has one exponent. */
-    for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
-        fprintf(page->paper.file,
-                "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc "
-                "rgb '#%06x' notitle, \\\n",
-                k ? "<" : ">", zero, (unsigned)(k ? negative : positive));
-    if (zero == 0)
-        fputs("     0 with lines lc rgb '#707070' lw 1.2 notitle, \\\n", page->paper.file);
-    fprintf(page->paper.file,
-            "     $exponents using 1:5:(0):($6-$5) with vectors nohead lw 1.3 lc rgb '#40%06x' notitle, \\\n",
-            (unsigned)error_colour);
-    if (saltus_sweep_any_lost(page))
-        fputs("     $lost using 1:4 with points pt 11 ps 0.9 lc rgb '#404040' notitle, \\\n",
-              page->paper.file);
-}
-
 /* The cloud as elements of the plot command, rasters or points, with the legend of its colours. */
 static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
     const unsigned faint = 0xa0; /* transparency out of 255 */
@@ -386,9 +357,27 @@ static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters
                     "     $face_%d using 1:2:3 with filledcurves fc rgb '#ececec' notitle, \\\n"
                     "     $face_%d using 1:2 with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
                     f, f);
-    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense)
-        put_exponent_elements(page);
-    else if (page->view == SALTUS_VIEW_LYAPUNOV)
+    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense) {
+        /* Drawn below the points. */
+        static const uint32_t positive = 0xf3cfc4, negative = 0xdfe9f3, error_colour = 0xc0392b;
+        double zero = fmin(fmax(0, page->up.low), page->up.high);
+        /* Columns are drawn only if each value of the axis has one exponent. */
+        for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
+            fprintf(
+                page->paper.file,
+                "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc "
+                "rgb '#%06x' notitle, \\\n",
+                k ? "<" : ">", zero, (unsigned)(k ? negative : positive));
+        if (zero == 0)
+            fputs("     0 with lines lc rgb '#707070' lw 1.2 notitle, \\\n", page->paper.file);
+        fprintf(
+            page->paper.file,
+            "     $exponents using 1:5:(0):($6-$5) with vectors nohead lw 1.3 lc rgb '#40%06x' notitle, \\\n",
+            (unsigned)error_colour);
+        if (saltus_sweep_any_lost(page))
+            fputs("     $lost using 1:4 with points pt 11 ps 0.9 lc rgb '#404040' notitle, \\\n",
+                  page->paper.file);
+    } else if (page->view == SALTUS_VIEW_LYAPUNOV)
         fputs("     0 with lines lc rgb '#909090' lw 1.2 notitle, \\\n", file);
     put_cloud_elements(page, rasters, dense);
     if (page->branches)

@@ -39,23 +39,6 @@ static int kind_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltu
     return seen[best];
 }
 
-/* The mean of the numbers in a pixel's cells; NAN if there are none. *point: one of its points. */
-static double number_at(const saltus_sweep_map *map, saltus_pixel_cells column, saltus_pixel_cells row,
-                        long long *point) {
-    double sum = 0;
-    int count = 0;
-    *point = -1;
-    for (int j = row.first; column.first >= 0 && row.first >= 0 && j <= row.last; j += stride(row))
-        for (int i = column.first; i <= column.last; i += stride(column)) {
-            double number = map->number[ *point = saltus_sweep_point(map->page, i, j)];
-            if (isnan(number))
-                continue;
-            sum += number;
-            count++;
-        }
-    return count ? sum / count : NAN;
-}
-
 /* Paint a pixel with its kind, hatched if the point has more than one attractor. */
 static void paint_kind(saltus_sweep_map *map, int x, int y, int fineness) {
     enum { hatch = 10 };
@@ -81,15 +64,25 @@ static int without_number(const saltus_sweep_map *map, long long point) {
                : SALTUS_UNDECIDED;
 }
 
+/* Paint a pixel with the mean of the numbers in its cells or, where they have none, with the reason. */
 static void paint_number(saltus_sweep_map *map, int x, int y, int fineness) {
-    long long point;
-    double number = number_at(map, map->columns[x], map->rows[y], &point);
+    const saltus_pixel_cells column = map->columns[x], row = map->rows[y];
+    long long point = -1;
+    double sum = 0;
+    int count = 0;
+    for (int j = row.first; column.first >= 0 && row.first >= 0 && j <= row.last; j += stride(row))
+        for (int i = column.first; i <= column.last; i += stride(column)) {
+            point = saltus_sweep_point(map->page, i, j);
+            if (isnan(map->number[point]))
+                continue;
+            sum += map->number[point];
+            count++;
+        }
     if (point >= 0)
         saltus_raster_set(&map->raster, x, y,
-                          isnan(number)
-                              ? saltus_paint_at(saltus_class_paint(without_number(map, point), 0, 0),
-                                                x / fineness, y / fineness)
-                              : saltus_sweep_map_colour(map, number),
+                          count ? saltus_sweep_map_colour(map, sum / count)
+                                : saltus_paint_at(saltus_class_paint(without_number(map, point), 0, 0),
+                                                  x / fineness, y / fineness),
                           1);
 }
 

@@ -6,36 +6,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The range of the colours: all values, but cut off at the quantiles `rare` and 1 - `rare` if only few values
- * lie far outside. */
-static void choose_range(saltus_sweep_map *map, const float *sorted, long long count) {
-    const double rare = 0.005, far = 0.5, decades = 20;
-    double low = sorted[0], high = sorted[count - 1];
-    double inner_low = sorted[(long long)(rare * (double)(count - 1))],
-           inner_high = sorted[(long long)((1 - rare) * (double)(count - 1))], width = inner_high - inner_low;
-    map->logarithmic = low > 0 && (map->page->logarithmic || (map->page->view == SALTUS_VIEW_SETTLED &&
-                                                              inner_high > decades * fmax(inner_low, 1)));
-    map->range = (saltus_range){low, high};
-    if (!map->logarithmic && low < inner_low - far * width)
-        map->range.low = inner_low;
-    if (!map->logarithmic && high > inner_high + far * width)
-        map->range.high = inner_high;
-    if (map->logarithmic)
-        saltus_range_floor(&map->range);
-    bool counted = map->logarithmic && map->page->view == SALTUS_VIEW_SETTLED;
-    if (counted)
-        map->range.low = fmax(low, 1);
-    map->clipped = map->range.low > low + (counted ? 1 : 0) || map->range.high < high;
-    if (!(map->range.high > map->range.low))
-        saltus_range_pad(&map->range, 0, fmax(fabs(high) * 0.1, 1e-9));
-}
-
 bool saltus_sweep_map_numbers(saltus_sweep_map *map) {
+    const double rare = 0.005, far = 0.5, decades = 20;
     saltus_sweep_page *page = map->page;
     const saltus_sweep_file *sweep = page->sweep;
-    size_t points = (size_t)sweep->points;
+    const bool settling = page->view == SALTUS_VIEW_SETTLED;
+    size_t points = (size_t)sweep->points, count = 0, first = 0;
     float *sorted = calloc(points, sizeof *sorted);
-    long long count = 0;
     map->number = calloc(points, sizeof *map->number);
     for (long long p = 0; p < sweep->points && sorted && map->number; p++) {
         map->number[p] =
@@ -46,12 +23,30 @@ bool saltus_sweep_map_numbers(saltus_sweep_map *map) {
     bool sound = sorted && map->number;
     map->range = (saltus_range){0, 1};
     if (sound && count) {
-        gsl_sort_float(sorted, 1, (size_t)count);
+        gsl_sort_float(sorted, 1, count);
         /* Values that are not positive get the colour of the smallest positive one. */
-        long long first = 0;
         while (page->logarithmic && first + 1 < count && sorted[first] <= 0)
             first++;
-        choose_range(map, sorted + first, count - first);
+        /* The range of the colours: all values, but cut off at the quantiles `rare` and 1 - `rare` if only
+         * few values lie far outside. */
+        const double last = (double)(count - first - 1), low = sorted[first], high = sorted[count - 1],
+                     inner_low = sorted[first + (size_t)(rare * last)],
+                     inner_high = sorted[first + (size_t)((1 - rare) * last)], width = inner_high - inner_low;
+        map->logarithmic =
+            low > 0 && (page->logarithmic || (settling && inner_high > decades * fmax(inner_low, 1)));
+        map->range = (saltus_range){low, high};
+        if (!map->logarithmic && low < inner_low - far * width)
+            map->range.low = inner_low;
+        if (!map->logarithmic && high > inner_high + far * width)
+            map->range.high = inner_high;
+        if (map->logarithmic)
+            saltus_range_floor(&map->range);
+        bool counted = map->logarithmic && settling;
+        if (counted)
+            map->range.low = fmax(low, 1);
+        map->clipped = map->range.low > low + (counted ? 1 : 0) || map->range.high < high;
+        if (!(map->range.high > map->range.low))
+            saltus_range_pad(&map->range, 0, fmax(fabs(high) * 0.1, 1e-9));
     }
     if (page->asked) {
         map->range = page->up;

@@ -33,24 +33,6 @@ static bool has_room(const saltus_sweep_page *page, const saltus_sweep_class *c,
     return (to - from) * (page->frame.right - page->frame.left) >= letter * (double)strlen(c->label) + room;
 }
 
-/* Names of the stretches along which one class prevails. */
-static void put_names(const saltus_sweep_page *page, const int *winners, int width, double middle) {
-    for (int x = 0, end; x < width; x = end) {
-        const double from = (double)x / width;
-        for (end = x + 1; end < width && winners[end] == winners[x];)
-            end++;
-        const double to = (double)end / width;
-        const saltus_sweep_class *c = winners[x] >= 0 ? &page->classes.list[winners[x]] : NULL;
-        saltus_line name = {.length = 0};
-        if (!c || c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
-            continue;
-        saltus_line_plain(&name, c->label);
-        fprintf(page->paper.file, "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
-                name.text, 0.5 * (from + to), middle,
-                saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
-    }
-}
-
 /* All bands; the first pass is on top. */
 static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     int passes = page->sweep->pass_count, height = raster->height / passes,
@@ -70,7 +52,22 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
                         saltus_paint_at(page->classes.list[k].paint, x / fineness, (bottom + y) / fineness),
                         1);
         }
-        put_names(page, winners, raster->width, (bottom + 0.5 * height) / raster->height);
+        /* Names of the stretches along which one class prevails. */
+        for (int x = 0, end; x < raster->width; x = end) {
+            const double from = (double)x / raster->width;
+            for (end = x + 1; end < raster->width && winners[end] == winners[x];)
+                end++;
+            const double to = (double)end / raster->width;
+            const saltus_sweep_class *c = winners[x] >= 0 ? &page->classes.list[winners[x]] : NULL;
+            saltus_line name = {.length = 0};
+            if (!c || c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
+                continue;
+            saltus_line_plain(&name, c->label);
+            fprintf(page->paper.file,
+                    "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n", name.text,
+                    0.5 * (from + to), (bottom + 0.5 * height) / raster->height,
+                    saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
+        }
     }
     bool sound = counts && winners;
     free(counts);

@@ -3,33 +3,6 @@
 #include "record/trajectory.h"
 #include "figure/sheet.h"
 
-static void put_caption(const saltus_trajectory_file *r, saltus_page *page) {
-    saltus_line head = {.length = 0};
-    saltus_line_plain(&head, r->head.scene);
-    saltus_line_add(&head, ":  trajectory over %.6g %s",
-                    r->record.time[r->record.samples - 1] - r->record.time[0],
-                    saltus_system_forced(r->system) ? "{/:Italic T}" : "units of time");
-    saltus_page_scene(page, &head, r->head.title, r->system);
-}
-
-/* Panels side by side; on a narrow page one above the other. */
-static void put_page(const saltus_trajectory_file *r, saltus_page *page) {
-    saltus_sheet sheet = {.page = page, .system = r->system, .record = &r->record};
-    const bool narrow = saltus_page_narrow(page);
-    const int columns = narrow ? 1 : 2, rows = narrow ? 2 : 1;
-    if (page->free_height)
-        page->height = page->width * (narrow ? 1.5 : 0.5);
-    saltus_sheet_choose_all(&sheet);
-    put_caption(r, page);
-    saltus_page_begin(page);
-    saltus_sheet_record_data(&sheet);
-    fputs("set multiplot\n", page->file);
-    saltus_page_caption(page);
-    saltus_sheet_portrait(&sheet, saltus_page_cell(page, 0, 1, columns, rows), 0);
-    saltus_sheet_history(&sheet, saltus_page_cell(page, 1, 1, columns, rows), 1);
-    fputs("unset multiplot\n", page->file);
-}
-
 saltus_status saltus_plot_trajectory(const char *figure, const char *path, const saltus_figure_options *look,
                                      saltus_message *message) {
     saltus_trajectory_file file = {.system = NULL};
@@ -40,7 +13,26 @@ saltus_status saltus_plot_trajectory(const char *figure, const char *path, const
     if (status == SALTUS_OK)
         status = saltus_page_open(&page, figure, look, message);
     if (status == SALTUS_OK) {
-        put_page(&file, &page);
+        /* Panels side by side; on a narrow page one above the other. */
+        saltus_sheet sheet = {.page = &page, .system = file.system, .record = &file.record};
+        const bool narrow = saltus_page_narrow(&page);
+        const int columns = narrow ? 1 : 2, rows = narrow ? 2 : 1;
+        if (page.free_height)
+            page.height = page.width * (narrow ? 1.5 : 0.5);
+        saltus_sheet_choose_all(&sheet);
+        saltus_line head = {.length = 0};
+        saltus_line_plain(&head, file.head.scene);
+        saltus_line_add(&head, ":  trajectory over %.6g %s",
+                        file.record.time[file.record.samples - 1] - file.record.time[0],
+                        saltus_system_forced(file.system) ? "{/:Italic T}" : "units of time");
+        saltus_page_scene(&page, &head, file.head.title, file.system);
+        saltus_page_begin(&page);
+        saltus_sheet_record_data(&sheet);
+        fputs("set multiplot\n", page.file);
+        saltus_page_caption(&page);
+        saltus_sheet_portrait(&sheet, saltus_page_cell(&page, 0, 1, columns, rows), 0);
+        saltus_sheet_history(&sheet, saltus_page_cell(&page, 1, 1, columns, rows), 1);
+        fputs("unset multiplot\n", page.file);
         status = saltus_page_close(&page, SALTUS_OK, message);
     }
     saltus_trajectory_file_clear(&file);
