@@ -28,60 +28,29 @@ static const char *const known[][2] = {
     {"sdof14", "pipe, one mode, two stops"},
 };
 
-static void list_methods(results *r) {
-    r->methods[r->method_count++] = (method){"Saltus Taylor", "taylor", SALTUS_TAYLOR, NULL};
-    r->methods[r->method_count++] = (method){"Saltus Radau", "radau", SALTUS_RADAU, NULL};
-    r->methods[r->method_count++] = (method){"Saltus mixed", "mixed", SALTUS_MIXED, NULL};
-    for (int k = 0; k < saltus_rival_count && r->method_count < methods_max; k++)
-        r->methods[r->method_count++] =
-            (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};
-}
-
-static void open_problems(const request *q, problem *places, results *r) {
-    for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
-        if (q->only && strcmp(q->only, known[k][0]) != 0)
-            continue;
-        problem *p = &places[r->problem_count];
-        if (problem_open(q->references, known[k][0], known[k][1], p))
-            r->problems[r->problem_count++] = p;
-        else
-            fprintf(stderr, "saltus_bench: %s/%s.json cannot be read: left out\n", q->references,
-                    known[k][0]);
-    }
-}
-
-/* Where a rival's variational equations would take minutes, only a few tolerances are measured. The implicit
- * rival has none and uses differences. */
-static derivative derivative_of(const problem *p, const method *m, int digits) {
-    if (!m->rival)
-        return derivative_tangents;
-    const bool large = p->orbit.n > 20;
-    if (large && digits % 4 != 0)
-        return derivative_none;
-    return m->rival->tangents ? derivative_tangents : derivative_differences;
-}
-
-static bool is_sensible(const problem *p, const method *m, double rtol) {
-    const bool below_their_range = m->rival && rtol < 0.5e-14;
-    return !below_their_range && !(m->rival && m->rival->stiff && !p->stiff);
-}
-
 static void measure_all(const request *q, results *r) {
     for (int p = 0; p < r->problem_count; p++)
         for (int t = 0; t < r->tolerance_count; t++)
             r->conditions[p][t] = measure_condition(r->problems[p], r->tolerances[t]);
     for (int p = 0; p < r->problem_count; p++)
         for (int m = 0; m < r->method_count; m++) {
+            const rival *rival = r->methods[m].rival;
+            const problem *problem = r->problems[p];
             const double before = processor_seconds();
             for (int t = 0; t < r->tolerance_count; t++) {
                 const double rtol = r->tolerances[t];
                 const int digits = (int)lround(-log10(rtol));
-                if (is_sensible(r->problems[p], &r->methods[m], rtol))
-                    r->measures[p][m][t] =
-                        measure_method(r->problems[p], &r->methods[m], rtol,
-                                       derivative_of(r->problems[p], &r->methods[m], digits), &q->effort);
+                const bool below_their_range = rival && rtol < 0.5e-14;
+                if (below_their_range || (rival && rival->stiff && !problem->stiff))
+                    continue;
+                /* Where a rival's variational equations would take minutes, only a few tolerances are
+                 * measured. The implicit rival has none and uses differences. */
+                const derivative how = rival && problem->orbit.n > 20 && digits % 4 != 0 ? derivative_none
+                                       : !rival || rival->tangents                       ? derivative_tangents
+                                                                   : derivative_differences;
+                r->measures[p][m][t] = measure_method(problem, &r->methods[m], rtol, how, &q->effort);
             }
-            fprintf(stderr, "%s, %s: %.1f s\n", r->problems[p]->name, r->methods[m].name,
+            fprintf(stderr, "%s, %s: %.1f s\n", problem->name, r->methods[m].name,
                     processor_seconds() - before);
         }
 }
@@ -143,13 +112,6 @@ static bool write_all(const request *q, const results *r, const cost_table *cost
     return done[0] && done[1] && done[2];
 }
 
-static void print_summary(const results *r, const cost_table *costs) {
-    printf("\n");
-    report_summary(stdout, r);
-    report_worst(stdout, r);
-    cost_print(stdout, costs);
-}
-
 static bool read_arguments(int count, char **arguments, request *q) {
     *q = (request){.references = "data/reference", .to = ".", .effort = {15, 0.08, 1.0}};
     for (int k = 1; k < count; k++)
@@ -182,14 +144,31 @@ int main(int count, char **arguments) {
     cost_table *costs = calloc(1, sizeof *costs);
     bool done = places && r && costs;
     if (done) {
-        list_methods(r);
+        *r = (results){.methods = {{"Saltus Taylor", "taylor", SALTUS_TAYLOR, NULL},
+                                   {"Saltus Radau", "radau", SALTUS_RADAU, NULL},
+                                   {"Saltus mixed", "mixed", SALTUS_MIXED, NULL}},
+                       .method_count = 3};
+        for (int k = 0; k < saltus_rival_count && r->method_count < methods_max; k++)
+            r->methods[r->method_count++] =
+                (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};
         for (int digits = 3; digits <= 15; digits += q.quick ? 3 : 1)
             r->tolerances[r->tolerance_count++] = pow(10, -digits);
-        if (!q.cost_only)
-            open_problems(&q, places, r);
+        for (size_t k = 0; k < sizeof known / sizeof known[0] && !q.cost_only; k++) {
+            problem *p = &places[r->problem_count];
+            if (q.only && strcmp(q.only, known[k][0]) != 0)
+                continue;
+            if (problem_open(q.references, known[k][0], known[k][1], p))
+                r->problems[r->problem_count++] = p;
+            else
+                fprintf(stderr, "saltus_bench: %s/%s.json cannot be read: left out\n", q.references,
+                        known[k][0]);
+        }
         measure_all(&q, r);
         done = (q.only || cost_measure(costs, q.quick)) && write_all(&q, r, costs);
-        print_summary(r, costs);
+        printf("\n");
+        report_summary(stdout, r);
+        report_worst(stdout, r);
+        cost_print(stdout, costs);
         for (int p = 0; p < r->problem_count; p++)
             problem_close(r->problems[p]);
     }

@@ -31,18 +31,6 @@ static void count_iteration(void *context, int iteration, double residual, const
     m->iterations += iteration > 0;
 }
 
-static void note(measured *m, const saltus_branch_point *point) {
-    m->points++;
-    m->special += point->kind != SALTUS_POINT_REGULAR;
-    m->residual = fmax(m->residual, point->residual);
-    /* At grazing the monodromy matrix is unbounded. */
-    double off = fabs(point->log_volume - point->sum_rule);
-    if (point->kind != SALTUS_POINT_GR && !isnan(off)) {
-        m->ruled++;
-        m->sum_rule = fmax(m->sum_rule, off);
-    }
-}
-
 static bool run(const reference *r, double step_max, measured *m) {
     saltus_branch_options options = saltus_branch_defaults();
     saltus_message message = {.text = ""};
@@ -61,7 +49,15 @@ static bool run(const reference *r, double step_max, measured *m) {
         status = saltus_branch_step(branch, &point, &message);
         if (!point)
             break;
-        note(m, point);
+        m->points++;
+        m->special += point->kind != SALTUS_POINT_REGULAR;
+        m->residual = fmax(m->residual, point->residual);
+        /* At grazing the monodromy matrix is unbounded. */
+        const double off = fabs(point->log_volume - point->sum_rule);
+        if (point->kind != SALTUS_POINT_GR && !isnan(off)) {
+            m->ruled++;
+            m->sum_rule = fmax(m->sum_rule, off);
+        }
     }
     m->seconds = processor_seconds() - begin;
     saltus_branch_free(branch);

@@ -68,17 +68,6 @@ static bool advance(saltus_flow *flow, const asked *a, long long until) {
     return true;
 }
 
-/* Restart the tangent vectors in each stretch: over a long run they would grow or shrink too far. */
-static void renew_tangents(saltus_flow *flow, const saltus_system *system, int columns) {
-    const int n = saltus_system_dimension(system);
-    double *tangents = calloc((size_t)(columns * n) + 1, sizeof *tangents);
-    for (int c = 0; c < columns && tangents; c++)
-        tangents[c * n + c % n] = 1;
-    if (tangents && columns > 0)
-        saltus_flow_set_tangents(flow, 0, tangents);
-    free(tangents);
-}
-
 static saltus_flow *open_flow(const saltus_system *system, const asked *a) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_flow *flow = NULL;
@@ -98,17 +87,23 @@ static saltus_flow *open_flow(const saltus_system *system, const asked *a) {
     return flow;
 }
 
+/* The tangent vectors restart in each stretch: over a long run they would grow or shrink too far. */
 static bool measure_stretches(saltus_flow *flow, const saltus_system *system, const asked *a, int settle,
                               int length, spent *s) {
-    double seconds[stretches];
-    bool done = advance(flow, &(asked){.what = ""}, settle);
+    const int n = saltus_system_dimension(system);
+    double seconds[stretches], *tangents = calloc((size_t)(a->columns * n) + 1, sizeof *tangents);
+    bool done = tangents && advance(flow, &(asked){.what = ""}, settle);
+    for (int c = 0; c < a->columns && tangents; c++)
+        tangents[c * n + c % n] = 1;
     const saltus_flow_info before = saltus_flow_information(flow, 0);
     for (int k = 0; k < stretches && done; k++) {
-        renew_tangents(flow, system, a->columns);
+        if (a->columns > 0)
+            saltus_flow_set_tangents(flow, 0, tangents);
         const double start = processor_seconds();
         done = advance(flow, a, settle + (k + 1LL) * length);
         seconds[k] = (processor_seconds() - start) / length;
     }
+    free(tangents);
     if (!done)
         return false;
     const saltus_flow_info after = saltus_flow_information(flow, 0);
@@ -353,41 +348,33 @@ static bool cost_of_threads(cost_table *costs, bool quick) {
 }
 
 /* Classification compared with the flow over the same periods until it settles. */
-static bool measure_classification(const saltus_system *system, const double *state, double *flow_us,
-                                   double *all_us) {
+static bool cost_of_classification(cost_table *costs) {
     enum { repeats = 5 };
-    double seconds[2][repeats], end[SALTUS_SCENE_STATE_MAX];
+    saltus_spec spec = pipe_of(42, 5);
+    saltus_system *system = NULL;
     saltus_classify_options options = saltus_classify_defaults();
+    double state[SALTUS_SCENE_STATE_MAX], end[SALTUS_SCENE_STATE_MAX], seconds[2][repeats];
+    spent plain = {.steps = NAN, .impacts = NAN, .evaluations = NAN}, classified = plain;
     options.measure = 0;
-    for (int k = 0; k < repeats; k++) {
+    set_stop(&spec, &(asked){.stop = true, .d = 0.035});
+    bool done = saltus_system_new(&spec, &system, NULL) == SALTUS_OK &&
+                saltus_system_default_state(system, state, NULL) == SALTUS_OK;
+    for (int k = 0; k < repeats && done; k++) {
         saltus_motion motion = {0};
         double start = processor_seconds();
-        if (saltus_classify(system, state, &options, &motion, NULL) != SALTUS_OK)
-            return false;
+        done = saltus_classify(system, state, &options, &motion, NULL) == SALTUS_OK;
+        if (!done)
+            break;
         seconds[1][k] = (processor_seconds() - start) / (double)motion.transient;
         memcpy(end, state, (size_t)saltus_system_dimension(system) * sizeof *end);
         start = processor_seconds();
-        const saltus_status status = saltus_motion_settle(system, &options.flow, motion.transient, end, NULL);
+        done = saltus_motion_settle(system, &options.flow, motion.transient, end, NULL) == SALTUS_OK;
         seconds[0][k] = (processor_seconds() - start) / (double)motion.transient;
         saltus_motion_clear(&motion);
-        if (status != SALTUS_OK)
-            return false;
     }
-    *flow_us = 1e6 * median(seconds[0], repeats);
-    *all_us = 1e6 * median(seconds[1], repeats);
-    return true;
-}
-
-static bool cost_of_classification(cost_table *costs) {
-    saltus_spec spec = pipe_of(42, 5);
-    saltus_system *system = NULL;
-    double state[SALTUS_SCENE_STATE_MAX];
-    spent plain = {.steps = NAN, .impacts = NAN, .evaluations = NAN}, classified = plain;
-    set_stop(&spec, &(asked){.stop = true, .d = 0.035});
-    const bool done = saltus_system_new(&spec, &system, NULL) == SALTUS_OK &&
-                      saltus_system_default_state(system, state, NULL) == SALTUS_OK &&
-                      measure_classification(system, state, &plain.us, &classified.us);
     if (done) {
+        plain.us = 1e6 * median(seconds[0], repeats);
+        classified.us = 1e6 * median(seconds[1], repeats);
         add_row(costs, "classification", "flow alone until it has settled", &plain, plain.us);
         add_row(costs, "classification", "classified: period found, orbit polished, multipliers", &classified,
                 plain.us);
@@ -441,26 +428,20 @@ static void print_table(FILE *file, const cost_table *costs, const char *table, 
     fprintf(file, "\n");
 }
 
-/* Tables with only a time and a ratio per row. */
-static void print_short(FILE *file, const cost_table *costs, const char *const *tables, int count,
-                        const char *head, const char *unit) {
-    fprintf(file, "| %s | %s | ratio |\n| --- | --- | --- |\n", head, unit);
-    for (int t = 0; t < count; t++)
-        for (int k = 0; k < costs->count; k++)
-            if (strcmp(costs->rows[k].table, tables[t]) == 0)
-                fprintf(file, "| %s | %.4g | %.2f |\n", costs->rows[k].what, costs->rows[k].us,
-                        costs->rows[k].ratio);
-    fprintf(file, "\n");
-}
-
 void cost_print(FILE *file, const cost_table *costs) {
     static const char *const others[] = {"classification", "lanes", "threads"};
     if (costs->count == 0)
         return;
     print_table(file, costs, "features", "what you pay for (pipe, N = 5, omega = 42)", "µs a period");
     print_table(file, costs, "terms", "terms of the field (u0 = 2, alpha = 0)", "µs a step");
-    print_short(file, costs, others, 3, "verdicts, and many trajectories (d = 0.035)", "µs a period of one");
-    fprintf(file, "Settled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10. Evaluations of "
+    fprintf(file, "| verdicts, and many trajectories (d = 0.035) | µs a period of one | ratio |\n"
+                  "| --- | --- | --- |\n");
+    for (int t = 0; t < 3; t++)
+        for (int k = 0; k < costs->count; k++)
+            if (strcmp(costs->rows[k].table, others[t]) == 0)
+                fprintf(file, "| %s | %.4g | %.2f |\n", costs->rows[k].what, costs->rows[k].us,
+                        costs->rows[k].ratio);
+    fprintf(file, "\nSettled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10. Evaluations of "
                   "the field: orders of a Taylor series, or nodes of all sweeps of collocation.\n\n");
     print_table(file, costs, "modes", "modes (ratio to N = 5)", "µs a period");
     fprintf(file, "The integrator that is chosen, rtol 1e-10, and the ratio to the other one.\n\n");

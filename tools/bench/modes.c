@@ -7,20 +7,15 @@
  * a few seconds is dropped from there on.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "clock.h"
-#include "rivals.h"
-
-#include "saltus/saltus.h"
+#include "rival_scene.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
-
 enum { state_max = SALTUS_SCENE_STATE_MAX, settling = 24, methods = 5 };
 
 /* A scene with its start and its end. */
 typedef struct problem {
     int modes;
-    bool stop;
     saltus_system *system;
     rival_scene scene;
     double start[state_max], end[state_max];
@@ -102,7 +97,7 @@ static bool open_problem(problem *p, int modes, bool stop) {
     saltus_spec spec = saltus_spec_defaults(saltus_model_find("pipe"));
     double begin[state_max];
     outcome out;
-    *p = (problem){.modes = modes, .stop = stop};
+    *p = (problem){.modes = modes};
     saltus_status status = saltus_spec_set(&spec, "N", modes, &message);
     if (status == SALTUS_OK)
         status = saltus_spec_set(&spec, "omega", 42, &message);
@@ -119,17 +114,7 @@ static bool open_problem(problem *p, int modes, bool stop) {
         return false;
     }
     begin[0] = 0.01;
-    p->scene = (rival_scene){.modes = modes,
-                             .omega = 42,
-                             .d = 0.035,
-                             .r = spec.stops[0].r,
-                             .xi = spec.stops[0].xi,
-                             .sides = stop ? RIVAL_UPPER : RIVAL_FREE,
-                             .alpha = saltus_spec_get(&spec, "alpha"),
-                             .beta = saltus_spec_get(&spec, "beta"),
-                             .kappa = saltus_spec_get(&spec, "kappa"),
-                             .u0 = saltus_spec_get(&spec, "u0"),
-                             .sigma = saltus_spec_get(&spec, "sigma")};
+    p->scene = rival_scene_of(&spec, NULL);
     const bool done = run_own(p, SALTUS_MIXED, 1e-12, settling, 1, begin, p->start, &out) &&
                       run_own(p, SALTUS_MIXED, 1e-14, 1, 1, p->start, p->end, &out);
     p->impacts = out.impacts;

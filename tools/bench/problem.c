@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "problem.h"
 
+#include "rival_scene.h"
 #include <complex.h>
 #include <gsl/gsl_eigen.h>
 
@@ -48,45 +49,6 @@ static bool set_leading(problem *p) {
     return true;
 }
 
-static void set_pipe(rival_scene *scene, const saltus_spec *spec) {
-    scene->alpha = saltus_spec_get(spec, "alpha");
-    scene->beta = saltus_spec_get(spec, "beta");
-    scene->kappa = saltus_spec_get(spec, "kappa");
-    scene->u0 = saltus_spec_get(spec, "u0");
-    scene->sigma = saltus_spec_get(spec, "sigma");
-}
-
-static rival_oscillator oscillator_of(const saltus_spec *spec) {
-    return (rival_oscillator){.m = {saltus_spec_get(spec, "m"), saltus_spec_get(spec, "m2")},
-                              .c = {saltus_spec_get(spec, "c"), saltus_spec_get(spec, "c2")},
-                              .k = {saltus_spec_get(spec, "k"), saltus_spec_get(spec, "k2")},
-                              .force = {saltus_spec_get(spec, "F"), saltus_spec_get(spec, "F2")},
-                              .load = {saltus_spec_get(spec, "F0"), saltus_spec_get(spec, "F02")},
-                              .weight = {spec->stops[0].weight[0], spec->stops[0].weight[1]}};
-}
-
-static void set_scene(problem *p) {
-    const saltus_spec *spec = &p->orbit.spec;
-    const saltus_stop *stop = &spec->stops[0];
-    p->scene = (rival_scene){.modes = (int)saltus_spec_get(spec, "N"),
-                             .omega = saltus_spec_get(spec, "omega"),
-                             .sides = RIVAL_FREE};
-    if (spec->stop_count > 0) {
-        p->scene.xi = stop->xi;
-        p->scene.d = stop->d;
-        p->scene.r = stop->r;
-        p->scene.sides = stop->sides == SALTUS_BOTH    ? RIVAL_BOTH
-                         : stop->sides == SALTUS_LOWER ? RIVAL_LOWER
-                                                       : RIVAL_UPPER;
-    }
-    if (strcmp(saltus_model_name(spec->model), "oscillator") == 0) {
-        p->oscillator = oscillator_of(spec);
-        p->scene.oscillator = &p->oscillator;
-    } else {
-        set_pipe(&p->scene, spec);
-    }
-}
-
 bool problem_open(const char *folder, const char *name, const char *what, problem *p) {
     saltus_message message = {.text = ""};
     *p = (problem){.name = name, .what = what};
@@ -99,7 +61,7 @@ bool problem_open(const char *folder, const char *name, const char *what, proble
         problem_close(p);
         return false;
     }
-    set_scene(p);
+    p->scene = rival_scene_of(&p->orbit.spec, &p->oscillator);
     p->stiff = strcmp(saltus_system_integrator(p->system), "mixed") == 0;
     for (int e = 0; e < p->orbit.event_count; e++)
         p->impacts += p->orbit.kind[e] == 'i';

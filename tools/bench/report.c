@@ -22,41 +22,34 @@ static const double errors[levels] = {1e-6, 1e-9, 1e-12};
 /* Which error and which cost a table shows. */
 typedef enum quantity { of_motion, of_multipliers } quantity;
 
-static bool is_known(const measure *m, quantity q) {
-    return q == of_motion ? m->done : m->done && m->how != derivative_none;
-}
+/* Error and cost of a measurement; NAN where there is none. Of the motion the error is that of the impact
+ * times, for an orbit without impacts that of the state. */
+typedef struct shown {
+    double error, cost;
+} shown;
 
-/* Error of the impact times; for an orbit without impacts that of the state. */
-static double error_of(const measure *m, quantity q) {
+static shown shown_of(const measure *m, quantity q) {
+    if (!m->done || (q == of_multipliers && m->how == derivative_none))
+        return (shown){NAN, NAN};
     if (q == of_multipliers)
-        return m->multiplier_error;
-    return isnan(m->event_error) ? m->state_error : m->event_error;
+        return (shown){m->multiplier_error, m->derivative_seconds};
+    return (shown){isnan(m->event_error) ? m->state_error : m->event_error, m->seconds};
 }
 
-static double cost_of(const measure *m, quantity q) {
-    return q == of_multipliers ? m->derivative_seconds : m->seconds;
-}
-
-/* Smallest time that reaches an error; NAN if none does. */
 static double time_at(const results *r, int p, int m, double error, quantity q) {
+    shown before = {NAN, NAN};
     double best = NAN;
-    const measure *before = NULL;
     for (int t = 0; t < r->tolerance_count; t++) {
-        const measure *now = &r->measures[p][m][t];
-        if (!is_known(now, q))
+        const shown now = shown_of(&r->measures[p][m][t], q);
+        if (isnan(now.cost))
             continue;
-        if (error_of(now, q) <= error) {
-            best = fmin(best, cost_of(now, q));
-        } else {
-            before = now;
-            continue;
+        if (now.error <= error)
+            best = fmin(best, now.cost);
+        if (now.error <= error && now.error > 0 && !isnan(before.cost)) {
+            const double a = log(before.error), b = log(now.error), w = (log(error) - a) / (b - a);
+            best = fmin(best, exp((1 - w) * log(before.cost) + w * log(now.cost)));
         }
-        if (before && error_of(now, q) > 0) {
-            const double a = log(error_of(before, q)), b = log(error_of(now, q));
-            const double w = (log(error) - a) / (b - a);
-            best = fmin(best, exp((1 - w) * log(cost_of(before, q)) + w * log(cost_of(now, q))));
-        }
-        before = NULL;
+        before = now.error <= error ? (shown){NAN, NAN} : now;
     }
     return best;
 }
@@ -69,8 +62,14 @@ static double best_of_ours(const results *r, int p, double error, quantity q) {
     return best;
 }
 
-static void print_processor(FILE *file) {
-    char line[256];
+void report_machine(FILE *file, const char *mark) {
+    struct utsname host;
+    char line[256], day[32], versions[128];
+    const time_t now = time(NULL);
+    struct tm parts;
+    strftime(day, sizeof day, "%Y-%m-%d", gmtime_r(&now, &parts));
+    saltus_rivals_versions(versions, sizeof versions);
+    fprintf(file, "%smachine: ", mark);
     FILE *information = fopen("/proc/cpuinfo", "r");
     while (information && fgets(line, sizeof line, information))
         if (strncmp(line, "model name", 10) == 0 && strchr(line, ':')) {
@@ -80,17 +79,6 @@ static void print_processor(FILE *file) {
         }
     if (information)
         fclose(information);
-}
-
-void report_machine(FILE *file, const char *mark) {
-    struct utsname host;
-    char day[32], versions[128];
-    const time_t now = time(NULL);
-    struct tm parts;
-    strftime(day, sizeof day, "%Y-%m-%d", gmtime_r(&now, &parts));
-    saltus_rivals_versions(versions, sizeof versions);
-    fprintf(file, "%smachine: ", mark);
-    print_processor(file);
     if (uname(&host) == 0)
         fprintf(file, ", %ld processors, %s %s", sysconf(_SC_NPROCESSORS_ONLN), host.sysname, host.machine);
     fprintf(file,
@@ -105,95 +93,72 @@ static void print_number(FILE *file, const char *format, double value) {
         fprintf(file, format, value);
 }
 
-static void print_measure(FILE *file, const char *problem_name, const char *key, const measure *m) {
-    fprintf(file, "%s,%s,%.0e", problem_name, key, m->rtol);
-    print_number(file, "%.3e", m->event_error);
-    print_number(file, "%.3e", m->state_error);
-    print_number(file, "%.4g", 1e6 * m->seconds);
-    print_number(file, "%.0f", m->evaluations);
-    fprintf(file, ",%s", (const char *[]){"", "tangents", "differences"}[m->how]);
-    const double none = m->how == derivative_none ? NAN : 0;
-    print_number(file, "%.3e", m->multiplier_error + none);
-    print_number(file, "%.4g", 1e6 * m->derivative_seconds + none);
-    print_number(file, "%.0f", m->derivative_evaluations + none);
-    fprintf(file, "\n");
-}
-
 void report_csv(FILE *file, const results *r) {
     fprintf(file, "problem,method,rtol,event_error_T,state_error,cpu_us,evaluations,multipliers_by,"
                   "multiplier_error,multiplier_cpu_us,multiplier_evaluations\n");
     for (int p = 0; p < r->problem_count; p++)
-        for (int m = 0; m < r->method_count; m++)
-            for (int t = 0; t < r->tolerance_count; t++)
-                if (r->measures[p][m][t].done)
-                    print_measure(file, r->problems[p]->name, r->methods[m].key, &r->measures[p][m][t]);
+        for (int k = 0; k < r->method_count; k++)
+            for (int t = 0; t < r->tolerance_count; t++) {
+                const measure *m = &r->measures[p][k][t];
+                const double none = m->how == derivative_none ? NAN : 0;
+                if (!m->done)
+                    continue;
+                fprintf(file, "%s,%s,%.0e", r->problems[p]->name, r->methods[k].key, m->rtol);
+                print_number(file, "%.3e", m->event_error);
+                print_number(file, "%.3e", m->state_error);
+                print_number(file, "%.4g", 1e6 * m->seconds);
+                print_number(file, "%.0f", m->evaluations);
+                fprintf(file, ",%s", (const char *[]){"", "tangents", "differences"}[m->how]);
+                print_number(file, "%.3e", m->multiplier_error + none);
+                print_number(file, "%.4g", 1e6 * m->derivative_seconds + none);
+                print_number(file, "%.0f", m->derivative_evaluations + none);
+                fprintf(file, "\n");
+            }
 }
 
-static bool takes_part(const results *r, int m, quantity q) {
-    for (int p = 0; p < r->problem_count; p++)
-        for (int t = 0; t < r->tolerance_count; t++)
-            if (is_known(&r->measures[p][m][t], q))
-                return true;
-    return false;
+/* Three ratios as the cell of a table. */
+static void print_ratios_of(FILE *file, const double ratios[levels]) {
+    for (int e = 0; e < levels; e++) {
+        fprintf(file, e == 0 ? " " : " / ");
+        fprintf(file, isnan(ratios[e]) ? "–" : ratios[e] < 9.95 ? "%.1f" : "%.0f", ratios[e]);
+    }
+    fprintf(file, " |");
 }
 
-static void print_ratio(FILE *file, double ratio) {
-    if (isnan(ratio))
-        fprintf(file, "–");
-    else if (ratio < 9.95)
-        fprintf(file, "%.1f", ratio);
-    else
-        fprintf(file, "%.0f", ratio);
-}
-
-static void print_head(FILE *file, const results *r, const char *corner) {
+/* Saltus' best times at three errors, and the times of all methods relative to them; empty where a method was
+ * not run. */
+static void print_ratios(FILE *file, const results *r, quantity q, const char *corner) {
+    if (r->problem_count == 0)
+        return;
     fprintf(file, "| %s |", corner);
     for (int p = 0; p < r->problem_count; p++)
         fprintf(file, " %s |", r->problems[p]->name);
     fprintf(file, "\n| --- |");
     for (int p = 0; p < r->problem_count; p++)
         fprintf(file, " --- |");
-    fprintf(file, "\n");
-}
-
-static void print_best(FILE *file, const results *r, quantity q) {
-    fprintf(file, "| **our best, µs** |");
-    for (int p = 0; p < r->problem_count; p++)
-        for (int e = 0; e < levels; e++) {
-            fprintf(file, e == 0 ? " " : "");
-            print_ratio(file, 1e6 * best_of_ours(r, p, errors[e], q));
-            fprintf(file, e + 1 < levels ? " / " : " |");
+    for (int m = -1; m < r->method_count; m++) {
+        bool known[problems_max] = {false}, any = m < 0;
+        for (int p = 0; p < r->problem_count; p++) {
+            for (int t = 0; t < r->tolerance_count && m >= 0; t++)
+                known[p] |= !isnan(shown_of(&r->measures[p][m][t], q).cost);
+            any |= known[p];
         }
-    fprintf(file, "\n");
-}
-
-/* Times relative to Saltus' best at three errors; empty if the method was not run. */
-static void print_cell(FILE *file, const results *r, int p, int m, quantity q) {
-    bool known = false;
-    for (int t = 0; t < r->tolerance_count; t++)
-        known |= is_known(&r->measures[p][m][t], q);
-    for (int e = 0; e < levels && known; e++) {
-        fprintf(file, e == 0 ? " " : "");
-        print_ratio(file, time_at(r, p, m, errors[e], q) / best_of_ours(r, p, errors[e], q));
-        fprintf(file, e + 1 < levels ? " / " : "");
-    }
-    fprintf(file, " |");
-}
-
-static void print_ratios(FILE *file, const results *r, quantity q, const char *corner) {
-    if (r->problem_count == 0)
-        return;
-    print_head(file, r, corner);
-    print_best(file, r, q);
-    for (int m = 0; m < r->method_count; m++) {
-        if (!takes_part(r, m, q))
+        if (!any)
             continue;
-        fprintf(file, "| %s |", r->methods[m].name);
-        for (int p = 0; p < r->problem_count; p++)
-            print_cell(file, r, p, m, q);
-        fprintf(file, "\n");
+        fprintf(file, "\n| %s |", m < 0 ? "**our best, µs**" : r->methods[m].name);
+        for (int p = 0; p < r->problem_count; p++) {
+            double ratios[levels];
+            for (int e = 0; e < levels; e++) {
+                const double best = best_of_ours(r, p, errors[e], q);
+                ratios[e] = m < 0 ? 1e6 * best : time_at(r, p, m, errors[e], q) / best;
+            }
+            if (m < 0 || known[p])
+                print_ratios_of(file, ratios);
+            else
+                fprintf(file, " |");
+        }
     }
-    fprintf(file, "\n");
+    fprintf(file, "\n\n");
 }
 
 void report_summary(FILE *file, const results *r) {
@@ -255,18 +220,6 @@ static double factor_of(const results *r, int p, int m, int t, bool events, yard
     return (events ? at->event_error : at->state_error) / asked;
 }
 
-static void print_asked_row(FILE *file, const results *r, int p, int m, bool events, yardstick by) {
-    const saltus_integrator chosen = r->problems[p]->stiff ? SALTUS_MIXED : SALTUS_TAYLOR;
-    fprintf(file, "| %s, %s%s |", r->problems[p]->name, r->methods[m].name,
-            r->methods[m].own == chosen ? " (chosen)" : "");
-    for (int t = 0; t < r->tolerance_count; t++)
-        if (r->measures[p][m][t].done)
-            fprintf(file, " %.2g |", factor_of(r, p, m, t, events, by));
-        else
-            fprintf(file, " – |");
-    fprintf(file, "\n");
-}
-
 static void print_asked(FILE *file, const results *r, bool events, yardstick by) {
     fprintf(file, "| %s over %s |", events ? "error of the event times in T" : "relative error of the state",
             by == tolerance_itself ? "rtol" : "rtol or its effect");
@@ -277,9 +230,19 @@ static void print_asked(FILE *file, const results *r, bool events, yardstick by)
         fprintf(file, " --- |");
     fprintf(file, "\n");
     for (int p = 0; p < r->problem_count; p++)
-        for (int m = 0; m < r->method_count; m++)
-            if (!r->methods[m].rival && !(events && r->problems[p]->impacts == 0))
-                print_asked_row(file, r, p, m, events, by);
+        for (int m = 0; m < r->method_count; m++) {
+            const saltus_integrator chosen = r->problems[p]->stiff ? SALTUS_MIXED : SALTUS_TAYLOR;
+            if (r->methods[m].rival || (events && r->problems[p]->impacts == 0))
+                continue;
+            fprintf(file, "| %s, %s%s |", r->problems[p]->name, r->methods[m].name,
+                    r->methods[m].own == chosen ? " (chosen)" : "");
+            for (int t = 0; t < r->tolerance_count; t++)
+                if (r->measures[p][m][t].done)
+                    fprintf(file, " %.2g |", factor_of(r, p, m, t, events, by));
+                else
+                    fprintf(file, " – |");
+            fprintf(file, "\n");
+        }
     fprintf(file, "\n");
 }
 
@@ -295,8 +258,9 @@ void report_asked(FILE *file, const results *r) {
     report_worst(file, r);
 }
 
-/* The largest factor, and its problem, method and tolerance. */
-static double worst_factor(const results *r, yardstick by, int at[3]) {
+/* The largest factor, with its problem, method and tolerance. */
+static void print_worst(FILE *file, const results *r, yardstick by) {
+    int at[3] = {0, 0, 0};
     double worst = 0;
     for (int p = 0; p < r->problem_count; p++)
         for (int m = 0; m < r->method_count; m++)
@@ -307,31 +271,19 @@ static double worst_factor(const results *r, yardstick by, int at[3]) {
                 if (factor > worst)
                     worst = factor, at[0] = p, at[1] = m, at[2] = t;
             }
-    return worst;
-}
-
-static void print_worst(FILE *file, const results *r, yardstick by) {
-    int at[3] = {0, 0, 0};
-    const double worst = worst_factor(r, by, at);
     fprintf(file, "%.2g (%s, %s, rtol %.0e)", worst, r->problems[at[0]]->name, r->methods[at[1]].name,
             r->tolerances[at[2]]);
 }
 
-static double least_error(const results *r, const char *name) {
-    double least = INFINITY;
-    for (int p = 0; p < r->problem_count; p++)
-        for (int m = 0; m < r->method_count; m++)
-            for (int t = 0; t < r->tolerance_count; t++)
-                if (strcmp(r->problems[p]->name, name) == 0 && !r->methods[m].rival &&
-                    r->measures[p][m][t].done)
-                    least = fmin(least, r->measures[p][m][t].event_error);
-    return least;
-}
-
 void report_worst(FILE *file, const results *r) {
-    const double least = least_error(r, "fig7d");
+    double least = INFINITY; /* error of the events of fig7d */
     if (r->problem_count == 0)
         return;
+    for (int p = 0; p < r->problem_count; p++)
+        for (int m = 0; m < r->method_count && strcmp(r->problems[p]->name, "fig7d") == 0; m++)
+            for (int t = 0; t < r->tolerance_count; t++)
+                if (!r->methods[m].rival && r->measures[p][m][t].done)
+                    least = fmin(least, r->measures[p][m][t].event_error);
     fprintf(
         file,
         "Asked and got: over all problems, both our integrators and rtol from %.0e to %.0e, the largest "

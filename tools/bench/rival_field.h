@@ -49,21 +49,6 @@ struct scene_field {
     double *before, *after;     /* the field on both sides of an impact */
 };
 
-/* The pairs' entries are G_ij, antisymmetric, and B_ij / lambda_j^2, symmetric: each product serves both
- * modes. */
-static inline void set_couplings(struct scene_field *field) {
-    const int odd = (field->modes + 1) / 2, even = field->modes / 2;
-    for (int k = 0; k < odd; k++)
-        for (int l = 0; l < even; l++) {
-            const int i = 2 * k + 1, j = 2 * l + 2;
-            const double difference = (double)i * i - (double)j * j;
-            const double g = 4.0 * i * j / difference;
-            const double b = -8.0 * i * j / (pi * pi * difference * difference);
-            field->gyroscopic[k * even + l] = field->gyroscopic_t[l * odd + k] = g;
-            field->pulsating[k * even + l] = field->pulsating_t[l * odd + k] = b;
-        }
-}
-
 static inline void set_pipe(struct scene_field *field, const rival_scene *scene) {
     field->alpha = scene->alpha;
     field->kappa = scene->kappa;
@@ -78,7 +63,18 @@ static inline void set_pipe(struct scene_field *field, const rival_scene *scene)
     }
     const int last = field->modes - 1;
     field->first_step = 0.5 / hypot(field->damping[last], field->wave_square[last]);
-    set_couplings(field);
+    /* The pairs' entries are G_ij, antisymmetric, and B_ij / lambda_j^2, symmetric: each product serves both
+     * modes. */
+    const int odd = (field->modes + 1) / 2, even = field->modes / 2;
+    for (int k = 0; k < odd; k++)
+        for (int l = 0; l < even; l++) {
+            const int i = 2 * k + 1, j = 2 * l + 2;
+            const double difference = (double)i * i - (double)j * j;
+            const double g = 4.0 * i * j / difference;
+            const double b = -8.0 * i * j / (pi * pi * difference * difference);
+            field->gyroscopic[k * even + l] = field->gyroscopic_t[l * odd + k] = g;
+            field->pulsating[k * even + l] = field->pulsating_t[l * odd + k] = b;
+        }
 }
 
 static inline void set_oscillator(struct scene_field *field, const rival_oscillator *o) {
@@ -107,46 +103,11 @@ static inline double *take(double **pool, size_t count) {
     return taken;
 }
 
-static inline void divide_pool(struct scene_field *field, size_t modes, size_t pairs) {
-    double *pool = (double *)(field + 1);
-    field->wave_square = take(&pool, modes);
-    field->damping = take(&pool, modes);
-    field->normal = take(&pool, modes);
-    field->impulse = take(&pool, modes);
-    field->work = take(&pool, 6 * modes);
-    field->gyroscopic = take(&pool, pairs);
-    field->pulsating = take(&pool, pairs);
-    field->gyroscopic_t = take(&pool, pairs);
-    field->pulsating_t = take(&pool, pairs);
-    field->before = take(&pool, 2 * modes);
-    field->after = take(&pool, 2 * modes);
-    field->vector = take(&pool, field->count);
-    field->rate = take(&pool, field->count);
-    field->stage = take(&pool, field->count);
-    field->sum = take(&pool, field->count);
-}
-
 static inline double dot(int count, const double *left, const double *right) {
     double sum = 0;
     for (int i = 0; i < count; i++)
         sum += left[i] * right[i];
     return sum;
-}
-
-static inline void set_faces(struct scene_field *field, const rival_scene *scene) {
-    if (scene->sides == RIVAL_UPPER || scene->sides == RIVAL_BOTH)
-        field->side[field->faces++] = 1;
-    if (scene->sides == RIVAL_LOWER || scene->sides == RIVAL_BOTH)
-        field->side[field->faces++] = -1;
-    field->normal_square = dot(field->modes, field->normal, field->impulse);
-}
-
-/* A length scale of the motion: the clearance, if there is a stop. */
-static inline double length_of(const rival_scene *scene, const double *state0) {
-    double length = scene->sides == RIVAL_FREE ? 0 : fabs(scene->d);
-    for (int i = 0; i < scene->modes && (scene->d == 0 || scene->sides == RIVAL_FREE); i++)
-        length = fmax(length, fabs(state0[i]));
-    return length;
 }
 
 static inline struct scene_field *new_field(const rival_scene *scene, const double *state0, bool tangents,
@@ -164,14 +125,36 @@ static inline struct scene_field *new_field(const rival_scene *scene, const doub
     field->d = scene->d;
     field->r = scene->r;
     field->start = state0;
-    field->length = length_of(scene, state0);
+    /* A length scale of the motion: the clearance, if there is a stop. */
+    field->length = scene->sides == RIVAL_FREE ? 0 : fabs(scene->d);
+    for (int i = 0; i < scene->modes && (scene->d == 0 || scene->sides == RIVAL_FREE); i++)
+        field->length = fmax(field->length, fabs(state0[i]));
     field->tolerance = atol + rtol * field->length;
-    divide_pool(field, modes, pairs);
+    double *pool = (double *)(field + 1);
+    field->wave_square = take(&pool, modes);
+    field->damping = take(&pool, modes);
+    field->normal = take(&pool, modes);
+    field->impulse = take(&pool, modes);
+    field->work = take(&pool, 6 * modes);
+    field->gyroscopic = take(&pool, pairs);
+    field->pulsating = take(&pool, pairs);
+    field->gyroscopic_t = take(&pool, pairs);
+    field->pulsating_t = take(&pool, pairs);
+    field->before = take(&pool, 2 * modes);
+    field->after = take(&pool, 2 * modes);
+    field->vector = take(&pool, field->count);
+    field->rate = take(&pool, field->count);
+    field->stage = take(&pool, field->count);
+    field->sum = take(&pool, field->count);
     if (scene->oscillator)
         set_oscillator(field, scene->oscillator);
     else
         set_pipe(field, scene);
-    set_faces(field, scene);
+    if (scene->sides == RIVAL_UPPER || scene->sides == RIVAL_BOTH)
+        field->side[field->faces++] = 1;
+    if (scene->sides == RIVAL_LOWER || scene->sides == RIVAL_BOTH)
+        field->side[field->faces++] = -1;
+    field->normal_square = dot(field->modes, field->normal, field->impulse);
     return field;
 }
 

@@ -84,17 +84,6 @@ static bool gsl_set_up(struct gsl_run *run, double rtol, double atol) {
     return true;
 }
 
-static void gsl_tear_down(struct gsl_run *run) {
-    free(run->error);
-    if (run->evolve)
-        gsl_odeiv2_evolve_free(run->evolve);
-    if (run->control)
-        gsl_odeiv2_control_free(run->control);
-    if (run->stepper)
-        gsl_odeiv2_step_free(run->stepper);
-    free(run->field);
-}
-
 static int run_gsl_rk8pd(const rival_scene *scene, const double *state0, int periods, double rtol,
                          double atol, rival_result *result) {
     struct gsl_run run = {0};
@@ -113,7 +102,14 @@ static int run_gsl_rk8pd(const rival_scene *scene, const double *state0, int per
     } else {
         status = RIVAL_NO_MEMORY;
     }
-    gsl_tear_down(&run);
+    free(run.error);
+    if (run.evolve)
+        gsl_odeiv2_evolve_free(run.evolve);
+    if (run.control)
+        gsl_odeiv2_control_free(run.control);
+    if (run.stepper)
+        gsl_odeiv2_step_free(run.stepper);
+    free(run.field);
     gsl_set_error_handler(handler);
     return status;
 }

@@ -62,32 +62,12 @@ static void print_row(const row *r, measures unit) {
     fflush(stdout);
 }
 
-static void print_engine_row(const row *r, const row *first, const sweep *s) {
-    printf("| %s | %.1e | %.3f | %.3f | %.2f | %.0f |", r->program->name, r->program->tolerance,
-           r->cost.seconds, r->cost.wall, r->cost.seconds / first->cost.seconds, s->count / r->cost.wall);
-    print_judgement(r);
-    if (r->program->stopped)
-        printf(" %d of %d |\n", r->labels, s->periodic);
-    else
-        printf(" - |\n");
-    fflush(stdout);
-}
-
 static program flow_program(const char *name, int lanes, bool stopped) {
     return (program){.name = name,
                      .kind = program_flow,
                      .tolerance = own_tolerance,
                      .stopped = stopped,
                      .own = {.lanes = lanes, .rtol = own_tolerance}};
-}
-
-static program engine_program(const char *name, engine_request request) {
-    return (program){.name = name,
-                     .kind = program_engine,
-                     .tolerance = request.rtol,
-                     .stopped = request.stopped,
-                     .own = {.rtol = request.rtol},
-                     .engine = request};
 }
 
 /* The rivals' tolerances are those that reach the required event error according to --calibrate. */
@@ -110,13 +90,6 @@ static int list_rivals(program *list) {
         list[k].stopped = true;
     }
     return count;
-}
-
-static int list_flows(program *list, int lanes) {
-    list[0] = flow_program("Saltus flow, all lanes", lanes, true);
-    list[1] = flow_program("Saltus flow, one lane", 1, true);
-    list[2] = flow_program("Saltus flow, all lanes, no stop", lanes, false);
-    return 3;
 }
 
 static int list_engines(program *list) {
@@ -143,7 +116,12 @@ static int list_engines(program *list) {
     r[6].adaptive = r[8].adaptive = true;
     r[7].rtol = r[8].rtol = default_tolerance;
     for (int k = 0; k < rows; k++)
-        list[k] = engine_program(names[k], r[k]);
+        list[k] = (program){.name = names[k],
+                            .kind = program_engine,
+                            .tolerance = r[k].rtol,
+                            .stopped = r[k].stopped,
+                            .own = {.rtol = r[k].rtol},
+                            .engine = r[k]};
     return rows;
 }
 
@@ -208,28 +186,6 @@ static bool check(sweep *s) {
     return wrong == 0;
 }
 
-/* Time per order of a lane's series, with all overhead. */
-static void print_orders(const row *rows, int count) {
-    printf("\n");
-    for (int k = 0; k < count; k++) {
-        const sweep_cost *cost = &rows[k].cost;
-        printf("%s: %.1f orders in a step, %.2f ns an order.\n", rows[k].program->name,
-               (double)cost->evaluations / (double)cost->steps,
-               1e9 * cost->seconds / (double)cost->evaluations);
-    }
-}
-
-static void print_rivals(const row *rows, int count, measures unit) {
-    const row *best = rows;
-    for (int k = 1; k < count; k++)
-        if (rows[k].cost.seconds < best->cost.seconds)
-            best = &rows[k];
-    if (count > 0)
-        printf("\nThe fastest of the other libraries, %s, takes %.2f times as long as Saltus' flow on one "
-               "core and %.2f times as long as its sweep.\n",
-               best->program->name, best->cost.seconds / unit.flow, best->cost.seconds / unit.engine);
-}
-
 /* The first table. Ratios refer to the first rows of the flow and of the sweeps. */
 static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows, int flow_count,
                               const row *sweeps) {
@@ -237,6 +193,7 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
     row other[rows_max], beside = *sweeps;
     const int count = rivals ? list_rivals(others) : 0;
     const measures unit = {flows->cost.seconds, sweeps->cost.seconds};
+    const row *best = other;
     own.name = "Saltus sweep, impacts kept, all lanes";
     beside.program = &own;
     print_head();
@@ -247,34 +204,52 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
         if (!sweep_measure(s, &others[k], 1, 1, &other[k]))
             return false;
         print_row(&other[k], unit);
+        best = other[k].cost.seconds < best->cost.seconds ? &other[k] : best;
     }
-    print_rivals(other, count, unit);
-    printf("\nFlow: %d lanes take 1/%.2f of the time of one lane.\n", lanes,
+    if (count > 0)
+        printf("\nThe fastest of the other libraries, %s, takes %.2f times as long as Saltus' flow on one "
+               "core and %.2f times as long as its sweep.\n",
+               best->program->name, best->cost.seconds / unit.flow, best->cost.seconds / unit.engine);
+    printf("\nFlow: %d lanes take 1/%.2f of the time of one lane.\n\n", lanes,
            flows[1].cost.seconds / unit.flow);
-    print_orders(flows, flow_count);
+    /* Time per order of a lane's series, with all overhead. */
+    for (int k = 0; k < flow_count; k++) {
+        const sweep_cost *cost = &flows[k].cost;
+        printf("%s: %.1f orders in a step, %.2f ns an order.\n", flows[k].program->name,
+               (double)cost->evaluations / (double)cost->steps,
+               1e9 * cost->seconds / (double)cost->evaluations);
+    }
     return true;
 }
 
-static void table_of_sweeps(const sweep *s, int lanes, const row *rows, int count) {
+static bool compare(sweep *s, bool rivals) {
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), flows = 3;
+    program list[2 * rows_max] = {flow_program("Saltus flow, all lanes", lanes, true),
+                                  flow_program("Saltus flow, one lane", 1, true),
+                                  flow_program("Saltus flow, all lanes, no stop", lanes, false)};
+    row rows[2 * rows_max], *engines = rows + flows;
+    const int sweeps = list_engines(list + flows);
+    if (!sweep_measure(s, list, flows + sweeps, own_repeats, rows) ||
+        !table_of_programs(s, rivals, lanes, rows, flows, engines))
+        return false;
     printf("\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | "
            "max | right counts | elsewhere | wrong | right n/p |\n"
            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-    for (int k = 0; k < count; k++)
-        print_engine_row(&rows[k], &rows[0], s);
+    for (int k = 0; k < sweeps; k++) {
+        const row *r = &engines[k];
+        printf("| %s | %.1e | %.3f | %.3f | %.2f | %.0f |", r->program->name, r->program->tolerance,
+               r->cost.seconds, r->cost.wall, r->cost.seconds / engines->cost.seconds,
+               s->count / r->cost.wall);
+        print_judgement(r);
+        if (r->program->stopped)
+            printf(" %d of %d |\n", r->labels, s->periodic);
+        else
+            printf(" - |\n");
+        fflush(stdout);
+    }
     printf("\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
            "one.\n",
-           lanes, rows[1].cost.seconds / rows[0].cost.seconds, rows[0].cost.wall / rows[2].cost.wall);
-}
-
-static bool compare(sweep *s, bool rivals) {
-    program list[2 * rows_max];
-    row rows[2 * rows_max];
-    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), flows = list_flows(list, lanes);
-    const int sweeps = list_engines(list + flows);
-    if (!sweep_measure(s, list, flows + sweeps, own_repeats, rows) ||
-        !table_of_programs(s, rivals, lanes, rows, flows, rows + flows))
-        return false;
-    table_of_sweeps(s, lanes, rows + flows, sweeps);
+           lanes, engines[1].cost.seconds / engines->cost.seconds, engines->cost.wall / engines[2].cost.wall);
     return true;
 }
 

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_measure.h"
 
+#include "rival_scene.h"
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics.h>
 #include <math.h>
@@ -71,27 +72,12 @@ saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
     return status;
 }
 
-static rival_scene scene_of(const saltus_system *system) {
-    const saltus_spec *spec = saltus_system_spec(system);
-    const saltus_stop *stop = &spec->stops[0];
-    return (rival_scene){.modes = (int)saltus_spec_get(spec, "N"),
-                         .alpha = saltus_spec_get(spec, "alpha"),
-                         .beta = saltus_spec_get(spec, "beta"),
-                         .kappa = saltus_spec_get(spec, "kappa"),
-                         .u0 = saltus_spec_get(spec, "u0"),
-                         .sigma = saltus_spec_get(spec, "sigma"),
-                         .omega = saltus_spec_get(spec, "omega"),
-                         .xi = stop->xi,
-                         .d = stop->d,
-                         .r = stop->r};
-}
-
 /* One period of a program's motion. */
 static bool one_period(sweep *s, const program *p, const saltus_system *system, const double *state,
                        double *end, int *impacts) {
     if (p->kind != program_rival)
         return own_period(system, &p->own, state, end, impacts, NULL) == SALTUS_OK;
-    const rival_scene scene = scene_of(system);
+    const rival_scene scene = rival_scene_of(saltus_system_spec(system), NULL);
     rival_result result = {.events = s->events, .capacity = rival_events_max, .state = end};
     const bool done = p->run(&scene, state, 1, p->tolerance, p->tolerance, &result) == RIVAL_OK;
     *impacts = 0;
@@ -121,14 +107,6 @@ static bool agrees(const sweep *s, const program *p, int omega, double *error) {
     return p->kind == program_engine
                ? motion_agrees_in_phase(&s->reference[omega], s->period[omega], &s->found[omega], error)
                : motion_agrees(&s->reference[omega], s->period[omega], &s->found[omega], error);
-}
-
-static int count_labels(const sweep *s) {
-    int right = 0;
-    for (int k = 0; k < s->count; k++)
-        right += s->period[k] > 0 && s->found[k].orbit_periods == s->period[k] &&
-                 s->found[k].orbit_impacts == motion_orbit_impacts(&s->reference[k], s->period[k]);
-    return right;
 }
 
 /* Fill in a row's errors and counts from the motions found. */
@@ -176,16 +154,6 @@ static bool run_saltus(sweep *s, const program *p, row *r) {
     return true;
 }
 
-static void keep_recorded(const rival_result *result, motion *m) {
-    for (int k = 0; k < result->count && k < result->capacity; k++) {
-        const rival_event *e = &result->events[k];
-        if (e->kind == RIVAL_IMPACT)
-            motion_add_impact(m, e->time_over_T, e->normal_velocity);
-        m->sticks += e->kind == RIVAL_STICK;
-    }
-    m->failed = m->failed || result->count > result->capacity;
-}
-
 /* The forcing is periodic, so the recorded periods may begin at time 0 again. */
 static void run_rival(sweep *s, const program *p, row *r) {
     double start[SALTUS_SCENE_STATE_MAX], end[motion_dimension], simulated = 0, all = 0;
@@ -193,7 +161,7 @@ static void run_rival(sweep *s, const program *p, row *r) {
         all += saltus_system_period(s->stopped[k]);
     for (int k = 0; k < s->count; k += s->part) {
         simulated += saltus_system_period(s->stopped[k]);
-        const rival_scene scene = scene_of(s->stopped[k]);
+        const rival_scene scene = rival_scene_of(saltus_system_spec(s->stopped[k]), NULL);
         const int periods[2] = {settling_periods, recorded_periods};
         motion *m = &s->found[k];
         motion_clear(m);
@@ -204,9 +172,14 @@ static void run_rival(sweep *s, const program *p, row *r) {
                 .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
             memcpy(end, m->settled, sizeof end);
             m->failed |= p->run(&scene, end, periods[stage], p->tolerance, p->tolerance, &result) != RIVAL_OK;
-            if (stage)
-                keep_recorded(&result, m);
-            else
+            for (int e = 0; e < result.count && e < result.capacity; e++) {
+                const rival_event *event = &result.events[e];
+                if (event->kind == RIVAL_IMPACT)
+                    motion_add_impact(m, event->time_over_T, event->normal_velocity);
+                m->sticks += event->kind == RIVAL_STICK;
+            }
+            m->failed |= stage && result.count > result.capacity;
+            if (!stage)
                 memcpy(m->settled, start, sizeof m->settled);
             r->cost.seconds += result.cpu_seconds;
             r->cost.steps += result.steps;
@@ -224,8 +197,10 @@ static bool measure(sweep *s, const program *p, bool judged, row *r) {
     else if (!run_saltus(s, p, r))
         return false;
     const bool engine = p->kind == program_engine;
-    if (judged && p->stopped && engine)
-        r->labels = count_labels(s);
+    r->labels = 0;
+    for (int k = 0; k < s->count && judged && p->stopped && engine; k++)
+        r->labels += s->period[k] > 0 && s->found[k].orbit_periods == s->period[k] &&
+                     s->found[k].orbit_impacts == motion_orbit_impacts(&s->reference[k], s->period[k]);
     /* Only programs that record all impacts can be judged. */
     if (judged && p->stopped && (!engine || (!p->engine.adaptive && p->engine.keep & SALTUS_KEEP_IMPACTS)))
         judge(s, p, r);

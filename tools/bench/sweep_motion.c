@@ -98,21 +98,6 @@ static int window(const motion *m, double begin, double end, int *first) {
     return k - *first;
 }
 
-/* Largest difference between two sequences of impacts within one period, minimised over order and shift. */
-static double sequence_error(const impact *a, const impact *b, int count, int period) {
-    double least = INFINITY;
-    for (int turn = 0; turn < count; turn++) {
-        double shift = rint(b[turn].time - a[0].time), worst = 0;
-        for (int k = 0; k < count && worst < least; k++) {
-            int other = turn + k;
-            double time = other < count ? b[other].time : b[other - count].time + period;
-            worst = fmax(worst, fabs(time - a[k].time - shift));
-        }
-        least = fmin(least, worst);
-    }
-    return count ? least : NAN;
-}
-
 /* The number of impacts in the last period of a periodic motion, and the index of the first. */
 static int last_period(const motion *m, int period, int *first) {
     const double end = recorded_periods - 1 + quiet_phase(m, recorded_periods - period);
@@ -145,14 +130,18 @@ static bool counts_in_all(const motion *m, int period, int count) {
     return count >= low && count <= high;
 }
 
-/* Largest difference between two sequences of phases, minimised over cyclic shifts. */
-static double phase_error(const impact *a, const impact *b, int count) {
+/* Largest difference between two sequences of impacts, minimised over order and shift: of their times, within
+ * one period, or with period 0 of their phases. */
+static double sequence_error(const impact *a, const impact *b, int count, int period) {
     double least = INFINITY;
     for (int turn = 0; turn < count; turn++) {
+        const double shift = rint(b[turn].time - a[0].time);
         double worst = 0;
         for (int k = 0; k < count && worst < least; k++) {
-            const double difference = b[(turn + k) % count].time - a[k].time;
-            worst = fmax(worst, fabs(difference - rint(difference)));
+            const int other = turn + k;
+            const double time = other < count ? b[other].time : b[other - count].time + period,
+                         difference = time - a[k].time;
+            worst = fmax(worst, fabs(difference - (period ? shift : rint(difference))));
         }
         least = fmin(least, worst);
     }
@@ -169,7 +158,7 @@ bool motion_agrees_in_phase(const motion *reference, int period, const motion *m
         return abs(reference->sticks - m->sticks) <= period;
     if (m->count < count || !counts_in_all(reference, period, m->count))
         return false;
-    *error = phase_error(reference->impacts + first, m->impacts + m->count - count, count);
+    *error = sequence_error(reference->impacts + first, m->impacts + m->count - count, count, 0);
     return true;
 }
 

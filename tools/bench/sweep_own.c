@@ -70,16 +70,6 @@ static saltus_status fill(worker *w, int lane) {
     return SALTUS_OK;
 }
 
-static saltus_status finish(worker *w, int lane) {
-    const lane_task *task = &w->tasks[lane];
-    const saltus_flow_info info = saltus_flow_information(w->flow, lane);
-    motion *m = &w->motions[task->index];
-    m->sticks = (int)(info.sticks - task->settled);
-    w->cost->steps += info.steps;
-    w->cost->evaluations += info.field_evaluations;
-    return fill(w, lane);
-}
-
 static saltus_status reached(worker *w, int lane) {
     lane_task *task = &w->tasks[lane];
     const saltus_time now = saltus_flow_time(w->flow, lane);
@@ -91,8 +81,13 @@ static saltus_status reached(worker *w, int lane) {
         saltus_flow_state(w->flow, lane, m->settled);
         task->settled = saltus_flow_information(w->flow, lane).sticks;
     }
-    if (now.cycle == settling_periods + recorded_periods)
-        return finish(w, lane);
+    if (now.cycle == settling_periods + recorded_periods) {
+        const saltus_flow_info info = saltus_flow_information(w->flow, lane);
+        m->sticks = (int)(info.sticks - task->settled);
+        w->cost->steps += info.steps;
+        w->cost->evaluations += info.field_evaluations;
+        return fill(w, lane);
+    }
     task->target++;
     aim(w, lane);
     return SALTUS_OK;
@@ -210,7 +205,11 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     return SALTUS_OK;
 }
 
-static saltus_sweep_options sweep_options_of(const engine_request *request) {
+saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
+                           saltus_message *message) {
+    saltus_scene scene;
+    saltus_sweep *sweep = NULL;
+    const saltus_axis axis = engine_axis();
     saltus_sweep_options options = saltus_sweep_defaults();
     options.flow.rtol = request->rtol;
     options.flow.atol = 1e-3 * request->rtol;
@@ -220,15 +219,6 @@ static saltus_sweep_options sweep_options_of(const engine_request *request) {
     options.record = recorded_periods;
     options.lanes = request->lanes;
     options.threads = request->threads;
-    return options;
-}
-
-saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
-                           saltus_message *message) {
-    saltus_scene scene;
-    saltus_sweep *sweep = NULL;
-    const saltus_axis axis = engine_axis();
-    const saltus_sweep_options options = sweep_options_of(request);
     *cost = (sweep_cost){0};
     saltus_status status = saltus_scene_load("fig6", &scene, message);
     if (!request->stopped)

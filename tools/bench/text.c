@@ -77,17 +77,6 @@ static saltus_system *build(const char *text, const char *name, bool stops) {
     return system;
 }
 
-/* The same start in both descriptions; lanes differ slightly, so that their steps differ. */
-static void start_state(const saltus_system *system, int lane, double *state) {
-    const int n = saltus_system_dimension(system);
-    const bool pipe = n >= 10;
-    for (int i = 0; i < n; i++)
-        state[i] = 0;
-    state[0] = (pipe ? 0.006 : 0.1) + 1e-4 * lane;
-    state[1] = pipe ? 0.002 : -0.05;
-    state[pipe ? 5 : 2] = pipe ? 0.12 : 0.3;
-}
-
 typedef enum { by_hand, interpreted, compiled, way_count } way;
 
 /* Without a compiler, times of compiled equations are omitted. */
@@ -100,9 +89,11 @@ static bool compile(saltus_flow *flow, const saltus_system *system) {
 
 static void follow(saltus_flow *flow, const saltus_system *system, int lanes, long long periods) {
     saltus_message message = {.text = ""};
-    double start[dimension_max];
+    const bool pipe = saltus_system_dimension(system) >= 10;
+    /* The same start in both descriptions; lanes differ slightly, so that their steps differ. */
     for (int l = 0; l < lanes; l++) {
-        start_state(system, l, start);
+        double start[dimension_max] = {(pipe ? 0.006 : 0.1) + 1e-4 * l, pipe ? 0.002 : -0.05};
+        start[pipe ? 5 : 2] = pipe ? 0.12 : 0.3;
         must(saltus_flow_start(flow, l, (saltus_time){0, 0.2}, start, &message), &message);
         saltus_flow_aim(flow, l, (saltus_time){periods, 0}, 0);
     }
@@ -111,14 +102,6 @@ static void follow(saltus_flow *flow, const saltus_system *system, int lanes, lo
         int lane;
         must(saltus_flow_run(flow, &lane, &event, &message), &message);
     }
-}
-
-static double error_of(const saltus_system *system, const double *state, const double *exact) {
-    const double *scale = saltus_system_scale(system);
-    double largest = 0;
-    for (int i = 0; i < saltus_system_dimension(system); i++)
-        largest = fmax(largest, fabs(state[i] - exact[i]) / scale[i]);
-    return largest;
 }
 
 static saltus_flow *open_flow(const saltus_system *system, way how, int lanes, int columns, double rtol) {
@@ -139,13 +122,6 @@ static saltus_flow *open_flow(const saltus_system *system, way how, int lanes, i
     return flow;
 }
 
-static double seconds_of(saltus_flow *flow, const saltus_system *system, int lanes, int starts) {
-    const double begin = processor_seconds();
-    for (int s = 0; s < starts; s++)
-        follow(flow, system, lanes, periods_timed);
-    return processor_seconds() - begin;
-}
-
 /* The state of the first lane after the few periods used for the error. */
 static void check(saltus_flow *flow, const saltus_system *system, int lanes, double *state) {
     follow(flow, system, lanes, periods_checked);
@@ -157,6 +133,7 @@ static void check(saltus_flow *flow, const saltus_system *system, int lanes, dou
  * other load on the machine affects all. */
 static void measure(const problem *p, const saltus_system *own, const saltus_system *text, int lanes,
                     int columns, const double *exact, double *cost, double *error) {
+    const double *scale = saltus_system_scale(own);
     saltus_flow *flow[way_count];
     double state[dimension_max];
     bool ready[way_count];
@@ -166,13 +143,18 @@ static void measure(const problem *p, const saltus_system *own, const saltus_sys
         cost[how] = INFINITY;
     }
     for (int repeat = 0; repeat < repeats; repeat++)
-        for (way how = by_hand; how < way_count; how++)
-            if (ready[how])
-                cost[how] = fmin(cost[how], seconds_of(flow[how], how ? text : own, lanes, p->starts));
+        for (way how = by_hand; how < way_count; how++) {
+            const double begin = processor_seconds();
+            for (int s = 0; s < p->starts && ready[how]; s++)
+                follow(flow[how], how ? text : own, lanes, periods_timed);
+            cost[how] = ready[how] ? fmin(cost[how], processor_seconds() - begin) : INFINITY;
+        }
     for (way how = by_hand; how < way_count; how++) {
         cost[how] *= 1e9 / ((double)periods_timed * p->starts * lanes);
         check(flow[how], how ? text : own, lanes, state);
-        error[how] = error_of(own, state, exact);
+        error[how] = 0;
+        for (int i = 0; i < saltus_system_dimension(own); i++)
+            error[how] = fmax(error[how], fabs(state[i] - exact[i]) / scale[i]);
     }
 }
 
