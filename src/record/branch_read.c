@@ -19,6 +19,7 @@ typedef struct reader {
     saltus_branch_file *made;
     int counts[SALTUS_COUNTS_MAX];
     saltus_system *system;
+    long long events; /* their number */
 } reader;
 
 /* Read the file's head and build the system of its start. */
@@ -91,23 +92,25 @@ static saltus_status read_start(reader *r) {
                                                            : status;
 }
 
-static saltus_status read_events(reader *r, long long *count) {
+static saltus_status read_events(reader *r) {
     void *rows;
+    long long count = 0;
     saltus_status status = saltus_h5_get_all(&r->h5, "events", &saltus_event_fields, NULL, most_rows,
-                                             sizeof(saltus_event_row), &rows, count);
-    r->made->events = calloc((size_t)*count + 1, sizeof *r->made->events);
+                                             sizeof(saltus_event_row), &rows, &count);
+    r->made->events = calloc((size_t)count + 1, sizeof *r->made->events);
     if (status == SALTUS_OK && !r->made->events)
         status = saltus_h5_no_memory(&r->h5);
-    for (long long e = 0; e < *count && status == SALTUS_OK; e++)
+    for (long long e = 0; e < count && status == SALTUS_OK; e++)
         if (!saltus_event_of_row(r->system, (const saltus_event_row *)rows + e, &r->made->events[e]))
             status = saltus_h5_refuse(&r->h5,
                                       "an event is none of an impact, stick or release at one of the stops");
+    r->events = count;
     free(rows);
     return status;
 }
 
 /* Whether a row is a valid point; grazing must be at an existing face and within the orbit's time. */
-static bool is_point(const reader *r, const saltus_point_row *row, long long events) {
+static bool is_point(const reader *r, const saltus_point_row *row) {
     const saltus_branch_point *point = &row->point;
     const double time = point->grazing_time;
     const bool on_locus = point->locus >= SALTUS_POINT_LP && point->locus <= SALTUS_POINT_BE;
@@ -117,14 +120,14 @@ static bool is_point(const reader *r, const saltus_point_row *row, long long eve
                              : saltus_face_of(r->system, point->grazing_stop, point->grazing_side) >= 0 &&
                                    time >= 0 && (time < point->periods || (!point->periods && time == 0));
     return fits && touches && point->event_count >= 0 && row->event_first >= 0 &&
-           row->event_first <= events - point->event_count &&
+           row->event_first <= r->events - point->event_count &&
            point->periods >= saltus_system_forced(r->system) &&
            all_finite(point->state, r->made->dimension) &&
            all_finite(point->spec.parameters, r->counts[SALTUS_COUNT_PARAMETERS]) &&
            isfinite(point->value[0]);
 }
 
-static saltus_status read_points(reader *r, long long events) {
+static saltus_status read_points(reader *r) {
     saltus_branch_file *made = r->made;
     const int n = made->dimension;
     saltus_h5_shape shape = {.rank = 0};
@@ -153,7 +156,7 @@ static saltus_status read_points(reader *r, long long events) {
         saltus_branch_point *point = &made->points[k];
         char what[64];
         snprintf(what, sizeof what, "row %zu of /points is not a point", k + 1);
-        if (!is_point(r, &rows[k], events)) {
+        if (!is_point(r, &rows[k])) {
             status = saltus_h5_refuse(&r->h5, what);
             break;
         }
@@ -172,20 +175,13 @@ static saltus_status read_points(reader *r, long long events) {
 }
 
 saltus_status saltus_branch_file_read(const char *path, saltus_branch_file *file, saltus_message *message) {
-    long long events = 0;
+    static saltus_status (*const steps[])(reader *) = {read_head, read_options, read_start, read_events,
+                                                       read_points};
     *file = (saltus_branch_file){0};
     reader r = {.h5 = {.path = path, .kind = "branch", .message = message}, .made = file};
     saltus_status status = saltus_h5_reader_open(&r.h5);
-    if (status == SALTUS_OK)
-        status = read_head(&r);
-    if (status == SALTUS_OK)
-        status = read_options(&r);
-    if (status == SALTUS_OK)
-        status = read_start(&r);
-    if (status == SALTUS_OK)
-        status = read_events(&r, &events);
-    if (status == SALTUS_OK)
-        status = read_points(&r, events);
+    for (size_t k = 0; k < sizeof steps / sizeof *steps && status == SALTUS_OK; k++)
+        status = steps[k](&r);
     saltus_h5_reader_close(&r.h5);
     saltus_system_free(r.system);
     if (status != SALTUS_OK)

@@ -213,36 +213,6 @@ void saltus_h5_restore(const saltus_h5_silence *silence) {
     H5Eset_auto2(H5E_DEFAULT, silence->print, silence->context);
 }
 
-/* Open a file for reading; negative on failure, with a message. A file whose seal does not match its bytes is
- * damaged and never passed to HDF5; a file without a seal is. */
-static hid_t read_file(const char *path, saltus_message *message) {
-    struct stat facts = {.st_size = 0};
-    char seal[SALTUS_H5_SEAL + 1], there[SALTUS_H5_SEAL];
-    FILE *plain = fopen(path, "rb");
-    if (!plain) {
-        saltus_fail(message, SALTUS_BAD_INPUT, "%s: cannot be opened (%s)", path, strerror(errno));
-        return -1;
-    }
-    const int descriptor = fileno(plain);
-    const bool folder = fstat(descriptor, &facts) == 0 && S_ISDIR(facts.st_mode);
-    bool sound = true;
-    if (S_ISREG(facts.st_mode) && facts.st_size > SALTUS_H5_SEAL) {
-        const long long length = facts.st_size - SALTUS_H5_SEAL;
-        sound = pread(descriptor, there, sizeof there, (off_t)length) == SALTUS_H5_SEAL &&
-                (memcmp(there, "saltus:", 7) != 0 ||
-                 (saltus_h5_seal(descriptor, length, seal) && memcmp(there, seal, sizeof there) == 0));
-    }
-    fclose(plain);
-    bool known = sound && H5Fis_hdf5(path) > 0;
-    hid_t file = known ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
-    if (file < 0)
-        saltus_fail(message, SALTUS_BAD_INPUT, "%s: %s", path,
-                    folder            ? "is a folder, not a file"
-                    : sound && !known ? "is no HDF5 file"
-                                      : "is damaged or cut off");
-    return file;
-}
-
 bool saltus_h5_get_integer(hid_t owner, const char *name, long long *value) {
     return get_attribute(owner, name, H5T_INTEGER, H5T_NATIVE_LLONG, value);
 }
@@ -264,15 +234,38 @@ hid_t saltus_h5_find_group(hid_t file, const char *name) {
     return H5Lexists(file, name, H5P_DEFAULT) > 0 ? H5Gopen2(file, name, H5P_DEFAULT) : -1;
 }
 
+/* A file whose seal does not match its bytes is damaged and never passed to HDF5; a file without a seal is.
+ */
 saltus_status saltus_h5_reader_open(saltus_h5_reader *r) {
+    struct stat facts = {.st_size = 0};
+    char seal[SALTUS_H5_SEAL + 1], there[SALTUS_H5_SEAL];
     r->file = -1;
     if (!saltus_h5_quiet(&r->silence))
         return saltus_fail(r->message, SALTUS_IO, "the HDF5 library could not be opened");
-    r->file = read_file(r->path, r->message);
+    FILE *plain = fopen(r->path, "rb");
+    const char *reason = plain ? NULL : strerror(errno);
+    const int descriptor = plain ? fileno(plain) : -1;
+    const bool folder = plain && fstat(descriptor, &facts) == 0 && S_ISDIR(facts.st_mode);
+    bool sound = plain;
+    if (S_ISREG(facts.st_mode) && facts.st_size > SALTUS_H5_SEAL) {
+        const long long length = facts.st_size - SALTUS_H5_SEAL;
+        sound = pread(descriptor, there, sizeof there, (off_t)length) == SALTUS_H5_SEAL &&
+                (memcmp(there, "saltus:", 7) != 0 ||
+                 (saltus_h5_seal(descriptor, length, seal) && memcmp(there, seal, sizeof there) == 0));
+    }
+    if (plain)
+        fclose(plain);
+    const bool known = sound && H5Fis_hdf5(r->path) > 0;
+    r->file = known ? H5Fopen(r->path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
     if (r->file >= 0)
         return SALTUS_OK;
     saltus_h5_restore(&r->silence);
-    return SALTUS_BAD_INPUT;
+    if (reason)
+        return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: cannot be opened (%s)", r->path, reason);
+    return saltus_fail(r->message, SALTUS_BAD_INPUT, "%s: %s", r->path,
+                       folder            ? "is a folder, not a file"
+                       : sound && !known ? "is no HDF5 file"
+                                         : "is damaged or cut off");
 }
 
 void saltus_h5_reader_close(saltus_h5_reader *r) {

@@ -63,38 +63,32 @@ const char *saltus_lost_words(const saltus_system *system) {
     return "lost in lasting contacts";
 }
 
-static void put_number(FILE *file, double value, double error) {
-    saltus_uncertain number = saltus_uncertain_text(value, error);
-    fprintf(file, "%s +- %s", number.value, number.error);
-}
-
 static void put_meaning(FILE *file, const saltus_system *system, const saltus_lyapunov *l) {
-    double fold = 1 / fabs(l->exponents[0] * l->period);
+    static const char *const meanings[] = {
+        [SALTUS_SENSE_SEPARATE] = "positive: nearby trajectories separate",
+        [SALTUS_SENSE_APPROACH] = "negative: nearby trajectories approach each other",
+        [SALTUS_SENSE_KEEP] =
+            "zero within the error: nearby trajectories neither separate nor approach each other",
+        [SALTUS_SENSE_UNRESOLVED] = "undecided: "};
+    const saltus_sense sense = saltus_lyapunov_sense(l);
     saltus_put_word(file, "meaning");
-    switch (saltus_lyapunov_sense(l)) {
-    case SALTUS_SENSE_SEPARATE:
-        fprintf(file, "positive: nearby trajectories separate, e-fold in %.4g periods\n", fold);
-        break;
-    case SALTUS_SENSE_APPROACH:
-        fprintf(file, "negative: nearby trajectories approach each other, e-fold in %.4g periods\n", fold);
-        break;
-    case SALTUS_SENSE_KEEP:
-        fputs("zero within the error: nearby trajectories neither separate nor approach each other\n", file);
-        break;
-    case SALTUS_SENSE_UNRESOLVED:
-        fputs(isfinite(l->standard_errors[0])
-                  ? "undecided: not told from zero by more than three standard errors\n"
-                  : "undecided: too few values for a standard error\n",
-              file);
-        break;
-    case SALTUS_SENSE_MEET:
+    if (sense == SALTUS_SENSE_MEET) {
         fprintf(file, "every direction is %s: nearby trajectories become one\n", saltus_lost_words(system));
         return;
     }
-    if (!saltus_system_forced(system)) {
-        saltus_put_word(file, "");
-        fputs("not forced: unless the system is at rest, one exponent is that of time itself, zero\n", file);
-    }
+    fputs(meanings[sense], file);
+    if (sense == SALTUS_SENSE_SEPARATE || sense == SALTUS_SENSE_APPROACH)
+        fprintf(file, ", e-fold in %.4g periods", 1 / fabs(l->exponents[0] * l->period));
+    if (sense == SALTUS_SENSE_UNRESOLVED)
+        fputs(isfinite(l->standard_errors[0]) ? "not told from zero by more than three standard errors"
+                                              : "too few values for a standard error",
+              file);
+    fputc('\n', file);
+    if (!saltus_system_forced(system))
+        fprintf(
+            file,
+            "  %-14snot forced: unless the system is at rest, one exponent is that of time itself, zero\n",
+            "");
 }
 
 /* If several exponents were computed: all of them, and their sum. */
@@ -137,32 +131,28 @@ static void put_spectrum(FILE *file, const saltus_system *system, const saltus_l
 
 /* Whether the two halves of the run, and the trajectories that share the work, agree. */
 static void put_agreement(FILE *file, const saltus_lyapunov *l) {
+    const saltus_uncertain first = saltus_uncertain_text(l->half[0], l->half_errors[0]),
+                           second = saltus_uncertain_text(l->half[1], l->half_errors[1]);
     double error = hypot(l->half_errors[0], l->half_errors[1]), low = INFINITY, high = -INFINITY;
-    saltus_put_word(file, "halves");
-    put_number(file, l->half[0], l->half_errors[0]);
-    fputs(" in the first half, ", file);
-    put_number(file, l->half[1], l->half_errors[1]);
-    fputs(" in the second", file);
+    fprintf(file, "  %-14s%s +- %s in the first half, %s +- %s in the second", "halves", first.value,
+            first.error, second.value, second.error);
     if (isfinite(error) && error > 0)
         fprintf(file, " (%.1f standard errors apart)", fabs(l->half[0] - l->half[1]) / error);
-    fputc('\n', file);
+    fprintf(file, "\n  %-14s%d", "trajectories", l->members);
     for (int m = 0; m < l->members; m++) {
         low = fmin(low, l->member_exponents[m]);
         high = fmax(high, l->member_exponents[m]);
     }
-    saltus_put_word(file, "trajectories");
-    if (l->members == 1) {
-        fputs("1\n", file);
-        return;
-    }
-    fprintf(file, "%d, each alone from %.6g to %.6g: they %s\n", l->members, low, high,
-            l->agree ? "agree" : "DO NOT AGREE");
-    if (!l->agree) {
-        saltus_put_word(file, "");
-        fputs("they do not measure the same motion: there are coexisting attractors, or the transient is "
-              "longer\n",
-              file);
-    }
+    if (l->members > 1)
+        fprintf(file, ", each alone from %.6g to %.6g: they %s", low, high,
+                l->agree ? "agree" : "DO NOT AGREE");
+    fputc('\n', file);
+    if (l->members > 1 && !l->agree)
+        fprintf(file,
+                "  %-14sthey do not measure the same motion: there are coexisting attractors, or the "
+                "transient is "
+                "longer\n",
+                "");
 }
 
 static void put_measured(FILE *file, const saltus_system *system, const saltus_lyapunov_options *o,
@@ -202,20 +192,18 @@ static void put_precision(FILE *file, const saltus_lyapunov_options *o, const sa
 void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                 const saltus_lyapunov_options *options, const saltus_lyapunov *l) {
     const bool finite = saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET, measured = finite && l->members > 0;
+    const double value = l->exponents[0], error = l->standard_errors[0];
+    const saltus_uncertain own = saltus_uncertain_text(value, error),
+                           period = saltus_uncertain_text(value * l->period, error * l->period);
     fprintf(file, "%s: largest Lyapunov exponent ", scene->name);
     if (finite)
-        put_number(file, l->exponents[0], l->standard_errors[0]);
+        fprintf(file, "%s +- %s\n", own.value, own.error);
     else
-        fputs("-infinity", file);
-    fputc('\n', file);
+        fputs("-infinity\n", file);
     saltus_put_scene(file, scene, system);
-    if (finite) {
-        saltus_put_word(file, "exponent");
-        put_number(file, l->exponents[0], l->standard_errors[0]);
-        fputs(" per unit of time, ", file);
-        put_number(file, l->exponents[0] * l->period, l->standard_errors[0] * l->period);
-        fprintf(file, " per period (T = %.10g)\n", l->period);
-    }
+    if (finite)
+        fprintf(file, "  %-14s%s +- %s per unit of time, %s +- %s per period (T = %.10g)\n", "exponent",
+                own.value, own.error, period.value, period.error, l->period);
     put_meaning(file, system, l);
     put_spectrum(file, system, l);
     if (measured)

@@ -78,18 +78,17 @@ static void put_events(FILE *file, const saltus_system *system, const saltus_mot
         for (run = 0; k + run < motion->event_count && events[k + run].kind == SALTUS_IMPACT &&
                       events[k + run].face == events[k].face;)
             run++;
+        put_event(file, system, &events[k]);
+        lines++;
         if (motion->event_count <= event_lines || run <= 3) {
             run = 1;
-            put_event(file, system, &events[k]);
-            lines++;
             continue;
         }
-        put_event(file, system, &events[k]);
         put_event(file, system, &events[k + 1]);
         fprintf(file, "    ... %d more impacts until tau/T = %.7f, velocity before impact %.4g to %.4g\n",
                 run - 2, saltus_time_periods(events[k + run - 1].time), events[k + 2].velocity_before,
                 events[k + run - 1].velocity_before);
-        lines += 3;
+        lines += 2;
     }
     if (k < motion->event_count)
         fprintf(file, "    ... and %d more event%s\n", motion->event_count - k,
@@ -190,10 +189,10 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     if (!isnan(motion->rms))
         fprintf(file, ", root mean square %.7g", motion->rms);
     fputc('\n', file);
-    if (motion->transient) {
+    if (motion->transient)
         fprintf(file, "  %-14s%lld period%s simulated", "settled", motion->transient,
                 saltus_plural(motion->transient));
-    } else
+    else
         saltus_put_word(file, "orbit");
     if (motion->verdict == SALTUS_PERIODIC || !motion->transient)
         fprintf(file, "%sresidual %.1e after %d Newton step%s", motion->transient ? "; " : "",

@@ -156,41 +156,38 @@ void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const salt
     saltus_json_end(file, saltus_system_spec(system), saltus_integrator_used(system, motion->integrator));
 }
 
-static void describe_quantity(FILE *file, const saltus_spectrum *s, const char *name) {
-    char a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], c[SALTUS_NUMBER_MAX], d[SALTUS_NUMBER_MAX];
-    fprintf(file, "# %s: mean = %s, total power = %s", name, saltus_number(s->mean, a),
-            saltus_number(s->variance, b));
-    if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
-        fputs(", does not move\n", file);
-        return;
-    }
-    fprintf(file,
-            ", broadband fraction = %s\n# %s: highest trustworthy frequency = %s omega (aliasing below 1 %%)",
-            saltus_number(s->broadband, c), name, saltus_number(s->trustworthy, d));
-    if (s->kind == SALTUS_SPECTRUM_LINES) {
-        fprintf(file, "; largest between the lines = %s of the highest\n", saltus_number(s->between, a));
-        return;
-    }
-    fprintf(file, "; degrees of freedom = %s (half at both ends), confidence = %s\n",
-            saltus_number(s->degrees, a), saltus_number(s->confidence, b));
-    for (long long k = 0; k < s->line_count; k++)
-        fprintf(file, "# %s line: frequency_over_omega = %s, amplitude = %s, phase = %s, share = %s\n", name,
-                saltus_number(s->lines[k].frequency, a), saltus_number(s->lines[k].amplitude, b),
-                saltus_number(s->lines[k].phase, c), saltus_number(s->lines[k].share, d));
-}
-
 static void put_header(const saltus_spectra_source *source, FILE *file) {
     const saltus_spectra *spectra = source->spectra;
-    char method[256];
+    char method[256], a[SALTUS_NUMBER_MAX], b[SALTUS_NUMBER_MAX], c[SALTUS_NUMBER_MAX], d[SALTUS_NUMBER_MAX];
     saltus_spectra_method(spectra, method, sizeof method);
     saltus_put_table_head(file, "spectrum", source->scene, source->motion->label,
                           saltus_system_spec(source->system));
     fputs("# options: ", file);
     saltus_put_tolerances(file, source->system, source->flow);
     fprintf(file, "\n# analysed: %s\n", method);
-    for (int k = 0; k < spectra->count; k++)
-        describe_quantity(file, &spectra->spectra[k],
-                          saltus_quantity_name(source->system, spectra->quantities[k]).text);
+    for (int k = 0; k < spectra->count; k++) {
+        const saltus_spectrum *s = &spectra->spectra[k];
+        const saltus_state_name whole = saltus_quantity_name(source->system, spectra->quantities[k]);
+        const char *name = whole.text;
+        fprintf(file, "# %s: mean = %s, total power = %s", name, saltus_number(s->mean, a),
+                saltus_number(s->variance, b));
+        if (s->kind != SALTUS_SPECTRUM_CONSTANT)
+            fprintf(file,
+                    ", broadband fraction = %s\n# %s: highest trustworthy frequency = %s omega (aliasing "
+                    "below 1 %%)",
+                    saltus_number(s->broadband, c), name, saltus_number(s->trustworthy, d));
+        if (s->kind == SALTUS_SPECTRUM_CONSTANT)
+            fputs(", does not move\n", file);
+        else if (s->kind == SALTUS_SPECTRUM_LINES)
+            fprintf(file, "; largest between the lines = %s of the highest\n", saltus_number(s->between, a));
+        else
+            fprintf(file, "; degrees of freedom = %s (half at both ends), confidence = %s\n",
+                    saltus_number(s->degrees, a), saltus_number(s->confidence, b));
+        for (long long i = 0; i < s->line_count && s->kind == SALTUS_SPECTRUM_WELCH; i++)
+            fprintf(file, "# %s line: frequency_over_omega = %s, amplitude = %s, phase = %s, share = %s\n",
+                    name, saltus_number(s->lines[i].frequency, a), saltus_number(s->lines[i].amplitude, b),
+                    saltus_number(s->lines[i].phase, c), saltus_number(s->lines[i].share, d));
+    }
     fputs("# a line is amplitude * cos(frequency_over_omega * omega * time + phase), time from section phase "
           "0\n"
           "# a density (psd) is one-sided: its integral over frequency_over_omega is the total power; low "

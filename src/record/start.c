@@ -242,10 +242,10 @@ static saltus_status read_state(const source *s, const saltus_node *object, salt
     const saltus_node *state = saltus_node_member(object, "state");
     saltus_system *system = NULL;
     saltus_status status = saltus_system_new(&start->spec, &system, message);
+    start->dimension = status == SALTUS_OK ? saltus_system_dimension(system) : 0;
+    saltus_system_free(system);
     if (status != SALTUS_OK)
         return status;
-    start->dimension = saltus_system_dimension(system);
-    saltus_system_free(system);
     if (!state || state->kind != SALTUS_NODE_LIST)
         return refuse(s, message, "state: must be a list of numbers");
     if (state->count != start->dimension || state->count > SALTUS_SCENE_STATE_MAX)

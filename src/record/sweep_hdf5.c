@@ -193,22 +193,6 @@ static saltus_status put_tile(maker *m, const hsize_t *first) {
     return status;
 }
 
-static saltus_status put_tiles(maker *m) {
-    hsize_t first[SALTUS_H5_RANK_MAX] = {0};
-    const hsize_t *size = m->grid.size, *tile = m->grid.part;
-    saltus_status status = SALTUS_OK;
-    for (first[0] = 0; first[0] < size[0]; first[0]++)
-        for (first[1] = 0; first[1] < size[1]; first[1] += tile[1])
-            for (first[2] = 0; first[2] < size[2]; first[2] += tile[2]) {
-                if (status == SALTUS_OK && m->w->sound && !m->w->reason)
-                    status = put_tile(m, first);
-            }
-    for (int c = 0; c < SALTUS_CLOUDS && status == SALTUS_OK && m->w->sound; c++)
-        if (m->clouds[c].kept)
-            flush(m, &m->clouds[c]);
-    return status;
-}
-
 /* Create the datasets of all rows and clouds, and choose the tiles. */
 static void open_all(maker *m) {
     const saltus_sweep *sweep = m->sweep;
@@ -240,12 +224,21 @@ static void open_all(maker *m) {
 
 saltus_status saltus_sweep_put_hdf5(saltus_h5 *w, void *stream, saltus_message *message) {
     maker m = {.stream = stream, .w = w, .message = message};
+    const hsize_t *size = m.grid.size, *tile = m.grid.part;
+    hsize_t first[SALTUS_H5_RANK_MAX] = {0};
     saltus_status status = SALTUS_OK;
     m.sweep = m.stream->sweep;
     put_head(w, m.stream);
     open_all(&m);
-    if (w->sound)
-        status = put_tiles(&m);
+    for (first[0] = 0; first[0] < size[0]; first[0]++)
+        for (first[1] = 0; first[1] < size[1]; first[1] += tile[1])
+            for (first[2] = 0; first[2] < size[2]; first[2] += tile[2]) {
+                if (status == SALTUS_OK && w->sound && !w->reason)
+                    status = put_tile(&m, first);
+            }
+    for (int c = 0; c < SALTUS_CLOUDS; c++)
+        if (m.clouds[c].kept && status == SALTUS_OK && w->sound)
+            flush(&m, &m.clouds[c]);
     saltus_h5_series_close(w, &m.lines);
     saltus_h5_series_close(w, &m.distinct);
     for (int c = 0; c < SALTUS_CLOUDS; c++) {

@@ -21,21 +21,6 @@ typedef struct reader {
     saltus_h5_shape grid; /* of the rows */
 } reader;
 
-static saltus_status read_head(reader *r) {
-    saltus_sweep_file *made = r->made;
-    saltus_h5_head head;
-    saltus_status status = saltus_h5_get_head(&r->h5, "basins", "sweep", &head);
-    if (status != SALTUS_OK)
-        return status;
-    memcpy(made->version, head.version, sizeof made->version);
-    memcpy(made->scene, head.scene, sizeof made->scene);
-    memcpy(made->title, head.title, sizeof made->title);
-    made->basins = strcmp(head.kind, "basins") == 0;
-    made->complete = head.complete;
-    made->spec = head.spec;
-    return SALTUS_OK;
-}
-
 static saltus_status read_options(reader *r) {
     saltus_sweep_file *made = r->made;
     char name[32], word[16];
@@ -114,19 +99,10 @@ static saltus_status read_axes(reader *r) {
     return SALTUS_OK;
 }
 
-static bool row_sound(const saltus_sweep_file *made, const saltus_sweep_row *row) {
-    int attractors = made->basins ? made->attractor_count : made->options.seeds;
-    bool periodic = row->verdict == SALTUS_PERIODIC;
-    return row->attractor >= -1 && row->attractor < attractors && row->impacts >= (periodic ? -1 : 0) &&
-           row->impacts < INT_MAX && row->periods >= (periodic ? 1 : 0) &&
-           row->periods < 1 << 20 && /* more than any sweep can find */
-           row->sticking >= 0 && row->settled >= 0 && row->settled_impacts >= 0 && row->recorded >= 0 &&
-           !(made->complete && row->verdict == SALTUS_PENDING);
-}
-
 static saltus_status read_rows(reader *r) {
     saltus_sweep_file *made = r->made;
     size_t rows = (size_t)made->row_count;
+    const int attractors = made->basins ? made->attractor_count : made->options.seeds;
     /* In the file of an unfinished sweep, parts are missing. */
     saltus_status status =
         saltus_h5_find_rows(&r->h5, "rows", &saltus_row_fields, NULL, most_rows, !made->complete, &r->grid);
@@ -136,9 +112,16 @@ static saltus_status read_rows(reader *r) {
     status = made->rows ? saltus_h5_get_rows(&r->h5, "rows", &saltus_row_fields, NULL, &r->grid, made->rows,
                                              sizeof *made->rows)
                         : saltus_h5_no_memory(&r->h5);
-    for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
-        if (!row_sound(made, &made->rows[i]))
+    for (size_t i = 0; i < rows && status == SALTUS_OK; i++) {
+        const saltus_sweep_row *row = &made->rows[i];
+        const bool periodic = row->verdict == SALTUS_PERIODIC;
+        if (row->attractor < -1 || row->attractor >= attractors || row->impacts < (periodic ? -1 : 0) ||
+            row->impacts == INT_MAX || row->periods < (periodic ? 1 : 0) ||
+            row->periods >= 1 << 20 || /* more than any sweep can find */
+            row->sticking < 0 || row->settled < 0 || row->settled_impacts < 0 || row->recorded < 0 ||
+            (made->complete && row->verdict == SALTUS_PENDING))
             status = saltus_h5_refuse(&r->h5, "a row is not one of a sweep");
+    }
     return status;
 }
 
@@ -237,24 +220,30 @@ static saltus_status read_attractors(reader *r) {
 
 /* Open the file and read the scene, options and axes. */
 static saltus_status open_file(reader *r) {
-    *r->made = (saltus_sweep_file){.complete = false};
+    saltus_sweep_file *made = r->made;
+    saltus_h5_head head;
+    *made = (saltus_sweep_file){.complete = false};
     saltus_status status = saltus_h5_reader_open(&r->h5);
     if (status == SALTUS_OK)
-        status = read_head(r);
-    if (status == SALTUS_OK)
-        status = read_options(r);
+        status = saltus_h5_get_head(&r->h5, "basins", "sweep", &head);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(made->version, head.version, sizeof made->version);
+    memcpy(made->scene, head.scene, sizeof made->scene);
+    memcpy(made->title, head.title, sizeof made->title);
+    made->basins = strcmp(head.kind, "basins") == 0;
+    made->complete = head.complete;
+    made->spec = head.spec;
+    status = read_options(r);
     return status == SALTUS_OK ? read_axes(r) : status;
 }
 
 saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, saltus_message *message) {
+    static saltus_status (*const steps[])(reader *) = {open_file, read_attractors, read_rows, read_clouds};
     reader r = {.h5 = {.path = path, .kind = "sweep", .message = message}, .made = file};
-    saltus_status status = open_file(&r);
-    if (status == SALTUS_OK)
-        status = read_attractors(&r);
-    if (status == SALTUS_OK)
-        status = read_rows(&r);
-    if (status == SALTUS_OK)
-        status = read_clouds(&r);
+    saltus_status status = SALTUS_OK;
+    for (size_t k = 0; k < sizeof steps / sizeof *steps && status == SALTUS_OK; k++)
+        status = steps[k](&r);
     saltus_h5_reader_close(&r.h5);
     if (status != SALTUS_OK)
         saltus_sweep_file_clear(file);
@@ -279,23 +268,25 @@ saltus_status saltus_sweep_identity_hdf5(const char *path, char **identity, bool
 }
 
 void saltus_sweep_file_clear(saltus_sweep_file *file) {
+    void *const owned[] = {file->rows,
+                           file->turning_first,
+                           file->turning_count,
+                           file->impact_first,
+                           file->impact_count,
+                           file->strobe_first,
+                           file->strobe_count,
+                           file->turning,
+                           file->strobes,
+                           file->impacts,
+                           file->attractor_label,
+                           file->attractor_multiplier,
+                           file->attractor_first,
+                           file->attractor_points,
+                           file->attractor_states};
     saltus_model_release(file->spec.model);
     for (int k = 0; k < SALTUS_AXES_MAX; k++)
         free((double *)file->axes[k].list);
-    free(file->rows);
-    free(file->turning_first);
-    free(file->turning_count);
-    free(file->impact_first);
-    free(file->impact_count);
-    free(file->strobe_first);
-    free(file->strobe_count);
-    free(file->turning);
-    free(file->strobes);
-    free(file->impacts);
-    free(file->attractor_label);
-    free(file->attractor_multiplier);
-    free(file->attractor_first);
-    free(file->attractor_points);
-    free(file->attractor_states);
+    for (size_t k = 0; k < sizeof owned / sizeof *owned; k++)
+        free(owned[k]);
     *file = (saltus_sweep_file){.complete = false};
 }
