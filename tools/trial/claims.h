@@ -9,7 +9,7 @@
 
 #include "survey.h"
 
-enum { trial_clauses_max = 4, trial_coarse_steps = 4, trial_figures = 8 };
+enum { trial_clauses_max = 4, trial_coarse_steps = 4 };
 
 typedef enum trial_verdict { TRIAL_HOLDS, TRIAL_IN_PART, TRIAL_DOES_NOT_HOLD } trial_verdict;
 
@@ -19,18 +19,10 @@ trial_verdict trial_verdict_of(const double *shares, int count);
 
 typedef bool (*trial_predicate)(const trial_cell *cell);
 
-/* Conditions on trajectories: */
-bool trial_irregular(const trial_cell *cell);         /* no period up to 20 */
-bool trial_irregular_impacts(const trial_cell *cell); /* irregular, with impacts */
-bool trial_regular(const trial_cell *cell);           /* periodic, no lasting contact */
+/* Conditions on trajectories that are asked for beyond the claims' own clauses. */
+bool trial_irregular_impacts(const trial_cell *cell); /* no period up to 20, with impacts */
 bool trial_no_contact(const trial_cell *cell);
-bool trial_weak_contact(const trial_cell *cell);    /* less than one impact in ten periods, none lasting */
-bool trial_several_impacts(const trial_cell *cell); /* periodic, two impacts per orbit or more */
-bool trial_one_cycle(
-    const trial_cell *cell); /* periodic with impacts, a period of T or one response cycle, 2 T */
-bool trial_complex(const trial_cell *cell); /* contact and no period up to 20, or one above 4 T, or chatter */
-bool trial_sticks(const trial_cell *cell);  /* lasting contacts, but not permanently */
-bool trial_held(const trial_cell *cell);
+bool trial_sticks(const trial_cell *cell); /* lasting contacts, but not permanently */
 
 typedef struct trial_clause {
     const char *figure;
@@ -72,7 +64,7 @@ struct trial_claim {
                             range */
     const char *picture; /* a picture made by the trial, beside the page; NULL: only the paper's figure */
     trial_clause clauses[trial_clauses_max];
-    trial_judgement *judge; /* NULL: judged by its clauses */
+    trial_judgement *judge; /* NULL: judged by its clauses, which otherwise are only told */
 };
 
 const trial_claim *trial_claim_at(int k); /* NULL beyond the last */
@@ -92,5 +84,37 @@ double trial_share(const trial_survey *survey, const trial_clause *clause, int e
 void trial_write_labels(FILE *file, const trial_survey *survey, double low, double high, int most);
 /* The ranges where at least half of the starts satisfy the condition. */
 void trial_write_ranges(FILE *file, const trial_survey *survey, trial_predicate asks);
+
+/* page.c: the page of verdicts. */
+/* Write a claim as a row of the table, or as a section. */
+void trial_write_row(FILE *file, const trial_claim *claim, const trial_finding *finding);
+void trial_write_section(FILE *file, const trial_claim *claim, const trial_finding *finding);
+
+/* Judge everything and write paper.md, and paper/windows.csv, classes.csv and naive-steps.csv, into a folder.
+ * Errors: those of the judges, SALTUS_IO. */
+saltus_status trial_write_page(trial_bench *bench, const char *folder, saltus_message *message);
+
+/* compare.c: dependence of figures and claims on the naive method's step. */
+/* For each figure: the fraction of trajectories that the naive method classifies differently from the
+ * event-driven flow, from the same initial states. */
+saltus_status trial_write_figures(FILE *table, trial_bench *bench, saltus_message *message);
+/* For each claim made of clauses: the shares of its clauses by both methods, at the values visited by
+ * both. */
+saltus_status trial_write_shares(FILE *table, trial_bench *bench, saltus_message *message);
+
+/* For each figure, the ranges with one dominant class, and the number of starts of each kind at each
+ * value. */
+saltus_status trial_write_windows(FILE *rows, trial_bench *bench, saltus_message *message);
+saltus_status trial_write_classes(FILE *rows, trial_bench *bench, saltus_message *message);
+
+/* steps.c: the naive method at d = 0.03, omega = 43, for a series of steps. */
+/* Write the results of the naive method for fig7b, with steps from 0.02 down to 1e-5 (quick: 1e-4), both
+ * simple fractions of 1 and fractions of the period: as a table in Markdown and as CSV rows. Errors:
+ * SALTUS_NO_MEMORY, those of scenes. */
+saltus_status trial_write_steps(FILE *table, FILE *rows, const trial_request *request,
+                                saltus_message *message);
+/* Data of a figure: section points and impacts per period against the step, thirty steps per decade, and at
+ * the end the points of the exact orbit. */
+saltus_status trial_write_step_points(FILE *file, bool quick, saltus_message *message);
 
 #endif

@@ -86,11 +86,21 @@ void trial_write_ranges(FILE *file, const trial_survey *survey, trial_predicate 
         fprintf(file, ", and %d shorter ranges", shorter);
 }
 
-/* How much of a range is chaotic and how much has only a long period, how frequent impacts are, and how long
- * contacts last. */
-static void write_measures(FILE *file, const trial_survey *survey, const trial_clause *clause) {
-    double least = INFINITY, most = 0, contact = 0;
-    long all = 0, chaotic = 0, longer = 0;
+static saltus_status judge_clause(const trial_clause *clause, trial_bench *bench, double *share,
+                                  trial_finding *finding, saltus_message *message) {
+    const trial_survey *survey;
+    double least = INFINITY, most = 0, contact = 0, all = 0, chaotic = 0, longer = 0;
+    saltus_status status = trial_bench_survey(bench, clause->figure, -1, &survey, message);
+    if (status != SALTUS_OK)
+        return status;
+    *share = trial_share(survey, clause, 1);
+    fprintf(finding->numbers, "%s %g-%g: %.1f %%", survey->figure->key, clause->low, clause->high,
+            100 * *share);
+    fprintf(finding->prose, "%s %g-%g, asked: %s. %.1f %% of the trajectories. Found: ", survey->figure->key,
+            clause->low, clause->high, clause->words, 100 * *share);
+    trial_write_labels(finding->prose, survey, clause->low, clause->high, shown_labels);
+    /* How much of the range is chaotic and how much has only a long period, how frequent impacts are, and how
+     * long contacts last. */
     for (int k = 0; k < survey->values * trial_starts; k++) {
         const trial_cell *cell = &survey->cells[k];
         if (!within(cell, clause->low, clause->high, survey->figure->step))
@@ -102,57 +112,35 @@ static void write_measures(FILE *file, const trial_survey *survey, const trial_c
         least = fmin(least, cell->rate);
         most = fmax(most, cell->rate);
     }
-    fprintf(file,
+    fprintf(finding->prose,
             "; %.0f %% chaotic by their exponents, %.0f %% irregular with a negative one: longer periods; "
-            "%.3g to %.3g impacts per period; in contact %.1f %% of the time on average",
-            100.0 * (double)chaotic / (double)all, 100.0 * (double)longer / (double)all, least, most,
-            100 * contact / (double)all);
-}
-
-static saltus_status judge_clause(const trial_clause *clause, trial_bench *bench, double *share,
-                                  trial_finding *finding, saltus_message *message) {
-    const trial_survey *survey;
-    saltus_status status = trial_bench_survey(bench, clause->figure, -1, &survey, message);
-    if (status != SALTUS_OK)
-        return status;
-    *share = trial_share(survey, clause, 1);
-    fprintf(finding->numbers, "%s %g-%g: %.1f %%", survey->figure->key, clause->low, clause->high,
-            100 * *share);
-    fprintf(finding->prose, "%s %g-%g, asked: %s. %.1f %% of the trajectories. Found: ", survey->figure->key,
-            clause->low, clause->high, clause->words, 100 * *share);
-    trial_write_labels(finding->prose, survey, clause->low, clause->high, shown_labels);
-    write_measures(finding->prose, survey, clause);
-    fprintf(finding->prose, ".\n");
-    return SALTUS_OK;
-}
-
-static saltus_status tell_ranges(const trial_claim *claim, int count, trial_bench *bench,
-                                 trial_finding *finding, saltus_message *message) {
-    for (int k = 0; k < count; k++) {
-        const trial_survey *survey;
-        const trial_clause *clause = &claim->clauses[k];
-        if (k && clause->asks == claim->clauses[k - 1].asks)
-            continue;
-        saltus_status status = trial_bench_survey(bench, clause->figure, -1, &survey, message);
-        if (status != SALTUS_OK)
-            return status;
-        fprintf(finding->prose, "In the whole figure: %s for %s ", clause->words, survey->figure->key);
-        trial_write_ranges(finding->prose, survey, clause->asks);
-        fprintf(finding->prose, ".\n");
-    }
+            "%.3g to %.3g impacts per period; in contact %.1f %% of the time on average.\n",
+            100 * chaotic / all, 100 * longer / all, least, most, 100 * contact / all);
     return SALTUS_OK;
 }
 
 saltus_status trial_judge_clauses(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                                   saltus_message *message) {
+    const trial_survey *survey;
     double shares[trial_clauses_max];
-    int count = trial_clause_count(claim);
-    for (int k = 0; k < count; k++) {
+    const int count = trial_clause_count(claim);
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < count && status == SALTUS_OK; k++) {
         fprintf(finding->numbers, "%s", k ? "; " : "");
-        saltus_status status = judge_clause(&claim->clauses[k], bench, &shares[k], finding, message);
-        if (status != SALTUS_OK)
-            return status;
+        status = judge_clause(&claim->clauses[k], bench, &shares[k], finding, message);
     }
-    finding->verdict = trial_verdict_of(shares, count);
-    return tell_ranges(claim, count, bench, finding, message);
+    if (status == SALTUS_OK)
+        finding->verdict = trial_verdict_of(shares, count);
+    for (int k = 0; k < count && status == SALTUS_OK; k++) {
+        const trial_clause *clause = &claim->clauses[k];
+        if (k && clause->asks == claim->clauses[k - 1].asks)
+            continue;
+        status = trial_bench_survey(bench, clause->figure, -1, &survey, message);
+        if (status != SALTUS_OK)
+            break;
+        fprintf(finding->prose, "In the whole figure: %s for %s ", clause->words, survey->figure->key);
+        trial_write_ranges(finding->prose, survey, clause->asks);
+        fprintf(finding->prose, ".\n");
+    }
+    return status;
 }

@@ -1,15 +1,9 @@
 /* Comparison of the naive method with the event-driven flow.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "compare.h"
+#include "claims.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Fractions of the naive method's trajectories, at the values in both surveys. */
-typedef struct difference {
-    long all, class, unknown, kind;
-    double depth; /* largest penetration relative to the clearance */
-} difference;
 
 static bool same_label(const trial_cell *a, const trial_cell *b) {
     char x[trial_label_max], y[trial_label_max];
@@ -25,83 +19,49 @@ static bool same_class(const trial_cell *a, const trial_cell *b) {
     return same_label(a, b) || (impacts && a->impacts * b->periods == b->impacts * a->periods);
 }
 
-/* The exact cells at a value; NULL where it was not visited. */
-static const trial_cell *cells_at(const trial_survey *survey, double value) {
-    for (int k = 0; k < survey->values; k++)
-        if (fabs(survey->cells[k * trial_starts].value - value) < 0.01 * survey->figure->step)
-            return survey->cells + (size_t)k * trial_starts;
-    return NULL;
-}
-
-static difference differ(const trial_survey *exact, const trial_survey *naive) {
-    difference d = {0};
+/* One figure at one step: fractions of the naive method's trajectories, at the values in both surveys. */
+static void write_difference(FILE *table, const trial_survey *exact, const trial_survey *naive) {
+    double all = 0, class = 0, unknown = 0, kind = 0, depth = 0;
     for (int k = 0; k < naive->values; k++) {
-        const trial_cell *there = naive->cells + (size_t)k * trial_starts,
-                         *right = cells_at(exact, there->value);
-        for (int s = 0; s < trial_starts && right; s++) {
+        const trial_cell *there = naive->cells + (size_t)k * trial_starts, *right = exact->cells;
+        int e = 0;
+        while (e < exact->values && !(fabs(right->value - there->value) < 0.01 * exact->figure->step)) {
+            right += trial_starts;
+            e++;
+        }
+        for (int s = 0; s < trial_starts && e < exact->values; s++) {
             bool known = false;
             for (int other = 0; other < trial_starts; other++)
                 known |= same_class(&there[s], &right[other]);
-            d.all++;
-            d.class += !same_class(&there[s], &right[s]);
-            d.unknown += !known;
-            d.kind += there[s].kind != right[s].kind;
-            d.depth = fmax(d.depth, there[s].depth);
+            all++;
+            class += !same_class(&there[s], &right[s]);
+            unknown += !known;
+            kind += there[s].kind != right[s].kind;
+            depth = fmax(depth, there[s].depth);
         }
     }
-    return d;
-}
-
-static void write_difference(FILE *table, const trial_figure *figure, double h, const difference *d) {
-    double all = (double)d->all / 100;
-    fprintf(table, "| %s | %g | %ld | %.1f %% | %.1f %% | %.1f %% | %.1e |\n", figure->name, h, d->all,
-            (double)d->class / all, (double)d->unknown / all, (double)d->kind / all, d->depth);
+    fprintf(table, "| %s | %g | %.0f | %.1f %% | %.1f %% | %.1f %% | %.1e |\n", naive->figure->name, naive->h,
+            all, class / (all / 100), unknown / (all / 100), kind / (all / 100), depth);
 }
 
 saltus_status trial_write_figures(FILE *table, trial_bench *bench, saltus_message *message) {
     fprintf(table, "| figure | h | trajectories | another class than from the same start | a class that no "
                    "start has | another kind | deepest |\n| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (int k = 0; trial_figure_at(k); k++)
+    for (int k = 0; k < trial_figures; k++)
         for (int step = 0; step < trial_coarse_steps; step++) {
             const trial_survey *exact, *naive;
-            saltus_status status = trial_bench_survey(bench, trial_figure_at(k)->name, -1, &exact, message);
+            saltus_status status = trial_bench_survey(bench, trial_figure_list[k].name, -1, &exact, message);
             if (status == SALTUS_OK)
-                status = trial_bench_survey(bench, trial_figure_at(k)->name, step, &naive, message);
+                status = trial_bench_survey(bench, trial_figure_list[k].name, step, &naive, message);
             if (status != SALTUS_OK)
                 return status;
-            difference d = differ(exact, naive);
-            write_difference(table, trial_figure_at(k), trial_coarse[step], &d);
+            write_difference(table, exact, naive);
         }
     return SALTUS_OK;
 }
 
-/* F8 concerns whole figures. */
-static const trial_clause of_restitution[] = {
-    {"6", 1, 55, trial_irregular_impacts, "r = 0.9, non-periodic with impacts"},
-    {"8a", 1, 55, trial_irregular_impacts, "r = 0.8, the same"},
-    {"8b", 1, 55, trial_irregular_impacts, "r = 0.7, the same"},
-    {"8c", 1, 55, trial_irregular_impacts, "r = 0.6, the same"},
-};
-
-static saltus_status write_clause(FILE *table, const char *id, const trial_clause *clause, trial_bench *bench,
-                                  saltus_message *message) {
-    const trial_survey *survey;
-    saltus_status status = trial_bench_survey(bench, clause->figure, -1, &survey, message);
-    if (status != SALTUS_OK)
-        return status;
-    fprintf(table, "| %s | %s %g-%g: %s | %.0f %% |", id, survey->figure->key, clause->low, clause->high,
-            clause->words, 100 * trial_share(survey, clause, survey->figure->sparse));
-    for (int step = 0; step < trial_coarse_steps; step++) {
-        status = trial_bench_survey(bench, clause->figure, step, &survey, message);
-        if (status != SALTUS_OK)
-            return status;
-        fprintf(table, " %.0f %% |", 100 * trial_share(survey, clause, 1));
-    }
-    fprintf(table, "\n");
-    return SALTUS_OK;
-}
-
 saltus_status trial_write_shares(FILE *table, trial_bench *bench, saltus_message *message) {
+    const trial_survey *survey;
     fprintf(table, "| claim | clause | exact |");
     for (int step = 0; step < trial_coarse_steps; step++)
         fprintf(table, " h = %g |", trial_coarse[step]);
@@ -109,19 +69,23 @@ saltus_status trial_write_shares(FILE *table, trial_bench *bench, saltus_message
     for (int step = 0; step < trial_coarse_steps; step++)
         fprintf(table, " --- |");
     fprintf(table, "\n");
+    saltus_status status = SALTUS_OK;
     for (int k = 0; trial_claim_at(k); k++)
         for (int c = 0; c < trial_clause_count(trial_claim_at(k)); c++) {
-            const trial_claim *claim = trial_claim_at(k);
-            saltus_status status = write_clause(table, claim->id, &claim->clauses[c], bench, message);
-            if (status != SALTUS_OK)
-                return status;
+            const trial_clause *clause = &trial_claim_at(k)->clauses[c];
+            for (int step = -1; step < trial_coarse_steps; step++) {
+                status = trial_bench_survey(bench, clause->figure, step, &survey, message);
+                if (status != SALTUS_OK)
+                    return status;
+                if (step < 0)
+                    fprintf(table, "| %s | %s %g-%g: %s |", trial_claim_at(k)->id, survey->figure->key,
+                            clause->low, clause->high, clause->words);
+                fprintf(table, " %.0f %% |",
+                        100 * trial_share(survey, clause, step < 0 ? survey->figure->sparse : 1));
+            }
+            fprintf(table, "\n");
         }
-    for (int c = 0; c < (int)(sizeof of_restitution / sizeof of_restitution[0]); c++) {
-        saltus_status status = write_clause(table, "F8", &of_restitution[c], bench, message);
-        if (status != SALTUS_OK)
-            return status;
-    }
-    return SALTUS_OK;
+    return status;
 }
 
 /* The most frequent label among the starts at a value, and its count. */
@@ -161,9 +125,9 @@ static void write_ranges(FILE *rows, const trial_survey *survey) {
 static saltus_status write_each(FILE *rows, void write(FILE *rows, const trial_survey *survey),
                                 trial_bench *bench, saltus_message *message) {
     saltus_status status = SALTUS_OK;
-    for (int k = 0; trial_figure_at(k) && status == SALTUS_OK; k++) {
+    for (int k = 0; k < trial_figures && status == SALTUS_OK; k++) {
         const trial_survey *survey;
-        status = trial_bench_survey(bench, trial_figure_at(k)->name, -1, &survey, message);
+        status = trial_bench_survey(bench, trial_figure_list[k].name, -1, &survey, message);
         if (status == SALTUS_OK)
             write(rows, survey);
     }
@@ -194,7 +158,7 @@ static void write_counts(FILE *rows, const trial_survey *survey) {
 saltus_status trial_write_classes(FILE *rows, trial_bench *bench, saltus_message *message) {
     fprintf(rows, "figure,value");
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
-        fprintf(rows, ",%s", trial_kind_word((trial_kind)kind));
+        fprintf(rows, ",%s", trial_kind_words[kind]);
     fprintf(rows, ",reach\n");
     return write_each(rows, write_counts, bench, message);
 }

@@ -18,24 +18,18 @@ static long long next_task(void *context) {
     return h->next < h->tasks ? h->next++ : -1;
 }
 
-static trial_kind kind_of(const saltus_sweep_row *row) {
-    if (row->verdict == SALTUS_HELD)
-        return TRIAL_HELD;
-    if (row->verdict == SALTUS_FAILED || row->verdict == SALTUS_PENDING)
-        return TRIAL_FAILED;
-    if (row->verdict != SALTUS_PERIODIC && row->verdict != SALTUS_EQUILIBRIUM)
-        return TRIAL_IRREGULAR;
-    if (row->impacts < 0 || row->sticking > 0)
-        return TRIAL_CHATTER;
-    return row->impacts ? TRIAL_IMPACTS : TRIAL_FREE;
-}
-
 static saltus_status take(void *context, const saltus_sweep_result *result, saltus_message *message) {
     harvest_of_start *h = context;
     const saltus_sweep_row *row = result->rows;
+    const bool settled = row->verdict == SALTUS_PERIODIC || row->verdict == SALTUS_EQUILIBRIUM;
     trial_cell *cell = &h->survey->cells[result->place * trial_starts + h->start];
     (void)message;
-    cell->kind = kind_of(row);
+    cell->kind = row->verdict == SALTUS_HELD                                       ? TRIAL_HELD
+                 : row->verdict == SALTUS_FAILED || row->verdict == SALTUS_PENDING ? TRIAL_FAILED
+                 : !settled                                                        ? TRIAL_IRREGULAR
+                 : row->impacts < 0 || row->sticking > 0                           ? TRIAL_CHATTER
+                 : row->impacts                                                    ? TRIAL_IMPACTS
+                                                                                   : TRIAL_FREE;
     cell->impacts = row->impacts;
     cell->periods = row->periods;
     cell->chaotic = row->verdict == SALTUS_CHAOTIC;
@@ -47,9 +41,14 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     return SALTUS_OK;
 }
 
-static saltus_status run_start(trial_survey *survey, const saltus_scene *scene, const double *values,
-                               int start, saltus_message *message) {
-    saltus_sweep *sweep = NULL;
+saltus_status trial_survey_exact(trial_survey *survey, saltus_message *message) {
+    saltus_scene scene;
+    double states[trial_starts * SALTUS_SCENE_STATE_MAX];
+    double *values = calloc((size_t)survey->values, sizeof *values);
+    if (!values)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the values of %s", survey->figure->key);
+    for (int k = 0; k < survey->values; k++)
+        values[k] = survey->cells[k * trial_starts].value;
     saltus_axis axis = {.spacing = SALTUS_LIST,
                         .count = survey->values,
                         .low = values[0],
@@ -60,33 +59,22 @@ static saltus_status run_start(trial_survey *survey, const saltus_scene *scene, 
     options.transient = periods_at_most;
     options.measure = periods_measured;
     snprintf(axis.key, sizeof axis.key, "%s", survey->figure->key);
-    saltus_status status = saltus_sweep_new(scene, &axis, 1, &options, &sweep, message);
-    if (status == SALTUS_OK) {
-        harvest_of_start h = {.survey = survey, .start = start, .tasks = saltus_sweep_tasks(sweep)};
-        saltus_sweep_feed feed = {.context = &h, .next = next_task, .take = take};
-        status = saltus_sweep_run(sweep, &feed, message);
-    }
-    saltus_sweep_free(sweep);
-    return status;
-}
-
-saltus_status trial_survey_exact(trial_survey *survey, saltus_message *message) {
-    saltus_scene scene;
-    double states[trial_starts * SALTUS_SCENE_STATE_MAX];
-    double *values = calloc((size_t)survey->values, sizeof *values);
-    if (!values)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the values of %s", survey->figure->key);
-    for (int k = 0; k < survey->values; k++)
-        values[k] = survey->cells[k * trial_starts].value;
     saltus_status status = trial_scene(survey->figure, &scene, message);
     int dimension = status == SALTUS_OK ? 2 * (int)saltus_spec_get(&scene.spec, "N") : 0;
     if (status == SALTUS_OK)
         status = trial_draw_starts(&scene, survey->figure->admissible, 1, states, message);
     for (int start = 0; start < trial_starts && status == SALTUS_OK; start++) {
+        saltus_sweep *sweep = NULL;
         scene.initial_count = dimension;
         for (int i = 0; i < dimension; i++)
             scene.initial[i] = states[start * dimension + i];
-        status = run_start(survey, &scene, values, start, message);
+        status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, message);
+        if (status == SALTUS_OK) {
+            harvest_of_start h = {.survey = survey, .start = start, .tasks = saltus_sweep_tasks(sweep)};
+            saltus_sweep_feed feed = {.context = &h, .next = next_task, .take = take};
+            status = saltus_sweep_run(sweep, &feed, message);
+        }
+        saltus_sweep_free(sweep);
     }
     free(values);
     return status;

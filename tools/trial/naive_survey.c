@@ -10,31 +10,6 @@ enum { settling_periods = 50 };
 static const double settling_time = 40;
 static const double displacement_unit = 0.03; /* unit for distances between section points */
 
-static trial_kind kind_of(const naive_class *class) {
-    if (!class->finite)
-        return TRIAL_FAILED;
-    if (class->held)
-        return TRIAL_HELD;
-    if (class->periods == 0)
-        return TRIAL_IRREGULAR;
-    if (class->impacts < 0)
-        return TRIAL_CHATTER;
-    return class->impacts ? TRIAL_IMPACTS : TRIAL_FREE;
-}
-
-static void fill(const naive_class *class, trial_cell *cell) {
-    cell->kind = kind_of(class);
-    cell->impacts = class->impacts;
-    cell->periods = class->periods;
-    cell->lyapunov = NAN;
-    cell->rate = class->rate;
-    cell->speed = class->speed;
-    cell->contact = class->contact;
-    cell->depth = class->deepest;
-    for (int k = 0; k <= naive_watched; k++)
-        cell->reach = fmax(cell->reach, fabs(class->points[k][0]));
-}
-
 static saltus_status run_value(trial_survey *survey, int k, const double *states) {
     trial_cell *cells = survey->cells + (size_t)k * trial_starts;
     saltus_scene scene;
@@ -45,8 +20,24 @@ static saltus_status run_value(trial_survey *survey, int k, const double *states
         return SALTUS_BAD_INPUT;
     int warm = (int)fmax(settling_periods, ceil(settling_time * pipe.omega / (2 * acos(-1))));
     naive_classify(&pipe, survey->h, false, states, warm, displacement_unit, classes);
-    for (int l = 0; l < trial_starts; l++)
-        fill(&classes[l], &cells[l]);
+    for (int l = 0; l < trial_starts; l++, cells++) {
+        const naive_class *class = &classes[l];
+        cells->kind = !class->finite        ? TRIAL_FAILED
+                      : class->held         ? TRIAL_HELD
+                      : class->periods == 0 ? TRIAL_IRREGULAR
+                      : class->impacts < 0  ? TRIAL_CHATTER
+                      : class->impacts      ? TRIAL_IMPACTS
+                                            : TRIAL_FREE;
+        cells->impacts = class->impacts;
+        cells->periods = class->periods;
+        cells->lyapunov = NAN;
+        cells->rate = class->rate;
+        cells->speed = class->speed;
+        cells->contact = class->contact;
+        cells->depth = class->deepest;
+        for (int w = 0; w <= naive_watched; w++)
+            cells->reach = fmax(cells->reach, fabs(class->points[w][0]));
+    }
     return SALTUS_OK;
 }
 

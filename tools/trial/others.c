@@ -7,25 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The displacement reached from one start over a figure. */
-typedef struct reach {
-    double largest, at;
-    int near, below; /* number of values of omega */
-} reach;
-
 static const double claimed = 0.046, about = 0.05, bound = 0.038;
-
-static reach reach_of(const trial_survey *survey, int start) {
-    reach r = {.at = NAN};
-    for (int k = 0; k < survey->values; k++) {
-        const trial_cell *cell = &survey->cells[k * trial_starts + start];
-        r.at = cell->reach > r.largest ? cell->value : r.at;
-        r.largest = fmax(r.largest, cell->reach);
-        r.near += cell->reach > (1 - about) * claimed;
-        r.below += cell->reach < bound;
-    }
-    return r;
-}
 
 /* F2a for each start: "about 0.046" means within 5 %, and so does "reached"; "few" is less than a tenth,
  * "mostly" at least half of the values of omega. */
@@ -43,20 +25,28 @@ saltus_status trial_judge_displacement(const trial_claim *claim, trial_bench *be
             "below %g at half of omega.\n",
             claimed, bound);
     for (int start = 0; start < trial_starts; start++) {
-        reach r = reach_of(survey, start);
-        double values = survey->values;
-        shares[0] += (double)(fabs(r.largest - claimed) <= about * claimed) / trial_starts;
-        shares[1] += (double)(r.near / values < few) / trial_starts;
-        shares[2] += (double)(r.below / values >= 0.5) / trial_starts;
+        const double values = survey->values;
+        double largest = 0, at = NAN;
+        int near = 0, below = 0; /* number of values of omega */
+        for (int k = 0; k < survey->values; k++) {
+            const trial_cell *cell = &survey->cells[k * trial_starts + start];
+            at = cell->reach > largest ? cell->value : at;
+            largest = fmax(largest, cell->reach);
+            near += cell->reach > (1 - about) * claimed;
+            below += cell->reach < bound;
+        }
+        shares[0] += (double)(fabs(largest - claimed) <= about * claimed) / trial_starts;
+        shares[1] += (double)(near / values < few) / trial_starts;
+        shares[2] += (double)(below / values >= 0.5) / trial_starts;
         fprintf(finding->prose,
                 "%s: largest |displacement| %.5f at omega = %g; within 5 %% of the claimed %g and beyond "
                 "at %.1f %%, below %g at %.1f %% of the values of omega.\n",
-                start ? "A random start" : "The scene's own start", r.largest, r.at, claimed,
-                100 * r.near / values, bound, 100 * r.below / values);
+                start ? "A random start" : "The scene's own start", largest, at, claimed, 100 * near / values,
+                bound, 100 * below / values);
         if (start == 0)
             fprintf(finding->numbers,
-                    "scene's own start: largest %.5f at omega = %g, below %g at %.0f %% of omega; ",
-                    r.largest, r.at, bound, 100 * r.below / values);
+                    "scene's own start: largest %.5f at omega = %g, below %g at %.0f %% of omega; ", largest,
+                    at, bound, 100 * below / values);
     }
     finding->verdict = trial_verdict_of(shares, 3);
     fprintf(finding->numbers,

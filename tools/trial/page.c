@@ -1,9 +1,6 @@
 /* The page of verdicts: rules, table, a section for each claim, and the results of the naive method.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "page.h"
-
-#include "compare.h"
-#include "steps.h"
+#include "claims.h"
 
 #include <stdlib.h>
 
@@ -30,8 +27,14 @@ void trial_write_section(FILE *file, const trial_claim *claim, const trial_findi
     fprintf(file, "\n");
 }
 
-static void write_how(FILE *file, const trial_request *request) {
-    int coarser = request->quick ? trial_figure_find("5")->quick : 1;
+static void write_head(FILE *file, const trial_request *request) {
+    const int coarser = request->quick ? trial_figure_find("5")->quick : 1;
+    fprintf(file,
+            "# The 2020 paper on trial\n\nClaims of Wang et al. 2020, doi 10.6052/0459-1879-20-137, against "
+            "what the same equations do when every impact is located. One command writes this page, its "
+            "tables and its figures: `sh tools/trial.sh%s`. `build/saltus_trial F5b` computes one row anew "
+            "and prints it with what it rests on.\n\n",
+            request->quick ? " --quick" : "");
     fprintf(file,
             "**How.** Each figure's range is visited in steps of %g in omega (%g for Figure 8; %g in d)%s, "
             "at each value from %d initial states, ",
@@ -40,19 +43,8 @@ static void write_how(FILE *file, const trial_request *request) {
     fputs("the same at all values: the scene's own and random ones. A trajectory counts as periodic when a "
           "period up to 20 T has become certain within 500 periods; otherwise its largest exponent is "
           "measured over at most 2000 periods. *Chaotic* is proven by that; *irregular* is everything "
-          "without a period up to 20. n/p is n impacts in p forcing periods.\n\n",
-          file);
-}
-
-static void write_head(FILE *file, const trial_request *request) {
-    fprintf(file,
-            "# The 2020 paper on trial\n\nClaims of Wang et al. 2020, doi 10.6052/0459-1879-20-137, against "
-            "what the same equations do when every impact is located. One command writes this page, its "
-            "tables and its figures: `sh tools/trial.sh%s`. `build/saltus_trial F5b` computes one row anew "
-            "and prints it with what it rests on.\n\n",
-            request->quick ? " --quick" : "");
-    write_how(file, request);
-    fputs("**Rule.** A claim is made of clauses. The share of a clause is the part of the trajectories in "
+          "without a period up to 20. n/p is n impacts in p forcing periods.\n\n"
+          "**Rule.** A claim is made of clauses. The share of a clause is the part of the trajectories in "
           "its range that do what it says. A claim *holds* where every clause has 95 % and more, *does not "
           "hold* where none has 50 %, and else holds *in part*. Claims about one motion are judged likewise "
           "by the share of random initial states that lead to it; what the others are asked is said in their "
@@ -60,12 +52,11 @@ static void write_head(FILE *file, const trial_request *request) {
           file);
 }
 
-static const char *const trial_head =
-    "| id | claim | verdict | numbers | figure | command |\n| --- | --- | --- | --- | --- | --- |\n";
-
 static void write_table(FILE *file, const trial_finding *findings, int count) {
     int tally[3] = {0};
-    fprintf(file, "## Verdicts\n\n%s", trial_head);
+    fputs("## Verdicts\n\n| id | claim | verdict | numbers | figure | command |\n"
+          "| --- | --- | --- | --- | --- | --- |\n",
+          file);
     for (int k = 0; k < count; k++) {
         trial_write_row(file, trial_claim_at(k), &findings[k]);
         tally[findings[k].verdict]++;
@@ -114,63 +105,43 @@ static saltus_status write_naive(FILE *file, FILE *rows, trial_bench *bench, sal
     return trial_write_shares(file, bench, message);
 }
 
-static saltus_status judge_all(trial_bench *bench, trial_finding *findings, int *count,
-                               saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    for (*count = 0; trial_claim_at(*count) && *count < claims_max && status == SALTUS_OK; (*count)++) {
-        fprintf(stderr, "saltus_trial: %s\n", trial_claim_at(*count)->id);
-        status = trial_judge(trial_claim_at(*count), bench, &findings[*count], message);
-    }
-    return status;
-}
-
-typedef struct page_files {
-    FILE *page, *windows, *classes, *steps;
-} page_files;
-
-static FILE *open_in(const char *folder, const char *name) {
-    char path[512];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return fopen(path, "w");
-}
-
-/* False if a file could not be written completely. */
-static bool close_files(page_files *files) {
-    FILE *all[] = {files->page, files->windows, files->classes, files->steps};
-    bool good = true;
-    for (int k = 0; k < 4; k++) {
-        good &= all[k] && !ferror(all[k]);
-        good &= !all[k] || !fclose(all[k]);
-    }
-    return good;
-}
-
-static saltus_status write_all(page_files *files, trial_bench *bench, const trial_finding *findings,
-                               int count, saltus_message *message) {
-    write_head(files->page, &bench->request);
-    write_table(files->page, findings, count);
-    saltus_status status = write_naive(files->page, files->steps, bench, message);
-    fprintf(files->page, "\n## Claim by claim\n\n");
-    for (int k = 0; k < count; k++)
-        trial_write_section(files->page, trial_claim_at(k), &findings[k]);
-    if (status == SALTUS_OK)
-        status = trial_write_windows(files->windows, bench, message);
-    return status == SALTUS_OK ? trial_write_classes(files->classes, bench, message) : status;
-}
-
 saltus_status trial_write_page(trial_bench *bench, const char *folder, saltus_message *message) {
+    enum { page, windows, classes, steps, files };
+    static const char *const names[files] = {"paper.md", "paper/windows.csv", "paper/classes.csv",
+                                             "paper/naive-steps.csv"};
     trial_finding findings[claims_max] = {{.verdict = TRIAL_DOES_NOT_HOLD}};
-    int count;
-    saltus_status status = judge_all(bench, findings, &count, message);
-    if (status == SALTUS_OK) {
-        page_files files = {open_in(folder, "paper.md"), open_in(folder, "paper/windows.csv"),
-                            open_in(folder, "paper/classes.csv"), open_in(folder, "paper/naive-steps.csv")};
-        bool open = files.page && files.windows && files.classes && files.steps;
-        if (open)
-            status = write_all(&files, bench, findings, count, message);
-        if (!close_files(&files) && status == SALTUS_OK)
-            status = saltus_fail(message, SALTUS_IO, "cannot write paper.md and paper/*.csv in %s", folder);
+    FILE *file[files] = {NULL};
+    int count = 0;
+    saltus_status status = SALTUS_OK;
+    for (; trial_claim_at(count) && count < claims_max && status == SALTUS_OK; count++) {
+        fprintf(stderr, "saltus_trial: %s\n", trial_claim_at(count)->id);
+        status = trial_judge(trial_claim_at(count), bench, &findings[count], message);
     }
+    bool good = true;
+    for (int k = 0; k < files && status == SALTUS_OK; k++) {
+        char path[512];
+        snprintf(path, sizeof path, "%s/%s", folder, names[k]);
+        file[k] = fopen(path, "w");
+        good = good && file[k];
+    }
+    if (status == SALTUS_OK && good) {
+        write_head(file[page], &bench->request);
+        write_table(file[page], findings, count);
+        status = write_naive(file[page], file[steps], bench, message);
+        fprintf(file[page], "\n## Claim by claim\n\n");
+        for (int k = 0; k < count; k++)
+            trial_write_section(file[page], trial_claim_at(k), &findings[k]);
+        if (status == SALTUS_OK)
+            status = trial_write_windows(file[windows], bench, message);
+        if (status == SALTUS_OK)
+            status = trial_write_classes(file[classes], bench, message);
+    }
+    for (int k = 0; k < files; k++) {
+        good = good && !(file[k] && ferror(file[k]));
+        good = !(file[k] && fclose(file[k])) && good;
+    }
+    if (!good && status == SALTUS_OK)
+        status = saltus_fail(message, SALTUS_IO, "cannot write paper.md and paper/*.csv in %s", folder);
     for (int k = 0; k < claims_max; k++)
         trial_finding_clear(&findings[k]);
     return status;

@@ -16,24 +16,6 @@ static const point points[] = {{"F3", "fig3", "2/2", "sdof14", 100, 20},
                                {"F7a", "fig7a", "chaotic", NULL, 6, 2},
                                {"F7c", "fig7c", "chaotic", NULL, 6, 2}};
 
-/* All attractors reached from random initial states. */
-static saltus_status find_attractors(const point *p, const trial_bench *bench, saltus_scene *scene,
-                                     saltus_system **system, saltus_attractors *attractors,
-                                     saltus_message *message) {
-    saltus_classify_options options = saltus_classify_defaults();
-    saltus_status status = saltus_scene_load(p->scene, scene, message);
-    if (status == SALTUS_OK)
-        status = saltus_system_new(&scene->spec, system, message);
-    if (status == SALTUS_OK)
-        status = saltus_attractors_find(*system, bench->request.quick ? p->quick : p->seeds, 1, &options,
-                                        attractors, message);
-    return status;
-}
-
-static double modulus(double re, double im) {
-    return hypot(re, im);
-}
-
 /* Distance from the reference orbit's first section point, or its mirror image, to the nearest section point
  * of a motion. */
 static double distance_to(const reference *r, const saltus_motion *motion) {
@@ -58,7 +40,7 @@ static void compare(const point *p, const saltus_motion *motion, FILE *file) {
                 "Against the independent 128-bit orbit data/reference/%s.json (%s): section points agree "
                 "to %.1e, the largest multiplier's modulus is %.10f, there %.10f.\n",
                 p->reference, r.label, distance_to(&r, motion), exp(motion->multipliers[0].log_modulus),
-                modulus(r.multipliers[0][0], r.multipliers[0][1]));
+                hypot(r.multipliers[0][0], r.multipliers[0][1]));
     free(r.text);
 }
 
@@ -100,24 +82,6 @@ static void tell_orbit(const point *p, const saltus_attractors *attractors, tria
                 first->impacts_by_face[0], first->impacts_by_face[1]);
 }
 
-/* All exponents, for the Kaplan-Yorke dimension in the section. */
-static saltus_status measure_dimension(const saltus_system *system, const saltus_motion *motion, bool quick,
-                                       FILE *file, saltus_message *message) {
-    saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    saltus_lyapunov lyapunov = {0};
-    options.exponents = 0;
-    options.periods = quick ? 4000 : 16000;
-    saltus_status status = saltus_lyapunov_run(system, motion->state, &options, &lyapunov, message);
-    if (status == SALTUS_OK)
-        fprintf(file,
-                " All exponents over %lld periods: largest %.4f +- %.4f, second %.3f, Kaplan-Yorke "
-                "dimension of the section %.3f; their sum %.5f against %.5f from trace and restitution.",
-                lyapunov.periods, lyapunov.exponents[0], lyapunov.standard_errors[0], lyapunov.exponents[1],
-                lyapunov.kaplan_yorke, lyapunov.sum, lyapunov.sum_rule);
-    saltus_lyapunov_clear(&lyapunov);
-    return status;
-}
-
 static saltus_status tell_chaos(const saltus_system *system, const saltus_attractors *attractors, bool quick,
                                 trial_finding *finding, saltus_message *message) {
     const saltus_motion *first = &attractors->motions[0];
@@ -129,7 +93,19 @@ static saltus_status tell_chaos(const saltus_system *system, const saltus_attrac
             first->lyapunov, first->lyapunov_error, first->evidence.periods, first->evidence.half[0],
             first->evidence.half[1], first->evidence.dimension, first->evidence.dimension_error,
             first->evidence.zero_one);
-    saltus_status status = measure_dimension(system, first, quick, finding->prose, message);
+    /* All exponents, for the Kaplan-Yorke dimension in the section. */
+    saltus_lyapunov_options options = saltus_lyapunov_defaults();
+    saltus_lyapunov lyapunov = {0};
+    options.exponents = 0;
+    options.periods = quick ? 4000 : 16000;
+    saltus_status status = saltus_lyapunov_run(system, first->state, &options, &lyapunov, message);
+    if (status == SALTUS_OK)
+        fprintf(finding->prose,
+                " All exponents over %lld periods: largest %.4f +- %.4f, second %.3f, Kaplan-Yorke "
+                "dimension of the section %.3f; their sum %.5f against %.5f from trace and restitution.",
+                lyapunov.periods, lyapunov.exponents[0], lyapunov.standard_errors[0], lyapunov.exponents[1],
+                lyapunov.kaplan_yorke, lyapunov.sum, lyapunov.sum_rule);
+    saltus_lyapunov_clear(&lyapunov);
     fprintf(finding->prose, "\n");
     return status;
 }
@@ -140,9 +116,16 @@ saltus_status trial_judge_point(const trial_claim *claim, trial_bench *bench, tr
     saltus_scene scene;
     saltus_system *system = NULL;
     saltus_attractors attractors = {0};
+    saltus_classify_options options = saltus_classify_defaults();
     while (strcmp(p->claim, claim->id) != 0)
         p++;
-    saltus_status status = find_attractors(p, bench, &scene, &system, &attractors, message);
+    /* All attractors reached from random initial states. */
+    saltus_status status = saltus_scene_load(p->scene, &scene, message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene.spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_attractors_find(system, bench->request.quick ? p->quick : p->seeds, 1, &options,
+                                        &attractors, message);
     if (status == SALTUS_OK) {
         const char *label = attractors.motions[0].label;
         double share = share_of(&attractors, p->label);

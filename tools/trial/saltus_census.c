@@ -120,20 +120,6 @@ static witness follow(const saltus_scene *scene, const saltus_motion *motion, lo
     return seen;
 }
 
-static void measure(const saltus_system *system, const saltus_motion *motion, long long periods,
-                    witness *seen) {
-    saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    saltus_lyapunov result;
-    saltus_message message = {.text = ""};
-    options.periods = periods;
-    options.precision = 1e-9;
-    if (saltus_lyapunov_run(system, motion->state, &options, &result, &message) != SALTUS_OK)
-        give_up("exponent", &message);
-    seen->exponent = result.exponents[0];
-    seen->error = result.standard_errors[0];
-    saltus_lyapunov_clear(&result);
-}
-
 /* The verdict of a motion without a period; SALTUS_PERIODIC for any settled motion. */
 static saltus_verdict verdict_of(const row *r) {
     for (int v = 0; v < SALTUS_VERDICTS; v++)
@@ -189,8 +175,17 @@ static row look(unsigned long seed, int k) {
         long long each = motion.evidence.periods / followers * times_as_long;
         each = each < least_followed ? least_followed : each;
         r.seen = follow(&scene, &motion, each);
-        if (motion.verdict == SALTUS_QUASIPERIODIC || motion.verdict == SALTUS_LONG_PERIOD)
-            measure(system, &motion, each * followers, &r.seen);
+        if (motion.verdict == SALTUS_QUASIPERIODIC || motion.verdict == SALTUS_LONG_PERIOD) {
+            saltus_lyapunov_options exactly = saltus_lyapunov_defaults();
+            saltus_lyapunov result;
+            exactly.periods = each * followers;
+            exactly.precision = 1e-9;
+            if (saltus_lyapunov_run(system, motion.state, &exactly, &result, &message) != SALTUS_OK)
+                give_up("exponent", &message);
+            r.seen.exponent = result.exponents[0];
+            r.seen.error = result.standard_errors[0];
+            saltus_lyapunov_clear(&result);
+        }
     }
     memcpy(r.label, motion.label, sizeof r.label);
     r.exponent = motion.lyapunov;
@@ -204,14 +199,6 @@ static row look(unsigned long seed, int k) {
 
 static const char head[] = "point,scene,verdict,seconds,exponent,error,lifetime_at_least,followers_settled,"
                            "on,periods_followed,exponent_followed,error_followed,judgement\n";
-
-static void write_row(FILE *table, int k, const row *r) {
-    const witness *seen = &r->seen;
-    fprintf(table, "%d,%s,%s,%.2f,%.6g,%.2g,%.0f,%d,%s,%.0f,%.6g,%.2g,%s\n", k, r->scene, r->label,
-            r->seconds, r->exponent, r->error, r->lifetime_at_least, seen->settled, seen->label,
-            seen->watched, seen->exponent, seen->error, r->judgement);
-    fflush(table);
-}
 
 /* The next field of a line; advances *line past it. */
 static char *field(char **line) {
@@ -289,7 +276,10 @@ int main(int argc, char **argv) {
     for (int k = 0; k < points; k++)
         if (!known[k]) {
             r = look(seed, k);
-            write_row(table, k, &r);
+            fprintf(table, "%d,%s,%s,%.2f,%.6g,%.2g,%.0f,%d,%s,%.0f,%.6g,%.2g,%s\n", k, r.scene, r.label,
+                    r.seconds, r.exponent, r.error, r.lifetime_at_least, r.seen.settled, r.seen.label,
+                    r.seen.watched, r.seen.exponent, r.seen.error, r.judgement);
+            fflush(table);
             count(&c, &r);
         }
     summarise(&c);

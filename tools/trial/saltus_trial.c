@@ -10,9 +10,7 @@
  * Options: --quick is coarser; --keep FOLDER stores finished surveys and reuses those stored. Run it in the
  * project's folder, which contains data/reference.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "compare.h"
-#include "page.h"
-#include "steps.h"
+#include "claims.h"
 
 #include <errno.h>
 #include <stdlib.h>

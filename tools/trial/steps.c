@@ -1,8 +1,6 @@
 /* The naive method at d = 0.03, omega = 43, where the only attractor is a stable 3/5 orbit: NOT FOR USE.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "steps.h"
-
-#include "keep.h"
+#include "claims.h"
 #include "naive/naive_class.h"
 
 #include <math.h>
@@ -24,10 +22,16 @@ typedef struct stage {
     double period;
 } stage;
 
-static saltus_status find_orbit(const saltus_scene *scene, stage *s, saltus_message *message) {
+static saltus_status set_stage(stage *s, saltus_message *message) {
     saltus_classify_options options = saltus_classify_defaults();
+    saltus_scene scene;
     saltus_system *system = NULL;
-    saltus_status status = saltus_system_new(&scene->spec, &system, message);
+    *s = (stage){0};
+    saltus_status status = saltus_scene_load(scene_name, &scene, message);
+    if (status == SALTUS_OK && !naive_pipe_from(&scene.spec, &s->pipe))
+        status = saltus_fail(message, SALTUS_BAD_INPUT, "the naive method cannot describe %s", scene_name);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene.spec, &system, message);
     if (status == SALTUS_OK) {
         s->dimension = saltus_system_dimension(system);
         s->period = saltus_system_period(system);
@@ -35,21 +39,12 @@ static saltus_status find_orbit(const saltus_scene *scene, stage *s, saltus_mess
         status = s->states ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for starts");
     }
     for (int b = 0; b < batches && status == SALTUS_OK; b++)
-        status = trial_draw_starts(scene, scene->spec.stops[0].d, (unsigned long)b + 1,
+        status = trial_draw_starts(&scene, scene.spec.stops[0].d, (unsigned long)b + 1,
                                    s->states + b * naive_lanes * s->dimension, message);
     if (status == SALTUS_OK)
         status = saltus_classify(system, s->states, &options, &s->orbit, message);
     saltus_system_free(system);
     return status;
-}
-
-static saltus_status set_stage(stage *s, saltus_message *message) {
-    saltus_scene scene;
-    *s = (stage){0};
-    saltus_status status = saltus_scene_load(scene_name, &scene, message);
-    if (status == SALTUS_OK && !naive_pipe_from(&scene.spec, &s->pipe))
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "the naive method cannot describe %s", scene_name);
-    return status == SALTUS_OK ? find_orbit(&scene, s, message) : status;
 }
 
 static void clear_stage(stage *s) {
@@ -77,17 +72,6 @@ static double distance_from_orbit(const stage *s, const naive_class *class) {
     return largest;
 }
 
-static void name(const naive_class *class, char label[trial_label_max]) {
-    if (!class->finite)
-        snprintf(label, trial_label_max, "grows without bound");
-    else if (class->periods == 0)
-        snprintf(label, trial_label_max, "no period");
-    else if (class->impacts < 0)
-        snprintf(label, trial_label_max, "chatter/%d", class->periods);
-    else
-        snprintf(label, trial_label_max, "%d/%d", class->impacts, class->periods);
-}
-
 /* Results over all starts: labels by frequency, and ranges of measures. */
 typedef struct outcome {
     char labels[starts][trial_label_max];
@@ -99,7 +83,14 @@ typedef struct outcome {
 static void count(const stage *s, const naive_class *class, outcome *o) {
     char label[trial_label_max];
     int k = 0;
-    name(class, label);
+    if (!class->finite)
+        snprintf(label, sizeof label, "grows without bound");
+    else if (class->periods == 0)
+        snprintf(label, sizeof label, "no period");
+    else if (class->impacts < 0)
+        snprintf(label, sizeof label, "chatter/%d", class->periods);
+    else
+        snprintf(label, sizeof label, "%d/%d", class->impacts, class->periods);
     while (k < o->kinds && strcmp(o->labels[k], label) != 0)
         k++;
     if (k == o->kinds)
@@ -143,41 +134,29 @@ static void write_names(FILE *file, const outcome *o, const char *between, int m
         fprintf(file, "%s%d others", between, o->kinds - most);
 }
 
-static void write_outcome(FILE *table, FILE *rows, const stage *s, double h, const outcome *plain,
-                          const outcome *dividing) {
-    fprintf(table, "| %g | %.0f | %d | %d | ", h, s->period / h, plain->right, plain->claimed);
-    write_names(table, plain, ", ", names_shown);
-    fprintf(table, " | %.2f to %.2f | %.1e | %.1e | ", plain->least_rate, plain->most_rate,
-            plain->deepest / s->pipe.d, plain->distance / s->pipe.d);
-    write_names(table, dividing, ", ", names_shown);
-    fprintf(table, " |\n");
-    for (int d = 0; d < 2; d++) {
-        const outcome *o = d ? dividing : plain;
-        fprintf(rows, "%g,%s,%d,%d,%d,%g,%g,%g,%g,", h, d ? "divides T" : "fraction of 1", (int)starts,
-                o->right, o->claimed, o->least_rate, o->most_rate, o->deepest, o->distance);
-        write_names(rows, o, " ", starts);
-        fprintf(rows, "\n");
-    }
-}
-
-/* The table lines and rows of one step, stored or computed, in this order. */
-static FILE *lines_of_step(const stage *s, double h, const trial_request *request) {
-    char kept_name[64];
-    snprintf(kept_name, sizeof kept_name, "naive-step-%g", h);
-    FILE *lines = trial_kept(request, kept_name);
-    if (lines)
-        return lines;
-    lines = trial_keep_begin();
-    if (!lines)
-        return NULL;
-    outcome plain = try_step(s, h, false), dividing = try_step(s, h, true);
-    write_outcome(lines, lines, s, h, &plain, &dividing);
-    return trial_keep(request, kept_name, lines);
-}
-
+/* The table's line and the rows of one step, stored or computed, in this order. */
 static saltus_status write_step(FILE *table, FILE *rows, const stage *s, double h,
                                 const trial_request *request, saltus_message *message) {
-    FILE *lines = lines_of_step(s, h, request), *to = table;
+    char kept_name[64];
+    snprintf(kept_name, sizeof kept_name, "naive-step-%g", h);
+    FILE *lines = trial_kept(request, kept_name), *made = lines ? NULL : tmpfile(), *to = table;
+    if (made) {
+        outcome plain = try_step(s, h, false), dividing = try_step(s, h, true);
+        fprintf(made, "| %g | %.0f | %d | %d | ", h, s->period / h, plain.right, plain.claimed);
+        write_names(made, &plain, ", ", names_shown);
+        fprintf(made, " | %.2f to %.2f | %.1e | %.1e | ", plain.least_rate, plain.most_rate,
+                plain.deepest / s->pipe.d, plain.distance / s->pipe.d);
+        write_names(made, &dividing, ", ", names_shown);
+        fprintf(made, " |\n");
+        for (int d = 0; d < 2; d++) {
+            const outcome *o = d ? &dividing : &plain;
+            fprintf(made, "%g,%s,%d,%d,%d,%g,%g,%g,%g,", h, d ? "divides T" : "fraction of 1", (int)starts,
+                    o->right, o->claimed, o->least_rate, o->most_rate, o->deepest, o->distance);
+            write_names(made, o, " ", starts);
+            fprintf(made, "\n");
+        }
+        lines = trial_keep(request, kept_name, made);
+    }
     if (!lines)
         return saltus_fail(message, SALTUS_IO, "cannot keep the step %g", h);
     for (int c; (c = fgetc(lines)) != EOF;) {
@@ -213,15 +192,6 @@ saltus_status trial_write_steps(FILE *table, FILE *rows, const trial_request *re
     return status;
 }
 
-static void write_points(FILE *file, double h, const naive_class classes[naive_lanes]) {
-    for (int l = 0; l < naive_lanes; l++) {
-        if (!classes[l].finite)
-            continue;
-        for (int k = 0; k <= naive_watched; k++)
-            fprintf(file, "%.6g %.6g %.6g\n", h, classes[l].points[k][0], classes[l].rate);
-    }
-}
-
 saltus_status trial_write_step_points(FILE *file, bool quick, saltus_message *message) {
     stage s;
     saltus_status status = set_stage(&s, message);
@@ -237,9 +207,10 @@ saltus_status trial_write_step_points(FILE *file, bool quick, saltus_message *me
             naive_classify(&s.pipe, coarsest * pow(10, -(double)k / per_decade), false, s.states,
                            warm_of_points, s.pipe.d, classes + (size_t)k * naive_lanes);
         fprintf(file, "# step, displacement at the stop at phase 0, impacts per period\n");
-        for (int k = 0; k <= count; k++)
-            write_points(file, coarsest * pow(10, -(double)k / per_decade),
-                         classes + (size_t)k * naive_lanes);
+        for (int k = 0; k < (count + 1) * naive_lanes; k++)
+            for (int p = 0; p <= naive_watched && classes[k].finite; p++)
+                fprintf(file, "%.6g %.6g %.6g\n", coarsest * pow(10, -(double)(k / naive_lanes) / per_decade),
+                        classes[k].points[p][0], classes[k].rate);
         fprintf(file, "\n\n# the exact orbit\n");
         for (int k = 0; k < s.orbit.periods; k++)
             fprintf(file, "0 %.6g %.6g\n", exact_point(&s, k), (double)s.orbit.impacts / s.orbit.periods);

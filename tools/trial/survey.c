@@ -1,18 +1,15 @@
-/* Surveys: labels, files, and making a survey unless it is stored.
+/* Surveys: labels, files, making a survey unless it is stored, and those shared by several claims.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "survey.h"
+#include "claims.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const words[TRIAL_KINDS] = {"free", "impacts", "chatter", "held", "irregular", "failed"};
+const char *const trial_kind_words[TRIAL_KINDS] = {"free", "impacts",   "chatter",
+                                                   "held", "irregular", "failed"};
 static const char columns[] =
     "value,start,kind,impacts,periods,chaotic,lyapunov,rate,speed,contact,reach,depth";
-
-const char *trial_kind_word(trial_kind kind) {
-    return words[kind];
-}
 
 void trial_label(const trial_cell *cell, char label[trial_label_max]) {
     if (cell->kind == TRIAL_CHATTER)
@@ -20,15 +17,7 @@ void trial_label(const trial_cell *cell, char label[trial_label_max]) {
     else if (cell->kind == TRIAL_FREE || cell->kind == TRIAL_IMPACTS)
         snprintf(label, trial_label_max, "%d/%d", cell->impacts, cell->periods);
     else
-        snprintf(label, trial_label_max, "%s", words[cell->kind]);
-}
-
-static void survey_path(const trial_survey *survey, const trial_request *request, char *path, size_t size) {
-    char method[32] = "exact";
-    if (survey->h > 0)
-        snprintf(method, sizeof method, "naive-%g", survey->h);
-    snprintf(path, size, "%s/figure%s-%s%s.csv", request->keep, survey->figure->name, method,
-             request->quick ? "-quick" : "");
+        snprintf(label, trial_label_max, "%s", trial_kind_words[cell->kind]);
 }
 
 static saltus_status write_survey(const trial_survey *survey, const char *path, saltus_message *message) {
@@ -39,40 +28,34 @@ static saltus_status write_survey(const trial_survey *survey, const char *path, 
     for (int k = 0; k < survey->values * trial_starts; k++) {
         const trial_cell *c = &survey->cells[k];
         fprintf(file, "%.17g,%d,%s,%d,%d,%d,%.8g,%.8g,%.8g,%.8g,%.8g,%.8g\n", c->value, c->start,
-                words[c->kind], c->impacts, c->periods, c->chaotic, c->lyapunov, c->rate, c->speed,
+                trial_kind_words[c->kind], c->impacts, c->periods, c->chaotic, c->lyapunov, c->rate, c->speed,
                 c->contact, c->reach, c->depth);
     }
     bool bad = ferror(file);
     return fclose(file) || bad ? saltus_fail(message, SALTUS_IO, "cannot write %s", path) : SALTUS_OK;
 }
 
-static bool read_cell(FILE *file, trial_cell *c) {
-    char word[16];
-    int chaotic;
-    if (fscanf(file, "%lf,%d,%15[a-z],%d,%d,%d,%lf,%lf,%lf,%lf,%lf,%lf\n", &c->value, &c->start, word,
-               &c->impacts, &c->periods, &chaotic, &c->lyapunov, &c->rate, &c->speed, &c->contact, &c->reach,
-               &c->depth) != 12)
-        return false;
-    c->chaotic = chaotic;
-    int kind = 0;
-    while (kind < TRIAL_KINDS && strcmp(word, words[kind]) != 0)
-        kind++;
-    c->kind = (trial_kind)kind;
-    return kind < TRIAL_KINDS;
-}
-
 /* Whether the file holds this survey, made by this version. */
 static bool read_survey(trial_survey *survey, const char *path) {
-    char version[32], names[sizeof columns + 1];
-    int values = 0;
+    char version[32], names[sizeof columns + 1], word[16];
+    int values = 0, chaotic, kind = 0;
     FILE *file = fopen(path, "r");
     if (!file)
         return false;
     bool read = fscanf(file, "# saltus %31[^,], %d values\n", version, &values) == 2 &&
                 fgets(names, sizeof names, file) && values == survey->values &&
                 strcmp(version, SALTUS_VERSION) == 0 && strncmp(names, columns, sizeof columns - 1) == 0;
-    for (int k = 0; k < values * trial_starts && read; k++)
-        read = read_cell(file, &survey->cells[k]);
+    for (int k = 0; k < values * trial_starts && read; k++) {
+        trial_cell *c = &survey->cells[k];
+        read = fscanf(file, "%lf,%d,%15[a-z],%d,%d,%d,%lf,%lf,%lf,%lf,%lf,%lf\n", &c->value, &c->start, word,
+                      &c->impacts, &c->periods, &chaotic, &c->lyapunov, &c->rate, &c->speed, &c->contact,
+                      &c->reach, &c->depth) == 12;
+        for (kind = 0; read && kind < TRIAL_KINDS && strcmp(word, trial_kind_words[kind]) != 0;)
+            kind++;
+        read = read && kind < TRIAL_KINDS;
+        c->chaotic = read && chaotic;
+        c->kind = (trial_kind)kind;
+    }
     fclose(file);
     return read;
 }
@@ -103,7 +86,11 @@ saltus_status trial_survey_get(const trial_figure *figure, double h, const trial
     if (status != SALTUS_OK)
         return status;
     if (request->keep) {
-        survey_path(survey, request, path, sizeof path);
+        char method[32] = "exact";
+        if (h > 0)
+            snprintf(method, sizeof method, "naive-%g", h);
+        snprintf(path, sizeof path, "%s/figure%s-%s%s.csv", request->keep, figure->name, method,
+                 request->quick ? "-quick" : "");
         if (read_survey(survey, path))
             return SALTUS_OK;
         trial_survey_clear(survey);
@@ -116,4 +103,66 @@ saltus_status trial_survey_get(const trial_figure *figure, double h, const trial
     if (status != SALTUS_OK)
         trial_survey_clear(survey);
     return status;
+}
+
+static void keep_path(const trial_request *request, const char *name, char *path, size_t size) {
+    snprintf(path, size, "%s/%s%s.txt", request->keep, name, request->quick ? "-quick" : "");
+}
+
+FILE *trial_kept(const trial_request *request, const char *name) {
+    char path[512], version[32] = "";
+    if (!request->keep)
+        return NULL;
+    keep_path(request, name, path, sizeof path);
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return NULL;
+    if (fscanf(file, "saltus %31[^\n]", version) == 1 && fgetc(file) == '\n' &&
+        strcmp(version, SALTUS_VERSION) == 0)
+        return file;
+    fclose(file);
+    return NULL;
+}
+
+FILE *trial_keep(const trial_request *request, const char *name, FILE *stream) {
+    char path[512];
+    bool good = !ferror(stream);
+    rewind(stream);
+    if (request->keep) {
+        keep_path(request, name, path, sizeof path);
+        FILE *file = fopen(path, "w");
+        good = good && file && fprintf(file, "saltus %s\n", SALTUS_VERSION) > 0;
+        for (int c; good && (c = fgetc(stream)) != EOF;)
+            fputc(c, file);
+        good = good && !ferror(stream) && !ferror(file);
+        good &= file && !fclose(file);
+        rewind(stream);
+    }
+    if (good)
+        return stream;
+    fclose(stream);
+    return NULL;
+}
+
+const double trial_coarse[trial_coarse_steps] = {0.01, 0.005, 0.001, 0.0002};
+
+saltus_status trial_bench_survey(trial_bench *bench, const char *figure, int step,
+                                 const trial_survey **survey, saltus_message *message) {
+    const trial_figure *there = trial_figure_find(figure);
+    if (!there)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "no figure %s", figure);
+    const long k = there - trial_figure_list;
+    trial_survey *wanted = step < 0 ? &bench->exact[k] : &bench->naive[k][step];
+    *survey = wanted;
+    return wanted->cells
+               ? SALTUS_OK
+               : trial_survey_get(there, step < 0 ? 0 : trial_coarse[step], &bench->request, wanted, message);
+}
+
+void trial_bench_clear(trial_bench *bench) {
+    for (int k = 0; k < trial_figures; k++) {
+        trial_survey_clear(&bench->exact[k]);
+        for (int s = 0; s < trial_coarse_steps; s++)
+            trial_survey_clear(&bench->naive[k][s]);
+    }
 }

@@ -6,7 +6,7 @@
 
 #include "saltus/saltus.h"
 
-enum { trial_starts = 8, trial_label_max = 32 };
+enum { trial_starts = 8, trial_label_max = 32, trial_figures = 8 };
 
 /* The range of a figure: a scene and one key that takes the values step, 2 step, ... */
 typedef struct trial_figure {
@@ -21,9 +21,9 @@ typedef struct trial_figure {
         admissible; /* starts keep to this clearance, so that they are the same at all values; NAN: no stop */
 } trial_figure;
 
+extern const trial_figure trial_figure_list[trial_figures];
 /* NULL if there is none of that name. */
 const trial_figure *trial_figure_find(const char *name);
-const trial_figure *trial_figure_at(int k);
 
 typedef enum trial_kind {
     TRIAL_FREE,      /* periodic, no contact */
@@ -35,7 +35,7 @@ typedef enum trial_kind {
     TRIAL_KINDS
 } trial_kind;
 
-const char *trial_kind_word(trial_kind kind);
+extern const char *const trial_kind_words[TRIAL_KINDS];
 
 /* Result of one trajectory. */
 typedef struct trial_cell {
@@ -67,6 +67,13 @@ typedef struct trial_request {
     bool quick;
     const char *keep;
 } trial_request;
+
+/* Finished work is kept as files in the folder, so that an interrupted trial can continue. Open what is kept
+ * under a name, after the line with the version; NULL if nothing is kept. */
+FILE *trial_kept(const trial_request *request, const char *name);
+/* Store a stream under a name, if a folder is set, and return it for reading from the beginning; NULL if
+ * writing failed. */
+FILE *trial_keep(const trial_request *request, const char *name, FILE *stream);
 
 /* Read a survey from the folder, or make and store it. h = 0: the event-driven flow. Free the cells with
  * trial_survey_clear. Errors: SALTUS_NO_MEMORY, SALTUS_IO, those of sweeps. */
