@@ -225,18 +225,18 @@ static inline void hand_out(const struct scene_field *field, const double *vecto
     result->field_evaluations = field->evaluations;
 }
 
-static inline double processor_time(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static inline double end_of_run(const struct scene_field *field, int periods) {
-    return periods * (2 * pi / field->omega);
-}
-
-static inline int repeats_of(const rival_result *result) {
-    return result->repeats > 1 ? result->repeats : 1;
+/* The run as often as asked for, each time from the start, and the mean time that it takes. */
+static inline int run_repeatedly(struct scene_field *field, int periods, rival_result *result,
+                                 int integrate(void *run, double end, rival_result *result), void *run) {
+    const int repeats = result->repeats > 1 ? result->repeats : 1;
+    const double before = processor_seconds();
+    int status = RIVAL_OK;
+    for (int k = 0; k < repeats && status == RIVAL_OK; k++) {
+        start_over(field, result);
+        status = integrate(run, periods * (2 * pi / field->omega), result);
+    }
+    result->cpu_seconds = (processor_seconds() - before) / repeats;
+    return status;
 }
 
 #endif

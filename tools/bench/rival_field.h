@@ -8,6 +8,7 @@
 #ifndef SALTUS_BENCH_RIVAL_FIELD_H
 #define SALTUS_BENCH_RIVAL_FIELD_H
 
+#include "clock.h"
 #include "rivals.h"
 
 #include <float.h>
@@ -15,7 +16,6 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 static const double pi = 3.14159265358979323846;
 

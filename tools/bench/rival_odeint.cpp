@@ -167,13 +167,12 @@ int integrate(run<method, vector> &r, double end, rival_result *result) {
 template <template <class> class method, class vector>
 int repeat(scene_field *field, int periods, double rtol, double atol, rival_result *result) {
     run<method, vector> r{method<vector>(atol, rtol), trajectory<vector>(field)};
-    int status = RIVAL_OK;
-    const double before = processor_time();
-    for (int k = 0; k < repeats_of(result) && status == RIVAL_OK; k++) {
-        start_over(field, result);
-        status = integrate(r, end_of_run(field, periods), result);
-    }
-    result->cpu_seconds = (processor_time() - before) / repeats_of(result);
+    int status = run_repeatedly(
+        field, periods, result,
+        [](void *it, double end, rival_result *found) {
+            return integrate(*static_cast<run<method, vector> *>(it), end, found);
+        },
+        &r);
     hand_out(field, r.path.state[r.path.now].data(), result);
     return status;
 }

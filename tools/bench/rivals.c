@@ -41,7 +41,8 @@ static bool gsl_again(void *stepper, double length) {
                                  evolve->dydt_in, run->last.trial_rate, &run->system) == GSL_SUCCESS;
 }
 
-static int gsl_integrate(struct gsl_run *run, double end, rival_result *result) {
+static int gsl_integrate(void *it, double end, rival_result *result) {
+    struct gsl_run *run = it;
     double tau = 0, usual = run->field->first_step, due = INFINITY;
     gsl_odeiv2_evolve_reset(run->evolve);
     while (tau < end) {
@@ -92,16 +93,10 @@ static int run_gsl_rk8pd(const rival_scene *scene, const double *state0, int per
         return status;
     gsl_error_handler_t *const handler = gsl_set_error_handler_off();
     if (gsl_set_up(&run, rtol, atol)) {
-        const double before = processor_time();
-        for (int k = 0; k < repeats_of(result) && status == RIVAL_OK; k++) {
-            start_over(run.field, result);
-            status = gsl_integrate(&run, end_of_run(run.field, periods), result);
-        }
-        result->cpu_seconds = (processor_time() - before) / repeats_of(result);
+        status = run_repeatedly(run.field, periods, result, gsl_integrate, &run);
         hand_out(run.field, run.field->vector, result);
-    } else {
+    } else
         status = RIVAL_NO_MEMORY;
-    }
     free(run.error);
     if (run.evolve)
         gsl_odeiv2_evolve_free(run.evolve);
@@ -206,7 +201,8 @@ static bool arkode_redo(struct sundials_run *run, int face, double *tau) {
     return true;
 }
 
-static int arkode_integrate(struct sundials_run *run, double end, rival_result *result) {
+static int arkode_integrate(void *it, double end, rival_result *result) {
+    struct sundials_run *run = it;
     struct scene_field *field = run->field;
     double tau = 0, usual = field->first_step, due = INFINITY;
     int face = -1;
@@ -267,53 +263,6 @@ static int linear_combination(int count, realtype *factor, N_Vector *vectors, N_
     return 0;
 }
 
-static bool sundials_set_up(struct sundials_run *run) {
-    const sunindextype dimension = (sunindextype)run->field->count;
-    if (SUNContext_Create(NULL, &run->context))
-        return false;
-    run->state = N_VMake_Serial(dimension, run->field->vector, run->context);
-    run->start = N_VNew_Serial(dimension, run->context);
-    if (!run->state || !run->start)
-        return false;
-    run->state->ops->nvlinearcombination = linear_combination;
-    return true;
-}
-
-static void sundials_tear_down(struct sundials_run *run) {
-    if (run->iteration)
-        SUNNonlinSolFree(run->iteration);
-    if (run->solver)
-        SUNLinSolFree(run->solver);
-    if (run->jacobian)
-        SUNMatDestroy(run->jacobian);
-    if (run->state)
-        N_VDestroy(run->state);
-    if (run->start)
-        N_VDestroy(run->start);
-    if (run->context)
-        SUNContext_Free(&run->context);
-    free(run->unit);
-    free(run->field);
-}
-
-/* Run any library whose memory is set up. CVODE resets its count of steps when it restarts. */
-static int sundials_repeat(struct sundials_run *run, int periods,
-                           int (*integrate)(struct sundials_run *, double, rival_result *),
-                           int (*count_steps)(void *, long *), rival_result *result) {
-    int status = RIVAL_OK;
-    const double before = processor_time();
-    for (int k = 0; k < repeats_of(result) && status == RIVAL_OK; k++) {
-        start_over(run->field, result);
-        status = integrate(run, end_of_run(run->field, periods), result);
-    }
-    result->cpu_seconds = (processor_time() - before) / repeats_of(result);
-    if (count_steps && count_steps(run->memory, &result->steps))
-        status = RIVAL_FAILED;
-    result->steps /= repeats_of(result);
-    hand_out(run->field, values(run->state), result);
-    return status;
-}
-
 static bool arkode_set_up(struct sundials_run *run, double rtol, double atol) {
     int rising[2 * faces_max] = {1, 1, 1, 1};
     run->memory = ARKStepCreate(sundials_rate, NULL, 0, run->state, run->context);
@@ -327,25 +276,10 @@ static bool arkode_set_up(struct sundials_run *run, double rtol, double atol) {
              !ARKStepSetRootDirection(run->memory, rising) && !ARKStepSetNoInactiveRootWarn(run->memory)));
 }
 
-static int run_arkode(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
-                      rival_result *result) {
-    struct sundials_run run = {0};
-    int status = begin(scene, state0, rtol, atol, periods, result, &run.field);
-    if (status != RIVAL_OK)
-        return status;
-    if (sundials_set_up(&run) && arkode_set_up(&run, rtol, atol))
-        status = sundials_repeat(&run, periods, arkode_integrate, ARKStepGetNumSteps, result);
-    else
-        status = RIVAL_NO_MEMORY;
-    if (run.memory)
-        ARKStepFree(&run.memory);
-    sundials_tear_down(&run);
-    return status;
-}
-
 /* The interpolant of a multistep method has the method's own order, so that the state at a root needs no
  * redoing. */
-static int cvode_integrate(struct sundials_run *run, double end, rival_result *result) {
+static int cvode_integrate(void *it, double end, rival_result *result) {
+    struct sundials_run *run = it;
     struct scene_field *field = run->field;
     double tau = 0;
     int face = -1;
@@ -406,32 +340,65 @@ static bool cvode_set_up(struct sundials_run *run, int method, double rtol, doub
              !CVodeSetRootDirection(run->memory, rising) && !CVodeSetNoInactiveRootWarn(run->memory)));
 }
 
-static int run_cvode(int method, const rival_scene *scene, const double *state0, int periods, double rtol,
-                     double atol, rival_result *result) {
+/* ARKODE, if `method` is none of CVODE's. CVODE resets its count of steps when it restarts. */
+static int run_sundials(int method, const rival_scene *scene, const double *state0, int periods, double rtol,
+                        double atol, rival_result *result) {
     struct sundials_run run = {0};
+    const bool arkode = method == 0;
     if (result && result->tangents && method == CV_BDF)
         return RIVAL_BAD_ARGUMENT;
     int status = begin(scene, state0, rtol, atol, periods, result, &run.field);
     if (status != RIVAL_OK)
         return status;
-    if (sundials_set_up(&run) && cvode_set_up(&run, method, rtol, atol))
-        status = sundials_repeat(&run, periods, cvode_integrate, NULL, result);
-    else
+    if (SUNContext_Create(NULL, &run.context) == 0) {
+        const sunindextype dimension = (sunindextype)run.field->count;
+        run.state = N_VMake_Serial(dimension, run.field->vector, run.context);
+        run.start = N_VNew_Serial(dimension, run.context);
+    }
+    if (run.state)
+        run.state->ops->nvlinearcombination = linear_combination;
+    if (run.state && run.start &&
+        (arkode ? arkode_set_up(&run, rtol, atol) : cvode_set_up(&run, method, rtol, atol))) {
+        status =
+            run_repeatedly(run.field, periods, result, arkode ? arkode_integrate : cvode_integrate, &run);
+        if (arkode && ARKStepGetNumSteps(run.memory, &result->steps))
+            status = RIVAL_FAILED;
+        result->steps /= result->repeats > 1 ? result->repeats : 1;
+        hand_out(run.field, values(run.state), result);
+    } else
         status = RIVAL_NO_MEMORY;
     if (run.memory)
-        CVodeFree(&run.memory);
-    sundials_tear_down(&run);
+        (arkode ? ARKStepFree : CVodeFree)(&run.memory);
+    if (run.iteration)
+        SUNNonlinSolFree(run.iteration);
+    if (run.solver)
+        SUNLinSolFree(run.solver);
+    if (run.jacobian)
+        SUNMatDestroy(run.jacobian);
+    if (run.state)
+        N_VDestroy(run.state);
+    if (run.start)
+        N_VDestroy(run.start);
+    if (run.context)
+        SUNContext_Free(&run.context);
+    free(run.unit);
+    free(run.field);
     return status;
+}
+
+static int run_arkode(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
+                      rival_result *result) {
+    return run_sundials(0, scene, state0, periods, rtol, atol, result);
 }
 
 static int run_cvode_adams(const rival_scene *scene, const double *state0, int periods, double rtol,
                            double atol, rival_result *result) {
-    return run_cvode(CV_ADAMS, scene, state0, periods, rtol, atol, result);
+    return run_sundials(CV_ADAMS, scene, state0, periods, rtol, atol, result);
 }
 
 static int run_cvode_bdf(const rival_scene *scene, const double *state0, int periods, double rtol,
                          double atol, rival_result *result) {
-    return run_cvode(CV_BDF, scene, state0, periods, rtol, atol, result);
+    return run_sundials(CV_BDF, scene, state0, periods, rtol, atol, result);
 }
 
 #endif
