@@ -4,8 +4,8 @@
 #include "reference.h"
 
 #include "figure/caption.h"
-#include "figure/convergence.h"
-#include "record/lyapunov_words.h"
+#include "figure/sheet.h"
+#include "record/describe.h"
 
 #include <sys/stat.h>
 #include <unistd.h>

@@ -397,23 +397,6 @@ static void name_points(const saltus_plot_page *page, bool marks, places *all) {
         }
 }
 
-/* The labels requested by the caller, in larger type than the other names. */
-static void name_regions(const saltus_plot_page *page, places *all) {
-    const char *first = page->files[0].options.key[0];
-    for (int k = 0; k < page->options->label_count; k++) {
-        const saltus_plot_label *label = &page->options->labels[k];
-        bool turned = strcmp(label->key[0], first) != 0;
-        double x = label->value[turned], y = label->value[!turned];
-        saltus_line line = {.length = 0};
-        place where = place_at(page, x, y, 2 * (double)strlen(label->text));
-        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
-            continue;
-        saltus_line_plain(&line, label->text);
-        put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
-        take_place(all, where);
-    }
-}
-
 bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v) {
     int count, keys;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
@@ -475,7 +458,19 @@ void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, 
     const double h = word_height, step = 0.2, rim = 0.2; /* in word heights */
     places all = {.count = 0};
     find_lines(page, &all);
-    name_regions(page, &all);
+    /* The labels requested by the caller, in larger type than the other names. */
+    for (int k = 0; k < page->options->label_count; k++) {
+        const saltus_plot_label *label = &page->options->labels[k];
+        const bool turned = strcmp(label->key[0], page->files[0].options.key[0]) != 0;
+        const double x = label->value[turned], y = label->value[!turned];
+        const place where = place_at(page, x, y, 2 * (double)strlen(label->text));
+        saltus_line line = {.length = 0};
+        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
+            continue;
+        saltus_line_plain(&line, label->text);
+        put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
+        take_place(&all, where);
+    }
     name_points(page, true, &all);
     /* On a map the colours identify the motions; on loci the names of points come first. */
     if (!page->over_map && !page->locus)

@@ -3,7 +3,7 @@
 #ifndef SALTUS_FIGURE_CAPTION_H
 #define SALTUS_FIGURE_CAPTION_H
 
-#include "record/lyapunov_words.h"
+#include "record/describe.h"
 
 #include <stddef.h>
 

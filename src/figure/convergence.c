@@ -1,6 +1,6 @@
 /* Convergence of the largest exponent's estimate: a panel for any figure, a figure of its own, and a table.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/convergence.h"
+#include "figure/sheet.h"
 
 #include "record/describe.h"
 #include "record/output.h"

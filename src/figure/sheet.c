@@ -3,7 +3,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sheet.h"
 
-#include "figure/spectrum.h"
 #include "record/describe.h"
 #include "record/output.h"
 

@@ -1,11 +1,36 @@
-/* Private: the parts of a sheet.
+/* Private: the parts of a sheet, and panels that other figures share with it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FIGURE_SHEET_H
 #define SALTUS_FIGURE_SHEET_H
 
-#include "figure/convergence.h"
+#include "figure/page.h"
 
 #include <stddef.h>
+
+/* convergence.c: how the estimate of the largest exponent converged. */
+/* The history of an estimate and its final value; owned by the caller. */
+typedef struct saltus_course {
+    const saltus_lyapunov_progress *history;
+    int count;
+    double exponent, standard_error;
+} saltus_course;
+
+saltus_course saltus_lyapunov_course(const saltus_lyapunov *lyapunov);
+/* Write the datablock $convergence: time, exponent, standard error. It must precede the panel in the
+ * script. */
+void saltus_course_data(const saltus_page *page, const saltus_course *course);
+/* Draw the panel in a frame, with its key above the right end; the caller adds a heading. Leaves no gnuplot
+ * settings behind for the next panel. */
+void saltus_course_panel(const saltus_page *page, const saltus_system *system, const saltus_course *course,
+                         saltus_frame frame);
+
+/* spectrum.c. */
+/* The low frequencies of the first spectrum, which must not be constant, as a panel of another figure: its
+ * datablock $low1, and the panel in a frame with a heading after the letter 'a' + letter. Leaves no gnuplot
+ * settings behind for the next panel. */
+void saltus_spectrum_low_data(const saltus_spectra_source *source, const saltus_page *page);
+void saltus_spectrum_low_panel(const saltus_spectra_source *source, const saltus_page *page,
+                               saltus_frame frame, int letter, const saltus_line *heading);
 
 typedef struct saltus_sheet {
     const saltus_page *page;

@@ -1,9 +1,7 @@
 /* Texts of a sheet, in gnuplot's enhanced text inside single quotes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sheet.h"
-#include "figure/spectrum.h"
 #include "record/describe.h"
-#include "record/lyapunov_words.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,6 @@
 /* The numbers of a sheet: which ones are shown, and their datablocks in gnuplot's script.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/convergence.h"
 #include "figure/sheet.h"
-#include "figure/spectrum.h"
 #include "record/describe.h"
 
 #include <math.h>

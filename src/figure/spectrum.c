@@ -1,6 +1,6 @@
 /* The figure of spectra: for each quantity the low frequencies and, on a logarithmic axis, all frequencies.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/spectrum.h"
+#include "figure/sheet.h"
 
 #include "record/describe.h"
 #include "record/output.h"

@@ -174,26 +174,13 @@ static int fill_region(const int *kind, int columns, int rows, const float *room
     return best;
 }
 
-/* Write a name as large as its region allows, unless it would be illegible. */
-static void put_region_name(const saltus_sweep_page *page, const saltus_map_kind *kind, int columns, int rows,
-                            int place, double room) {
-    const double letter = 0.80, least = 10, most = 17; /* letter width in pixels per point of type; sizes in
-                                                          points */
-    double size = fmin(most, 2 * room / (letter * ((double)strlen(kind->name) + 0.6)));
-    saltus_line name = {.length = 0};
-    if (size < least)
-        return;
-    saltus_line_plain(&name, kind->name);
-    fprintf(page->paper.file,
-            "set label '%s' at graph %.5f,%.5f center front font ':Bold,%.3g' tc rgb '%s'\n", name.text,
-            (place % columns + 0.5) / columns, ((double)(place / columns) + 0.5) / rows, size,
-            saltus_colour_light(kind->paint.colour) ? "#101010" : "#ffffff");
-}
-
-/* Write names into the regions of a map. `kind` has columns x rows entries, lowest row first, -1 where
- * nothing may be written. False if out of memory. */
+/* Write names into the regions of a map, each as large as its region allows, unless it would be illegible.
+ * `kind` has columns x rows entries, lowest row first, -1 where nothing may be written. False if out of
+ * memory. */
 static bool name_regions(const saltus_sweep_page *page, const saltus_map_kind *kinds, const int *kind,
                          int columns, int rows) {
+    const double letter = 0.80, least = 10, most = 17; /* letter width in pixels per point of type; sizes in
+                                                          points */
     size_t size = (size_t)columns * (size_t)rows;
     float *room = calloc(size, sizeof *room);
     unsigned char *seen = calloc(size, 1);
@@ -202,10 +189,19 @@ static bool name_regions(const saltus_sweep_page *page, const saltus_map_kind *k
     if (sound)
         find_room(kind, columns, rows, room);
     for (size_t k = 0; k < size && sound; k++) {
-        if (seen[k] || kind[k] < 0 || !*kinds[kind[k]].name)
+        const saltus_map_kind *own = kind[k] < 0 ? NULL : &kinds[kind[k]];
+        if (seen[k] || !own || !*own->name)
             continue;
-        int best = fill_region(kind, columns, rows, room, seen, queue, (int)k);
-        put_region_name(page, &kinds[kind[k]], columns, rows, best, (double)step * room[best]);
+        const int place = fill_region(kind, columns, rows, room, seen, queue, (int)k);
+        const double wide = 2 * ((double)step * room[place]) / (letter * ((double)strlen(own->name) + 0.6));
+        saltus_line name = {.length = 0};
+        if (wide < least)
+            continue;
+        saltus_line_plain(&name, own->name);
+        fprintf(page->paper.file,
+                "set label '%s' at graph %.5f,%.5f center front font ':Bold,%.3g' tc rgb '%s'\n", name.text,
+                (place % columns + 0.5) / columns, ((double)(place / columns) + 0.5) / rows, fmin(most, wide),
+                saltus_colour_light(own->paint.colour) ? "#101010" : "#ffffff");
     }
     free(room);
     free(seen);
@@ -337,30 +333,6 @@ static void put_legend(saltus_sweep_map *map) {
     }
 }
 
-/* Explain, above the map, those colours for points without a number that occur. */
-static void put_exceptions(const saltus_sweep_map *map) {
-    bool measured = map->page->view == SALTUS_VIEW_LYAPUNOV;
-    const char *const words[] = {"not computed yet", "failed", "beyond a stop",
-                                 measured ? "not measured" : "no period found"};
-    static const int verdicts[] = {SALTUS_PENDING, SALTUS_FAILED, SALTUS_BEYOND, SALTUS_UNDECIDED};
-    const saltus_sweep_page *page = map->page;
-    bool narrow = saltus_page_narrow(&page->paper);
-    double x = narrow ? 12 : 48, y = page->paper.top - 8;
-    for (int k = 0; k < 4; k++) {
-        bool occurs = false;
-        for (int row = 0; row < page->y.count && !occurs; row++)
-            for (int column = 0; column < page->x.count && !occurs; column++) {
-                long long point = saltus_sweep_point(map->page, column, row);
-                occurs = isnan(map->number[point]) && saltus_sweep_shown(map->page, column, row) > 0 &&
-                         without_number(map, point) == verdicts[k];
-            }
-        if (!occurs)
-            continue;
-        saltus_sweep_put_entry(page, x, y, saltus_class_paint(verdicts[k], 0, 0), false, words[k], "");
-        x += narrow ? 165 : 240;
-    }
-}
-
 /* Names, marks, the map itself, its axes and anything drawn over it. */
 static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
@@ -371,8 +343,28 @@ static bool put_panel(saltus_sweep_map *map) {
     saltus_sweep_put_raster_ranges(file, map->raster.width, map->raster.height);
     if (map->kind)
         put_legend(map);
-    else
-        put_exceptions(map);
+    else {
+        /* Explain, above the map, those colours for points without a number that occur. */
+        bool measured = page->view == SALTUS_VIEW_LYAPUNOV;
+        const char *const words[] = {"not computed yet", "failed", "beyond a stop",
+                                     measured ? "not measured" : "no period found"};
+        static const int verdicts[] = {SALTUS_PENDING, SALTUS_FAILED, SALTUS_BEYOND, SALTUS_UNDECIDED};
+        bool narrow = saltus_page_narrow(&page->paper);
+        double x = narrow ? 12 : 48, y = page->paper.top - 8;
+        for (int k = 0; k < 4; k++) {
+            bool occurs = false;
+            for (int row = 0; row < page->y.count && !occurs; row++)
+                for (int column = 0; column < page->x.count && !occurs; column++) {
+                    long long point = saltus_sweep_point(page, column, row);
+                    occurs = isnan(map->number[point]) && saltus_sweep_shown(page, column, row) > 0 &&
+                             without_number(map, point) == verdicts[k];
+                }
+            if (!occurs)
+                continue;
+            saltus_sweep_put_entry(page, x, y, saltus_class_paint(verdicts[k], 0, 0), false, words[k], "");
+            x += narrow ? 165 : 240;
+        }
+    }
     bool sound = put_names(map);
     fputs("unset grid\nset border 15\nplot ", file);
     saltus_raster_element(file, &map->raster, "x2y2");

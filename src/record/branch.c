@@ -99,21 +99,6 @@ static void put_point(FILE *out, const saltus_branch_file *file, int row) {
     put_line(out, &line);
 }
 
-static void put_heading(FILE *out, const saltus_branch_file *file, int row) {
-    const saltus_branch_options *o = &file->options;
-    const saltus_branch_point *first = &file->points[row];
-    const char *way = first->parent >= 0 || is_locus(file) ? "" : first->heading < 0 ? "down " : "up ";
-    fprintf(out, "branch %d, ", first->branch);
-    if (first->parent >= 0)
-        fprintf(out, "off branch %d, ", first->parent);
-    fprintf(out, "%sfrom %s = %.12g", way, o->key[0], first->value[0]);
-    if (is_locus(file))
-        fprintf(out, ", %s = %.12g: %s of %s\n", o->key[1], first->value[1], saltus_point_word(first->locus),
-                first->label);
-    else
-        fprintf(out, ": %s, %s\n", first->label, stability(first));
-}
-
 void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
     bool rests = false;
     for (int row = 0; row < file->point_count; row++)
@@ -133,8 +118,19 @@ void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
         const saltus_branch_point *point = &file->points[row];
         const bool told = point->trivial_multiplier != 0 && point->reason[0]; /* its returns to the section
                                                                                  change */
-        if (row == 0 || point->branch != point[-1].branch)
-            put_heading(out, file, row);
+        if (row == 0 || point->branch != point[-1].branch) {
+            fprintf(out, "branch %d, ", point->branch);
+            if (point->parent >= 0)
+                fprintf(out, "off branch %d, ", point->parent);
+            else if (!is_locus(file))
+                fputs(point->heading < 0 ? "down " : "up ", out);
+            fprintf(out, "from %s = %.12g", file->options.key[0], point->value[0]);
+            if (is_locus(file))
+                fprintf(out, ", %s = %.12g: %s of %s\n", file->options.key[1], point->value[1],
+                        saltus_point_word(point->locus), point->label);
+            else
+                fprintf(out, ": %s, %s\n", point->label, stability(point));
+        }
         /* All special points; on a locus only those of another kind than the locus. */
         if (told || (point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus))
             put_point(out, file, row);

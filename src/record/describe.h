@@ -1,11 +1,10 @@
-/* Words and numbers shared by the writers.
+/* Words and numbers shared by the writers and the figures.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_RECORD_DESCRIBE_H
 #define SALTUS_RECORD_DESCRIBE_H
 
 #include "base/field.h"
-#include "saltus/motion.h"
-#include "saltus/scene.h"
+#include "saltus/record.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -56,5 +55,41 @@ void saltus_put_eigenvalues(FILE *file, const saltus_eigenvalue *eigenvalues, in
 void saltus_put_word(FILE *file, const char *word);
 /* The title, parameters and stops as lines for people. */
 void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system *system);
+
+/* A number and its standard error as text, with as many digits as the error justifies. */
+typedef struct saltus_uncertain {
+    char value[40], error[40];
+} saltus_uncertain;
+
+saltus_uncertain saltus_uncertain_text(double value, double error);
+
+/* Fate of nearby trajectories according to the largest exponent. */
+typedef enum saltus_sense {
+    SALTUS_SENSE_SEPARATE,   /* positive by more than three standard errors */
+    SALTUS_SENSE_APPROACH,   /* negative by more than three */
+    SALTUS_SENSE_KEEP,       /* zero, and known to be */
+    SALTUS_SENSE_UNRESOLVED, /* not distinguishable from zero */
+    SALTUS_SENSE_MEET        /* -infinity */
+} saltus_sense;
+
+saltus_sense saltus_lyapunov_sense(const saltus_lyapunov *lyapunov);
+const char *saltus_sense_word(saltus_sense sense); /* "positive", "negative", "zero", "unresolved", "lost" */
+/* How a system can lose directions of the state space: in lasting contact, or also in impacts with r = 0. */
+const char *saltus_lost_words(const saltus_system *system);
+
+/* Spectra with their scene, system and options. */
+typedef struct saltus_spectra_source {
+    const saltus_scene *scene;
+    const saltus_system *system;
+    const saltus_motion *motion;
+    const saltus_spectra *spectra;
+    const saltus_flow_options *flow;
+} saltus_spectra_source;
+
+/* "8 orbits of 4 T, 4096 samples a period", "2048 T, Welch with 31 segments of 128 T, ..." */
+void saltus_spectra_method(const saltus_spectra *spectra, char *text, size_t room);
+/* Comment lines and one row per line or bin, as CSV; failures are left in the file's error flag. All
+ * quantities of a motion have their lines and bins in the same places; constant quantities have none. */
+void saltus_put_spectra_table(const saltus_spectra_source *source, FILE *file);
 
 #endif

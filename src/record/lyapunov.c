@@ -3,7 +3,6 @@
 #include "motion/options.h"
 #include "record/fields.h"
 #include "record/json.h"
-#include "record/lyapunov_words.h"
 
 #include <math.h>
 #include <string.h>

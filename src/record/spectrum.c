@@ -1,7 +1,5 @@
 /* Spectra as a few lines for people, as one JSON object and as CSV.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "record/spectrum.h"
-
 #include "record/fields.h"
 #include "record/json.h"
 
