@@ -5,7 +5,6 @@
 #include "branch/options.h"
 #include "interrupt.h"
 #include "motion/options.h"
-#include "origin.h"
 #include "progress.h"
 #include "scene/scene.h"
 

@@ -4,7 +4,6 @@
 
 #include "base/progress.h"
 #include "flow/options.h"
-#include "origin.h"
 #include "progress.h"
 
 static const cli_option periods = CLI_NUMBER(

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_sweep.h"
 #include "sweep/options.h"
-#include "sweep_print.h"
 
 #include <string.h>
 
@@ -46,43 +45,26 @@ static bool read_what(const char *text, unsigned *keep) {
     return true;
 }
 
-/* The options from the command line; false after a message. */
-static bool read_options(const cli_request *request, saltus_sweep_options *o) {
+static int run(const cli_request *request) {
     static const char *const starts[] = {"reset", "carry", "both", NULL};
     static const unsigned passes[] = {1u << SALTUS_PASS_RESET, 1u << SALTUS_PASS_UP | 1u << SALTUS_PASS_DOWN,
                                       (1u << SALTUS_PASSES) - 1};
     const long transient_given = cli_whole(request, "--transient");
+    saltus_sweep_options how = request->sweep;
     int chosen = 0;
     if (!cli_given(request, "--over") || !request->output)
-        return cli_refuse(false, "sweep: needs --over key=lo:hi:n and -o file.h5 or file.csv");
+        return cli_refuse(CLI_BAD_INPUT, "sweep: needs --over key=lo:hi:n and -o file.h5 or file.csv");
     if (transient_given >= 0 && cli_given(request, "--at-most"))
-        return cli_refuse(false, "--at-most and --transient: one of them; with --transient every trajectory "
-                                 "runs for a fixed time");
-    *o = request->sweep;
-    o->adaptive = transient_given < 0;
-    if (!o->adaptive)
-        o->transient = transient_given;
-    if (!read_what(cli_text(request, "--what"), &o->keep) || !cli_choose(request, "--start", starts, &chosen))
-        return false;
-    o->passes = passes[chosen];
-    return true;
-}
-
-static int run(const cli_request *request) {
-    saltus_scene scene = {.initial_count = 0};
-    saltus_sweep_options how;
-    saltus_message message = {.text = ""};
-    if (!read_options(request, &how))
+        return cli_refuse(CLI_BAD_INPUT, "--at-most and --transient: one of them; with --transient every "
+                                         "trajectory runs for a fixed time");
+    how.adaptive = transient_given < 0;
+    if (!how.adaptive)
+        how.transient = transient_given;
+    if (!read_what(cli_text(request, "--what"), &how.keep) ||
+        !cli_choose(request, "--start", starts, &chosen))
         return CLI_BAD_INPUT;
-    saltus_status status = cli_load_scene(request, &scene, &message);
-    /* Defaults for --what: clouds for diagrams over one parameter, only classes over two. CSV files hold only
-     * rows. */
-    if (status == SALTUS_OK && !cli_given(request, "--what") && cli_values(request, "--over")->count == 1 &&
-        !cli_ends_in(request->output, ".csv"))
-        how.keep = SALTUS_KEEP_TURNING | (scene.spec.stop_count ? SALTUS_KEEP_IMPACTS : 0);
-    int code = sweep_command(request, false, status, &scene, &how, &message);
-    saltus_scene_clear(&scene);
-    return code;
+    how.passes = passes[chosen];
+    return sweep_command(request, false, &how);
 }
 
 const cli_command cmd_sweep = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "origin.h"
+#include "cli.h"
 
 #include "scene/scene.h"
 

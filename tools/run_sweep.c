@@ -154,19 +154,6 @@ static saltus_status take_result(void *context, const saltus_sweep_result *resul
     return stopped ? dropped : SALTUS_OK;
 }
 
-/* Wait until the exchange changes, or for the given time. */
-static void rest(sweep_exchange *exchange, double seconds) {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    long nanoseconds = until.tv_nsec + (long)(1e9 * seconds);
-    until.tv_sec += nanoseconds / 1000000000;
-    until.tv_nsec = nanoseconds % 1000000000;
-    pthread_mutex_lock(&exchange->lock);
-    if (!exchange->finished || exchange->ranks > 1)
-        pthread_cond_timedwait(&exchange->changed, &exchange->lock, &until);
-    pthread_mutex_unlock(&exchange->lock);
-}
-
 /* Arguments of the attending thread. */
 typedef struct attendant {
     sweep_link *link;
@@ -191,8 +178,18 @@ static void *attend(void *context) {
         if (exchange->here == 0)
             progress_show(own->bar, exchange->sink.points);
         pause = busy ? nap : pause < longest_nap ? 2 * pause : pause;
-        if (!over && !busy)
-            rest(exchange, together ? pause : alone);
+        if (!over && !busy) {
+            /* Wait until the exchange changes, or for the given time. */
+            struct timespec until;
+            clock_gettime(CLOCK_MONOTONIC, &until);
+            long nanoseconds = until.tv_nsec + (long)(1e9 * (together ? pause : alone));
+            until.tv_sec += nanoseconds / 1000000000;
+            until.tv_nsec = nanoseconds % 1000000000;
+            pthread_mutex_lock(&exchange->lock);
+            if (!exchange->finished || exchange->ranks > 1)
+                pthread_cond_timedwait(&exchange->changed, &exchange->lock, &until);
+            pthread_mutex_unlock(&exchange->lock);
+        }
     }
     return NULL;
 }

@@ -4,7 +4,7 @@
 #ifndef SALTUS_TOOLS_RUN_SWEEP_H
 #define SALTUS_TOOLS_RUN_SWEEP_H
 
-#include "saltus/saltus.h"
+#include "cli.h"
 
 /* A sweep to run, and its destination. */
 typedef struct sweep_order {
@@ -48,5 +48,15 @@ typedef struct sweep_report {
  * CLI_DONE. Clear the report's tally with sweep_tally_clear in any case. */
 int run_sweep(const sweep_order *order, saltus_status status, const saltus_message *reason,
               sweep_report *report);
+
+/* sweep_print.c: common to saltus sweep and saltus basins. */
+extern const cli_option sweep_over, sweep_json;
+
+/* Load the scene, run a sweep over the axes of --over and print a summary on the first rank: a table, or one
+ * JSON object with the keys version, scene, file, kind, complete, points, passes, seeds, rows, computed,
+ * seconds, trajectories_per_second, ranks, classes (label, count, share), and of basins attractors (label,
+ * largest_multiplier, count, share). After a resumed run the numbers are those of the whole file. All ranks
+ * must call this. Returns the exit code. */
+int sweep_command(const cli_request *request, bool basins, const saltus_sweep_options *options);
 
 #endif

@@ -44,18 +44,14 @@ static int help(int count, char **arguments) {
     return cli_finish();
 }
 
-/* If a standard stream is closed, the first file opened would take its place. Occupy it with /dev/null opened
- * in the wrong direction, so that using the stream fails and is noticed. */
-static void fill_streams(void) {
+int main(int count, char **arguments) {
+    /* If a standard stream is closed, the first file opened would take its place. Occupy it with /dev/null
+     * opened in the wrong direction, so that using the stream fails and is noticed. */
     static const int modes[] = {
         [STDIN_FILENO] = O_WRONLY, [STDOUT_FILENO] = O_RDONLY, [STDERR_FILENO] = O_RDONLY};
     for (int k = STDIN_FILENO; k <= STDERR_FILENO; k++)
         if (fcntl(k, F_GETFD) < 0 && open("/dev/null", modes[k]) != k)
             _exit(CLI_FAILED);
-}
-
-int main(int count, char **arguments) {
-    fill_streams();
     if (count < 2) {
         manual_list(stderr);
         return CLI_BAD_INPUT;

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep_print.h"
+#include "run_sweep.h"
 
 #include "base/field.h"
-#include "origin.h"
 #include "ranks.h"
-#include "run_sweep.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,20 +25,6 @@ typedef struct share {
 static int larger_share(const void *a, const void *b) {
     const share *x = a, *y = b;
     return x->count != y->count ? (x->count < y->count ? 1 : -1) : x->attractor - y->attractor;
-}
-
-static share *count_shares(const saltus_sweep_file *file) {
-    share *shares = calloc((size_t)file->attractor_count + 1, sizeof *shares);
-    for (int k = 0; k < file->attractor_count && shares; k++)
-        shares[k].attractor = k;
-    for (long long k = 0; k < file->row_count && shares; k++) {
-        int attractor = file->rows[k].attractor;
-        if (attractor >= 0)
-            shares[attractor].count++;
-    }
-    if (shares)
-        qsort(shares, (size_t)file->attractor_count, sizeof *shares, larger_share);
-    return shares;
 }
 
 static double percent(long long part, long long whole) {
@@ -181,10 +165,17 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     for (long long k = 0; k < file.row_count && anew && status == SALTUS_OK; k++)
         status = sweep_tally_add(&report->tally, &file.rows[k], message);
     if (status == SALTUS_OK && file.attractor_count > 0) {
-        shares = count_shares(&file);
+        shares = calloc((size_t)file.attractor_count, sizeof *shares);
         if (!shares)
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the shares of the attractors");
     }
+    for (int k = 0; k < file.attractor_count && shares; k++)
+        shares[k].attractor = k;
+    for (long long k = 0; k < file.row_count && shares; k++)
+        if (file.rows[k].attractor >= 0)
+            shares[file.rows[k].attractor].count++;
+    if (shares)
+        qsort(shares, (size_t)file.attractor_count, sizeof *shares, larger_share);
     sweep_tally_sort(&report->tally);
     if (status == SALTUS_OK && json)
         put_json(order, report, &file, shares);
@@ -221,13 +212,22 @@ static saltus_status tell_failure(const saltus_sweep *sweep, const sweep_report 
                        status == SALTUS_OK ? "" : "; the first: ", reason.text);
 }
 
-static saltus_status make_sweep(const cli_request *request, const saltus_scene *scene,
+static saltus_status make_sweep(const cli_request *request, bool basins, const saltus_scene *scene,
                                 const saltus_sweep_options *options, saltus_sweep **sweep,
                                 saltus_message *message) {
     saltus_axis axes[SALTUS_AXES_MAX];
     double *lists[SALTUS_AXES_MAX] = {NULL};
     const cli_list *over = cli_values(request, "--over");
     saltus_status status = SALTUS_OK;
+    /* The axes of basins are entries of the initial state: q1, v1, z1 or names from a text model. */
+    for (int k = 0; k < over->count && basins; k++) {
+        char key[64];
+        snprintf(key, sizeof key, "%.*s", (int)strcspn(over->items[k], "="), over->items[k]);
+        if (saltus_spec_state_index(&scene->spec, key) < 0)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "--over %.300s: must be an entry of the initial state, such as %s",
+                               over->items[k], saltus_model_text(scene->spec.model) ? "x or x'" : "q1 or v1");
+    }
     if (over->count > SALTUS_AXES_MAX)
         status = saltus_fail(message, SALTUS_BAD_INPUT, "--over %.100s: only two axes can be given",
                              over->items[SALTUS_AXES_MAX]);
@@ -246,20 +246,27 @@ static saltus_status make_sweep(const cli_request *request, const saltus_scene *
     return status;
 }
 
-int sweep_command(const cli_request *request, bool basins, saltus_status status, const saltus_scene *scene,
-                  const saltus_sweep_options *options, saltus_message *message) {
+int sweep_command(const cli_request *request, bool basins, const saltus_sweep_options *options) {
     volatile sig_atomic_t stop = 0;
+    saltus_scene scene = {.initial_count = 0};
+    saltus_message message = {.text = ""};
     saltus_sweep_options how = *options;
     saltus_sweep *sweep = NULL;
     sweep_report report;
+    cli_origin origin = {.command = NULL};
     how.flow.stop = &stop;
     if (how.threads == 0)
         how.threads = ranks_threads();
-    cli_origin origin = {.command = NULL};
+    saltus_status status = cli_load_scene(request, &scene, &message);
+    /* Defaults for --what: clouds for diagrams over one parameter, only classes over two. CSV files hold only
+     * rows. */
+    if (status == SALTUS_OK && !basins && !cli_given(request, "--what") &&
+        cli_values(request, "--over")->count == 1 && !cli_ends_in(request->output, ".csv"))
+        how.keep = SALTUS_KEEP_TURNING | (scene.spec.stop_count ? SALTUS_KEEP_IMPACTS : 0);
     if (status == SALTUS_OK)
-        status = make_sweep(request, scene, &how, &sweep, message);
+        status = make_sweep(request, basins, &scene, &how, &sweep, &message);
     if (status == SALTUS_OK)
-        status = cli_origin_new(request, &origin, message);
+        status = cli_origin_new(request, &origin, &message);
     const sweep_order order = {.sweep = sweep,
                                .stop = &stop,
                                .path = request->output,
@@ -268,13 +275,14 @@ int sweep_command(const cli_request *request, bool basins, saltus_status status,
                                .resume = cli_given(request, "--resume"),
                                .quiet = cli_given(request, "--quiet"),
                                .to_stdout = request->to_stdout};
-    int code = run_sweep(&order, status, message, &report);
+    int code = run_sweep(&order, status, &message, &report);
     if (code == CLI_DONE && report.first)
-        code = cli_report(print_report(&order, &report, cli_given(request, "--json"), message), message);
+        code = cli_report(print_report(&order, &report, cli_given(request, "--json"), &message), &message);
     if (code == CLI_DONE && report.first)
-        code = cli_report(tell_failure(sweep, &report, message), message);
+        code = cli_report(tell_failure(sweep, &report, &message), &message);
     sweep_tally_clear(&report.tally);
     saltus_sweep_free(sweep);
+    saltus_scene_clear(&scene);
     cli_origin_clear(&origin);
     return code;
 }

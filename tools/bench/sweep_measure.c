@@ -65,7 +65,7 @@ saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
         double error;
         const int period = motion_period(&s->reference[k], scale, settled_to);
         if (period > 0 && motion_period(&s->found[k], scale, settled_to) == period &&
-            motion_agrees(&s->reference[k], period, &s->found[k], &error))
+            motion_agrees(&s->reference[k], period, &s->found[k], false, &error))
             s->period[k] = period;
         s->periodic += s->period[k] > 0;
     }
@@ -103,12 +103,6 @@ static bool counts_its_own(sweep *s, const program *p, int omega) {
     return true;
 }
 
-static bool agrees(const sweep *s, const program *p, int omega, double *error) {
-    return p->kind == program_engine
-               ? motion_agrees_in_phase(&s->reference[omega], s->period[omega], &s->found[omega], error)
-               : motion_agrees(&s->reference[omega], s->period[omega], &s->found[omega], error);
-}
-
 /* Fill in a row's errors and counts from the motions found. */
 static void judge(sweep *s, const program *p, row *r) {
     static double errors[omegas_max];
@@ -119,7 +113,7 @@ static void judge(sweep *s, const program *p, row *r) {
         if (s->period[k] == 0)
             continue;
         r->judged++;
-        if (agrees(s, p, k, &error))
+        if (motion_agrees(&s->reference[k], s->period[k], &s->found[k], p->kind == program_engine, &error))
             r->right++;
         else if (counts_its_own(s, p, k))
             r->elsewhere++;

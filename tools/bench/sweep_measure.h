@@ -1,10 +1,93 @@
-/* One program's run of the sweep, its cost, and how far its motions deviate from exact integration.
+/* The sweep's benchmark: one program's run of the sweep, its cost, and how far its motions deviate from exact
+ * integration.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_SWEEP_MEASURE_H
 #define SALTUS_BENCH_SWEEP_MEASURE_H
 
 #include "rivals.h"
-#include "sweep_own.h"
+#include "saltus/saltus.h"
+
+/* sweep_motion.c: records of motions, and their comparison. */
+enum { settling_periods = 300, recorded_periods = 100, motion_dimension = 10 };
+
+typedef struct impact {
+    double time; /* in forcing periods after settling */
+    double speed;
+} impact;
+
+/* Replaces n if an orbit has infinitely many impacts. */
+enum { orbit_chatters = -1 };
+
+/* The recorded periods of one motion. */
+typedef struct motion {
+    impact *impacts;
+    int count, room, sticks;
+    double settled[motion_dimension];   /* the state at the beginning of the recorded periods */
+    double (*strobe)[motion_dimension]; /* states at the end of each recorded period, and at the beginning of
+                                           the first; NULL if not requested */
+    int orbit_impacts, orbit_periods;   /* n/p if the program reports it, otherwise 0/0 */
+    bool failed;                        /* the integrator gave up, or no memory was left */
+} motion;
+
+/* Discard the records but keep the memory. */
+void motion_clear(motion *m);
+void motion_free(motion *m);
+void motion_add_impact(motion *m, double time, double speed);
+
+/* Least period, in forcing periods, with which the recorded stroboscopic states repeat to within `tolerance`
+ * of the scale; 0 if there is none up to half of the record. */
+int motion_period(const motion *m, const double *scale, double tolerance);
+
+/* Whether `m` has the impacts of the periodic `reference`, counted over as many of its periods as were
+ * recorded. `error` receives the largest difference between the impact times in the last period, in forcing
+ * periods, after the best shift by whole periods (NAN if the counts differ). With sticking there are too many
+ * impacts: sticks are counted instead, and there is no error.
+ * `in_phase`: `m` has only the phases of impacts. All impacts of the recorded periods are counted, and those
+ * of the last orbit are compared after the best cyclic shift. */
+bool motion_agrees(const motion *reference, int period, const motion *m, bool in_phase, double *error);
+/* Number of impacts per period of a periodic motion; orbit_chatters if it sticks. */
+int motion_orbit_impacts(const motion *m, int period);
+
+/* sweep_own.c: Saltus' side. */
+typedef struct own_request {
+    int lanes;
+    double rtol;     /* atol is rtol / 1000 */
+    int order;       /* 0: automatic */
+    bool strobe;     /* record stroboscopic states */
+    double step_max; /* longest step in units of time; 0: no limit */
+} own_request;
+
+/* What a sweep cost. */
+typedef struct sweep_cost {
+    double seconds, wall;
+    long long steps, evaluations;
+} sweep_cost;
+
+/* Advance one forcing period from `state` (both states have motion_dimension entries) and count the impacts,
+ * without lanes and records. */
+saltus_status own_period(const saltus_system *system, const own_request *request, const double *state,
+                         double *end, int *impacts, saltus_message *message);
+
+/* Run every system from its default state and fill `motions` (length `count`). Errors: those of the flow. */
+saltus_status own_sweep(saltus_system *const *systems, int count, const own_request *request, motion *motions,
+                        sweep_cost *cost, saltus_message *message);
+
+typedef struct engine_request {
+    int lanes, threads;
+    double rtol;   /* atol is rtol / 1000 */
+    unsigned keep; /* bits SALTUS_KEEP_... */
+    bool adaptive; /* record as soon as the period is certain, at the latest after as many periods as
+                      otherwise */
+    bool stopped;  /* whether the scene has the stop */
+} engine_request;
+
+/* The axis of all programs. */
+saltus_axis engine_axis(void);
+
+/* Sweep the whole axis and fill `motions` (length of the axis), with phases as times of impacts. Errors:
+ * those of the sweep. */
+saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
+                           saltus_message *message);
 
 enum { omegas_max = 1000, rival_events_max = 1 << 20 };
 

@@ -1,6 +1,6 @@
 /* Records of motions and their comparison.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep_motion.h"
+#include "sweep_measure.h"
 
 #include <gsl/gsl_sort.h>
 #include <limits.h>
@@ -148,21 +148,7 @@ static double sequence_error(const impact *a, const impact *b, int count, int pe
     return count ? least : NAN;
 }
 
-bool motion_agrees_in_phase(const motion *reference, int period, const motion *m, double *error) {
-    int first;
-    const int count = last_period(reference, period, &first);
-    *error = NAN;
-    if (m->failed || (reference->sticks > 0) != (m->sticks > 0))
-        return false;
-    if (reference->sticks > 0)
-        return abs(reference->sticks - m->sticks) <= period;
-    if (m->count < count || !counts_in_all(reference, period, m->count))
-        return false;
-    *error = sequence_error(reference->impacts + first, m->impacts + m->count - count, count, 0);
-    return true;
-}
-
-bool motion_agrees(const motion *reference, int period, const motion *m, double *error) {
+bool motion_agrees(const motion *reference, int period, const motion *m, bool in_phase, double *error) {
     const int windows = (recorded_periods - 1) / period;
     const double end = recorded_periods - 1 + quiet_phase(reference, recorded_periods - period);
     int first, first_last, other_last;
@@ -171,12 +157,16 @@ bool motion_agrees(const motion *reference, int period, const motion *m, double 
         return false;
     if (reference->sticks > 0)
         return abs(reference->sticks - m->sticks) <= period;
-    if (window(reference, end - windows * period, end, &first) !=
-        window(m, end - windows * period, end, &first))
-        return false;
     const int count = last_period(reference, period, &first_last);
-    if (window(m, end - period, end, &other_last) != count)
+    if (in_phase) {
+        if (m->count < count || !counts_in_all(reference, period, m->count))
+            return false;
+        other_last = m->count - count;
+    } else if (window(reference, end - windows * period, end, &first) !=
+                   window(m, end - windows * period, end, &first) ||
+               window(m, end - period, end, &other_last) != count)
         return false;
-    *error = sequence_error(reference->impacts + first_last, m->impacts + other_last, count, period);
+    *error = sequence_error(reference->impacts + first_last, m->impacts + other_last, count,
+                            in_phase ? 0 : period);
     return true;
 }

@@ -1,7 +1,7 @@
 /* The sweep with Saltus: on a flow whose lanes are refilled as soon as they are free, and with the library's
  * own sweeps.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep_own.h"
+#include "sweep_measure.h"
 
 #include "clock.h"
 
