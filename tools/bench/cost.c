@@ -68,25 +68,6 @@ static bool advance(saltus_flow *flow, const asked *a, long long until) {
     return true;
 }
 
-static saltus_flow *open_flow(const saltus_system *system, const asked *a) {
-    saltus_flow_options options = saltus_flow_defaults();
-    saltus_flow *flow = NULL;
-    options.columns = a->columns;
-    options.directions = a->directions;
-    options.integrator = a->integrator;
-    if (a->rtol > 0) {
-        options.rtol = a->rtol;
-        options.atol = 1e-3 * a->rtol;
-    }
-    if (saltus_flow_new(&system, 1, &options, &flow, NULL) != SALTUS_OK)
-        return NULL;
-    saltus_direction direction;
-    if (a->directions > 0 &&
-        saltus_spec_direction(saltus_system_spec(system), "omega", &direction, NULL, NULL) == SALTUS_OK)
-        saltus_flow_set_directions(flow, &direction);
-    return flow;
-}
-
 /* The tangent vectors restart in each stretch: over a long run they would grow or shrink too far. */
 static bool measure_stretches(saltus_flow *flow, const saltus_system *system, const asked *a, int settle,
                               int length, spent *s) {
@@ -119,16 +100,28 @@ static bool measure_stretches(saltus_flow *flow, const saltus_system *system, co
 /* `start` may be NULL: the default state. */
 static bool measure_run(const saltus_spec *spec, const asked *a, const double *start, int settle, int length,
                         spent *s) {
+    saltus_flow_options options = saltus_flow_defaults();
     saltus_system *system = NULL;
     saltus_flow *flow = NULL;
+    saltus_direction direction;
     saltus_message message = {.text = ""};
     double state[SALTUS_SCENE_STATE_MAX];
-    bool done =
-        saltus_system_new(spec, &system, &message) == SALTUS_OK &&
-        saltus_system_default_state(system, state, &message) == SALTUS_OK &&
-        (flow = open_flow(system, a)) != NULL &&
-        saltus_flow_start(flow, 0, (saltus_time){0, 0}, start ? start : state, &message) == SALTUS_OK &&
-        measure_stretches(flow, system, a, settle, length, s);
+    options.columns = a->columns;
+    options.directions = a->directions;
+    options.integrator = a->integrator;
+    if (a->rtol > 0) {
+        options.rtol = a->rtol;
+        options.atol = 1e-3 * a->rtol;
+    }
+    bool done = saltus_system_new(spec, &system, &message) == SALTUS_OK &&
+                saltus_system_default_state(system, state, &message) == SALTUS_OK &&
+                saltus_flow_new(&(const saltus_system *){system}, 1, &options, &flow, NULL) == SALTUS_OK;
+    if (done && a->directions > 0 &&
+        saltus_spec_direction(saltus_system_spec(system), "omega", &direction, NULL, NULL) == SALTUS_OK)
+        saltus_flow_set_directions(flow, &direction);
+    done = done &&
+           saltus_flow_start(flow, 0, (saltus_time){0, 0}, start ? start : state, &message) == SALTUS_OK &&
+           measure_stretches(flow, system, a, settle, length, s);
     if (!done)
         fprintf(stderr, "saltus_bench: %s: %s\n", a->what, message.text);
     saltus_flow_free(flow);
@@ -243,36 +236,12 @@ static bool cost_of_choice(cost_table *costs, int settle, int length) {
 }
 
 /* Trajectories side by side, each with its own omega, over the same periods. */
-static bool measure_lanes(saltus_system **systems, int lanes, int settle, int length, double *us) {
-    const saltus_flow_options options = saltus_flow_defaults();
-    saltus_flow *flow = NULL;
-    saltus_event event;
-    double state[SALTUS_SCENE_STATE_MAX], seconds[stretches];
-    bool done =
-        saltus_flow_new((const saltus_system *const *)systems, lanes, &options, &flow, NULL) == SALTUS_OK;
-    for (int l = 0; l < lanes && done; l++)
-        done = saltus_system_default_state(systems[l], state, NULL) == SALTUS_OK &&
-               saltus_flow_start(flow, l, (saltus_time){0, 0}, state, NULL) == SALTUS_OK;
-    for (int k = -1; k < stretches && done; k++) {
-        const double start = processor_seconds();
-        for (int l = 0; l < lanes; l++)
-            saltus_flow_aim(flow, l, (saltus_time){settle + (k + 1LL) * length, 0}, 0);
-        for (int arrived = 0, lane; arrived < lanes && done; arrived++)
-            done = saltus_flow_run(flow, &lane, &event, NULL) == SALTUS_OK;
-        if (k >= 0)
-            seconds[k] = (processor_seconds() - start) / ((double)length * lanes);
-    }
-    saltus_flow_free(flow);
-    if (done)
-        *us = 1e6 * median(seconds, stretches);
-    return done;
-}
-
 static bool cost_of_lanes(cost_table *costs, int settle, int length) {
-    saltus_system *systems[lanes_max] = {NULL};
+    const saltus_flow_options options = saltus_flow_defaults();
     const asked a = {.stop = true, .d = 0.035};
+    saltus_system *systems[lanes_max] = {NULL};
+    double state[SALTUS_SCENE_STATE_MAX], seconds[stretches], base = NAN;
     bool done = true;
-    double base = NAN;
     for (int l = 0; l < lanes_max && done; l++) {
         saltus_spec spec = pipe_of(42 + 0.01 * l, 5);
         set_stop(&spec, &a);
@@ -282,7 +251,26 @@ static bool cost_of_lanes(cost_table *costs, int settle, int length) {
     for (int lanes = 1; lanes <= lanes_max && lanes <= width && done; lanes *= 2) {
         char what[96];
         spent s = {.steps = NAN, .impacts = NAN, .evaluations = NAN};
-        done = measure_lanes(systems, lanes, settle, length, &s.us);
+        saltus_flow *flow = NULL;
+        saltus_event event;
+        done =
+            saltus_flow_new((const saltus_system *const *)systems, lanes, &options, &flow, NULL) == SALTUS_OK;
+        for (int l = 0; l < lanes && done; l++)
+            done = saltus_system_default_state(systems[l], state, NULL) == SALTUS_OK &&
+                   saltus_flow_start(flow, l, (saltus_time){0, 0}, state, NULL) == SALTUS_OK;
+        for (int k = -1; k < stretches && done; k++) {
+            const double start = processor_seconds();
+            for (int l = 0; l < lanes; l++)
+                saltus_flow_aim(flow, l, (saltus_time){settle + (k + 1LL) * length, 0}, 0);
+            for (int arrived = 0, lane; arrived < lanes && done; arrived++)
+                done = saltus_flow_run(flow, &lane, &event, NULL) == SALTUS_OK;
+            if (k >= 0)
+                seconds[k] = (processor_seconds() - start) / ((double)length * lanes);
+        }
+        saltus_flow_free(flow);
+        if (!done)
+            break;
+        s.us = 1e6 * median(seconds, stretches);
         base = lanes == 1 ? s.us : base;
         snprintf(what, sizeof what, "%d lane%s", lanes, lanes > 1 ? "s" : "");
         add_row(costs, "lanes", what, &s, base);
@@ -307,41 +295,35 @@ static saltus_status drop_result(void *context, const saltus_sweep_result *resul
     return SALTUS_OK;
 }
 
-static bool measure_threads(int threads, int points, int periods, double *us) {
+static bool cost_of_threads(cost_table *costs, bool quick) {
     enum { repeats = 3 };
-    saltus_scene scene;
-    saltus_sweep *sweep = NULL;
-    double seconds[repeats];
-    saltus_sweep_options options = saltus_sweep_defaults();
+    const int points = quick ? 64 : 256, periods = quick ? 200 : 400;
     const saltus_axis axis = {"omega", SALTUS_LINEAR, points, 40, 44, NULL};
+    saltus_scene scene;
+    double seconds[repeats], base = NAN;
+    saltus_sweep_options options = saltus_sweep_defaults();
     options.adaptive = false;
     options.transient = periods / 2;
     options.record = periods - periods / 2;
-    options.threads = threads;
-    bool done = saltus_scene_load("fig6", &scene, NULL) == SALTUS_OK &&
-                saltus_sweep_new(&scene, &axis, 1, &options, &sweep, NULL) == SALTUS_OK;
-    for (int k = 0; k < repeats && done; k++) {
-        tasks all = {0, saltus_sweep_tasks(sweep)};
-        const saltus_sweep_feed feed = {.context = &all, .next = next_task, .take = drop_result};
-        const double start = clock_seconds(CLOCK_MONOTONIC);
-        done = saltus_sweep_run(sweep, &feed, NULL) == SALTUS_OK;
-        seconds[k] = (clock_seconds(CLOCK_MONOTONIC) - start) / ((double)points * periods);
-    }
-    saltus_sweep_free(sweep);
-    if (done)
-        *us = 1e6 * median(seconds, repeats);
-    return done;
-}
-
-static bool cost_of_threads(cost_table *costs, bool quick) {
-    double base = NAN;
-    for (int threads = 1; threads <= 2; threads++) {
-        spent s = {.steps = NAN, .impacts = NAN, .evaluations = NAN};
-        char what[96];
-        if (!measure_threads(threads, quick ? 64 : 256, quick ? 200 : 400, &s.us))
+    for (options.threads = 1; options.threads <= 2; options.threads++) {
+        saltus_sweep *sweep = NULL;
+        bool done = saltus_scene_load("fig6", &scene, NULL) == SALTUS_OK &&
+                    saltus_sweep_new(&scene, &axis, 1, &options, &sweep, NULL) == SALTUS_OK;
+        for (int k = 0; k < repeats && done; k++) {
+            tasks all = {0, saltus_sweep_tasks(sweep)};
+            const saltus_sweep_feed feed = {.context = &all, .next = next_task, .take = drop_result};
+            const double start = clock_seconds(CLOCK_MONOTONIC);
+            done = saltus_sweep_run(sweep, &feed, NULL) == SALTUS_OK;
+            seconds[k] = (clock_seconds(CLOCK_MONOTONIC) - start) / ((double)points * periods);
+        }
+        saltus_sweep_free(sweep);
+        if (!done)
             return false;
-        base = threads == 1 ? s.us : base;
-        snprintf(what, sizeof what, "%d thread%s, wall time", threads, threads > 1 ? "s" : "");
+        spent s = {.us = 1e6 * median(seconds, repeats), .steps = NAN, .impacts = NAN, .evaluations = NAN};
+        char what[96];
+        base = options.threads == 1 ? s.us : base;
+        snprintf(what, sizeof what, "%d thread%s, wall time", options.threads,
+                 options.threads > 1 ? "s" : "");
         add_row(costs, "threads", what, &s, base);
     }
     return true;
