@@ -588,13 +588,13 @@ static saltus_status read_start(trial *t) {
     saltus_start start;
     saltus_scene scene;
     load("impact-oscillator", &scene);
-    saltus_status status = saltus_start_read(kept_orbit, &start, &t->message);
+    saltus_status status = saltus_start_read(kept_orbit, NULL, &start, &t->message);
     note_reals(t, start.state, 2);
     if (status == SALTUS_OK)
         status = saltus_start_apply(&start, kept_orbit, &scene, &t->message);
     snprintf(source, sizeof source, "%s:1", kept_branch);
     if (status == SALTUS_OK)
-        status = saltus_start_read(source, &start, &t->message);
+        status = saltus_start_read(source, NULL, &start, &t->message);
     note_reals(t, start.state, 2);
     return status;
 }

@@ -606,7 +606,7 @@ static void long_texts_are_not_cut(void **state) {
 static void check_start(const char *source, const saltus_spec *spec, int periods, const double *x) {
     saltus_message message = {.text = ""};
     saltus_start start;
-    check_ok(saltus_start_read(source, &start, &message), &message);
+    check_ok(saltus_start_read(source, NULL, &start, &message), &message);
     assert_int_equal(start.periods, periods);
     assert_int_equal(start.dimension, dimension);
     assert_memory_equal(start.state, x, dimension * sizeof *x);
@@ -621,7 +621,7 @@ static void check_start(const char *source, const saltus_spec *spec, int periods
 static void refuse_start(const char *source, const char *word) {
     saltus_message message = {.text = ""};
     saltus_start start;
-    assert_int_equal(saltus_start_read(source, &start, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_start_read(source, NULL, &start, &message), SALTUS_BAD_INPUT);
     if (!strstr(message.text, word))
         fail_msg("\"%s\" does not say \"%s\"", message.text, word);
 }

@@ -331,7 +331,7 @@ static void files_tell_the_same_system(void **unused) {
         assert_non_null(file);
         saltus_write_motion_json(file, &scene, s.system, &motion);
         assert_int_equal(fclose(file), 0);
-        check_ok(saltus_start_read(path, &start, &message), &message);
+        check_ok(saltus_start_read(path, NULL, &start, &message), &message);
         assert_true(saltus_spec_equal(&start.spec, &s.spec));
         assert_int_equal(start.periods, 3);
         assert_memory_equal(start.state, s.state, (size_t)s.n * sizeof *s.state);

@@ -521,7 +521,7 @@ static void the_longest_words_come_back_whole(void **state) {
         /* A start taken from it keeps the label. */
         saltus_start from;
         snprintf(line, sizeof line, "%s:EP1", path);
-        check_ok(saltus_start_read(line, &from, &message), &message);
+        check_ok(saltus_start_read(line, NULL, &from, &message), &message);
         assert_string_equal(from.label, point.label);
         /* A sweep that has not begun. */
         saltus_axis axis = {.key = "omega", .count = 1, .low = 1, .high = 1};

@@ -106,6 +106,69 @@ static void exponents_are_those_of_the_multipliers(void **state) {
     json_free(l);
 }
 
+static void close_to(const json *object, const char *path, double wanted, double by) {
+    const double number = json_number_at(object, path);
+    if (!(fabs(number - wanted) <= by))
+        fail_msg("%s: %.17g instead of %.17g", path, number, wanted);
+}
+
+/* Without forcing the zero along the flow is among the exponents of a cycle; those of an equilibrium are the
+ * real parts of its eigenvalues, and a record stays on it. */
+static void cycles_and_equilibria_have_exponents(void **state) {
+    char *text = told(*state, "classify relief-valve --set q=5 --json");
+    put_text(*state, "cycle.json", text);
+    free(text);
+    json *cycle = object_of(*state, "orbit relief-valve --from cycle.json --json"),
+         *l = object_of(*state, "lyapunov relief-valve --from cycle.json --all --json");
+    const double period = json_number_at(cycle, "period");
+    close_to(l, "exponents.0", 0, 0);
+    close_to(l, "exponents.1", json_number_at(cycle, "log_moduli.0") / period, 1e-9);
+    close_to(l, "exponents.2", json_number_at(cycle, "log_moduli.1") / period, 1e-6);
+    close_to(l, "sum", json_number_at(l, "sum_rule"), 1e-6);
+    assert_string_equal(json_text_at(l, "sign"), "zero");
+    json_free(cycle);
+    json_free(l);
+    text = told(*state, "orbit flutter --set u=5 --json");
+    put_text(*state, "rest.json", text);
+    free(text);
+    json *rest = object_of(*state, "orbit flutter --from rest.json --set u=8.7 --json");
+    l = object_of(*state, "lyapunov flutter --from rest.json --set u=8.7 --all --json");
+    for (int k = 0; k < 4; k++) {
+        char one[32], other[32];
+        snprintf(one, sizeof one, "exponents.%d", k);
+        snprintf(other, sizeof other, "eigenvalues.%d.0", k);
+        close_to(l, one, json_number_at(rest, other), 0);
+    }
+    assert_true(json_number_at(l, "exponents.0") > 1 && json_number_at(l, "exponents.3") < -1);
+    json_free(rest);
+    json_free(l);
+    text = told(*state, "simulate flutter --from rest.json --set u=8.7 --periods 50 -o rest.csv");
+    assert_non_null(strstr(text, "10001 samples"));
+    free(text);
+    text = told(*state, "diagnose flutter --from rest.json --set u=8.7 -o sheet.svg");
+    assert_int_equal(strncmp(text, "flutter: equilibrium, unstable\n", 31), 0);
+    free(text);
+}
+
+/* Where the orbits of a branch have shrunk to an equilibrium, and at folds and flips, exponents are zero as
+ * accurately as they are known. */
+static void special_points_have_an_exponent_zero(void **state) {
+    free(told(*state, "continue relief-valve --set q=8.45 --in q=8.4:8.6 -o hopf.h5 --quiet"));
+    free(told(*state, "continue impact-oscillator --set omega=0.8 --in omega=0.7:0.9 -o folds.h5 --quiet"));
+    static const char *const lines[] = {"lyapunov relief-valve --from hopf.h5:HB1 --json",
+                                        "lyapunov impact-oscillator --from folds.h5:LP1 --json",
+                                        "lyapunov impact-oscillator --from folds.h5:PD1 --json"};
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+        json *l = object_of(*state, lines[k]);
+        assert_string_equal(json_text_at(l, "sign"), "zero");
+        assert_true(json_number_at(l, "standard_error") > 0 && json_number_at(l, "standard_error") < 1e-5);
+        json_free(l);
+    }
+    char *text = told(*state, "diagnose relief-valve --from hopf.h5:HB1 -o sheet.svg");
+    assert_int_equal(strncmp(text, "relief-valve: equilibrium, ", 27), 0);
+    free(text);
+}
+
 /* Page and spectrum are those of the orbit itself. */
 static void the_orbit_itself_is_described(void **state) {
     char *text = told(*state, "diagnose fig7a --from orbit.json -o sheet.svg");
@@ -154,6 +217,38 @@ static void rows_and_cells_are_orbits(void **state) {
     assert_true(fabs(first - last) < 1e-10 && fabs(first) > 1e-6);
 }
 
+/* Rows of further seeds, of passes up and down and of moved initial states are run again. Without forcing the
+ * orbit has a period of its own, whether the row keeps a state or not. */
+static void any_row_is_a_start(void **state) {
+    static const struct {
+        const char *line, *label;
+    } cases[] = {{"orbit fig6 --from plain.h5:4", "fig6: 3/4, stable\n"},
+                 {"orbit fig6 --from states.h5:2", "fig6: "},
+                 {"orbit impact-oscillator --from carried.h5:3", "impact-oscillator: 1/2, stable\n"},
+                 {"orbit impact-oscillator --from carried.h5:7", "impact-oscillator: 2/2, stable\n"},
+                 {"orbit impact-oscillator --from carried.h5:10", "impact-oscillator: 1/2, stable\n"},
+                 {"lyapunov relief-valve --from free.h5:1 --exponents 2 --json", "{"},
+                 {"lyapunov relief-valve --from returns.h5:1 --exponents 2 --json", "{"},
+                 {"orbit relief-valve --from free.h5:2", "relief-valve: equilibrium, stable\n"}};
+    free(told(*state,
+              "sweep impact-oscillator --set omega=0.8 --over omega=0.8,0.835,0.84,0.86 --start both --quiet "
+              "-o carried.h5"));
+    free(told(*state, "sweep relief-valve --over q=5:9:2 --quiet -o free.h5"));
+    free(told(*state, "sweep relief-valve --over q=5:9:2 --what stroboscopic --quiet -o returns.h5"));
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char *text = told(*state, cases[k].line);
+        if (strncmp(text, cases[k].label, strlen(cases[k].label)) != 0)
+            fail_msg("%s: %.60s", cases[k].line, text);
+        if (text[0] == '{') {
+            json *l = json_read(text);
+            close_to(l, "exponents.0", 0, 0);
+            close_to(l, "exponents.1", -0.243911, 1e-6);
+            json_free(l);
+        }
+        free(text);
+    }
+}
+
 static void what_tells_no_motion_is_refused(void **state) {
     static const struct {
         const char *line, *part;
@@ -161,8 +256,10 @@ static void what_tells_no_motion_is_refused(void **state) {
         {"simulate fig6 --periods 1 -o x.h5 --from map.h5", "holds a sweep of 8 rows; name one"},
         {"simulate fig6 --periods 1 -o x.h5 --from map.h5:9", "holds a sweep of 8 rows"},
         {"simulate fig6 --periods 1 -o x.h5 --from map.h5:0", "holds a sweep of 8 rows"},
-        {"simulate fig6 --periods 1 -o x.h5 --from plain.h5:2", "plain.h5:2: keeps no state"},
-        {"simulate fig6 --periods 1 -o x.h5 --from states.h5:2", "states.h5:2: keeps no state"},
+        {"simulate fig3 --periods 1 -o x.h5 --from plain.h5:1", "plain.h5:1: its orbit has N = 5 and"},
+        {"simulate fig3 --periods 1 -o x.h5 --from map.h5:1", "map.h5:1: its orbit has N = 5 and"},
+        {"simulate flutter --periods 1 -o x.h5 --from rest.json --transient 3", "--transient 3: "},
+        {"lyapunov flutter --from rest.json -o x.png", "-o x.png: "},
         {"simulate fig7a --periods 1 -o x.h5 --from orbit.json --transient 3", "--transient 3: "},
         {"simulate two-mass --periods 1 -o x.h5 --from map.h5:1", "is an orbit of the model pipe"},
         {"lyapunov fig7a --from orbit.json -o x.png", "-o x.png: "},
@@ -185,8 +282,11 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_unstable_orbit_is_not_left),
         cmocka_unit_test(exponents_are_those_of_the_multipliers),
+        cmocka_unit_test(cycles_and_equilibria_have_exponents),
+        cmocka_unit_test(special_points_have_an_exponent_zero),
         cmocka_unit_test(the_orbit_itself_is_described),
         cmocka_unit_test(rows_and_cells_are_orbits),
+        cmocka_unit_test(any_row_is_a_start),
         cmocka_unit_test(what_tells_no_motion_is_refused),
     };
     return cmocka_run_group_tests(tests, prepare, close_fixture);

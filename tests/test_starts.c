@@ -74,7 +74,7 @@ static char *json_of(const fixture *f, int first, int count) {
 static void check_start(const fixture *f, const char *source, int orbit) {
     saltus_message message;
     saltus_start start;
-    check_ok(saltus_start_read(source, &start, &message), &message);
+    check_ok(saltus_start_read(source, NULL, &start, &message), &message);
     assert_int_equal(start.periods, orbit + 2);
     assert_int_equal(start.dimension, dimension);
     assert_memory_equal(start.state, f->state[orbit], sizeof f->state[orbit]);
@@ -95,7 +95,7 @@ static void check_refused(const char *source, const char *words) {
     saltus_start start;
     char wanted[300];
     snprintf(wanted, sizeof wanted, "%s: %s", source, words);
-    assert_int_equal(saltus_start_read(source, &start, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_start_read(source, NULL, &start, &message), SALTUS_BAD_INPUT);
     if (strncmp(message.text, wanted, strlen(wanted)) != 0)
         fail_msg("'%s' instead of '%s'", message.text, wanted);
 }
@@ -150,15 +150,15 @@ static void orbits_are_named_by_their_place(void **state) {
     check_refused(source, "cannot be opened (No such file or directory)");
     saltus_message message;
     saltus_start start;
-    assert_int_equal(saltus_start_read(":1", &start, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_start_read(":1", NULL, &start, &message), SALTUS_BAD_INPUT);
     assert_string_equal(message.text, ":1: is no file name");
-    assert_int_equal(saltus_start_read("", &start, &message), SALTUS_BAD_INPUT);
+    assert_int_equal(saltus_start_read("", NULL, &start, &message), SALTUS_BAD_INPUT);
     assert_string_equal(message.text, ": is no file name");
     char longest[4200];
     for (int length = 4095; length < 4097; length++) {
         memset(longest, 'x', sizeof longest);
         longest[length] = '\0';
-        assert_int_equal(saltus_start_read(longest, &start, &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_start_read(longest, NULL, &start, &message), SALTUS_BAD_INPUT);
         assert_int_equal(strstr(message.text, "is no file name") != NULL, length > 4095);
     }
     free(all);
@@ -216,7 +216,7 @@ static void every_member_is_wanted(void **state) {
         save(f->path, made = replaced(text, "\"parameters\"", from, to));
         saltus_message message;
         saltus_start start;
-        assert_int_equal(saltus_start_read(f->path, &start, &message), SALTUS_BAD_INPUT);
+        assert_int_equal(saltus_start_read(f->path, NULL, &start, &message), SALTUS_BAD_INPUT);
         assert_non_null(strstr(message.text, key));
         assert_int_equal(strncmp(message.text, f->path, strlen(f->path)), 0);
         free(made);
@@ -267,20 +267,20 @@ static void every_member_is_wanted(void **state) {
     saltus_message message;
     saltus_start start;
     save(f->path, made = replaced(text, "\"periods\"", "\"periods\": 2", "\"periods\": 1000000"));
-    check_ok(saltus_start_read(f->path, &start, &message), &message);
+    check_ok(saltus_start_read(f->path, NULL, &start, &message), &message);
     assert_int_equal(start.periods, 1000000);
     free(made);
     save(f->path,
          made = replaced(text, "\"label\"", "\"5/2\"", "\"1234567890123456789012345678901234567890\""));
-    check_ok(saltus_start_read(f->path, &start, &message), &message);
+    check_ok(saltus_start_read(f->path, NULL, &start, &message), &message);
     assert_string_equal(start.label, "1234567890123456789012345678901");
     free(made);
     save(f->path, made = replaced(text, "\"label\"", "\"label\"", "\"motion\": \"6/3\", \"label\""));
-    check_ok(saltus_start_read(f->path, &start, &message), &message);
+    check_ok(saltus_start_read(f->path, NULL, &start, &message), &message);
     assert_string_equal(start.label, "6/3");
     free(made);
     save(f->path, made = replaced(text, "\"label\"", "\"label\"", "\"name\""));
-    check_ok(saltus_start_read(f->path, &start, &message), &message);
+    check_ok(saltus_start_read(f->path, NULL, &start, &message), &message);
     assert_string_equal(start.label, "");
     free(made);
     /* Unknown members are skipped, with up to 64 nested lists. */
@@ -294,7 +294,7 @@ static void every_member_is_wanted(void **state) {
         memset(nest + 8 + depth, ']', (size_t)depth);
         strcat(nest, ", \"label\"");
         save(f->path, made = replaced(text, "\"label\"", "\"label\"", nest));
-        saltus_status status = saltus_start_read(f->path, &start, &message);
+        saltus_status status = saltus_start_read(f->path, NULL, &start, &message);
         assert_int_equal(status, depth <= 64 ? SALTUS_OK : SALTUS_BAD_INPUT);
         free(nest);
         free(made);

@@ -384,12 +384,52 @@ static void a_start_on_the_orbit_counts_the_orbit(void **unused) {
     }
 }
 
+/* A row computed again, in any pass and of any seed, is the same to the last bit, with the state it ended in.
+ */
+static void a_row_can_be_computed_again(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *scene, *axis;
+        unsigned passes, keep;
+    } cases[] = {{"impact-oscillator", "omega=0.75:0.85:5",
+                  1u << SALTUS_PASS_RESET | 1u << SALTUS_PASS_UP | 1u << SALTUS_PASS_DOWN,
+                  SALTUS_KEEP_LYAPUNOV | SALTUS_KEEP_TURNING},
+                 {"duffing", "x=0:0.4:3", 1u << SALTUS_PASS_RESET, 0}};
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        saltus_message message = {.text = ""};
+        saltus_sweep_options options = saltus_sweep_defaults();
+        options.passes = cases[c].passes;
+        options.keep = cases[c].keep;
+        options.seeds = 3;
+        options.transient = 200;
+        options.record = 20;
+        saltus_scene scene = scene_of(cases[c].scene, "");
+        saltus_sweep *sweep = sweep_of(&scene, cases[c].axis, NULL, &options);
+        outcome all = open_outcome(sweep);
+        run_part(&all, 0, 1);
+        const int n = saltus_sweep_dimension(sweep);
+        for (long long k = 0; k < saltus_sweep_rows(sweep); k++) {
+            double state[SALTUS_SCENE_STATE_MAX];
+            saltus_sweep_row row;
+            const saltus_sweep_result known = result_at(&all, k / options.seeds);
+            check_ok(saltus_sweep_row_again(sweep, k, &row, state, &message), &message);
+            const long long seed = k % options.seeds;
+            assert_memory_equal(&row, &known.rows[seed], sizeof row);
+            assert_memory_equal(state, known.states + seed * n, (size_t)n * sizeof *state);
+        }
+        close_outcome(&all);
+        saltus_sweep_free(sweep);
+        saltus_scene_clear(&scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_equal_a_recount),
         cmocka_unit_test(fixed_rows_equal_a_recount_too),
         cmocka_unit_test(the_way_to_the_verdict_is_counted),
         cmocka_unit_test(a_start_on_the_orbit_counts_the_orbit),
+        cmocka_unit_test(a_row_can_be_computed_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -449,7 +449,7 @@ int cli_build(const cli_request *request, cli_setup *setup) {
     *setup = (cli_setup){.system = NULL};
     saltus_status status = cli_load_scene(request, scene, &message);
     if (status == SALTUS_OK && from)
-        status = saltus_start_read(from, &setup->start, &message);
+        status = saltus_start_read(from, interrupt_flag(), &setup->start, &message);
     if (status == SALTUS_OK && from)
         status = saltus_start_apply(&setup->start, from, scene, &message);
     if (status == SALTUS_OK && from)
@@ -467,10 +467,7 @@ int cli_build(const cli_request *request, cli_setup *setup) {
 }
 
 bool cli_on_orbit(const cli_setup *setup) {
-    return cli_names_orbit(setup) && setup->start.dimension > 0;
-}
-bool cli_names_orbit(const cli_setup *setup) {
-    return setup->start.periods > 0;
+    return setup->start.periods > 0 || setup->start.rests;
 }
 
 saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
@@ -487,7 +484,9 @@ saltus_status cli_motion(const cli_request *request, cli_setup *setup, const sal
     if (!cli_on_orbit(setup)) {
         status = saltus_classify(setup->system, start->state, how, motion, message);
         cli_progress_end(request);
-    } else if (start->own_period)
+    } else if (start->rests)
+        status = saltus_motion_equilibrium(setup->system, start->state, how, motion, &reason);
+    else if (start->own_period)
         status = saltus_motion_cycle(setup->system, start->state, how, motion, &reason);
     else {
         snprintf(period, sizeof period, " of period %d T", start->periods);
@@ -496,8 +495,8 @@ saltus_status cli_motion(const cli_request *request, cli_setup *setup, const sal
     if (cli_on_orbit(setup) && status != SALTUS_OK) {
         if (status == SALTUS_NO_CONVERGENCE || status == SALTUS_SINGULAR)
             status = SALTUS_BAD_INPUT;
-        saltus_fail(message, status, "--from %.200s: is no orbit%s here: %.200s", cli_text(request, "--from"),
-                    period, reason.text);
+        saltus_fail(message, status, "--from %.200s: is no %s%s here: %.200s", cli_text(request, "--from"),
+                    start->rests ? "equilibrium" : "orbit", period, reason.text);
     } else if (period[0])
         status = saltus_motion_describe(setup->system, &orbit, how, motion, message);
     saltus_orbit_clear(&orbit);
@@ -515,7 +514,7 @@ saltus_status cli_motion(const cli_request *request, cli_setup *setup, const sal
 saltus_status cli_orbit(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                         saltus_motion *motion, saltus_message *message) {
     saltus_status status = cli_motion(request, setup, how, motion, message);
-    if (status != SALTUS_OK || motion->periods > 0)
+    if (status != SALTUS_OK || motion->periods > 0 || motion->eigenvalues)
         return status;
     status =
         saltus_fail(message, SALTUS_BAD_INPUT, "--from %.200s: is %.60s there, and comes to no orbit here",

@@ -184,16 +184,15 @@ int cli_report_cause(saltus_status status, const saltus_message *message);
 int cli_build(const cli_request *request, cli_setup *setup);
 /* Release what a setup holds. A zeroed one is accepted. */
 void cli_clear(cli_setup *setup);
-/* Whether --from names a periodic orbit, and whether its file also has a state on it. */
-bool cli_names_orbit(const cli_setup *setup);
+/* Whether --from names a periodic orbit or an equilibrium. */
 bool cli_on_orbit(const cli_setup *setup);
-/* The motion that a command works on, to be cleared: the periodic orbit of --from, stable or not, recomputed
- * at the present parameters; without one, the motion that the start settles on. Errors: those of
- * saltus_orbit_find (SALTUS_BAD_INPUT if the start is no orbit) and of saltus_classify. If the orbit has its
- * own period, the setup's system is replaced by one that counts time by its returns. */
+/* The motion that a command works on, to be cleared: the periodic orbit or the equilibrium of --from, stable
+ * or not, recomputed at the present parameters; without one, the motion that the start settles on. Errors:
+ * those of saltus_orbit_find (SALTUS_BAD_INPUT if the start is no orbit) and of saltus_classify. If the orbit
+ * has its own period, the setup's system is replaced by one that counts time by its returns. */
 saltus_status cli_motion(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                          saltus_motion *motion, saltus_message *message);
-/* The same if --from names an orbit; SALTUS_BAD_INPUT if it leads to no periodic orbit. */
+/* The same if --from names an orbit or an equilibrium; SALTUS_BAD_INPUT if it leads to neither. */
 saltus_status cli_orbit(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                         saltus_motion *motion, saltus_message *message);
 /* Read a scene by name: a file, a built-in scene, or - for standard input. Errors: SALTUS_BAD_INPUT,

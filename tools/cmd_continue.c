@@ -131,7 +131,7 @@ static int begin_anew(run_state *run, saltus_message *message) {
     int code = cli_build(run->request, &run->setup);
     if (code != CLI_DONE)
         return code;
-    const bool given = cli_on_orbit(&run->setup) || start->rests;
+    const bool given = cli_on_orbit(&run->setup);
     saltus_status status = given ? SALTUS_OK : classify_start(run, message);
     if (periods && status == SALTUS_OK && start->rests)
         status = saltus_fail(message, SALTUS_BAD_INPUT,

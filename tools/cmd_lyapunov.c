@@ -32,7 +32,7 @@ static saltus_status deliver(const cli_request *request, const cli_setup *setup,
     return json ? status : cli_tell_written(request, "convergence", status);
 }
 
-/* The exponents of an orbit given by --from follow from its multipliers. */
+/* The exponents of an orbit or an equilibrium given by --from follow from its multipliers or eigenvalues. */
 static saltus_status take_orbit(const cli_request *request, cli_setup *setup,
                                 const saltus_lyapunov_options *how, saltus_lyapunov *result,
                                 saltus_message *message) {
@@ -40,14 +40,14 @@ static saltus_status take_orbit(const cli_request *request, cli_setup *setup,
     saltus_motion motion;
     if (request->output)
         return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "-o %.200s: the exponents of an orbit converge to nothing, they are those of its "
-                           "multipliers",
-                           request->output);
+                           "-o %.200s: the exponents of %s converge to nothing, they are those of its %s",
+                           request->output, setup->start.rests ? "an equilibrium" : "an orbit",
+                           setup->start.rests ? "eigenvalues" : "multipliers");
     describing.flow = how->flow;
     saltus_status status = cli_orbit(request, setup, &describing, &motion, message);
     int count = how->exponents ? how->exponents : saltus_system_dimension(setup->system);
     if (status == SALTUS_OK)
-        status = saltus_motion_exponents(setup->system, &motion, count, result, message);
+        status = saltus_motion_exponents(setup->system, &motion, &how->flow, count, result, message);
     saltus_motion_clear(&motion);
     return status;
 }
@@ -67,7 +67,7 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
                            given);
     if (how.exponents > dimension)
         return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %d: the scene has %d", given, dimension);
-    if (cli_names_orbit(setup))
+    if (cli_on_orbit(setup))
         status = take_orbit(request, setup, &how, &result, message);
     else {
         how.progress = (saltus_progress){shown ? show : NULL, &result};
@@ -94,7 +94,9 @@ const cli_command cmd_lyapunov = {
             "standard errors: how fast nearby trajectories separate (the largest one), sum rule and "
             "dimension (--all). They belong to the stroboscopic map; impacts, chatter and sticking are taken "
             "along exactly. -o shows how the estimate converged. With --from an orbit they are those of its "
-            "multipliers, stable or not.",
+            "multipliers, stable or not, without forcing with the zero along the flow; with --from an "
+            "equilibrium the real parts of its eigenvalues. The errors then say how accurately these are "
+            "known.",
     .needs_scene = true,
     .endings = cli_figures_or_table,
     .kind = "largest Lyapunov exponent",

@@ -61,7 +61,7 @@ static saltus_status find_one(const cli_request *request, cli_setup *setup, int 
     saltus_equilibrium rest = {0};
     saltus_motion motion = {0};
     saltus_status status = SALTUS_OK;
-    if (!cli_on_orbit(setup) && !setup->start.rests)
+    if (!cli_on_orbit(setup))
         status = saltus_motion_settle(setup->system, flow, transient, state, message);
     if (status == SALTUS_OK && cli_given(request, "--mirror"))
         status = saltus_motion_mirror(setup->system, flow, state, message);

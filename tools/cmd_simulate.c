@@ -38,14 +38,15 @@ static saltus_status simulate(const cli_request *request, cli_setup *setup, cons
     if (!request->output || !recorded)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "simulate: needs --periods n and -o file.h5 or file.csv");
-    if (cli_names_orbit(setup) && waited)
+    if (cli_on_orbit(setup) && waited)
         return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "--transient %ld: not with --from an orbit, on which there is nothing to wait for",
-                           waited);
-    if (cli_names_orbit(setup))
+                           "--transient %ld: not with --from %s, on which there is nothing to wait for",
+                           waited, setup->start.rests ? "an equilibrium" : "an orbit");
+    if (cli_on_orbit(setup))
         status = cli_orbit(request, setup, &describing, &motion, message);
-    const saltus_trajectory_plan plan = {.points = motion.section_states,
-                                         .orbit = motion.periods,
+    /* An equilibrium repeats after any time. */
+    const saltus_trajectory_plan plan = {.points = motion.periods ? motion.section_states : motion.state,
+                                         .orbit = motion.eigenvalues ? 1 : motion.periods,
                                          .transient = waited,
                                          .periods = recorded,
                                          .per_period = (int)cli_whole(request, "--samples"),
@@ -76,7 +77,7 @@ const cli_command cmd_simulate = {
     .summary = "a trajectory as a file",
     .usage = "SCENE [--set key=value ...] [--from orbit] --periods n [--transient m] -o run.h5|csv",
     .help = "Run the flow from the scene's initial state and write states, events and stroboscopic points. "
-            "With --from an orbit the record stays on that orbit, stable or not.",
+            "With --from an orbit or an equilibrium the record stays on it, stable or not.",
     .needs_scene = true,
     .endings = cli_records,
     .kind = "trajectory",

@@ -43,7 +43,8 @@ typedef struct saltus_lyapunov {
     int dimension, count;
     double *exponents; /* `count` of them, in decreasing order; -INFINITY where a direction is lost for good,
                           through lasting contact or an impact without rebound */
-    double *standard_errors; /* of each exponent; 0 where it is -INFINITY */
+    double *standard_errors; /* of each exponent; 0 where it is -INFINITY; of saltus_motion_exponents how
+                                accurately it is known */
     double *state;           /* of the first trajectory at the end, at phase 0 */
     int lost;                /* number of exponents equal to -INFINITY among all directions */
     double sum;              /* of all exponents; NAN if not all were computed */

@@ -155,6 +155,11 @@ saltus_status saltus_motion_describe(const saltus_system *system, const saltus_o
 saltus_status saltus_motion_cycle(const saltus_system *system, const double *guess,
                                   const saltus_classify_options *options, saltus_motion *motion,
                                   saltus_message *message);
+/* Find and describe an equilibrium of a scene without forcing, stable or not, near a guess
+ * (saltus_equilibrium_find). Free with saltus_motion_clear. Errors: those of saltus_equilibrium_find. */
+saltus_status saltus_motion_equilibrium(const saltus_system *system, const double *guess,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message);
 /* For an orbit with its own period, use the mean time between returns as the unit that the forcing period is
  * for forced orbits. *counted receives a system with that unit, to be freed by the caller; the motion's
  * section points and event times are converted to its phase 0. Errors: those of the flow,
@@ -167,11 +172,16 @@ saltus_status saltus_motion_count_returns(const saltus_system *system, const sal
 saltus_status saltus_motion_returning(const saltus_system *system, const double *state, int periods,
                                       const saltus_classify_options *options, saltus_motion *motion,
                                       saltus_message *message);
-/* The `count` largest exponents of a periodic orbit, from its multipliers. Nothing is measured, so `members`
- * and all errors are 0. Free with saltus_lyapunov_clear. Errors: SALTUS_BAD_INPUT (no orbit, count out of
- * range), SALTUS_NO_MEMORY. */
-saltus_status saltus_motion_exponents(const saltus_system *system, const saltus_motion *motion, int count,
-                                      saltus_lyapunov *lyapunov, saltus_message *message);
+/* The `count` largest exponents of a periodic orbit, from its multipliers and without forcing the zero along
+ * the flow, or of an equilibrium, from its eigenvalues. Nothing is measured: `members` is 0, at an
+ * equilibrium `periods` and `time` too. Instead of standard errors there is how accurately the exponents are
+ * known: logarithms of multipliers to 1e-10 and flow.rtol per period, less accurately where the multiplier
+ * along the flow or the sum rule shows it, or where a multiplier near 1 leaves the orbit uncertain; real
+ * parts of eigenvalues to 1e-12 of the largest modulus. Free with saltus_lyapunov_clear. Errors:
+ * SALTUS_BAD_INPUT (neither orbit nor isolated equilibrium, count out of range), SALTUS_NO_MEMORY. */
+saltus_status saltus_motion_exponents(const saltus_system *system, const saltus_motion *motion,
+                                      const saltus_flow_options *flow, int count, saltus_lyapunov *lyapunov,
+                                      saltus_message *message);
 /* Replace a state at phase 0 by its mirror image q -> -q, followed by half a period of flow if the symmetry
  * includes that shift. Errors: SALTUS_BAD_INPUT if the scene has no mirror symmetry, those of the flow. */
 saltus_status saltus_motion_mirror(const saltus_system *system, const saltus_flow_options *options,

@@ -88,7 +88,7 @@ typedef struct saltus_start {
     int periods;      /* p of a periodic orbit; 0: not periodic */
     bool rests;       /* it is an equilibrium of a scene without forcing (recognised by its eigenvalues) */
     bool own_period;  /* no forcing: `spec` counts time in the orbit's own period */
-    int dimension;    /* of the state; 0: no state is stored, the scene's initial state leads to the motion */
+    int dimension;    /* of the state */
     double state[SALTUS_SCENE_STATE_MAX]; /* at section phase 0 */
     char label[SALTUS_LABEL_MAX];         /* the motion's label in the file, such as "4/4" */
 } saltus_start;
@@ -96,9 +96,12 @@ typedef struct saltus_start {
 /* Read an orbit or an equilibrium: a JSON object of classify, orbit or continue (`orbit.json`;
  * `lines.json:12` takes line 12), a point of a branch file (`branch.h5:12` takes row 12 counted from 1,
  * `branch.h5:PD1` the first flip), or a row of a sweep or basins file (`sweep.h5:12`, counted from 1 in the
- * order of saltus_write_sweep_csv). Errors: SALTUS_BAD_INPUT with a sentence that names the file and the
- * fault, SALTUS_NO_MEMORY. */
-saltus_status saltus_start_read(const char *source, saltus_start *start, saltus_message *message);
+ * order of saltus_write_sweep_csv). Where an orbit without forcing has shrunk to an equilibrium it is that. A
+ * row without a state in its file is computed again (saltus_sweep_row_again) until *stop is set (NULL: never
+ * stopped). Errors: SALTUS_BAD_INPUT with a sentence that names the file and the fault, SALTUS_INTERRUPTED,
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_start_read(const char *source, const volatile sig_atomic_t *stop, saltus_start *start,
+                                saltus_message *message);
 /* Release the model of a start made of equations. A zeroed start is accepted. */
 void saltus_start_release(saltus_start *start);
 /* Copy parameters and stops of a start into a scene of the same model, number of degrees of freedom and

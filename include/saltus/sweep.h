@@ -180,6 +180,12 @@ long long saltus_sweep_task_place(const saltus_sweep *sweep, long long task, int
 saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_feed *feed,
                                saltus_message *message);
 
+/* Compute one row again, 0 <= number < saltus_sweep_rows: `state` receives the trajectory's final state, at
+ * phase 0, which lies on the row's motion. In a pass up or down the line is computed up to it. Errors:
+ * SALTUS_INTERRUPTED if options.flow.stop asks to stop, SALTUS_NO_MEMORY. */
+saltus_status saltus_sweep_row_again(const saltus_sweep *sweep, long long number, saltus_sweep_row *row,
+                                     double *state, saltus_message *message);
+
 /* A result as one block of bytes, for files and for messages between processes on machines of the same
  * kind. */
 size_t saltus_sweep_packed_size(const saltus_sweep *sweep, const saltus_sweep_result *result);

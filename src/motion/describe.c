@@ -158,6 +158,19 @@ saltus_status saltus_motion_settle(const saltus_system *system, const saltus_flo
     return status;
 }
 
+/* Take over what Newton's method has found, its eigenvalues included. */
+static void take_rest(saltus_equilibrium *rest, saltus_motion *motion) {
+    memcpy(motion->state, rest->state, (size_t)motion->dimension * sizeof *motion->state);
+    motion->stable = rest->stable;
+    motion->residual = rest->residual;
+    motion->iterations = rest->iterations;
+    motion->lyapunov = rest->eigenvalue_count ? rest->eigenvalues[0].re : -INFINITY;
+    motion->lyapunov_error = 0;
+    motion->eigenvalues = rest->eigenvalues;
+    motion->eigenvalue_count = rest->eigenvalue_count;
+    rest->eigenvalues = NULL;
+}
+
 /* Polish a rest with the contacts that hold there, and take its eigenvalues, if it is isolated. In a
  * continuum of rests the state stays as found and is not called stable. */
 static saltus_status polish_rest(const saltus_system *system, unsigned contacts, saltus_motion *motion,
@@ -166,37 +179,52 @@ static saltus_status polish_rest(const saltus_system *system, unsigned contacts,
     saltus_equilibrium rest = {0};
     saltus_status status = saltus_equilibrium_find(system, motion->state, &how, &rest, message);
     if (status == SALTUS_OK && rest.contacts == contacts &&
-        saltus_system_distance(system, rest.state, motion->state) < same_rest) {
-        memcpy(motion->state, rest.state, (size_t)motion->dimension * sizeof *motion->state);
-        motion->stable = rest.stable;
-        motion->residual = rest.residual;
-        motion->iterations = rest.iterations;
-        motion->lyapunov = rest.eigenvalue_count ? rest.eigenvalues[0].re : -INFINITY;
-        motion->lyapunov_error = 0;
-        motion->eigenvalues = rest.eigenvalues;
-        motion->eigenvalue_count = rest.eigenvalue_count;
-        rest.eigenvalues = NULL;
-    }
+        saltus_system_distance(system, rest.state, motion->state) < same_rest)
+        take_rest(&rest, motion);
     saltus_equilibrium_clear(&rest);
     return status == SALTUS_NO_MEMORY ? status : SALTUS_OK;
 }
 
-saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
-                                 saltus_message *message) {
+/* Extremes, symmetry and label at motion->state. */
+static void describe_rest(const saltus_system *system, saltus_motion *motion) {
     bool shift, rests = motion->verdict != SALTUS_UNDECIDED,
                 symmetric = saltus_system_mirror_symmetric(system, &shift);
-    saltus_flow_state(flow, 0, motion->state);
-    saltus_status status =
-        rests ? polish_rest(system, saltus_flow_contacts(flow, 0), motion, message) : SALTUS_OK;
     motion->largest = motion->smallest = saltus_system_observed(system, motion->state);
     motion->rms = fabs(motion->largest);
     const double nothing[SALTUS_STATE_MAX] = {0};
     const bool upright = saltus_system_distance(system, motion->state, nothing) < 1e-9;
     if (symmetric)
         motion->mirror = !rests ? SALTUS_MIRROR_OPEN : upright ? SALTUS_MIRROR_SELF : SALTUS_MIRROR_PAIR;
-    if (status == SALTUS_OK && motion->verdict == SALTUS_HELD)
-        status = measure_forces(flow, motion, message);
     saltus_verdict_label(motion->verdict, motion->impacts, motion->periods, motion->label);
+}
+
+saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
+                                 saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    saltus_flow_state(flow, 0, motion->state);
+    if (motion->verdict != SALTUS_UNDECIDED)
+        status = polish_rest(system, saltus_flow_contacts(flow, 0), motion, message);
+    describe_rest(system, motion);
+    return status == SALTUS_OK && motion->verdict == SALTUS_HELD ? measure_forces(flow, motion, message)
+                                                                 : status;
+}
+
+saltus_status saltus_motion_equilibrium(const saltus_system *system, const double *guess,
+                                        const saltus_classify_options *options, saltus_motion *motion,
+                                        saltus_message *message) {
+    const saltus_equilibrium_options how = saltus_equilibrium_defaults();
+    saltus_equilibrium rest = {0};
+    *motion = (saltus_motion){0};
+    saltus_status status = saltus_equilibrium_find(system, guess, &how, &rest, message);
+    if (status == SALTUS_OK && !saltus_motion_open(system, &options->flow, motion))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the equilibrium");
+    if (status == SALTUS_OK) {
+        motion->verdict = rest.contacts ? SALTUS_HELD : SALTUS_EQUILIBRIUM;
+        memcpy(motion->contact_force, rest.contact_force, sizeof rest.contact_force);
+        take_rest(&rest, motion);
+        describe_rest(system, motion);
+    }
+    saltus_equilibrium_clear(&rest);
     return status;
 }
 

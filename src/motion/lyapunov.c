@@ -241,32 +241,86 @@ saltus_status saltus_lyapunov_run(const saltus_system *system, const double *sta
     return status;
 }
 
-saltus_status saltus_motion_exponents(const saltus_system *system, const saltus_motion *motion, int count,
-                                      saltus_lyapunov *l, saltus_message *message) {
-    const double period = saltus_system_period(system), time = motion->periods * period;
+/* How accurately the logarithms of an orbit's multipliers are known. The orbit itself is known to Newton's
+ * residual over the distance of the nearest multiplier from 1, at a fold to the residual's square root, and
+ * its multipliers no better. */
+static double accuracy_of(const saltus_motion *motion, const saltus_flow_options *flow) {
+    const double of_logarithms = 1e-10; /* as saltus_multipliers_stable takes it */
+    double nearest = INFINITY, error = of_logarithms + motion->periods * flow->rtol;
+    for (int k = 0; k < motion->multiplier_count; k++)
+        nearest = fmin(nearest, hypot(1 - motion->multipliers[k].re, motion->multipliers[k].im));
+    error += fmin(motion->residual / nearest, sqrt(motion->residual));
+    return motion->trivial_multiplier ? fmax(error, fabs(log(fabs(motion->trivial_multiplier)))) : error;
+}
+
+/* From the multipliers; without forcing the zero along the flow is among the exponents. */
+static void take_orbit(const saltus_motion *motion, const saltus_flow_options *flow, saltus_lyapunov *l) {
+    const int multipliers = motion->multiplier_count;
+    bool along = motion->trivial_multiplier != 0; /* the zero is yet to come */
+    for (int k = 0, m = 0; k < l->count; k++) {
+        const bool zero = along && (m == multipliers || !(motion->multipliers[m].log_modulus > 0));
+        const double logarithm = zero ? 0 : motion->multipliers[m++].log_modulus;
+        along = along && !zero;
+        l->exponents[k] = logarithm / l->time;
+        l->standard_errors[k] = isnan(logarithm)      ? NAN
+                                : isfinite(logarithm) ? accuracy_of(motion, flow) / l->time
+                                                      : 0;
+    }
+    for (int m = 0; m < multipliers; m++)
+        l->lost += motion->multipliers[m].log_modulus == -INFINITY;
+    l->sum_rule = motion->sticks ? NAN : motion->sum_rule / l->time;
+    if (l->count < l->dimension)
+        return;
+    l->sum = motion->log_volume / l->time;
+    if (isfinite(l->sum - l->sum_rule))
+        l->standard_errors[l->count - 1] = hypot(l->standard_errors[l->count - 1], l->sum - l->sum_rule);
+}
+
+/* From the eigenvalues. Directions that a lasting contact takes away are lost. */
+static void take_rest(const saltus_motion *motion, saltus_lyapunov *l) {
+    const double rounding = 1e-12; /* as saltus_eigenvalues_growing takes it */
+    double largest = 0, sum = 0;
+    for (int k = 0; k < motion->eigenvalue_count; k++) {
+        largest = fmax(largest, hypot(motion->eigenvalues[k].re, motion->eigenvalues[k].im));
+        sum += motion->eigenvalues[k].re;
+    }
+    for (int k = 0; k < l->count; k++) {
+        const bool lost = k >= motion->eigenvalue_count;
+        l->exponents[k] = lost ? -INFINITY : motion->eigenvalues[k].re;
+        l->standard_errors[k] = lost ? 0 : rounding * largest;
+    }
+    l->lost = l->dimension - motion->eigenvalue_count;
+    l->sum = l->count == l->dimension && !l->lost ? sum : NAN;
+}
+
+saltus_status saltus_motion_exponents(const saltus_system *system, const saltus_motion *motion,
+                                      const saltus_flow_options *flow, int count, saltus_lyapunov *l,
+                                      saltus_message *message) {
+    const bool orbit = motion->periods > 0;
+    const int all = orbit                 ? motion->multiplier_count + (motion->trivial_multiplier != 0)
+                    : motion->eigenvalues ? motion->dimension
+                                          : 0;
     *l = (saltus_lyapunov){0};
-    if (motion->periods < 1 || count < 1 || count > motion->multiplier_count)
+    if (count < 1 || count > all)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d exponents of a motion of period %d: there are %d",
-                           count, motion->periods, motion->periods ? motion->multiplier_count : 0);
+                           count, motion->periods, all);
     if (!open_result(l, motion->dimension, count, 1)) {
         saltus_lyapunov_clear(l);
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for %d exponents", count);
     }
     l->members = 0;
-    l->sum = count == motion->multiplier_count ? motion->log_volume / time : NAN;
-    l->sum_rule = motion->sticks ? NAN : motion->sum_rule / time;
-    l->kaplan_yorke = l->independent = NAN;
-    l->impacts_per_period = motion->impacts < 0 ? INFINITY : (double)motion->impacts / motion->periods;
-    l->sticks_per_period = (double)motion->sticking_intervals / motion->periods;
-    l->period = period;
-    l->time = time;
+    l->sum = l->sum_rule = l->kaplan_yorke = l->independent = NAN;
+    l->period = saltus_system_period(system);
+    l->time = motion->periods * l->period;
     l->periods = motion->periods;
     l->agree = l->precise = true;
     memcpy(l->state, motion->state, (size_t)motion->dimension * sizeof *l->state);
-    for (int k = 0; k < count; k++)
-        l->exponents[k] = motion->multipliers[k].log_modulus / time;
-    for (int k = 0; k < motion->multiplier_count; k++)
-        l->lost += motion->multipliers[k].log_modulus == -INFINITY;
+    if (orbit) {
+        l->impacts_per_period = motion->impacts < 0 ? INFINITY : (double)motion->impacts / motion->periods;
+        l->sticks_per_period = (double)motion->sticking_intervals / motion->periods;
+        take_orbit(motion, flow, l);
+    } else
+        take_rest(motion, l);
     l->half[0] = l->half[1] = l->exponents[0];
     return SALTUS_OK;
 }

@@ -83,7 +83,7 @@ static void put_meaning(FILE *file, const saltus_system *system, const saltus_ly
                                               : "too few values for a standard error",
               file);
     fputc('\n', file);
-    if (!saltus_system_forced(system))
+    if (!saltus_system_forced(system) && l->periods > 0)
         fprintf(
             file,
             "  %-14snot forced: unless the system is at rest, one exponent is that of time itself, zero\n",
@@ -111,6 +111,8 @@ static void put_spectrum(FILE *file, const saltus_system *system, const saltus_l
     else if (l->lost)
         fprintf(file, "does not apply: %d of %d directions are %s\n", l->lost, l->dimension,
                 saltus_lost_words(system));
+    else if (l->periods == 0)
+        fprintf(file, "the eigenvalues add up to the trace of the linear motion, %.10g\n", l->sum);
     else if (isnan(l->sum_rule))
         fprintf(file, "not checked: the trace is not known; exponents add up to %.10g\n", l->sum);
     else
@@ -158,6 +160,10 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
                          const saltus_lyapunov *l) {
     fprintf(file, "  %-14s%.6g per period; sticks: %.6g per period\n", "impacts", l->impacts_per_period,
             l->sticks_per_period);
+    if (l->members == 0 && l->periods == 0) {
+        fprintf(file, "  %-14snothing: these are the eigenvalues of an equilibrium\n", "measured");
+        return;
+    }
     if (l->members == 0) {
         fprintf(file, "  %-14snothing: these are the multipliers of an orbit of period %lld T\n", "measured",
                 l->periods);

@@ -305,70 +305,122 @@ static saltus_status read_json(const source *s, saltus_start *start, saltus_mess
     return status;
 }
 
-static saltus_status take_row(const source *s, const saltus_sweep_file *file, long long row,
-                              saltus_start *start, saltus_message *message) {
+/* A state on a row's motion: one that the file keeps, or the last of the same trajectory run again. */
+static saltus_status row_state(const source *s, const saltus_sweep_file *file, const saltus_sweep *sweep,
+                               long long row, double *state, saltus_message *message) {
     const saltus_sweep_row *told = &file->rows[row];
-    const int attractor = told->attractor, seeds = file->options.seeds;
-    const double *state = NULL; /* the state stored in the row, which lies on its motion */
-    if (told->verdict == SALTUS_FAILED || told->verdict == SALTUS_PENDING)
-        return refuse(s, message, "its trajectory has come to nothing (%s)",
-                      saltus_verdict_word((saltus_verdict)told->verdict));
-    if (file->dimension > SALTUS_SCENE_STATE_MAX)
-        return refuse(s, message, "the state is too long");
-    /* The parameters at the row's grid point; an axis may also be an entry of the initial state. */
-    saltus_scene scene = {.spec = file->spec};
-    bool moves_start = false;
-    long long index = row / seeds % file->points;
-    for (int k = 0; k < file->axis_count; k++) {
-        const saltus_axis *axis = &file->axes[k];
-        char setting[80];
-        saltus_message reason = {.text = ""};
-        snprintf(setting, sizeof setting, "%s=%.17g", axis->key,
-                 saltus_axis_value(axis, (int)(index % axis->count)));
-        index /= axis->count;
-        if (saltus_scene_set(&scene, setting, &reason) != SALTUS_OK)
-            return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: %.280s", s->path, reason.text);
-        moves_start = moves_start || scene.initial_count;
-        scene.initial_count = 0;
+    const size_t size = (size_t)file->dimension * sizeof *state;
+    const int attractor = told->attractor;
+    char label[SALTUS_LABEL_MAX], other[SALTUS_LABEL_MAX];
+    saltus_sweep_row again;
+    if (file->basins && attractor >= 0 && file->attractor_points[attractor] > 0) {
+        memcpy(state, file->attractor_states + file->attractor_first[attractor] * file->dimension, size);
+        return SALTUS_OK;
     }
-    start->spec = scene.spec;
-    if (file->basins && attractor >= 0 && file->attractor_points[attractor] > 0)
-        state = file->attractor_states + file->attractor_first[attractor] * file->dimension;
-    if (!file->basins && file->strobe_count && file->strobe_count[row] > 0)
-        state = file->strobes + file->strobe_first[row] * file->dimension;
-    /* Without a stored state, the scene's own initial state leads to the motion if the row started from
-     * it. */
-    bool own = file->pass_count > 0 && file->passes[row / seeds / file->points] == SALTUS_PASS_RESET &&
-               row % seeds == 0 && !moves_start;
-    if (!state && !own)
-        return refuse(s, message,
-                      "keeps no state of its motion; saltus sweep --what stroboscopic does, and basins do of "
-                      "attractors");
+    if (!file->basins && file->strobe_count && file->strobe_count[row] > 0) {
+        memcpy(state, file->strobes + file->strobe_first[row] * file->dimension, size);
+        return SALTUS_OK;
+    }
+    saltus_status status = saltus_sweep_row_again(sweep, row, &again, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_sweep_label(told, label);
+    saltus_sweep_label(&again, other);
+    return strcmp(label, other) == 0
+               ? SALTUS_OK
+               : refuse(s, message,
+                        "is %s there, but %s when run again; the sweep was made by another program", label,
+                        other);
+}
+
+/* The motion of a row, at the parameters of its grid point. */
+static saltus_status take_row(const source *s, const saltus_sweep_file *file, const saltus_sweep *sweep,
+                              long long row, saltus_start *start, saltus_message *message) {
+    const saltus_sweep_row *told = &file->rows[row];
+    const bool periodic = told->verdict == SALTUS_PERIODIC;
+    saltus_scene scene;
+    saltus_system *system = NULL;
+    saltus_status status = row_state(s, file, sweep, row, start->state, message);
+    if (status == SALTUS_OK)
+        status = saltus_sweep_scene_at(sweep, row / file->options.seeds % file->points, &scene, message);
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&scene.spec, &system, message);
+    if (status != SALTUS_OK)
+        return status;
+    const bool forced = saltus_system_forced(system);
+    saltus_system_free(system);
     saltus_sweep_label(told, start->label);
-    start->periods = told->verdict == SALTUS_PERIODIC ? told->periods : 0;
-    start->dimension = state ? file->dimension : 0;
-    if (state)
-        memcpy(start->state, state, (size_t)file->dimension * sizeof *state);
+    start->spec = scene.spec;
+    start->periods = periodic ? told->periods : 0;
+    start->dimension = file->dimension;
+    start->rests = !forced && (told->verdict == SALTUS_EQUILIBRIUM || told->verdict == SALTUS_HELD);
+    start->own_period = !forced && periodic && told->period > 0;
+    if (start->own_period)
+        saltus_spec_set_omega(&start->spec, 2 * M_PI / told->period);
     return SALTUS_OK;
 }
 
 /* A row of a sweep or of basins, in the order of saltus export. */
-static saltus_status read_row(const source *s, saltus_start *start, saltus_message *message) {
+static saltus_status read_row(const source *s, const volatile sig_atomic_t *stop, saltus_start *start,
+                              saltus_message *message) {
     saltus_sweep_file file;
+    saltus_sweep *sweep = NULL;
     saltus_status status = saltus_sweep_file_read(s->path, &file, message);
     if (status != SALTUS_OK)
         return status;
-    long number = part_number(s->part);
+    const long number = part_number(s->part);
+    const int verdict = number >= 1 && number <= file.row_count ? file.rows[number - 1].verdict : 0;
     if (number < 1 || number > file.row_count)
         status = saltus_fail(message, SALTUS_BAD_INPUT,
                              "%.300s: holds a sweep of %lld rows; name one of them, as in %.100s:12", s->path,
                              file.row_count, s->path);
-    else
-        status = take_row(s, &file, number - 1, start, message);
+    else if (verdict == SALTUS_FAILED || verdict == SALTUS_PENDING)
+        status = refuse(s, message, "its trajectory has come to nothing (%s)",
+                        saltus_verdict_word((saltus_verdict)verdict));
+    if (status == SALTUS_OK) {
+        saltus_scene scene = {.spec = file.spec, .initial_count = file.initial_count};
+        saltus_sweep_options options = file.options;
+        saltus_message reason = {.text = ""};
+        memcpy(scene.initial, file.initial, sizeof scene.initial);
+        options.flow.stop = stop;
+        status = saltus_sweep_new(&scene, file.axes, file.axis_count, &options, &sweep, &reason);
+        if (status != SALTUS_OK)
+            status = saltus_fail(message, status, "%.200s: %.280s", s->path, reason.text);
+    }
+    if (status == SALTUS_OK && saltus_sweep_dimension(sweep) != file.dimension)
+        status = refuse(s, message, "its states have %d entries, its parameters make it %d", file.dimension,
+                        saltus_sweep_dimension(sweep));
+    if (status == SALTUS_OK)
+        status = take_row(s, &file, sweep, number - 1, start, message);
     if (status == SALTUS_OK)
         saltus_model_retain(start->spec.model);
+    saltus_sweep_free(sweep);
     saltus_sweep_file_clear(&file);
     return status;
+}
+
+/* A branch of orbits without forcing may end where the orbit has shrunk to an equilibrium: there it is one.
+ */
+static saltus_status note_rest(saltus_start *start, saltus_message *message) {
+    const saltus_equilibrium_options how = saltus_equilibrium_defaults();
+    const double same = 1e-7; /* relative to the system's scales */
+    saltus_equilibrium rest = {0};
+    saltus_system *system = NULL;
+    if (!start->own_period)
+        return SALTUS_OK;
+    saltus_status status = saltus_system_new(&start->spec, &system, message);
+    if (status == SALTUS_OK)
+        status = saltus_equilibrium_find(system, start->state, &how, &rest, NULL);
+    if (status == SALTUS_OK && saltus_system_distance(system, rest.state, start->state) < same) {
+        start->rests = true;
+        start->own_period = false;
+        start->periods = 0;
+        saltus_spec_set_omega(&start->spec, 2 * M_PI); /* the unit of time again */
+        strcpy(start->label, saltus_verdict_word(rest.contacts ? SALTUS_HELD : SALTUS_EQUILIBRIUM));
+    }
+    saltus_equilibrium_clear(&rest);
+    saltus_system_free(system);
+    return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for the start") : SALTUS_OK;
 }
 
 void saltus_start_release(saltus_start *start) {
@@ -376,7 +428,8 @@ void saltus_start_release(saltus_start *start) {
     *start = (saltus_start){.periods = 0};
 }
 
-saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_message *message) {
+saltus_status saltus_start_read(const char *text, const volatile sig_atomic_t *stop, saltus_start *start,
+                                saltus_message *message) {
     source s;
     saltus_message own; /* its cause decides what to try next */
     message = message ? message : &own;
@@ -386,16 +439,17 @@ saltus_status saltus_start_read(const char *text, saltus_start *start, saltus_me
         return status;
     const saltus_file_facts facts = saltus_file_identify(s.path);
     const bool rows = strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0;
-    status = rows         ? read_row(&s, start, message)
+    status = rows         ? read_row(&s, stop, start, message)
              : facts.hdf5 ? read_point(&s, start, message)
                           : read_json(&s, start, message);
     if (status == SALTUS_OK)
-        return status;
+        status = note_rest(start, message);
     /* A start read from JSON may own a model even after a failure; the other starts share the model of their
      * file. */
-    if (rows || facts.hdf5)
+    else if (rows || facts.hdf5)
         *start = (saltus_start){0};
-    saltus_start_release(start);
+    if (status != SALTUS_OK)
+        saltus_start_release(start);
     return status;
 }
 
@@ -411,7 +465,7 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
                            "%.200s: is an orbit of the model %s, the scene's is %s", name,
                            saltus_model_name(start->spec.model), model);
     int dimension = saltus_spec_dimension(&scene->spec, NULL);
-    if (dimension >= 0 && start->dimension && dimension != start->dimension)
+    if (dimension >= 0 && dimension != start->dimension)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: its orbit has N = %g and a state of %d entries, the scene N = %g and %d",
                            name, saltus_spec_get(&start->spec, "N"), start->dimension,
@@ -428,7 +482,6 @@ saltus_status saltus_start_apply(const saltus_start *start, const char *name, sa
     scene->spec.model = own.model;
     if (own.observe[0])
         memcpy(scene->spec.observe, own.observe, sizeof own.observe);
-    if (start->dimension)
-        scene->initial_count = 0;
+    scene->initial_count = 0;
     return SALTUS_OK;
 }

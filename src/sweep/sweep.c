@@ -257,6 +257,15 @@ long long saltus_sweep_task_place(const saltus_sweep *sweep, long long task, int
     }
 }
 
+long long saltus_sweep_task_of(const saltus_sweep *sweep, long long place) {
+    const int pass = (int)(place / sweep->points);
+    const long long point = place % sweep->points;
+    long long first = 0;
+    for (int k = 0; k < pass; k++)
+        first += pass_tasks(sweep, k);
+    return first + (sweep->passes[pass] == SALTUS_PASS_RESET ? point : point / sweep->axes[0].count);
+}
+
 void saltus_sweep_label(const saltus_sweep_row *row, char label[SALTUS_LABEL_MAX]) {
     saltus_verdict_label((saltus_verdict)row->verdict, row->impacts, row->periods, label);
 }

@@ -28,6 +28,9 @@ struct saltus_sweep {
 saltus_status saltus_sweep_system(const saltus_sweep *sweep, long long point, saltus_system **system,
                                   saltus_message *message);
 
+/* The task that computes a place. */
+long long saltus_sweep_task_of(const saltus_sweep *sweep, long long place);
+
 /* watch.c: what a trajectory does while it is recorded */
 /* Clouds of points, in the order of the bits SALTUS_KEEP_... and of a packed result. */
 enum { SALTUS_CLOUD_TURNING, SALTUS_CLOUD_IMPACTS, SALTUS_CLOUD_STROBES, SALTUS_CLOUDS };

@@ -197,7 +197,7 @@ static void use_branch(const bench *b, const char *path, bool draw) {
         saltus_start start;
         saltus_scene scene = b->scene;
         snprintf(source, sizeof source, "%s%s", path, parts[k]);
-        saltus_status read = saltus_start_read(source, &start, &message);
+        saltus_status read = saltus_start_read(source, NULL, &start, &message);
         fuzz_check_refusal(read, &message);
         if (read == SALTUS_OK)
             fuzz_check_refusal(saltus_start_apply(&start, source, &scene, &message), &message);

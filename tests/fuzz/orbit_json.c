@@ -14,12 +14,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         return 0;
     fuzz_write(fuzz_path(path), data + 1, size - 1);
     snprintf(source, sizeof source, "%s%s", path, parts[data[0] % (sizeof parts / sizeof parts[0])]);
-    saltus_status status = saltus_start_read(source, &start, &message);
+    saltus_status status = saltus_start_read(source, NULL, &start, &message);
     remove(path);
     fuzz_check_refusal(status, &message);
     if (status != SALTUS_OK)
         return 0;
-    fuzz_check(start.dimension > 0 && start.dimension <= SALTUS_SCENE_STATE_MAX && start.periods > 0,
+    fuzz_check(start.dimension > 0 && start.dimension <= SALTUS_SCENE_STATE_MAX &&
+                   (start.periods > 0 || start.rests),
                "an orbit without a state or a period is taken");
     fuzz_check(saltus_scene_load("fig7d", &scene, &message) == SALTUS_OK, message.text);
     fuzz_check_refusal(saltus_start_apply(&start, source, &scene, &message), &message);
