@@ -1078,10 +1078,30 @@ static void no_option_is_given_twice(void **state) {
         {"sweep impact-oscillator -o never.h5", "--over d=1:2:3 --over d=3,4", "--over d=3,4: d is "},
         {"plot ../in/branch.h5 -o never.png", "--range omega=1:2 --range omega=2:3",
          "--range omega=2:3: omega is "},
-        {"spectrum impact-oscillator", "--of q1 --of q1", "--of q1: q1 is "}};
+        {"spectrum impact-oscillator", "--of q1 --of q1", "--of q1: q1 is "},
+        /* One value by two names. */
+        {"check duffing", "--set q1=0.1 x=0.2", "--set x=0.2: leaves nothing of --set q1=0.1, the same is "},
+        {"classify fig7d", "--set d=0.03 d1=0.04", "--set d1=0.04: leaves nothing of --set d=0.03, "},
+        {"check two-stops", "--set d2=0.8 --set d=0.9", "--set d=0.9: leaves nothing of --set d2=0.8, "},
+        {"check two-stops", "--set r1=0.8 sides=none", "--set sides=none: leaves nothing of --set r1=0.8, "},
+        {"sweep fig6 -o never.h5", "--over d=0.03:0.04:2 --over d1=0.02:0.025:2", "d and d1: the same is "},
+        {"sweep duffing -o never.h5", "--over x=0:1:2 --over q1=0:0.5:2", "x and q1: the same is "},
+        {"sweep fig6 -o never.h5", "--set omega=40 --over omega=40:41:3",
+         "--over omega=40:41:3: leaves nothing of --set omega=40, "},
+        {"sweep two-stops -o never.h5", "--set d2=0.8 --over d=0.8:0.9:2",
+         "--over d=0.8:0.9:2: leaves nothing "},
+        {"basins duffing -o never.h5", "--set q1=0.1 --over x=0:1:2 --over v1=0:1:2",
+         "--over x=0:1:2: leaves nothing of --set q1=0.1, "},
+        {"classify relief-valve", "--set section=maxima --section maxima",
+         "--section section=maxima: leaves "}};
     const fixture *f = *state;
     for (size_t k = 0; k < sizeof twice / sizeof twice[0]; k++)
         free(check_refused(f, twice[k][0], twice[k][1], twice[k][2], "given twice"));
+    clear(f, "base");
+    clear(f, "with");
+    /* All stops, then one of them. */
+    assert_int_equal(run_in(f, "base", "check two-stops", "--set d1=0.9 d2=0.8"), 0);
+    assert_int_equal(run_in(f, "with", "check two-stops", "--set d=0.9 d2=0.8"), 0);
     clear(f, "base");
     clear(f, "with");
     assert_int_equal(run_in(f, "base", "check impact-oscillator", "--set F=0.7 c=0.2"), 0);

@@ -384,6 +384,17 @@ int cli_report(saltus_status status, const saltus_message *message) {
     return cli_report_cause(status != SALTUS_OK && interrupt_asked() ? SALTUS_INTERRUPTED : status, message);
 }
 
+saltus_status cli_check_twice(const cli_request *request, const saltus_scene *scene, int count,
+                              const char *flag, const char *later, saltus_message *message) {
+    const cli_list *settings = cli_values(request, "--set");
+    for (int k = 0; k < count; k++)
+        if (saltus_scene_overrides(scene, later, settings->items[k]))
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "%s %.100s: leaves nothing of --set %.100s, the same is given twice", flag,
+                               later, settings->items[k]);
+    return SALTUS_OK;
+}
+
 saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene, saltus_message *message) {
     const cli_list *settings = cli_values(request, "--set");
     const char *section = cli_text(request, "--section");
@@ -395,6 +406,15 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
             (k < settings->count ? saltus_scene_set : saltus_scene_set_section)(scene, text, &reason);
         if (status != SALTUS_OK)
             return saltus_fail(message, status, "%s %.100s: %.380s", flag, text, reason.text);
+    }
+    for (int k = 1; k < settings->count; k++)
+        if (cli_check_twice(request, scene, k, "--set", settings->items[k], message) != SALTUS_OK)
+            return SALTUS_BAD_INPUT;
+    if (section) {
+        char setting[160];
+        snprintf(setting, sizeof setting, "section=%s", section);
+        if (cli_check_twice(request, scene, settings->count, "--section", setting, message) != SALTUS_OK)
+            return SALTUS_BAD_INPUT;
     }
     /* The original title may contradict changed parameters, so the changes replace it. */
     size_t used = 0;

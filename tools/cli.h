@@ -195,6 +195,10 @@ saltus_status cli_motion(const cli_request *request, cli_setup *setup, const sal
 /* The same if --from names an orbit or an equilibrium; SALTUS_BAD_INPUT if it leads to neither. */
 saltus_status cli_orbit(const cli_request *request, cli_setup *setup, const saltus_classify_options *how,
                         saltus_motion *motion, saltus_message *message);
+/* Check that `later`, a key=value of an option, leaves something of each of the first `count` settings of
+ * --set. Errors: SALTUS_BAD_INPUT, with a sentence that names both. */
+saltus_status cli_check_twice(const cli_request *request, const saltus_scene *scene, int count,
+                              const char *flag, const char *later, saltus_message *message);
 /* Read a scene by name: a file, a built-in scene, or - for standard input. Errors: SALTUS_BAD_INPUT,
  * SALTUS_NO_MEMORY. */
 saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message);

@@ -78,12 +78,11 @@ static saltus_status go_to_first(run_state *run, saltus_message *message) {
     const saltus_branch_options *o = &run->options;
     const cli_list *settings = cli_values(run->request, "--set");
     cli_setup *setup = &run->setup;
-    const size_t length = strlen(o->key[0]);
     char setting[SALTUS_KEY_MAX + 32];
     if (saltus_system_forced(setup->system))
         return SALTUS_OK;
     for (int k = 0; k < settings->count; k++)
-        if (strncmp(settings->items[k], o->key[0], length) == 0 && settings->items[k][length] == '=')
+        if (saltus_scene_overrides(&setup->scene, o->key[0], settings->items[k]))
             return SALTUS_OK;
     snprintf(setting, sizeof setting, "%s=%.17g", o->key[0], o->direction < 0 ? o->high[0] : o->low[0]);
     saltus_status status = saltus_scene_set(&setup->scene, setting, message);

@@ -217,7 +217,7 @@ static saltus_status make_sweep(const cli_request *request, bool basins, const s
                                 saltus_message *message) {
     saltus_axis axes[SALTUS_AXES_MAX];
     double *lists[SALTUS_AXES_MAX] = {NULL};
-    const cli_list *over = cli_values(request, "--over");
+    const cli_list *over = cli_values(request, "--over"), *settings = cli_values(request, "--set");
     saltus_status status = SALTUS_OK;
     /* The axes of basins are entries of the initial state: q1, v1, z1 or names from a text model. */
     for (int k = 0; k < over->count && basins; k++) {
@@ -236,6 +236,8 @@ static saltus_status make_sweep(const cli_request *request, bool basins, const s
         status = saltus_axis_read(over->items[k], &axes[k], &lists[k], &reason);
         if (status != SALTUS_OK)
             saltus_fail(message, status, "--over %.490s", reason.text);
+        else
+            status = cli_check_twice(request, scene, settings->count, "--over", over->items[k], message);
     }
     if (status == SALTUS_OK && options->adaptive && options->transient == 0)
         status = saltus_fail(message, SALTUS_BAD_INPUT, "--at-most 0: must be at least 1");

@@ -185,30 +185,69 @@ static saltus_status refuse_key(const saltus_scene *scene, const setting *s, sal
     return saltus_unknown_key(&none, 0, s->key, keys, count);
 }
 
-static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message *message) {
+/* What a key stands for. */
+typedef struct target {
+    enum { of_nothing, of_parameter, of_stop, of_observed, of_section, of_entry, of_lacking_entry } what;
+    int index;  /* of the parameter, of the stop's key, of the entry, or of the list that lacks it */
+    int number; /* of the stop, from 1; 0: all stops */
+} target;
+
+static target find_target(const saltus_scene *scene, const char *key) {
     const saltus_model *model = scene->spec.model;
-    int number = 0, index = saltus_model_parameter_index(model, s->key);
-    if (index >= 0)
-        return set_parameter(scene, index, s, message);
+    target t = {of_parameter, saltus_model_parameter_index(model, key), 0};
+    if (t.index >= 0)
+        return t;
     for (int k = 0; k < stop_keys; k++)
-        if (saltus_key_numbered(s->key, saltus_stop_keys[k], &number)) {
-            saltus_status status = set_stop(scene, k, number, s, message);
-            return status == SALTUS_OK ? saltus_spec_check_poincare(&scene->spec, message) : status;
-        }
-    /* Valid names depend on the whole scene, so they are checked when the system is built. */
-    if (strcmp(s->key, "observe") == 0 && strlen(s->value) >= sizeof scene->spec.observe)
-        return refuse_value(s, "too long for a name", message);
-    if (strcmp(s->key, "observe") == 0) {
+        if (saltus_key_numbered(key, saltus_stop_keys[k], &t.number))
+            return (target){of_stop, k, t.number};
+    if (strcmp(key, "observe") == 0)
+        return (target){of_observed, 0, 0};
+    if (strcmp(key, "section") == 0)
+        return (target){of_section, 0, 0};
+    t.index = saltus_spec_state_index(&scene->spec, key);
+    if (t.index >= 0)
+        return (target){of_entry, t.index, 0};
+    for (int k = 0; k < initial_lists; k++)
+        if (saltus_key_numbered(key, saltus_initial_keys[k], &t.number) && t.number > 0)
+            return (target){of_lacking_entry, k, 0};
+    return (target){of_nothing, 0, 0};
+}
+
+static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message *message) {
+    const target t = find_target(scene, s->key);
+    saltus_status status;
+    switch (t.what) {
+    case of_parameter:
+        return set_parameter(scene, t.index, s, message);
+    case of_stop:
+        status = set_stop(scene, t.index, t.number, s, message);
+        return status == SALTUS_OK ? saltus_spec_check_poincare(&scene->spec, message) : status;
+    case of_observed:
+        /* Valid names depend on the whole scene, so they are checked when the system is built. */
+        if (strlen(s->value) >= sizeof scene->spec.observe)
+            return refuse_value(s, "too long for a name", message);
         strcpy(scene->spec.observe, s->value);
         return SALTUS_OK;
+    case of_entry:
+        return set_initial(scene, t.index, s, message);
+    case of_lacking_entry:
+        return refuse_entry(scene, t.index, s, message);
+    default:
+        return refuse_key(scene, s, message);
     }
-    int entry = saltus_spec_state_index(&scene->spec, s->key);
-    if (entry >= 0)
-        return set_initial(scene, entry, s, message);
-    for (int k = 0; k < initial_lists; k++)
-        if (saltus_key_numbered(s->key, saltus_initial_keys[k], &number) && number > 0)
-            return refuse_entry(scene, k, s, message);
-    return refuse_key(scene, s, message);
+}
+
+bool saltus_scene_overrides(const saltus_scene *scene, const char *later, const char *earlier) {
+    char keys[2][key_size];
+    snprintf(keys[0], key_size, "%.*s", (int)strcspn(later, "="), later);
+    snprintf(keys[1], key_size, "%.*s", (int)strcspn(earlier, "="), earlier);
+    const target now = find_target(scene, keys[0]), before = find_target(scene, keys[1]);
+    if (now.what == of_nothing || now.what != before.what)
+        return false;
+    if (strcmp(later, "sides=none") == 0) /* takes the stops away */
+        return true;
+    return now.index == before.index &&
+           (now.number == 0 || now.number == before.number || scene->spec.stop_count == 1);
 }
 
 saltus_status saltus_scene_set_section(saltus_scene *scene, const char *section, saltus_message *message) {

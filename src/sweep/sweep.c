@@ -44,8 +44,11 @@ static saltus_status check_axis(saltus_sweep *sweep, int axis, saltus_message *m
     for (int k = 0; k < a->count && status == SALTUS_OK; k++)
         status = set_value(&scene, a, k, message);
     for (int k = 0; k < axis && status == SALTUS_OK; k++)
-        if (strcmp(sweep->axes[k].key, a->key) == 0)
-            status = saltus_fail(message, SALTUS_BAD_INPUT, "%s: is given for two axes", a->key);
+        if (saltus_scene_overrides(&sweep->scene, a->key, sweep->axes[k].key) ||
+            saltus_scene_overrides(&sweep->scene, sweep->axes[k].key, a->key))
+            status =
+                saltus_fail(message, SALTUS_BAD_INPUT, "%s and %s: the same is given twice, for two axes",
+                            sweep->axes[k].key, a->key);
     return status;
 }
 
