@@ -232,7 +232,7 @@ static void any_row_is_a_start(void **state) {
                  {"orbit relief-valve --from free.h5:2", "relief-valve: equilibrium, stable\n"}};
     free(told(*state, "sweep impact-oscillator --over omega=0.8,0.835,0.84,0.86 --start both --quiet "
                       "-o carried.h5"));
-    free(told(*state, "sweep relief-valve --over q=5:9:2 --quiet -o free.h5"));
+    free(told(*state, "sweep relief-valve --over q=5,9,7 --quiet -o free.h5"));
     free(told(*state, "sweep relief-valve --over q=5:9:2 --what stroboscopic --quiet -o returns.h5"));
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         char *text = told(*state, cases[k].line);
@@ -246,6 +246,19 @@ static void any_row_is_a_start(void **state) {
         }
         free(text);
     }
+    /* Without a period a record begins on the motion, not where the scene does. */
+    char first[2][200];
+    free(told(*state, "simulate relief-valve --from free.h5:3 --periods 1 --quiet -o record0.csv"));
+    free(told(*state, "simulate relief-valve --set q=7 --periods 1 --quiet -o record1.csv"));
+    for (int k = 0; k < 2; k++) {
+        FILE *file = fopen(path_in(*state, k ? "record1.csv" : "record0.csv"), "r");
+        assert_non_null(file);
+        do
+            assert_non_null(fgets(first[k], sizeof first[k], file));
+        while (strncmp(first[k], "0,", 2) != 0);
+        fclose(file);
+    }
+    assert_string_not_equal(first[0], first[1]);
 }
 
 static void what_tells_no_motion_is_refused(void **state) {

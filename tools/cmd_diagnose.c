@@ -84,7 +84,7 @@ const cli_command cmd_diagnose = {
     .help = "Classify the motion and draw it on one page: phase portrait with stroboscopic points and the "
             "stop, time history, impact map, shapes of the structure, spectrum, multipliers; without a "
             "period the stroboscopic section and the convergence of the largest exponent. With --from an "
-            "orbit it is that orbit, stable or not.",
+            "orbit or an equilibrium it is that, stable or not.",
     .needs_scene = true,
     .endings = cli_figures,
     .kind = "trajectory",

@@ -133,7 +133,8 @@ const cli_command cmd_orbit = {
     .usage = "SCENE [--set key=value ...] --periods p [--from orbit] [--unstable] [--json]",
     .help = "Find a periodic orbit by Newton's method and report it as classify does, stable or not. It "
             "begins with the scene's settled trajectory, or with the orbit of a file (of classify, orbit or "
-            "continue --json, or a branch), whose parameters hold where --set does not say otherwise. With "
+            "continue --json, a branch, or a row of a sweep, run again unless its file keeps a state), whose "
+            "parameters hold where --set does not say otherwise. With "
             "--unstable --json there is one orbit on each line; orbits.json:3 then names the third. Without "
             "forcing p counts returns to the section, as in classify, and the period is found too; without "
             "--periods an equilibrium is found, with its eigenvalues.",

@@ -76,8 +76,10 @@ const cli_command cmd_simulate = {
     .name = "simulate",
     .summary = "a trajectory as a file",
     .usage = "SCENE [--set key=value ...] [--from orbit] --periods n [--transient m] -o run.h5|csv",
-    .help = "Run the flow from the scene's initial state and write states, events and stroboscopic points. "
-            "With --from an orbit or an equilibrium the record stays on it, stable or not.",
+    .help =
+        "Run the flow from the scene's initial state and write states, events and stroboscopic points. "
+        "With --from an orbit or an equilibrium the record stays on it, stable or not; with a sweep's row "
+        "without a period it begins on the row's motion.",
     .needs_scene = true,
     .endings = cli_records,
     .kind = "trajectory",
