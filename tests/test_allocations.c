@@ -231,6 +231,29 @@ static saltus_status find_rest(trial *t) {
     return status;
 }
 
+/* The same as a motion, with its exponents. */
+static saltus_status describe_rest(trial *t) {
+    saltus_scene scene;
+    saltus_system *system = NULL;
+    saltus_motion motion = {0};
+    saltus_lyapunov exponents = {0};
+    double state[SALTUS_SCENE_STATE_MAX];
+    const saltus_classify_options how = saltus_classify_defaults();
+    load("pipe", &scene);
+    set_parameter(&scene.spec, "sigma", 0);
+    saltus_status status = open_system(&scene, &system, state, t);
+    if (status == SALTUS_OK)
+        status = saltus_motion_equilibrium(system, state, &how, &motion, &t->message);
+    if (status == SALTUS_OK)
+        status = saltus_motion_exponents(system, &motion, &how.flow, 2, &exponents, &t->message);
+    if (status == SALTUS_OK)
+        note_reals(t, exponents.exponents, 2);
+    saltus_lyapunov_clear(&exponents);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    return status;
+}
+
 /* A motion, with all that can be reported of it. */
 static saltus_status classify(trial *t, const saltus_scene *scene, long long transient, long long measure) {
     saltus_system *system = NULL;
@@ -541,6 +564,26 @@ static saltus_status record(trial *t, const char *ending) {
     return status;
 }
 
+/* The second row of the second point of a pass up. */
+static saltus_status sweep_again(trial *t) {
+    const saltus_axis axis = {.key = "omega", .count = 2, .low = 0.8, .high = 1};
+    saltus_scene scene;
+    saltus_sweep *sweep = NULL;
+    saltus_sweep_row row;
+    double state[SALTUS_SCENE_STATE_MAX] = {0};
+    saltus_sweep_options how = saltus_sweep_defaults();
+    how.passes = 1u << SALTUS_PASS_UP;
+    how.seeds = 2;
+    how.transient = 60;
+    load("impact-oscillator", &scene);
+    saltus_status status = saltus_sweep_new(&scene, &axis, 1, &how, &sweep, &t->message);
+    if (status == SALTUS_OK)
+        status = saltus_sweep_row_again(sweep, 3, &row, state, &t->message);
+    note_reals(t, state, 2);
+    saltus_sweep_free(sweep);
+    return status;
+}
+
 static saltus_status record_csv(trial *t) {
     return record(t, ".csv");
 }
@@ -754,6 +797,8 @@ static void fail_each(const char *name, saltus_status (*operation)(trial *)) {
     X(read_axis)                                                                                             \
     X(sweep_parameters)                                                                                      \
     X(sweep_states)                                                                                          \
+    X(sweep_again)                                                                                           \
+    X(describe_rest)                                                                                         \
     X(record_csv)                                                                                            \
     X(record_hdf5)                                                                                           \
     X(read_branch)                                                                                           \

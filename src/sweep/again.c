@@ -50,7 +50,7 @@ saltus_status saltus_sweep_row_again(const saltus_sweep *sweep, long long number
     alone.options.threads = alone.options.lanes = 1;
     const saltus_sweep_feed feed = {.context = &s, .next = only_task, .take = take};
     saltus_status status = saltus_sweep_run(&alone, &feed, message);
-    if (s.found)
+    if (status == SALTUS_INTERRUPTED && s.found)
         return SALTUS_OK;
     return status == SALTUS_OK ? saltus_fail(message, SALTUS_INTERRUPTED, "interrupted") : status;
 }

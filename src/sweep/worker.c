@@ -256,11 +256,12 @@ static void run_single(worker *w, saltus_sweep_trajectory *t) {
 /* Store the trajectory's result at its place, and emit the place if all seeds are there. */
 static void finish_place(worker *w, saltus_sweep_trajectory *t) {
     bool sound = true;
-    if (saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->proof.orbit, &t->watch, &sound) &&
-        sound)
-        emit(w->schedule, t->job, t->place, t->system ? t->system : w->sweep->system);
-    if (!sound || t->starved)
+    const bool there =
+        saltus_job_put(t->job, t->place, t->seed, &t->row, t->state, t->proof.orbit, &t->watch, &sound);
+    if (!sound || t->starved) /* the row may not be what it would have been */
         end_run(w->schedule, SALTUS_NO_MEMORY, "no memory for a trajectory of a sweep");
+    else if (there)
+        emit(w->schedule, t->job, t->place, t->system ? t->system : w->sweep->system);
     t->place++;
 }
 
