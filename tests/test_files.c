@@ -424,6 +424,22 @@ static void fill(char *text, size_t length) {
     text[length] = '\0';
 }
 
+/* A record that ended early says so in every format. */
+static void an_interrupted_record_says_so(void **state) {
+    static const char *const names[] = {"cut.csv", "cut.h5"};
+    const fixture *f = *state;
+    saltus_trajectory record = f->record;
+    saltus_message message = {.text = ""};
+    char path[128];
+    for (int k = 0; k < 4; k++) {
+        record.interrupted = k < 2;
+        check_ok(saltus_write_trajectory(path_in(f, names[k % 2], path), &f->scene, f->system, &f->options,
+                                         &record, NULL, &message),
+                 &message);
+        assert_int_equal(saltus_file_identify(path).complete, k >= 2);
+    }
+}
+
 /* A title of 159 bytes is kept, one of 160 refused; a file's name is cut to a scene name's length. */
 static void names_and_titles_have_their_limits(void **state) {
     const fixture *f = *state;
@@ -760,6 +776,7 @@ int main(void) {
         cmocka_unit_test(an_extent_without_storage_is_refused),
         cmocka_unit_test(a_chaotic_motion_reads_back_field_by_field),
         cmocka_unit_test(a_trajectory_is_the_same_in_every_format),
+        cmocka_unit_test(an_interrupted_record_says_so),
         cmocka_unit_test(names_and_titles_have_their_limits),
         cmocka_unit_test(the_longest_words_come_back_whole),
         cmocka_unit_test(titles_list_the_settings),

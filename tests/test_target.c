@@ -26,6 +26,7 @@ static int prepare(void **state) {
     put_text(*state, "notes.svg", "no picture\n");
     put_text(*state, "data.gp", "plot sin(x)\n");
     put_text(*state, "empty.csv", "");
+    put_text(*state, "cut.csv", "# Saltus 0.1.0 trajectory\n# scene: x\n# complete: 0\ntime_over_T\n0\n");
     put_text(*state, "left.csv.journal", "what an interrupted run has left\n");
     char line[512];
     assert_int_equal(
@@ -125,6 +126,8 @@ static void what_is_there_is_kept(void **state) {
         /* what was interrupted */
         {"sweep impact-oscillator --over d=1,2 --what max -o left.csv", 2, "-o left.csv: ", interrupted},
         {"export sweep.h5 -o left.csv", 2, "-o left.csv: ", interrupted},
+        {"simulate impact-oscillator --periods 1 -o cut.csv", 2,
+         "-o cut.csv: ", "holds an interrupted run; --force begins anew"},
         {"sweep impact-oscillator --over d=1,2 -o x.h5 --resume --force", 2, "--resume and --force: ", ""},
         /* places */
         {"sweep impact-oscillator --over d=1,2 -o nowhere/x.h5", 1,

@@ -63,7 +63,8 @@ typedef struct saltus_origin {
 
 /* Write a record to a .csv or .h5 file (chosen by the ending), completely or not at all. The HDF5 file has
  * the same head as a branch file, the flow's options as attributes, and the groups /trajectory (samples),
- * /events and /strobe (stroboscopic points). `origin` may be NULL. Errors: SALTUS_BAD_INPUT for another
+ * /events and /strobe (stroboscopic points); of an interrupted record both say `complete` 0. `origin` may be
+ * NULL. Errors: SALTUS_BAD_INPUT for another
  * ending, SALTUS_IO. */
 saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scene,
                                       const saltus_system *system, const saltus_flow_options *options,

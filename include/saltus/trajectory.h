@@ -21,6 +21,7 @@ typedef struct saltus_trajectory {
     long long event_count;
     long long strobes;     /* stroboscopic points at phase 0, one at the beginning of each recorded period */
     double *strobe_states; /* strobes x dimension */
+    bool interrupted;      /* it ended early, because it was asked to stop */
 } saltus_trajectory;
 
 /* Run `transient` periods from a state, then record `periods` periods with `per_period` samples each, the end

@@ -219,7 +219,8 @@ saltus_status saltus_trajectory_follow(const saltus_system *system, const double
     if (status == SALTUS_OK)
         status = run(&self, state, message);
     saltus_flow_free(self.flow);
-    if (status != SALTUS_OK && status != SALTUS_INTERRUPTED)
+    record->interrupted = status == SALTUS_INTERRUPTED;
+    if (status != SALTUS_OK && !record->interrupted)
         saltus_trajectory_clear(record);
     return status;
 }

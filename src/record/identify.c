@@ -1,10 +1,23 @@
-/* Identifies a file by its first bytes, and an HDF5 file by two attributes.
+/* Identifies a file by its first bytes, a table by its comments, and an HDF5 file by two attributes.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/hdf5.h"
 #include "saltus/record.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+/* Whether the comments at the head of a table say that it was interrupted. */
+static bool is_cut(FILE *file) {
+    char *line = NULL;
+    size_t room = 0;
+    bool cut = false;
+    rewind(file);
+    while (!cut && getline(&line, &room, file) > 0 && line[0] == '#')
+        cut = strcmp(line, "# complete: 0\n") == 0;
+    free(line);
+    return cut;
+}
 
 saltus_file_facts saltus_file_identify(const char *path) {
     static const struct {
@@ -22,7 +35,6 @@ saltus_file_facts saltus_file_identify(const char *path) {
     if (!file)
         return facts;
     size_t length = fread(head, 1, sizeof head - 1, file);
-    fclose(file);
     if (length == 0)
         strcpy(facts.kind, "empty");
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++)
@@ -31,8 +43,11 @@ saltus_file_facts saltus_file_identify(const char *path) {
     /* Texts of Saltus name their kind after the version: "# Saltus 0.1.0 sweep" is a sweep's table, "# Saltus
      * 0.1.0: a figure" a gnuplot script. */
     char version[16] = "", kind[26] = "";
-    if (sscanf(head, "# Saltus %15s %25[A-Za-z ]", version, kind) == 2)
+    if (sscanf(head, "# Saltus %15s %25[A-Za-z ]", version, kind) == 2) {
         snprintf(facts.kind, sizeof facts.kind, strchr(version, ':') ? "script" : "%s table", kind);
+        facts.complete = !is_cut(file);
+    }
+    fclose(file);
     facts.hdf5 = strcmp(facts.kind, "hdf5") == 0;
     if (!facts.hdf5)
         return facts;

@@ -30,6 +30,8 @@ static void put_header(const source *s, FILE *file) {
     fputs("# options: ", file);
     saltus_put_tolerances(file, system, s->options);
     fprintf(file, ", order = %d\n", s->options->order);
+    if (s->record->interrupted)
+        fputs("# complete: 0\n", file);
     fprintf(file, "# time_over_T: time from the start of the recording in %s T = %s\n",
             saltus_system_forced(system) ? "forcing periods" : "units of",
             saltus_number(saltus_system_period(system), a));
@@ -111,7 +113,8 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
     saltus_field_read(&saltus_option_find(&saltus_flow_table, "integrator")->field,
                       saltus_integrator_used(s->system, used.integrator), &used);
     (void)message;
-    saltus_h5_put_head(w, "trajectory", s->scene->name, s->scene->title, saltus_system_spec(s->system), true);
+    saltus_h5_put_head(w, "trajectory", s->scene->name, s->scene->title, saltus_system_spec(s->system),
+                       !r->interrupted);
     if (s->origin)
         saltus_h5_put_origin(w, s->origin);
     saltus_h5_double(w, w->file, "period", saltus_system_period(s->system));
@@ -179,6 +182,7 @@ saltus_status saltus_trajectory_file_read(const char *path, saltus_trajectory_fi
         status = saltus_h5_get_head(&r, "trajectory", "trajectory", &file->head);
     if (status == SALTUS_OK)
         status = saltus_system_new(&file->head.spec, &file->system, message);
+    made->interrupted = !file->head.complete;
     made->dimension = status == SALTUS_OK ? saltus_system_dimension(file->system) : 0;
     for (int k = 0; k < 4 && status == SALTUS_OK; k++, made->samples = count) {
         const saltus_field *field = &saltus_sample_fields.fields[k];
