@@ -19,6 +19,16 @@ static int prepare(void **state) {
     free(told(*state, "export run.h5 -o samples.csv"));
     free(told(*state, "export run.h5 --table events -o contacts.csv"));
     free(told(*state, "export run.h5 --table strobe -o strobe.csv"));
+    FILE *scene = fopen(path_in(*state, "seen.yaml"), "w");
+    assert_non_null(scene);
+    fputs("model:\n  parameters: {c: 0.2, omega: 1.2}\n  motion: {x: -c*x' - x + cos(omega*t)}\n"
+          "  forcing: omega\n  observe: {energy: \"x'^2/2\", double_x: 2*x}\n"
+          "stop: {coordinate: x, d: 1.3, r: 0.8}\n",
+          scene);
+    fclose(scene);
+    free(told(*state, "simulate seen.yaml --periods 2 --samples 16 -o seen.h5"));
+    free(told(*state, "simulate seen.yaml --periods 2 --samples 16 -o seen2.csv"));
+    free(told(*state, "export seen.h5 -o seen.csv"));
     return 0;
 }
 
@@ -78,37 +88,53 @@ static void a_branch_is_all_there(void **state) {
         char quoted[64];
         assert_true(number_at(points, k, "omega") == p->value[0]);
         assert_true(number_at(points, k, "F") == saltus_spec_get(&p->spec, "F"));
-        assert_true(number_at(points, k, "state1") == p->state[0] &&
-                    number_at(points, k, "state2") == p->state[1]);
-        assert_true(number_at(points, k, "multipliers2_1") == p->multipliers[1].re &&
-                    number_at(points, k, "multipliers2_2") == p->multipliers[1].im);
-        assert_true(number_at(points, k, "stops1_4") == p->spec.stops[0].d);
+        assert_true(number_at(points, k, "row") == k + 1);
+        assert_true(number_at(points, k, "q1") == p->state[0] && number_at(points, k, "v1") == p->state[1]);
+        assert_true(number_at(points, k, "multiplier2_re") == p->multipliers[1].re &&
+                    number_at(points, k, "multiplier2_im") == p->multipliers[1].im &&
+                    number_at(points, k, "log_modulus2") == p->multipliers[1].log_modulus);
+        assert_true(number_at(points, k, "d1") == p->spec.stops[0].d &&
+                    number_at(points, k, "r1") == p->spec.stops[0].r &&
+                    number_at(points, k, "weight1_1") == p->spec.stops[0].weight[0]);
         snprintf(quoted, sizeof quoted, "\"%s\"", p->label);
         assert_string_equal(text_at(points, k, "motion"), quoted);
         const char *kind = saltus_point_word(p->kind);
         assert_string_equal(text_at(points, k, "kind"), kind[0] ? kind : "regular");
         for (int e = 0; e < p->event_count; e++, seen++)
-            assert_true(number_at(events, seen, "velocity_before") == p->events[e].velocity_before);
+            assert_true(number_at(events, seen, "velocity_before") == p->events[e].velocity_before &&
+                        number_at(events, seen, "row") == k + 1);
     }
+    for (int k = 0; k < points->columns; k++)
+        assert_true(!strstr(points->field[0][k], "xi") && !strstr(points->field[0][k], "stops"));
     assert_true(seen > 0 && events->rows - 1 == seen);
     free_csv(points);
     free_csv(events);
     saltus_branch_file_clear(&file);
 }
 
-/* A record written as HDF5 exports the same CSV as one written directly. */
+/* The lines of a table from its columns' names on. */
+static const char *rows_of(const char *text) {
+    while (*text == '#')
+        text = strchr(text, '\n') + 1;
+    return text;
+}
+
+/* A record written as HDF5 exports the same CSV as one written directly, with all that the scene observes. */
 static void a_record_is_all_there(void **state) {
-    static const char *const names[][2] = {{"time", "time_over_T"},
-                                           {"displacement", "displacement"},
-                                           {"velocity", "velocity"},
-                                           {"states1", "q1"},
-                                           {"states2", "v1"}};
+    static const char *const files[][2] = {{"samples.csv", "run.csv"}, {"seen.csv", "seen2.csv"}};
+    for (int k = 0; k < 2; k++) {
+        char *own = said(*state, files[k][0]), *wanted = said(*state, files[k][1]);
+        assert_string_equal(rows_of(own), rows_of(wanted));
+        assert_int_equal(strncmp(own, wanted, strstr(own, "# options") - own), 0);
+        free(own);
+        free(wanted);
+    }
     csv *samples = read_csv(*state, "samples.csv"), *wanted = read_csv(*state, "run.csv"),
-        *contacts = read_csv(*state, "contacts.csv"), *strobe = read_csv(*state, "strobe.csv");
+        *contacts = read_csv(*state, "contacts.csv"), *strobe = read_csv(*state, "strobe.csv"),
+        *seen = read_csv(*state, "seen.csv");
     assert_true(samples->rows > 48 && samples->rows == wanted->rows);
-    for (int row = 0; row < samples->rows - 1; row++)
-        for (int k = 0; k < 5; k++)
-            assert_true(number_at(samples, row, names[k][0]) == number_at(wanted, row, names[k][1]));
+    assert_true(number_at(seen, 3, "double_x") == 2 * number_at(seen, 3, "x"));
+    free_csv(seen);
     for (int row = 0; row < contacts->rows - 1; row++) {
         int at = (int)number_at(contacts, row, "row");
         assert_string_equal(text_at(contacts, row, "kind"), text_at(wanted, at, "event"));
@@ -116,7 +142,9 @@ static void a_record_is_all_there(void **state) {
     }
     assert_true(contacts->rows > 1);
     assert_int_equal(strobe->rows - 1, 3);
-    assert_true(number_at(strobe, 0, "states1") == number_at(samples, 0, "states1"));
+    for (int row = 0; row < 3; row++)
+        assert_true(number_at(strobe, row, "time_over_T") == row);
+    assert_true(number_at(strobe, 0, "q1") == number_at(samples, 0, "q1"));
     free_csv(samples);
     free_csv(wanted);
     free_csv(contacts);
@@ -148,7 +176,7 @@ static void a_record_is_drawn(void **state) {
         while (*at == '#' || *at == '\n') /* an empty line where the velocity jumps */
             at = strchr(at, '\n') + 1;
         assert_int_equal(sscanf(at, "%lf %lf %lf", &time, &x, &v), 3);
-        assert_true(fabs(time - number_at(samples, row, "time")) <= 1e-8);
+        assert_true(fabs(time - number_at(samples, row, "time_over_T")) <= 1e-8);
         assert_true(fabs(x - number_at(samples, row, "displacement")) <= 1e-8);
         assert_true(fabs(v - number_at(samples, row, "velocity")) <= 1e-8);
     }

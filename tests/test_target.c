@@ -20,6 +20,10 @@ static int prepare(void **state) {
     free(told(*state, "simulate impact-oscillator --periods 1 -o run.h5"));
     free(told(*state, "export sweep.h5 -o table.csv"));
     free(told(*state, "export run.h5 -o samples.csv"));
+    free(told(*state, "export run.h5 --table events -o events.csv"));
+    free(told(*state, "export sweep.h5 --table impacts -o impacts.csv"));
+    free(told(*state, "continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and "
+                      "d=0.9:1.1 -o locus.h5"));
     free(told(*state, "spectrum impact-oscillator --quiet -o lines.csv"));
     put_text(*state, "notes.csv", "a,b\n1,2\n");
     put_text(*state, "notes.h5", "not HDF5\n");
@@ -57,8 +61,9 @@ static void check_refused(fixture *f, const char *line, int status, const char *
 
 /* The bytes of the files that must not change, one after the other. */
 static char *kept(fixture *f, size_t *length) {
-    static const char *const names[] = {"scene.yaml",  "branch.h5", "sweep.h5",  "run.h5",   "table.csv",
-                                        "samples.csv", "lines.csv", "notes.csv", "notes.h5", "data.gp"};
+    static const char *const names[] = {"scene.yaml",  "branch.h5", "sweep.h5",   "run.h5",   "table.csv",
+                                        "samples.csv", "lines.csv", "notes.csv",  "notes.h5", "data.gp",
+                                        "events.csv",  "locus.h5",  "impacts.csv"};
     char *all = NULL;
     *length = 0;
     for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
@@ -122,6 +127,17 @@ static void what_is_there_is_kept(void **state) {
          "-o lines.csv: ", "(spectrum table, not largest Lyapunov exponent table)"},
         {"export sweep.h5 -o samples.csv", 2, "-o samples.csv: ", "(trajectory table, not sweep table)"},
         {"export run.h5 -o table.csv", 2, "-o table.csv: ", kind},
+        {"export sweep.h5 --table impacts -o table.csv", 2,
+         "-o table.csv: ", "(sweep table, not sweep impacts table)"},
+        {"export sweep.h5 --table turning -o impacts.csv", 2, "-o impacts.csv: ", kind},
+        {"export run.h5 --table events -o samples.csv", 2,
+         "-o samples.csv: ", "(trajectory table, not trajectory events table)"},
+        {"export run.h5 --table strobe -o events.csv", 2, "-o events.csv: ", kind},
+        {"export branch.h5 --table events -o events.csv", 2, "-o events.csv: ", kind},
+        {"continue impact-oscillator --in omega=0.99:1.01 -o locus.h5", 2,
+         "-o locus.h5: ", "(locus, not branch)"},
+        {"continue impact-oscillator --in omega=0.9:1.1 --locus PD --and d=0.9:1.1 -o branch.h5", 2,
+         "-o branch.h5: ", "(branch, not locus)"},
         {"export nothere.h5 -o table.csv", 2, "nothere.h5: ", "cannot be opened"},
         /* what was interrupted */
         {"sweep impact-oscillator --over d=1,2 --what max -o left.csv", 2, "-o left.csv: ", interrupted},
@@ -183,6 +199,10 @@ static void the_same_kind_is_replaced(void **state) {
         "simulate impact-oscillator --periods 1 -o empty.csv --force",
         "simulate impact-oscillator --periods 1 -o empty.csv",
         "export run.h5 -o empty.csv",
+        "export run.h5 --table events -o empty.csv --force",
+        "export run.h5 --table events -o empty.csv",
+        "continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and d=0.9:1.1 -o "
+        "locus.h5",
         "lyapunov impact-oscillator -o empty.csv --force",
         "lyapunov impact-oscillator -o empty.csv",
         "diagnose impact-oscillator -o x.svg --data again.h5 --quiet --force",

@@ -261,7 +261,7 @@ static void files_tell_the_model(void **state) {
     char *table = read_all(path_in(*state, "branch.csv"), &bytes);
     assert_non_null(strstr(table, ",x,x',"));
     assert_non_null(
-        strstr(table, ",multipliers1_1,multipliers1_2,multipliers2_1,multipliers2_2,log_moduli1,"));
+        strstr(table, ",multiplier1_re,multiplier1_im,multiplier2_re,multiplier2_im,log_modulus1,"));
     free(table);
     free(told(*state, "sweep chain --over F=0.2:0.6:5 --at-most 100 --set N=3 -o sweep.h5"));
     free(told(*state, "plot sweep.h5 -o sweep.png"));
@@ -318,7 +318,7 @@ static void names_are_those_of_the_text(void **state) {
     free(told(f, "simulate valve.yaml --periods 1 -o run.h5"));
     free(told(f, "export run.h5 -o run2.csv"));
     table = read_all(path_in(f, "run2.csv"), &length);
-    assert_non_null(strstr(table, "\ntime,x,x',p,"));
+    assert_non_null(strstr(table, "\ntime_over_T,displacement,velocity,x,x',p,"));
     free(table);
     free(told(f, "basins duffing --over x=-1:1:2 --over x_dot=-1:1:2 -o basins.h5"));
     char *text = told(f, "classify duffing --json");

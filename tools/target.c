@@ -91,29 +91,38 @@ static const char *input_that_is(const cli_request *request, const struct stat *
     return from && is_file(from, file) ? from : NULL;
 }
 
+/* The kind of file that the command writes at a place, as saltus_file_identify calls it, and a locus by that
+ * word. "": it will write nothing and explain why. */
+static void choose_kind(const cli_command *command, const cli_request *request, const place *p,
+                        char kind[32]) {
+    const bool table = cli_ends_in(p->path, ".csv");
+    kind[0] = '\0';
+    if (!table && !cli_ends_in(p->path, ".h5"))
+        strcpy(kind, cli_ends_in(p->path, ".gp") ? "script" : "picture");
+    else if (command->kind)
+        snprintf(kind, 32, "%s%s", cli_given(request, "--locus") ? "locus" : command->kind,
+                 table ? " table" : "");
+    else if (request->input_count) {
+        const saltus_file_facts input = saltus_file_identify(request->inputs[0]);
+        saltus_table_kind(&input, cli_text(request, "--table"), kind);
+    }
+}
+
 /* An existing file may be replaced only if it is finished and of the kind to be written. */
 static int check_earlier(const cli_command *command, const cli_request *request, const place *p, bool there) {
-    saltus_file_facts facts = {.kind = "empty", .complete = true}, input = {.kind = ""};
-    const bool table = cli_ends_in(p->path, ".csv");
-    char kind[64], journal[4096];
+    saltus_file_facts facts = {.kind = "empty", .complete = true};
+    char kind[32], journal[4096];
     if (cli_given(request, "--resume") || cli_given(request, "--force"))
         return CLI_DONE;
     if (there)
         facts = saltus_file_identify(p->path);
-    /* The kind that the command writes under this ending, as saltus_file_identify calls it; for exports that
-     * of the input. "": it will write nothing and explain why. */
-    if (!command->kind && request->input_count)
-        input = saltus_file_identify(request->inputs[0]);
-    const char *data = command->kind ? command->kind : input.hdf5 ? input.kind : "";
-    if (table || cli_ends_in(p->path, ".h5"))
-        snprintf(kind, sizeof kind, "%s%s", data, table && *data ? " table" : "");
-    else
-        strcpy(kind, cli_ends_in(p->path, ".gp") ? "script" : "picture");
-    if (strcmp(facts.kind, "empty") != 0 && kind[0] && strcmp(facts.kind, kind) != 0)
+    const char *known = facts.locus ? "locus" : facts.kind;
+    choose_kind(command, request, p, kind);
+    if (strcmp(known, "empty") != 0 && kind[0] && strcmp(known, kind) != 0)
         return refuse(
             CLI_BAD_INPUT, p,
             "is there and another kind of file (%s, not %s); another name, or --force to replace it",
-            facts.kind[0] ? facts.kind : "not one of Saltus", kind);
+            known[0] ? known : "not one of Saltus", kind);
     const int length = snprintf(journal, sizeof journal, "%s.journal", p->path);
     if (!facts.complete || ((size_t)length < sizeof journal && access(journal, F_OK) == 0))
         return refuse(CLI_BAD_INPUT, p, "holds an interrupted run; %s--force begins anew",

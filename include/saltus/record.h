@@ -63,9 +63,9 @@ typedef struct saltus_origin {
 
 /* Write a record to a .csv or .h5 file (chosen by the ending), completely or not at all. The HDF5 file has
  * the same head as a branch file, the flow's options as attributes, and the groups /trajectory (samples),
- * /events and /strobe (stroboscopic points); of an interrupted record both say `complete` 0. `origin` may be
- * NULL. Errors: SALTUS_BAD_INPUT for another
- * ending, SALTUS_IO. */
+ * /events and /strobe (stroboscopic points); of an interrupted record both say `complete` 0.
+ * /trajectory/observed has what the scene observes. `origin` may be NULL. Errors: SALTUS_BAD_INPUT for
+ * another ending, SALTUS_IO. */
 saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scene,
                                       const saltus_system *system, const saltus_flow_options *options,
                                       const saltus_trajectory *record, const saltus_origin *origin,
@@ -73,11 +73,12 @@ saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scen
 
 /* The kind of a file, judged by its beginning. */
 typedef struct saltus_file_facts {
-    /* "branch", "sweep", "basins" or "trajectory" (HDF5 files of Saltus), the same followed by " table",
-     * "spectrum table" and "largest Lyapunov exponent table" (CSV of Saltus), "script" (of Saltus, for
-     * gnuplot), "picture" (PNG, PDF, SVG), "empty"; "" for any other or unreadable file. */
+    /* "branch", "sweep", "basins" or "trajectory" (HDF5 files of Saltus); "sweep table", "sweep impacts
+     * table", "branch points table" and the like (CSV of Saltus, by the words of their first line), "script"
+     * (of Saltus, for gnuplot), "picture" (PNG, PDF, SVG), "empty"; "" for any other or unreadable file. */
     char kind[32];
     bool hdf5;
+    bool locus;    /* the branch is a curve of special points in two parameters */
     bool complete; /* false: written by an interrupted run */
 } saltus_file_facts;
 /* Reads only the head; the rest of the file may still be damaged. */
@@ -265,6 +266,10 @@ typedef struct saltus_sweep_file {
 /* On success free with saltus_sweep_file_clear. Errors: SALTUS_BAD_INPUT, SALTUS_NO_MEMORY. */
 saltus_status saltus_sweep_file_read(const char *path, saltus_sweep_file *file, saltus_message *message);
 void saltus_sweep_file_clear(saltus_sweep_file *file);
+
+/* The kind of the table that the file has under this name (NULL: its first), in the words of
+ * saltus_file_identify; "" if it has no such table. */
+void saltus_table_kind(const saltus_file_facts *file, const char *name, char kind[32]);
 
 /* Which table of a sweep file is exported to CSV. */
 typedef enum saltus_table {

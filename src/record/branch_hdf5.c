@@ -62,10 +62,7 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
     const saltus_parameter *p = saltus_model_parameters(head->spec.model, &count);
     for (int k = 0; k < count && used < sizeof names; k++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k ? "," : "", p[k].name);
-    hid_t set = w->sound ? H5Dopen2(group, "parameters", H5P_DEFAULT) : -1;
-    if (saltus_h5_note(w, set >= 0))
-        saltus_h5_text(w, set, "names", names);
-    saltus_h5_close(set);
+    saltus_h5_names(w, group, "parameters", names);
     saltus_h5_close(group);
     group = saltus_h5_open_group(w, "events", "contact events of the orbits, see /points/event_first");
     saltus_h5_rows(w, group, &o->events);

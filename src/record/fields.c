@@ -13,7 +13,8 @@
 enum {
     OF_DIMENSION = -1 - SALTUS_COUNT_DIMENSION,
     OF_PARAMETERS = -1 - SALTUS_COUNT_PARAMETERS,
-    OF_STOPS = -1 - SALTUS_COUNT_STOPS
+    OF_STOPS = -1 - SALTUS_COUNT_STOPS,
+    OF_OBSERVED = -1 - SALTUS_COUNT_OBSERVED
 };
 
 #define POINT(member, unit, meaning, ...)                                                                    \
@@ -174,6 +175,8 @@ static const saltus_field sample_fields[] = {
     COLUMN("displacement", "1", "observed displacement (observe; else the first stop's coordinate)",
            SALTUS_REAL),
     COLUMN("velocity", "1", "rate of the observed displacement", SALTUS_REAL),
+    COLUMN("observed", "1", "what the scene observes, in the order of the attribute names", SALTUS_REAL,
+           OF_OBSERVED),
 };
 const saltus_field_table saltus_sample_fields = SALTUS_TABLE(sample_fields);
 

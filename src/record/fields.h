@@ -11,7 +11,7 @@ typedef struct saltus_point_row {
     saltus_branch_point point;
     long long event_first;
 } saltus_point_row;
-enum { SALTUS_COUNT_DIMENSION, SALTUS_COUNT_PARAMETERS, SALTUS_COUNT_STOPS };
+enum { SALTUS_COUNT_DIMENSION, SALTUS_COUNT_PARAMETERS, SALTUS_COUNT_STOPS, SALTUS_COUNT_OBSERVED };
 extern const saltus_field_table saltus_point_fields;
 
 /* An event of an orbit or a trajectory, as a row of /events. */

@@ -67,6 +67,13 @@ hid_t saltus_h5_open_group(saltus_h5 *w, const char *name, const char *descripti
     return group;
 }
 
+void saltus_h5_names(saltus_h5 *w, hid_t group, const char *set, const char *names) {
+    hid_t found = w->sound ? H5Dopen2(group, set, H5P_DEFAULT) : -1;
+    if (saltus_h5_note(w, found >= 0))
+        saltus_h5_text(w, found, "names", names);
+    saltus_h5_close(found);
+}
+
 void saltus_h5_close(hid_t object) {
     if (object >= 0)
         H5Idec_ref(object);

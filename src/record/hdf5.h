@@ -56,6 +56,8 @@ hid_t saltus_h5_text_type(size_t room, bool stored);
 void saltus_h5_text(saltus_h5 *w, hid_t owner, const char *name, const char *text);
 void saltus_h5_double(saltus_h5 *w, hid_t owner, const char *name, double value);
 void saltus_h5_integer(saltus_h5 *w, hid_t owner, const char *name, long long value);
+/* The attribute `names` of a dataset: the names of its columns, with commas between them. */
+void saltus_h5_names(saltus_h5 *w, hid_t group, const char *set, const char *names);
 hid_t saltus_h5_open_group(saltus_h5 *w, const char *name, const char *description);
 /* Close a group, dataset, type, ...; does nothing for a negative handle, which stands for a failed open. */
 void saltus_h5_close(hid_t object);
@@ -89,6 +91,8 @@ bool saltus_h5_get_text(hid_t owner, const char *name, char *text, size_t room);
 const char *saltus_h5_get_options(hid_t owner, const saltus_option_table *table, void *record);
 /* Open a group for reading; negative if it does not exist. */
 hid_t saltus_h5_find_group(hid_t file, const char *name);
+/* Whether a branch file holds a curve of special points in two parameters. In identify.c. */
+bool saltus_h5_is_locus(hid_t file);
 
 /* A file of results being read. The caller sets path, kind and message. */
 typedef struct saltus_h5_reader {

@@ -19,6 +19,14 @@ static bool is_cut(FILE *file) {
     return cut;
 }
 
+bool saltus_h5_is_locus(hid_t file) {
+    char second[SALTUS_KEY_MAX] = "";
+    hid_t group = saltus_h5_find_group(file, "continuation");
+    const bool there = group >= 0 && saltus_h5_get_text(group, "key2", second, sizeof second) && second[0];
+    saltus_h5_close(group);
+    return there;
+}
+
 saltus_file_facts saltus_file_identify(const char *path) {
     static const struct {
         const char *begin, *kind;
@@ -59,6 +67,7 @@ saltus_file_facts saltus_file_identify(const char *path) {
         /* Files without `complete` are written in one piece. */
         if (saltus_h5_get_integer(reader.file, "complete", &complete))
             facts.complete = complete != 0;
+        facts.locus = strcmp(facts.kind, "branch") == 0 && saltus_h5_is_locus(reader.file);
     }
     saltus_h5_reader_close(&reader);
     return facts;

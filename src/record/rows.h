@@ -6,7 +6,7 @@
 
 #include "record/hdf5.h"
 
-enum { SALTUS_FIELDS_MAX = 40, SALTUS_COUNTS_MAX = 3, SALTUS_H5_RANK_MAX = 4 };
+enum { SALTUS_FIELDS_MAX = 40, SALTUS_COUNTS_MAX = 4, SALTUS_H5_RANK_MAX = 4 };
 
 /* Rows of one kind, stored column by column. */
 typedef struct saltus_rows {

@@ -14,9 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void put_head(const saltus_sweep_file *head, FILE *file) {
-    fprintf(file, "# Saltus %s %s\n# scene: %s\n", head->version, head->basins ? "basins" : "sweep",
-            head->scene);
+/* `kind`: of the cloud; NULL: the rows. */
+static void put_head(const saltus_sweep_file *head, const saltus_cloud_kind *kind, FILE *file) {
+    fprintf(file, "# Saltus %s %s%s%s\n# scene: %s\n", head->version, head->basins ? "basins" : "sweep",
+            kind ? " " : "", kind ? kind->group : "", head->scene);
     if (head->title[0])
         fprintf(file, "# title: %s\n", head->title);
     saltus_sweep_identity_put(file, head, "# ");
@@ -60,7 +61,7 @@ static void put_place(const saltus_sweep_file *head, long long row, FILE *file) 
 saltus_status saltus_sweep_put_csv(saltus_sweep_stream *stream, FILE *file, saltus_message *message) {
     const saltus_sweep_file head = saltus_sweep_head(stream->sweep, stream->basins, stream->complete);
     saltus_status status = SALTUS_OK;
-    put_head(&head, file);
+    put_head(&head, NULL, file);
     put_names(&saltus_line_fields, file);
     fputc('\n', file);
     for (long long row = 0; row < head.row_count && status == SALTUS_OK && !ferror(file); row++) {
@@ -100,7 +101,7 @@ saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *
     if (status != SALTUS_OK)
         return status;
     FILE *out = output.file;
-    put_head(file, out);
+    put_head(file, kind, out);
     /* The columns of a state are named like its entries. */
     if (kind && !kind->bytes)
         status = saltus_system_new(&file->spec, &system, message);

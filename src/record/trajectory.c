@@ -50,14 +50,22 @@ static void put_header(const source *s, FILE *file) {
           file);
 }
 
+/* What the scene observes at a sample. */
+static void observe(const source *s, long long row, double *seen) {
+    const saltus_trajectory *r = s->record;
+    if (saltus_system_observable_count(s->system) > 0)
+        saltus_system_observe(s->system, r->states + row * r->dimension, r->time[row] - floor(r->time[row]),
+                              seen);
+}
+
 /* Comment lines and one row per sample; failures are left in the file's error flag. */
-static saltus_status write_csv(const source *s, FILE *file) {
+static saltus_status write_csv(const source *s, FILE *file, saltus_message *message) {
     const saltus_trajectory *r = s->record;
     const int observables = saltus_system_observable_count(s->system);
     double *seen = calloc((size_t)observables + 1, sizeof *seen);
     long long event = 0;
     if (!seen)
-        return SALTUS_NO_MEMORY;
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the observed quantities");
     put_header(s, file);
     fputs("time_over_T,displacement,velocity", file);
     for (int i = 0; i < r->dimension; i++)
@@ -72,9 +80,7 @@ static saltus_status write_csv(const source *s, FILE *file) {
             fputc(',', file);
             saltus_put_number(file, i < 2 ? observed[i] : r->states[row * r->dimension + i - 2]);
         }
-        if (observables > 0)
-            saltus_system_observe(s->system, r->states + row * r->dimension,
-                                  r->time[row] - floor(r->time[row]), seen);
+        observe(s, row, seen);
         for (int k = 0; k < observables; k++) {
             fputc(',', file);
             saltus_put_number(file, seen[k]);
@@ -91,35 +97,52 @@ static saltus_status write_csv(const source *s, FILE *file) {
     return SALTUS_OK;
 }
 
-static void put_rows(saltus_h5 *w, const char *name, const char *description, const saltus_rows *rows) {
+/* A group of rows; `names`, where given, of the columns of its dataset `set`. */
+static void put_rows(saltus_h5 *w, const char *name, const char *description, const saltus_rows *rows,
+                     const char *set, const char *names) {
     hid_t group = saltus_h5_open_group(w, name, description);
     saltus_h5_rows(w, group, rows);
+    if (set)
+        saltus_h5_names(w, group, set, names);
     saltus_h5_close(group);
 }
 
 static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *message) {
     const source *s = context;
     const saltus_trajectory *r = s->record;
-    const saltus_rows samples = {.kind = &saltus_sample_fields,
-                                 .counts = {[SALTUS_COUNT_DIMENSION] = r->dimension},
-                                 .count = r->samples,
-                                 .column = {r->time, r->states, r->displacement, r->velocity}};
+    const int observables = saltus_system_observable_count(s->system);
+    char names[SALTUS_PARAMETERS_MAX * SALTUS_KEY_MAX] = "";
+    size_t used = 0;
+    double *seen = calloc((size_t)(r->samples * observables) + 1, sizeof *seen);
+    if (!seen)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the observed quantities");
+    for (long long row = 0; row < r->samples; row++)
+        observe(s, row, seen + row * observables);
+    for (int k = 0; k < observables && used < sizeof names; k++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", k ? "," : "",
+                                 saltus_system_observable_name(s->system, k));
+    const saltus_rows samples = {
+        .kind = &saltus_sample_fields,
+        .counts = {[SALTUS_COUNT_DIMENSION] = r->dimension, [SALTUS_COUNT_OBSERVED] = observables},
+        .count = r->samples,
+        .column = {r->time, r->states, r->displacement, r->velocity, seen}};
     const saltus_rows strobe = {.kind = &saltus_strobe_fields,
                                 .counts = {[SALTUS_COUNT_DIMENSION] = r->dimension},
                                 .count = r->strobes,
                                 .column = {r->strobe_states}};
     /* Store the integrator actually used, not the automatic choice. */
-    saltus_flow_options used = *s->options;
+    saltus_flow_options used_options = *s->options;
     saltus_field_read(&saltus_option_find(&saltus_flow_table, "integrator")->field,
-                      saltus_integrator_used(s->system, used.integrator), &used);
-    (void)message;
+                      saltus_integrator_used(s->system, used_options.integrator), &used_options);
     saltus_h5_put_head(w, "trajectory", s->scene->name, s->scene->title, saltus_system_spec(s->system),
                        !r->interrupted);
     if (s->origin)
         saltus_h5_put_origin(w, s->origin);
     saltus_h5_double(w, w->file, "period", saltus_system_period(s->system));
-    saltus_h5_options(w, w->file, &saltus_flow_table, &used);
-    put_rows(w, "trajectory", "samples, with one on each side of every impact", &samples);
+    saltus_h5_options(w, w->file, &saltus_flow_table, &used_options);
+    put_rows(w, "trajectory", "samples, with one on each side of every impact", &samples,
+             observables ? "observed" : NULL, names);
+    free(seen);
     saltus_rows events = {.kind = &saltus_trajectory_event_fields};
     for (long long k = 0; k < r->event_count && w->sound; k++) {
         saltus_event_row row = saltus_event_row_of(s->system, &r->events[k]);
@@ -127,10 +150,17 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
         row.row = r->event_rows[k];
         saltus_h5_note_memory(w, saltus_rows_add(&events, &row));
     }
-    put_rows(w, "events", "impacts, begins of contact (stick) and releases, in order", &events);
+    put_rows(w, "events", "impacts, begins of contact (stick) and releases, in order", &events, NULL, NULL);
     saltus_rows_clear(&events);
-    put_rows(w, "strobe", "stroboscopic points", &strobe);
+    put_rows(w, "strobe", "stroboscopic points", &strobe, NULL, NULL);
     return SALTUS_OK;
+}
+
+static saltus_status write_table(const char *path, const source *s, saltus_message *message) {
+    saltus_output output;
+    saltus_status status = saltus_output_open(&output, path, message);
+    return status == SALTUS_OK ? saltus_output_close(&output, write_csv(s, output.file, message), message)
+                               : status;
 }
 
 saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scene,
@@ -141,16 +171,20 @@ saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scen
     if (!csv && !hdf5)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .csv or .h5", path);
     source s = {record, scene, system, options, origin};
-    if (hdf5)
-        return saltus_h5_write(path, false, put_file, &s, message);
-    saltus_output output;
-    saltus_status status = saltus_output_open(&output, path, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = write_csv(&s, output.file);
-    if (status != SALTUS_OK)
-        saltus_fail(message, status, "no memory for the observed quantities");
-    return saltus_output_close(&output, status, message);
+    return hdf5 ? saltus_h5_write(path, false, put_file, &s, message) : write_table(path, &s, message);
+}
+
+saltus_status saltus_write_samples(const char *to, const char *path, saltus_message *message) {
+    saltus_trajectory_file file;
+    saltus_scene scene = {.initial_count = 0};
+    saltus_status status = saltus_trajectory_file_read(path, &file, message);
+    snprintf(scene.name, sizeof scene.name, "%s", file.head.scene);
+    snprintf(scene.title, sizeof scene.title, "%s", file.head.title);
+    const source s = {&file.record, &scene, file.system, &file.options, NULL};
+    if (status == SALTUS_OK)
+        status = write_table(to, &s, message);
+    saltus_trajectory_file_clear(&file);
+    return status;
 }
 
 /* Read one column of a table of samples: one number per sample, or `dimension` numbers for a state. */
@@ -176,12 +210,16 @@ saltus_status saltus_trajectory_file_read(const char *path, saltus_trajectory_fi
     double **const columns[] = {&made->time, &made->states, &made->displacement, &made->velocity};
     void *rows = NULL;
     long long count = 0;
-    *file = (saltus_trajectory_file){.system = NULL};
+    *file = (saltus_trajectory_file){.options = saltus_flow_defaults()};
     saltus_status status = saltus_h5_reader_open(&r);
     if (status == SALTUS_OK)
         status = saltus_h5_get_head(&r, "trajectory", "trajectory", &file->head);
     if (status == SALTUS_OK)
         status = saltus_system_new(&file->head.spec, &file->system, message);
+    const char *wrong =
+        status == SALTUS_OK ? saltus_h5_get_options(r.file, &saltus_flow_table, &file->options) : NULL;
+    if (wrong)
+        status = saltus_h5_refuse_part(&r, "", wrong);
     made->interrupted = !file->head.complete;
     made->dimension = status == SALTUS_OK ? saltus_system_dimension(file->system) : 0;
     for (int k = 0; k < 4 && status == SALTUS_OK; k++, made->samples = count) {
