@@ -668,7 +668,7 @@ static void titles_of_the_paper_are_whole(void **state) {
             title += strlen(words);
             at = view ? at : strstr(at, "all were there\n");
             assert_non_null(at);
-            snprintf(words, sizeof words, "figure: fig8%c-%s.png\n", 'a' + k,
+            snprintf(words, sizeof words, "figure: ./fig8%c-%s.png\n", 'a' + k,
                      view ? "velocity" : "displacement");
             at = strstr(at, words);
             assert_non_null(at);

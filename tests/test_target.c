@@ -176,6 +176,19 @@ static void what_is_there_is_kept(void **state) {
     assert_int_equal(access(path_in(*state, "x.png"), F_OK), -1);
 }
 
+/* The figures of the paper are refused before the first is made, with the folder named. */
+static void all_figures_are_checked_first(void **state) {
+    fixture *f = *state;
+    put_text(f, "folder/fig4b.png", "no picture\n");
+    check_refused(f, "paper --quick --figure 4 -o folder", 2,
+                  "-o folder/fig4b.png: ", "another kind of file");
+    remove(path_in(f, "folder/fig4b.png"));
+    assert_int_equal(folder_files(path_in(f, "folder"), false), 0);
+    check_refused(f, "paper --quick -o -", 2, "-o -: ", "name a folder");
+    check_refused(f, "paper --quick -o notes.csv", 1, "paper: -o notes.csv: ", "Not a directory");
+    assert_int_equal(access(path_in(f, "-"), F_OK), -1);
+}
+
 /* A folder without write permission is named; the superuser has none. */
 static void a_locked_folder_is_named(void **state) {
     if (geteuid() == 0)
@@ -183,6 +196,10 @@ static void a_locked_folder_is_named(void **state) {
     chmod(path_in(*state, "folder"), 0555);
     check_refused(*state, "export sweep.h5 -o folder/x.csv", 1, "-o folder/x.csv: in the folder folder ",
                   "Permission denied");
+    check_refused(*state, "paper -o folder", 1,
+                  "paper: -o folder: nothing can be written there: ", "Permission denied");
+    check_refused(*state, "paper -o folder/x", 1,
+                  "paper: -o folder/x: no folder can be made there: ", "Permission denied");
     chmod(path_in(*state, "folder"), 0777);
 }
 
@@ -292,6 +309,7 @@ static void a_scene_comes_from_standard_input(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_there_is_kept),
+        cmocka_unit_test(all_figures_are_checked_first),
         cmocka_unit_test(a_locked_folder_is_named),
         cmocka_unit_test(the_same_kind_is_replaced),
         cmocka_unit_test(an_interrupted_run_is_not_begun_anew_by_accident),

@@ -347,6 +347,12 @@ static bool choose_look(cli_request *request) {
     return cli_refuse(false, "%s%s: %s", size ? "--size " : "-o ", size ? size : output, message.text);
 }
 
+int cli_check(const cli_command *command, cli_request *request) {
+    target out;
+    const int code = target_open(command, request, &out);
+    return code == CLI_DONE && !choose_look(request) ? CLI_BAD_INPUT : code;
+}
+
 int cli_run(const cli_command *command, cli_request *request) {
     target out = {.descriptor = -1};
     cli_setup setup;

@@ -171,6 +171,8 @@ const char *cli_text(const cli_request *request, const char *flag);
 long cli_whole(const cli_request *request, const char *flag);
 /* Check that the output files may be written, then run a parsed command. Returns the exit code. */
 int cli_run(const cli_command *command, cli_request *request);
+/* The same check alone, of a command that writes to files. */
+int cli_check(const cli_command *command, cli_request *request);
 /* The exit code for a status. */
 int cli_code(saltus_status status);
 /* Print "saltus: ..." on stderr; a failure after a signal is reported as an interruption. Returns the exit

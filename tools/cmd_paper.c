@@ -23,7 +23,7 @@ static const cli_option resume =
 /* Commands allowed in the list. */
 static const cli_command *const known[] = {&cmd_sweep, &cmd_basins, &cmd_plot, &cmd_diagnose, &cmd_simulate};
 
-enum { line_size = 1024, words_max = 64, added_max = 3 };
+enum { line_size = 1024, words_max = 64, added_max = 3, files_max = 4 };
 
 /* Expand a line: {a|b} becomes a, or with --quick b; {format} becomes the figures' ending. The result is
  * never longer than the line. */
@@ -71,10 +71,13 @@ static int cut(char *text, char *words[words_max]) {
     return count;
 }
 
-static int run_line(const cli_request *request, char *text) {
+/* Run a line of the list, or only check that its files may be written. They go into the folder. */
+static int run_line(const cli_request *request, const char *folder, bool checking, char *text) {
+    static const char *const endings[] = {".h5", ".png", ".pdf", ".svg"};
     const bool goes_on = cli_given(request, "--resume");
-    char *words[words_max + added_max], quietly[] = "--quiet", again[] = "--resume", anew[] = "--force";
-    int count = cut(text, words);
+    char *words[words_max + added_max], quietly[] = "--quiet", again[] = "--resume", anew[] = "--force",
+                                        files[files_max][2 * line_size];
+    int count = cut(text, words), moved = 0;
     const cli_command *command = NULL;
     cli_request inner;
     for (size_t k = 0; k < sizeof known / sizeof known[0] && count; k++)
@@ -82,8 +85,15 @@ static int run_line(const cli_request *request, char *text) {
             command = known[k];
     if (!command)
         return cli_refuse(CLI_FAILED, "paper: %.100s: no command of the list of figures", text);
-    if (!command->together && (ranks_here() > 0 || interrupt_asked()))
+    if (!checking && !command->together && (ranks_here() > 0 || interrupt_asked()))
         return CLI_DONE;
+    for (int k = 1; k < count; k++)
+        for (size_t e = 0; e < sizeof endings / sizeof endings[0]; e++)
+            if (moved < files_max && cli_ends_in(words[k], endings[e])) {
+                snprintf(files[moved], sizeof files[moved], "%s/%s", folder, words[k]);
+                words[k] = files[moved++];
+                break;
+            }
     if (cli_given(request, "--quiet"))
         words[count++] = quietly;
     /* With --resume a sweep without a file simply starts; commands that cannot resume run again. */
@@ -91,56 +101,80 @@ static int run_line(const cli_request *request, char *text) {
         words[count++] = again;
     else if (goes_on || cli_given(request, "--force"))
         words[count++] = anew;
-    return cli_parse(command, count - 1, words + 1, &inner) ? cli_run(command, &inner) : CLI_FAILED;
+    if (!cli_parse(command, count - 1, words + 1, &inner))
+        return CLI_FAILED;
+    return (checking ? cli_check : cli_run)(command, &inner);
 }
 
-/* Create the folder with its parents, and change to it. */
-static bool enter(const char *path) {
+/* Create the folder with its parents. */
+static bool make_folder(const char *path) {
     char part[line_size];
-    size_t length = strlen(path);
-    for (size_t k = 1; k <= length && length < sizeof part; k++)
+    struct stat facts;
+    const size_t length = strlen(path);
+    int reason = length == 0 ? ENOENT : 0;
+    if (length >= sizeof part)
+        return cli_refuse(false, "paper: -o %s: no folder can be made there: the name is too long", path);
+    for (size_t k = 1; k <= length && !reason; k++)
         if (path[k] == '/' || path[k] == '\0') {
             memcpy(part, path, k);
             part[k] = '\0';
-            mkdir(part, 0777);
+            if (mkdir(part, 0777) != 0) {
+                reason = errno == EEXIST ? ENOTDIR : errno;
+                if (stat(part, &facts) == 0 && S_ISDIR(facts.st_mode))
+                    reason = 0;
+            }
         }
-    if (length > 0 && length < sizeof part && chdir(path) == 0)
-        return true;
-    return cli_refuse(false, "paper: -o %s: no folder can be made there: %s", path,
-                      length < sizeof part ? strerror(errno) : "the name is too long");
+    if (reason)
+        return cli_refuse(false, "paper: -o %s: no folder can be made there: %s", path, strerror(reason));
+    if (access(path, W_OK | X_OK) != 0)
+        return cli_refuse(false, "paper: -o %s: nothing can be written there: %s", path, strerror(errno));
+    return true;
 }
 
-static int run(const cli_request *request) {
-    static const char *const formats[] = {"png", "pdf", "svg", NULL};
+/* Go through the list: check the files of all lines, or run the lines. */
+static int go_through(const cli_request *request, const char *folder, bool checking) {
     const char *number = cli_text(request, "--figure");
-    int chosen = 0, current = 0, code = CLI_DONE;
+    int current = 0, code = CLI_DONE;
     char text[line_size];
-    if (request->input_count)
-        return cli_refuse(CLI_BAD_INPUT, "%s: unexpected; paper takes options only", request->inputs[0]);
-    if (number && (number[0] < '2' || number[0] > '8' || number[1]))
-        return cli_refuse(CLI_BAD_INPUT, "--figure %s: must be from 2 to 8", number);
-    if (!cli_choose(request, "--format", formats, &chosen))
-        return CLI_BAD_INPUT;
-    if (!enter(request->output ? request->output : "paper"))
-        return CLI_FAILED;
     /* With several ranks continue to the next sweep after a signal: only there do all ranks learn of it, so
      * that they end together. */
     for (const char *line = paper_figures;
-         *line && code == CLI_DONE && (!interrupt_asked() || ranks_count() > 1);) {
+         *line && code == CLI_DONE && (checking || !interrupt_asked() || ranks_count() > 1);) {
         const size_t length = strcspn(line, "\n");
         int begins = 0; /* the number of the figure that the line begins */
         sscanf(line, "figure %1d", &begins);
         current = begins ? begins : current;
         const bool asked = current && (!number || number[0] - '0' == current);
-        if (asked && begins)
+        if (asked && begins && !checking)
             printf("%.*s\n", (int)length, line);
-        else if (asked && length && line[0] != '#') {
+        else if (asked && !begins && length && line[0] != '#') {
             fill_in(request, line, length, text);
-            code = run_line(request, text);
+            code = run_line(request, folder, checking, text);
             fflush(stdout);
         }
         line += length + (line[length] == '\n');
     }
+    return code;
+}
+
+static int run(const cli_request *request) {
+    static const char *const formats[] = {"png", "pdf", "svg", NULL};
+    const char *number = cli_text(request, "--figure"), *folder = request->output ? request->output : "paper";
+    int chosen = 0, code = CLI_DONE;
+    if (request->input_count)
+        return cli_refuse(CLI_BAD_INPUT, "%s: unexpected; paper takes options only", request->inputs[0]);
+    if (number && (number[0] < '2' || number[0] > '8' || number[1]))
+        return cli_refuse(CLI_BAD_INPUT, "--figure %s: must be from 2 to 8", number);
+    if (strcmp(folder, "-") == 0)
+        return cli_refuse(CLI_BAD_INPUT, "-o -: paper makes many files; name a folder for them");
+    if (!cli_choose(request, "--format", formats, &chosen))
+        return CLI_BAD_INPUT;
+    /* What cannot be written is told before anything is computed. */
+    if (ranks_here() == 0)
+        code = make_folder(folder) ? go_through(request, folder, true) : CLI_FAILED;
+    code = ranks_agree(code);
+    if (code == CLI_DONE)
+        code = go_through(request, folder, false);
     return code == CLI_DONE && interrupt_asked() ? interrupt_report("--resume goes on") : code;
 }
 

@@ -55,13 +55,13 @@ static int check_folder(const place *p) {
         return refuse(CLI_FAILED, p, "the name is too long");
     if (slash)
         snprintf(folder, sizeof folder, "%.*s", (int)(slash > p->path ? slash - p->path : 1), p->path);
-    const char *called = slash ? folder : "that it is in";
+    const char *called = slash ? "the folder " : "the current folder", *name = slash ? folder : "";
     if (stat(folder, &facts) != 0)
-        return refuse(CLI_FAILED, p, "the folder %s cannot be used: %s", called, strerror(errno));
+        return refuse(CLI_FAILED, p, "%s%s cannot be used: %s", called, name, strerror(errno));
     if (!S_ISDIR(facts.st_mode))
         return refuse(CLI_FAILED, p, "%s is no folder", folder);
     if (access(folder, W_OK | X_OK) != 0)
-        return refuse(CLI_FAILED, p, "in the folder %s nothing can be written: %s", called, strerror(errno));
+        return refuse(CLI_FAILED, p, "in %s%s nothing can be written: %s", called, name, strerror(errno));
     return CLI_DONE;
 }
 
