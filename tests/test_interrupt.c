@@ -622,6 +622,7 @@ static void a_branch_in_parts_is_the_whole_one(void **state) {
         free(whole);
         free(parts);
         remove(path);
+        remove(path_in(f, "whole.h5", path));
     }
 }
 
