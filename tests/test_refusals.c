@@ -61,7 +61,7 @@ static void sentences_name_what_is_wrong(void **state) {
         {"unheard-of x", 2, "unheard-of: unknown command"},
         {"classify --json", 2, "classify: needs a scene"},
         {"classify pipe two-mass", 2, "two-mass: |already pipe"},
-        {"export a.h5 b.h5 -o never.csv", 2, "b.h5: |a.h5"},
+        {"export a.h5 b.h5 -o never.csv", 2, "b.h5: |the file is already a.h5"},
         {"lyapunov pipe --unheard-of 3", 2, "--unheard-of: |saltus lyapunov; |saltus lyapunov --help"},
         {"classify pipe --longest", 2, "--longest: needs a value (p)"},
         {"classify pipe --set", 2, "--set: must be "},

@@ -138,6 +138,10 @@ static void what_is_there_is_kept(void **state) {
          "-o locus.h5: ", "(locus, not branch)"},
         {"continue impact-oscillator --in omega=0.9:1.1 --locus PD --and d=0.9:1.1 -o branch.h5", 2,
          "-o branch.h5: ", "(branch, not locus)"},
+        {"export sweep.h5 --table stroboscopic -o table.csv", 2,
+         "-o table.csv: ", "(sweep table, not sweep stroboscopic table)"},
+        {"export sweep.h5 --table stroboscopic -o -", 2,
+         "sweep.h5: ", "did not keep stroboscopic, only rows, turning, impacts"},
         {"export nothere.h5 -o table.csv", 2, "nothere.h5: ", "cannot be opened"},
         /* what was interrupted */
         {"sweep impact-oscillator --over d=1,2 --what max -o left.csv", 2, "-o left.csv: ", interrupted},
@@ -287,6 +291,37 @@ static void standard_output_is_a_file_like_others(void **state) {
     }
 }
 
+/* With standard output full or closed by its reader, this is told as what it is, and no folder stays behind.
+ */
+static void standard_output_that_cannot_be_written(void **state) {
+    static const char *const lines[] = {"export run.h5 -o -", "plot sweep.h5 -o -",
+                                        "simulate impact-oscillator --periods 1 -o -"};
+    fixture *f = *state;
+    char text[512];
+    assert_int_equal(mkdir(path_in(f, "temporary"), 0777), 0);
+    setenv("TMPDIR", f->path, 1);
+    for (size_t k = 0; k < sizeof lines / sizeof lines[0]; k++) {
+        if (access("/dev/full", W_OK) == 0) {
+            snprintf(text, sizeof text, "cd %s && %s %s >/dev/full 2>err", f->folder, SALTUS_COMMAND,
+                     lines[k]);
+            assert_int_equal(WEXITSTATUS(system(text)), 1);
+            char *err = said(f, "err");
+            assert_string_equal(err,
+                                "saltus: standard output could not be written: No space left on device\n");
+            free(err);
+        }
+        snprintf(text, sizeof text, "cd %s && { sleep 0.01; %s %s 2>err; } | true", f->folder, SALTUS_COMMAND,
+                 lines[k]);
+        assert_int_equal(system(text), 0);
+        char *err = said(f, "err");
+        assert_string_equal(err, "");
+        free(err);
+        assert_int_equal(folder_files(path_in(f, "temporary"), false), 0);
+    }
+    unsetenv("TMPDIR");
+    rmdir(path_in(f, "temporary"));
+}
+
 /* A scene from standard input is the same as from its file; that file is an input like any other. */
 static void a_scene_comes_from_standard_input(void **state) {
     fixture *f = *state;
@@ -313,6 +348,7 @@ int main(void) {
         cmocka_unit_test(a_locked_folder_is_named),
         cmocka_unit_test(the_same_kind_is_replaced),
         cmocka_unit_test(an_interrupted_run_is_not_begun_anew_by_accident),
+        cmocka_unit_test(standard_output_that_cannot_be_written),
         cmocka_unit_test(a_scene_comes_from_standard_input),
         cmocka_unit_test(standard_output_is_a_file_like_others),
     };

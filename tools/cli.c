@@ -256,7 +256,8 @@ static bool take_input(char **argument, cli_request *request) {
     }
     if (request->command->inputs)
         return cli_refuse(false, "%s: only %d files can be given", *argument, room);
-    return cli_refuse(false, "%s: unexpected; the scene is already %s", *argument, request->inputs[0]);
+    return cli_refuse(false, "%s: unexpected; the %s is already %s", *argument,
+                      request->command->needs_scene ? "scene" : "file", request->inputs[0]);
 }
 
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {

@@ -31,8 +31,14 @@ static int run(const cli_request *request) {
         if (!cli_choose(request, "--table", tables, &wanted))
             return CLI_BAD_INPUT;
         status = saltus_sweep_file_read(input, &file, &message);
-        if (status == SALTUS_OK)
-            status = saltus_write_sweep_csv(request->output, &file, (saltus_table)wanted, &message);
+        if (status == SALTUS_OK) {
+            saltus_message reason = {.text = ""};
+            status = saltus_write_sweep_csv(request->output, &file, (saltus_table)wanted, &reason);
+            if (status == SALTUS_BAD_INPUT)
+                saltus_fail(&message, status, "%.300s: %.200s", input, reason.text);
+            else
+                message = reason;
+        }
         saltus_sweep_file_clear(&file);
     }
     return cli_report(cli_tell_written(request, "table", status), &message);

@@ -2,6 +2,7 @@
 #include "target.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -171,6 +172,10 @@ static int check_data(const cli_command *command, const cli_request *request) {
     return cli_given(request, "--keep-script") ? CLI_DONE : check_place(command, request, &beside);
 }
 
+static void go_on(int number) {
+    (void)number;
+}
+
 /* Redirect output to a temporary file for standard output, with the ending of --format or the first suitable
  * one. */
 static int divert(const cli_command *command, cli_request *request, target *out) {
@@ -205,6 +210,11 @@ static int divert(const cli_command *command, cli_request *request, target *out)
     snprintf(out->path, sizeof out->path, "%s/result%s", out->folder, ending);
     out->descriptor = dup(STDOUT_FILENO);
     dup2(STDERR_FILENO, STDOUT_FILENO);
+    /* Where nobody reads any more, the folder must still go before the program does. A caught signal, unlike
+     * an ignored one, is as usual again in the programs started from here. */
+    out->broken_pipe = signal(SIGPIPE, go_on);
+    if (out->broken_pipe == SIG_IGN)
+        signal(SIGPIPE, SIG_IGN);
     request->output = out->path;
     request->to_stdout = true;
     return CLI_DONE;
@@ -231,37 +241,51 @@ int target_open(const cli_command *command, cli_request *request, target *out) {
     return code == CLI_DONE && cli_given(request, "--data") ? check_data(command, request) : code;
 }
 
-/* Copy the file to standard output. False, with errno, if reading or writing failed. A missing file is no
- * error. */
-static bool copy(const char *path) {
+/* Copy the file to standard output. Returns 0 or the errno of reading or, if *writing, of writing. A missing
+ * file is no error. */
+static int copy(const char *path, bool *writing) {
     char block[65536];
     size_t length;
+    int reason = 0;
     FILE *file = fopen(path, "rb");
     if (!file)
-        return errno == ENOENT;
-    while ((length = fread(block, 1, sizeof block, file)) > 0)
-        if (fwrite(block, 1, length, stdout) != length)
-            break;
-    bool good = !ferror(file);
+        return errno == ENOENT ? 0 : errno;
+    while (!reason && (length = fread(block, 1, sizeof block, file)) > 0)
+        for (size_t done = 0; done < length && !reason;) {
+            const ssize_t put = write(STDOUT_FILENO, block + done, length - done);
+            if (put >= 0)
+                done += (size_t)put;
+            else if (errno != EINTR)
+                reason = errno;
+        }
+    *writing = reason != 0;
+    if (!reason && ferror(file))
+        reason = errno;
     fclose(file);
-    return good;
+    return reason;
 }
 
 int target_close(target *out, int code) {
     if (!out->folder[0])
         return code;
+    bool writing = false;
     fflush(stdout);
     dup2(out->descriptor, STDOUT_FILENO);
     close(out->descriptor);
-    if (!copy(out->path)) {
-        fprintf(stderr, "saltus: %s could not be read back: %s\n", out->path, strerror(errno));
-        code = code ? code : CLI_FAILED;
-    }
+    const int reason = copy(out->path, &writing);
     unlink(out->path);
     /* Remove the journal of an interrupted sweep, which nothing can resume. */
     char journal[sizeof out->path + 16];
     snprintf(journal, sizeof journal, "%s.journal", out->path);
     unlink(journal);
     rmdir(out->folder);
+    signal(SIGPIPE, out->broken_pipe);
+    if (writing && reason == EPIPE && out->broken_pipe == SIG_DFL)
+        raise(SIGPIPE);
+    if (reason)
+        code = cli_refuse(code ? code : CLI_FAILED,
+                          writing ? "standard output could not be written: %s"
+                                  : "the result for standard output could not be read back: %s",
+                          strerror(reason));
     return code;
 }

@@ -9,6 +9,7 @@
 typedef struct target {
     char folder[64], path[96]; /* temporary place of the result before it is copied */
     int descriptor;            /* the real standard output, kept while the program's messages go to stderr */
+    void (*broken_pipe)(int);  /* what a broken pipe did before */
 } target;
 
 /* Check the files of -o and --data: the ending is allowed, the folder exists and is writable, and the file is

@@ -94,9 +94,14 @@ saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *
         return saltus_fail(message, SALTUS_BAD_INPUT, "table %d: there is none of that number", (int)table);
     const saltus_sweep_entries e =
         kind ? saltus_sweep_entries_of(file, cloud) : (saltus_sweep_entries){.count = NULL};
-    if (kind && !e.count)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the sweep did not keep %s points or impacts", path,
-                           kind->group);
+    if (kind && !e.count) {
+        char kept[64] = "rows";
+        for (int k = 0; k < SALTUS_CLOUDS; k++)
+            if (saltus_sweep_entries_of(file, k).count)
+                snprintf(kept + strlen(kept), sizeof kept - strlen(kept), ", %s", saltus_clouds[k].group);
+        return saltus_fail(message, SALTUS_BAD_INPUT, "the sweep did not keep %s, only %s", kind->group,
+                           kept);
+    }
     saltus_status status = saltus_output_open(&output, path, message);
     if (status != SALTUS_OK)
         return status;
