@@ -71,7 +71,7 @@ static void derivatives_are_right(void **unused) {
         bool of_law = false;
         int count;
         check_ok(saltus_scene_state(&scene, system, state, &message), &message);
-        check_ok(saltus_columns_check(system, state, checks, &count, &message), &message);
+        check_ok(saltus_columns_check(system, state, NULL, checks, &count, &message), &message);
         for (int c = 0; c < count; c++) {
             if (!(checks[c].difference < 1e-8))
                 fail_msg("%s: %.3g", checks[c].name, checks[c].difference);

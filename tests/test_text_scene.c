@@ -194,7 +194,7 @@ static void a_constant_part_shifts_the_stop(void **unused) {
         saltus_flow_free(flow);
         saltus_column_check checks[SALTUS_COLUMN_CHECKS_MAX];
         int count;
-        check_ok(saltus_columns_check(system, (const double[]){0.28, 0.1}, checks, &count, &message),
+        check_ok(saltus_columns_check(system, (const double[]){0.28, 0.1}, NULL, checks, &count, &message),
                  &message);
         for (int c = 0; c < count; c++)
             if (!checks[c].agrees || !(checks[c].difference < 1e-7))

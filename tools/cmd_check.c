@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 #include "flow/fixed.h"
+#include "interrupt.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,7 +80,7 @@ static saltus_status print_derivatives(const saltus_scene *scene, const saltus_s
     int count = 0, wrong = 0;
     saltus_status status = checks ? saltus_scene_state(scene, system, state, message) : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
-        status = saltus_columns_check(system, state, checks, &count, message);
+        status = saltus_columns_check(system, state, interrupt_flag(), checks, &count, message);
     if (status == SALTUS_OK)
         puts("derivatives of the flow, beside differences");
     for (int k = 0; k < count && status == SALTUS_OK; k++) {

@@ -240,10 +240,12 @@ enum { SALTUS_COLUMN_CHECKS_MAX = SALTUS_STATE_MAX + SALTUS_PARAMETERS_MAX + 3 *
 /* Compare the tangent vectors of all entries of the state, and the columns of all parameters and stop
  * properties that can vary, with extrapolated differences. The run begins at phase 0 in `state` and ends
  * shortly after its first contact if one comes within ten periods, else after a quarter of a period. A column
- * agrees to 1e-6. `checks` has room for SALTUS_COLUMN_CHECKS_MAX entries, of which *count are filled. Errors:
- * those of saltus_flow_new and saltus_flow_run for the run itself. */
+ * agrees to 1e-6. `checks` has room for SALTUS_COLUMN_CHECKS_MAX entries, of which *count are filled. `stop`
+ * as in the options of flows. Errors: those of saltus_flow_new and saltus_flow_run for the run itself,
+ * SALTUS_INTERRUPTED. */
 saltus_status saltus_columns_check(const saltus_system *system, const double *state,
-                                   saltus_column_check *checks, int *count, saltus_message *message);
+                                   const volatile sig_atomic_t *stop, saltus_column_check *checks, int *count,
+                                   saltus_message *message);
 
 SALTUS_API_END
 #endif

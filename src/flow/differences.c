@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/flow.h"
 
+#include "base/progress.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,6 +17,7 @@ typedef struct comparison {
     const double *state;
     double end;            /* periods */
     saltus_flow_info info; /* of the undisturbed run */
+    const volatile sig_atomic_t *stop;
 } comparison;
 
 /* The variable of a column: an entry of the state, or a direction of the specification. */
@@ -24,18 +27,19 @@ typedef struct variable {
     double unit; /* first step of the differences */
 } variable;
 
-static saltus_flow_options options_of(int columns, int directions) {
+static saltus_flow_options options_of(const comparison *c, int columns, int directions) {
     saltus_flow_options options = saltus_flow_defaults();
     options.rtol = 1e-14;
     options.columns = columns;
     options.directions = directions;
+    options.stop = c->stop;
     return options;
 }
 
 /* Set the common end: shortly after the first contact; run up to it once. */
 static saltus_status find_end(comparison *c, saltus_message *message) {
     static const double short_run = 0.25, longest = 10, beyond = 0.02;
-    const saltus_flow_options options = options_of(0, 0);
+    const saltus_flow_options options = options_of(c, 0, 0);
     saltus_flow *flow = NULL;
     saltus_event event = {.kind = SALTUS_REACHED};
     saltus_status status = saltus_flow_new(&c->system, 1, &options, &flow, message);
@@ -58,7 +62,7 @@ static saltus_status find_end(comparison *c, saltus_message *message) {
 static bool run(const comparison *c, const saltus_system *system, const double *state, const variable *column,
                 double *result) {
     const bool directed = column && column->entry < 0;
-    const saltus_flow_options options = options_of(column != NULL, directed);
+    const saltus_flow_options options = options_of(c, column != NULL, directed);
     double tangent[SALTUS_STATE_MAX] = {0};
     saltus_flow *flow = NULL;
     saltus_event event;
@@ -164,8 +168,9 @@ static void check_key(const comparison *c, const char *key, int stop, saltus_col
 }
 
 saltus_status saltus_columns_check(const saltus_system *system, const double *state,
-                                   saltus_column_check *checks, int *count, saltus_message *message) {
-    comparison c = {.system = system, .state = state};
+                                   const volatile sig_atomic_t *stop, saltus_column_check *checks, int *count,
+                                   saltus_message *message) {
+    comparison c = {.system = system, .state = state, .stop = stop};
     saltus_status status = find_end(&c, message);
     const saltus_spec *spec = &system->spec;
     int numbers;
@@ -183,5 +188,7 @@ saltus_status saltus_columns_check(const saltus_system *system, const double *st
     for (int k = 0; k < numbers && status == SALTUS_OK; k++)
         for (int s = 1; s <= spec->stop_count; s++)
             check_key(&c, of_stop[k].name, s, checks, count);
+    if (status == SALTUS_OK && saltus_stop_asked(stop))
+        status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
     return status;
 }

@@ -148,6 +148,7 @@ saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, sal
     }
     if (status == SALTUS_OK)
         status = align(e, message);
+    e->measures = true;
     saltus_ensemble_forget(e);
     return status;
 }
@@ -172,8 +173,20 @@ static saltus_status take_sample(saltus_ensemble *e, int m, saltus_message *mess
                                 saltus_flow_time(self->flow, self->lane).cycle, message);
 }
 
+/* Whether a run without any result so far should be given up: it was asked to stop some time ago, and what is
+ * missing does not come soon. */
+static bool is_late(saltus_ensemble *e) {
+    static const double patience = 2; /* seconds */
+    if (!saltus_stop_asked(e->stop))
+        return false;
+    const double now = saltus_seconds();
+    e->asked = e->asked > 0 ? e->asked : now;
+    return now - e->asked > patience;
+}
+
 saltus_status saltus_ensemble_run(saltus_ensemble *e, long long samples, saltus_message *message) {
     const long long goal = e->member[0].samples + samples;
+    const bool fruitless = !e->measures || e->member[0].samples == 0;
     for (int m = 0; m < e->members; m++)
         e->member[m].recent = 0;
     for (int f = 0; f < e->flow_count; f++) {
@@ -185,6 +198,8 @@ saltus_status saltus_ensemble_run(saltus_ensemble *e, long long samples, saltus_
             saltus_event event;
             int lane;
             bool complete;
+            if (fruitless && is_late(e))
+                return saltus_fail(message, SALTUS_INTERRUPTED, "interrupted before the first result");
             saltus_status status = saltus_flow_run(flow, &lane, &event, message);
             saltus_member *self = &e->member[first + lane];
             if (status == SALTUS_OK)

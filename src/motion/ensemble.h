@@ -33,8 +33,10 @@ typedef struct saltus_ensemble {
     saltus_random random;
     long long transient; /* periods before the measurement */
     const volatile sig_atomic_t
-        *stop;    /* checked once a period during the transient, beside the flows' own; NULL: never */
-    bool stopped; /* `stop` has ended the transient early */
+        *stop;     /* checked once a period during the transient, beside the flows' own; NULL: never */
+    bool stopped;  /* `stop` has ended the transient early */
+    bool measures; /* the tangent vectors are aligned */
+    double asked;  /* when `stop` was first seen while there was no result; 0: never */
     /* The first `room` section points of each member, member after member, and the logarithm of the first
      * vector's growth since the previous point. */
     long long room;
@@ -51,7 +53,8 @@ void saltus_ensemble_close(saltus_ensemble *ensemble);
 /* Run the transient from a state, place the members along its last half, and align their tangent vectors.
  * Errors: those of the flow. */
 saltus_status saltus_ensemble_place(saltus_ensemble *ensemble, const double *state, saltus_message *message);
-/* Measure `samples` more samples of each member. Errors: those of the flow, SALTUS_STALLED. */
+/* Measure `samples` more samples of each member. Errors: those of the flow, SALTUS_STALLED;
+ * SALTUS_INTERRUPTED a while after `stop` if they are the first. */
 saltus_status saltus_ensemble_run(saltus_ensemble *ensemble, long long samples, saltus_message *message);
 /* Discard all measurements; the time spent counts as transient. */
 void saltus_ensemble_forget(saltus_ensemble *ensemble);
