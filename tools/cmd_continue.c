@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { values_max = 256 };
+enum { values_max = 256, narrow = 60 /* columns of a terminal */ };
 
 static const cli_option range =
     CLI_OPTION("--in", CLI_TEXT, "key=lo:hi", "the parameter to continue in, and its range");
@@ -211,7 +211,10 @@ static saltus_status follow(run_state *run, saltus_message *message) {
         if (status == SALTUS_OK)
             saltus_branch_output_resume(run->output, numbers, count);
         const double leading = point->multiplier_count ? point->multipliers[0].log_modulus : -INFINITY;
-        if (shown)
+        if (shown && progress_columns() < narrow)
+            progress_line("%s=%.6g step %d %s %s", run->options.key[0], point->value[0], point->step,
+                          point->label, saltus_point_word(point->kind));
+        else if (shown)
             progress_line("%s = %.9g  branch %d  step %d  %s  largest %s %.4g%s%s", run->options.key[0],
                           point->value[0], point->branch, point->step, point->label,
                           point->periods ? "multiplier" : "real part",

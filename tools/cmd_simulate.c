@@ -53,13 +53,15 @@ static saltus_status simulate(const cli_request *request, cli_setup *setup, cons
                                          .progress = {cli_shows_progress(request) ? show : NULL, &told}};
     if (status == SALTUS_OK)
         status = saltus_trajectory_follow(setup->system, setup->start.state, &flow, &plan, &record, message);
-    cli_progress_end(request);
-    bool ended_early = status == SALTUS_INTERRUPTED && record.samples > 0;
+    const bool ended_early = status == SALTUS_INTERRUPTED && record.samples > 0;
+    if (cli_shows_progress(request) && (status == SALTUS_OK || ended_early))
+        progress_line(ended_early ? "interrupted, writing ..." : "writing ...");
     if (status == SALTUS_OK || ended_early)
         status = cli_origin_new(request, &origin, message);
     if (status == SALTUS_OK)
         status = saltus_write_trajectory(request->output, &setup->scene, setup->system, &flow, &record,
                                          &origin.told, message);
+    cli_progress_end(request);
     cli_origin_clear(&origin);
     if (status == SALTUS_OK && !cli_given(request, "--quiet") && !request->to_stdout)
         printf("%s: %lld samples, %lld events over %.9g %s\n", request->output, record.samples,

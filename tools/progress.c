@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
@@ -24,19 +25,25 @@ void progress_begin(progress *p, bool quiet, long long total, long long earlier)
                     .told_done = earlier};
 }
 
-/* Width of the terminal on stderr; 1000 if unknown. */
-static int columns(void) {
+int progress_columns(void) {
     struct winsize size;
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 1000;
 }
 
 void progress_line(const char *format, ...) {
     char text[512];
-    int room = columns() - 1;
+    int room = progress_columns() - 1;
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    /* Cut between words. */
+    if (strlen(text) > (size_t)room)
+        for (int k = room; k > 0; k--)
+            if (text[k] == ' ') {
+                text[k] = '\0';
+                break;
+            }
     fprintf(stderr, "\r%.*s\033[K", room, text);
     fflush(stderr);
 }
@@ -64,7 +71,7 @@ void progress_show(progress *p, long long done) {
     for (int k = 0; k < cells; k++)
         bar[k] = part * cells >= k + 1 ? '#' : '.';
     /* If the bar does not fit, show only the percentage and the remaining time. */
-    if (p->terminal && columns() > cells + beside)
+    if (p->terminal && progress_columns() > cells + beside)
         progress_line("[%s] %5.1f %%  %.4g points/s  %s", bar, 100 * part, rate, left);
     else if (p->terminal)
         progress_line("%.1f %%, %s", 100 * part, left);

@@ -13,9 +13,12 @@ typedef struct progress {
     double work, time; /* weighted points and seconds; their quotient is the rate */
 } progress;
 
-/* On a terminal, replace the last line by this one. The line is cut to the terminal's width, so it should
- * begin with what matters most. An empty line erases it. */
+/* On a terminal, replace the last line by this one. The line is cut between words to the terminal's width, so
+ * it should begin with what matters most. An empty line erases it. */
 __attribute__((format(printf, 1, 2))) void progress_line(const char *format, ...);
+
+/* Width of the terminal on stderr; 1000 if unknown. */
+int progress_columns(void);
 
 /* `earlier`: points that are there at the beginning. */
 void progress_begin(progress *p, bool quiet, long long total, long long earlier);
