@@ -263,6 +263,18 @@ static void bash_completes(void **state) {
         {"saltus help ba", " basins ", " classify "},
         {"saltus help te", " text ", " classify "},
         {"saltus plot --sw", " --swap ", " --seeds "},
+        {"saltus -", " --help --version -V ", " classify "},
+        {"saltus plot --view \"\"", " turning impacts ", " speed impacts "},
+        {"saltus plot --show \"\"", " speed impacts displacement ", " turning "},
+        {"saltus plot --size t", " two-columns ", " column "},
+        {"saltus plot --format \"\"", " png pdf svg ", " csv "},
+        {"saltus spectrum --format \"\"", " png pdf svg csv ", " h5 "},
+        {"saltus simulate --format \"\"", " csv ", " h5 "},
+        {"saltus export --table s", " stroboscopic samples strobe ", " rows "},
+        {"saltus sweep --start \"\"", " reset carry both ", " --over "},
+        {"saltus sweep --what l", " lyapunov ", " max "},
+        {"saltus paper --figure \"\"", " 2 3 4 5 6 7 8 ", " 9 "},
+        {"saltus paper --format \"\"", " png pdf svg ", " csv "},
     };
     fixture *f = *state;
     if (system("bash -c : >/dev/null 2>&1") != 0)

@@ -32,9 +32,12 @@ const cli_option cli_force = CLI_OPTION(
 const cli_option cli_from = CLI_OPTION(
     "--from", CLI_TEXT, "orbit",
     "start from this orbit: file.json, branch.h5:12 (row), branch.h5:PD1, sweep.h5:12 or basins.h5:12");
-const cli_option cli_size =
-    CLI_OPTION("--size", CLI_TEXT, "WxH",
-               "on paper, with type of 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm");
+/* Widths of figures by name, in mm. */
+static const char *const size_words[] = {"column", "two-columns", NULL};
+static const double size_widths[] = {85, 175};
+const cli_option cli_size = CLI_CHOICE(
+    "--size", "WxH", "on paper, with type of 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm",
+    size_words);
 const cli_option cli_no_heading =
     CLI_OPTION("--no-heading", CLI_FLAG, NULL, "panels and legends alone, no words above them");
 const cli_option cli_title =
@@ -291,14 +294,10 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
 
 /* "column", "two-columns", "W" or "WxH". */
 static bool read_size(const char *text, double *width, double *height) {
-    static const struct {
-        const char *word;
-        double width;
-    } words[] = {{"column", 85}, {"two-columns", 175}};
     char *end = NULL;
-    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
-        if (strcmp(text, words[k].word) == 0) {
-            *width = words[k].width;
+    for (int k = 0; size_words[k]; k++)
+        if (strcmp(text, size_words[k]) == 0) {
+            *width = size_widths[k];
             return true;
         }
     *width = strtod(text, &end);

@@ -64,12 +64,15 @@ typedef struct cli_option {
     const char *argument; /* name of the value in --help; NULL for a flag */
     const char *help;
     double fallback, min, max; /* of a whole number; no default if fallback < min */
+    const char *const *words;  /* what a text may be or begin with, NULL-terminated; NULL: anything */
 } cli_option;
 
 #define CLI_OPTION(name, kind, argument, help)                                                               \
-    { name, kind, argument, help, 0, 0, 0 }
+    { name, kind, argument, help, 0, 0, 0, NULL }
 #define CLI_NUMBER(name, argument, help, fallback, min, max)                                                 \
-    { name, CLI_WHOLE, argument, help, fallback, min, max }
+    { name, CLI_WHOLE, argument, help, fallback, min, max, NULL }
+#define CLI_CHOICE(name, argument, help, words)                                                              \
+    { name, CLI_TEXT, argument, help, 0, 0, 0, words }
 
 /* Library options of a command: all options in a table that have a flag, except those in `without`. `offset`
  * locates the record in cli_request. An option that occurs in several tables is set in all of them; the

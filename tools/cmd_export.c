@@ -4,17 +4,17 @@
 
 #include <string.h>
 
+/* Those of a sweep in the order of saltus_table, then those of branches and trajectories. */
+static const char *const words[] = {"rows",    "turning", "impacts", "stroboscopic", "points", "events",
+                                    "samples", "strobe",  NULL};
 static const cli_option table =
-    CLI_OPTION("--table", CLI_TEXT, "which",
+    CLI_CHOICE("--table", "which",
                "of a sweep rows (default), turning, impacts or stroboscopic; of a "
-               "branch points (default) or events; of a trajectory samples (default), events or strobe");
+               "branch points (default) or events; of a trajectory samples (default), events or strobe",
+               words);
 
 static int run(const cli_request *request) {
-    /* Those of a sweep in the order of saltus_table. */
-    static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic", NULL},
-                             *const all[] = {"rows",         "turning", "impacts",
-                                             "stroboscopic", "points",  "events",
-                                             "samples",      "strobe",  NULL};
+    static const char *const tables[] = {"rows", "turning", "impacts", "stroboscopic", NULL};
     const char *input = request->inputs[0];
     saltus_sweep_file file = {.row_count = 0};
     saltus_message message = {.text = ""};
@@ -22,7 +22,7 @@ static int run(const cli_request *request) {
     int wanted = SALTUS_TABLE_ROWS;
     if (!input || !request->output)
         return cli_refuse(CLI_BAD_INPUT, "export: needs a file and -o table.csv");
-    if (!cli_choose(request, "--table", all, &wanted))
+    if (!cli_choose(request, "--table", words, &wanted))
         return CLI_BAD_INPUT;
     const saltus_file_facts facts = saltus_file_identify(input);
     if (strcmp(facts.kind, "branch") == 0 || strcmp(facts.kind, "trajectory") == 0)

@@ -11,10 +11,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const cli_option figure = CLI_OPTION("--figure", CLI_TEXT, "n", "this figure only, 2 to 8");
+static const char *const numbers[] = {"2", "3", "4", "5", "6", "7", "8", NULL}, *const formats[] = {
+                                                                                    "png", "pdf", "svg",
+                                                                                    NULL};
+static const cli_option figure = CLI_CHOICE("--figure", "n", "this figure only, 2 to 8", numbers);
 static const cli_option folder =
     CLI_OPTION("-o", CLI_TEXT, "folder", "where figures and data go (default paper)");
-static const cli_option format = CLI_OPTION("--format", CLI_TEXT, "ending", "png, pdf or svg (default png)");
+static const cli_option format = CLI_CHOICE("--format", "ending", "png, pdf or svg (default png)", formats);
 static const cli_option quick =
     CLI_OPTION("--quick", CLI_FLAG, NULL, "fewer values and shorter runs, to try it");
 static const cli_option resume =
@@ -158,7 +161,6 @@ static int go_through(const cli_request *request, const char *folder, bool check
 }
 
 static int run(const cli_request *request) {
-    static const char *const formats[] = {"png", "pdf", "svg", NULL};
     const char *number = cli_text(request, "--figure"), *folder = request->output ? request->output : "paper";
     int chosen = 0, code = CLI_DONE;
     if (request->input_count)

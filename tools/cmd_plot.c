@@ -8,10 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The words of saltus_show and saltus_view, in their order after automatic. */
+static const char *const shows[] = {"speed",     "impacts", "displacement", "velocity", "period",
+                                    "amplitude", NULL};
+static const char *const views[] = {"turning", "impacts", "stroboscopic", "class",   "attractors", "largest",
+                                    "rms",     "speed",   "rate",         "contact", "lyapunov",   "settled",
+                                    NULL};
+
 static const cli_option show =
-    CLI_OPTION("--show", CLI_TEXT, "what",
+    CLI_CHOICE("--show", "what",
                "speed (largest of an orbit), impacts (the speed of each), displacement, velocity, "
-               "period or amplitude (largest and smallest displacement)");
+               "period or amplitude (largest and smallest displacement)",
+               shows);
 
 static const cli_option range = CLI_OPTION(
     "--range", CLI_KEYS, "key=lo:hi",
@@ -22,9 +30,10 @@ static const cli_option label =
                "write text in the plane, such as omega=42,d=0.035,4/4; may be repeated");
 
 static const cli_option view =
-    CLI_OPTION("--view", CLI_TEXT, "name",
+    CLI_CHOICE("--view", "name",
                "of a sweep: turning, impacts, stroboscopic (over one axis), class, attractors, largest, "
-               "rms, speed, rate, contact, lyapunov or settled");
+               "rms, speed, rate, contact, lyapunov or settled",
+               views);
 
 static const cli_option over = CLI_OPTION("--over", CLI_FILES, "file.h5 ...",
                                           "draw files of saltus continue over a sweep: branches over a "
@@ -35,13 +44,6 @@ typedef struct plot_wishes {
     saltus_plot_part parts[CLI_LIST_MAX];
     saltus_plot_label labels[CLI_LIST_MAX];
 } plot_wishes;
-
-/* The words of saltus_show and saltus_view, in their order after automatic. */
-static const char *const shows[] = {"speed",     "impacts", "displacement", "velocity", "period",
-                                    "amplitude", NULL};
-static const char *const views[] = {"turning", "impacts", "stroboscopic", "class",   "attractors", "largest",
-                                    "rms",     "speed",   "rate",         "contact", "lyapunov",   "settled",
-                                    NULL};
 
 /* Read "key=value," at the beginning of a text; returns the rest, or NULL. */
 static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {

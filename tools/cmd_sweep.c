@@ -8,45 +8,44 @@
 static const cli_option transient =
     CLI_NUMBER("--transient", "m",
                "run so many periods and record --record further ones, whatever the motion", -1, 0, 1e9);
-static const cli_option start =
-    CLI_OPTION("--start", CLI_TEXT, "how",
-               "reset (each point anew), carry (from point to point, up and down), both (default reset)");
+static const char *const starts[] = {"reset", "carry", "both", NULL};
+static const cli_option start = CLI_CHOICE(
+    "--start", "how",
+    "reset (each point anew), carry (from point to point, up and down), both (default reset)", starts);
+/* What --what may list, and what is kept for it. */
+static const char *const kept[] = {"turning", "impacts", "stroboscopic", "lyapunov", "class", "max", NULL};
+static const unsigned kept_bits[] = {
+    SALTUS_KEEP_TURNING, SALTUS_KEEP_IMPACTS, SALTUS_KEEP_STROBOSCOPIC, SALTUS_KEEP_LYAPUNOV, 0, 0};
 static const cli_option what =
-    CLI_OPTION("--what", CLI_TEXT, "list",
+    CLI_CHOICE("--what", "list",
                "kept beside the rows: turning, impacts, stroboscopic, lyapunov; class and max are "
-               "always told (default turning,impacts over one axis, class over two)");
+               "always told (default turning,impacts over one axis, class over two)",
+               kept);
 
 /* Convert a comma-separated list of words into bits; false after a message. */
 static bool read_what(const char *text, unsigned *keep) {
-    static const struct {
-        const char *text;
-        unsigned bits;
-    } known[] = {{"turning", SALTUS_KEEP_TURNING},
-                 {"impacts", SALTUS_KEEP_IMPACTS},
-                 {"stroboscopic", SALTUS_KEEP_STROBOSCOPIC},
-                 {"lyapunov", SALTUS_KEEP_LYAPUNOV},
-                 {"class", 0},
-                 {"max", 0}};
-    enum { words = sizeof known / sizeof known[0] };
+    unsigned seen = 0; /* which words have been met */
     *keep = 0;
     for (const char *c = text; c;) {
         size_t length = strcspn(c, ",");
         int k = 0;
-        while (k < words && !(strlen(known[k].text) == length && strncmp(known[k].text, c, length) == 0))
+        while (kept[k] && !(strlen(kept[k]) == length && strncmp(kept[k], c, length) == 0))
             k++;
-        if (k == words)
+        if (kept[k] && seen >> k & 1)
+            return cli_refuse(false, "--what %s: %s is given twice", text, kept[k]);
+        if (!kept[k])
             return cli_refuse(false,
                               "--what %s: must be a list of turning, impacts, stroboscopic, class, lyapunov "
                               "and max with commas between them",
                               text);
-        *keep |= known[k].bits;
+        seen |= 1u << k;
+        *keep |= kept_bits[k];
         c = c[length] ? c + length + 1 : NULL;
     }
     return true;
 }
 
 static int run(const cli_request *request) {
-    static const char *const starts[] = {"reset", "carry", "both", NULL};
     static const unsigned passes[] = {1u << SALTUS_PASS_RESET, 1u << SALTUS_PASS_UP | 1u << SALTUS_PASS_DOWN,
                                       (1u << SALTUS_PASSES) - 1};
     const long transient_given = cli_whole(request, "--transient");
@@ -64,6 +63,10 @@ static int run(const cli_request *request) {
         !cli_choose(request, "--start", starts, &chosen))
         return CLI_BAD_INPUT;
     how.passes = passes[chosen];
+    if ((request->to_stdout || strcmp(request->output, "-") == 0) &&
+        how.keep & (SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC))
+        return cli_refuse(CLI_BAD_INPUT,
+                          "-o -: turning points, impacts and stroboscopic points are kept in .h5 files only");
     return sweep_command(request, false, &how);
 }
 

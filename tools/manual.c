@@ -248,18 +248,26 @@ void manual_completion(FILE *file) {
           file);
     for (int k = 0; manual_commands[k]; k++)
         fprintf(file, "%s ", manual_commands[k]->name);
-    fputs("help --version'\n    else case ${COMP_WORDS[1]} in\n", file);
+    fputs("help --help --version -V'\n    else case ${COMP_WORDS[1]} in\n", file);
     for (int k = 0; manual_commands[k]; k++) {
         cli_entry entry;
         fprintf(file, "    %s)\n        case $before in\n", manual_commands[k]->name);
         /* Completions of a flag's value: its words; file names where any text is allowed. */
         for (int j = 0; cli_entry_at(manual_commands[k], j, &entry); j++) {
-            const saltus_word *words = entry.option ? entry.option->field.words : NULL;
-            if (!words)
+            const saltus_word *choices = entry.option ? entry.option->field.words : NULL;
+            const char *const *words = entry.own ? entry.own->words : NULL;
+            const char *const *endings =
+                !words && strcmp(entry.flag, "--format") == 0 ? manual_commands[k]->endings : NULL;
+            if (!choices && !words && !endings)
                 continue;
             fprintf(file, "        %s) words='", entry.flag);
-            for (; words->word; words++)
-                fprintf(file, "%s%s", words->word, words[1].word ? " " : "");
+            for (; choices && choices->word; choices++)
+                fprintf(file, "%s ", choices->word);
+            for (; words && *words; words++)
+                fprintf(file, "%s ", *words);
+            for (; endings && *endings; endings++)
+                if (strcmp(*endings, ".h5") != 0)
+                    fprintf(file, "%s ", *endings + 1);
             fputs("' ;;\n", file);
         }
         fputs("        *) words='", file);
