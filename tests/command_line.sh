@@ -190,7 +190,7 @@ accept "omega = 42.1" orbit fig7d --from branch.h5:PD1 --set omega=42.1
 accept "4/4" orbit fig7d --from points.json:2
 accept "branch.h5:PD1" orbit --help
 accept "branch.png" plot branch.h5 -o branch.png
-accept "branch.svg" plot branch.h5 branch.h5 -o branch.svg --show impacts --range omega=41:41.3
+accept "branch.svg" plot branch.h5 -o branch.svg --show impacts --range omega=41:41.3
 keep start.json orbit flip.yaml --periods 1 --json
 keep flip.txt continue flip.yaml --from start.json --in omega=2.55:2.7 --locus PD --and r=0.79:0.81 -o flip.h5
 keep turned.txt continue flip.yaml --from start.json --set omega=2.656 --in r=0.78:0.82 --locus PD --and omega=2.6:2.7 -o turned.h5

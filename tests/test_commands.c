@@ -612,7 +612,7 @@ static void a_table_of_attractors_has_twelve_lines(void **state) {
             assert_string_equal(strtok_r(NULL, "\n", &rest), label);
         }
         shown = strtok_r(NULL, "\n", &rest);
-        assert_int_equal(sscanf(shown, "none found %d %lf %%", &number, &share), 2);
+        assert_int_equal(sscanf(shown, "none: %31s %d %lf %%", label, &number, &share), 3);
         assert_int_equal(number, 1);
         check_near(share, 100.0 / rows, 0.0051);
         assert_string_equal(strtok_r(NULL, "\n", &rest), "all were there");

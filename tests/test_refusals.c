@@ -145,7 +145,14 @@ static void sentences_name_what_is_wrong(void **state) {
         {"plot sweep.h5 --view impacts --show speed -o never.png", 2, "plot: --view and --over are of "},
         {"plot sweep.h5 --title A --label F=1,c=2,a -o never.png", 2,
          "sweep.h5: is a sweep; what is shown of it is chosen as a view"},
-        {"plot sweep.h5 sweep.h5 --view speed -o never.png", 2, "plot: --view and --over are of one sweep"},
+        {"plot sweep.h5 two.h5 --view speed -o never.png", 2, "plot: --view and --over are of one sweep"},
+        {"plot two.h5 two.h5 -o never.png", 2, "two.h5: is given twice"},
+        {"spectrum pipe --of q1,q2,q3", 2, "--of q3: only 2 can be given"},
+        {"spectrum pipe --of velocity,velocity", 2, "--of velocity: is given twice"},
+        {"sweep pipe --over omega=1:2:3:lin -o never.h5", 2,
+         "--over omega=1:2:3:lin: after the count only log"},
+        {"sweep pipe --over omega=1:2:3 --what class,class -o never.h5", 2,
+         "--what class,class: class is given twice"},
 
         /* admissible, but too much: reported soon, with the cause */
         {"classify pipe --set omega=1e-300", 1,

@@ -130,10 +130,10 @@ static void every_choice_tells_sweeps_apart(void **state) {
     check_difference(CHANGED(r.options.passes |= 1u << SALTUS_PASS_UP), path, "passes");
     check_numbers(CHANGED(r.options.seeds++), path, "seeds", o.seeds, o.seeds + 1);
     check_numbers(CHANGED(r.options.seed += 3), path, "seed", (double)o.seed, (double)o.seed + 3);
-    check_difference(CHANGED(r.options.keep = 0), path, "keep");
-    check_difference(CHANGED(r.options.keep = SALTUS_KEEP_IMPACTS), path, "keep");
+    check_difference(CHANGED(r.options.keep = 0), path, "keep (--what)");
+    check_difference(CHANGED(r.options.keep = SALTUS_KEEP_IMPACTS), path, "keep (--what)");
     check_difference(CHANGED(r.options.adaptive = !r.options.adaptive), path, "adaptive");
-    check_numbers(CHANGED(r.options.transient++), path, "transient", (double)o.transient,
+    check_numbers(CHANGED(r.options.transient++), path, "transient (--at-most)", (double)o.transient,
                   (double)o.transient + 1);
     check_numbers(CHANGED(r.options.record++), path, "record", (double)o.record, (double)o.record + 1);
     check_numbers(CHANGED(r.options.measure += 500), path, "measure", (double)o.measure,

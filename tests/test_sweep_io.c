@@ -674,9 +674,9 @@ static saltus_sweep *changed_sweep(const fixture *f, int change, const char *wor
         {"passes is reset,down there and up now"},
         {"seeds is 3 there and 2"},
         {"seed is 1234567890"},
-        {"keep is turning,impacts,stroboscopic,lyapunov there and turning"},
+        {"keep (--what) is turning,impacts,stroboscopic,lyapunov there and turning"},
         {"adaptive is yes there and no"},
-        {"transient is 321 there and 322"},
+        {"transient (--at-most) is 321 there and 322"},
         {"rtol is "},
         {"omega value 1 is 0.5 there and 0.5625"},
         {"measure is 32000 there and 32001"}};

@@ -253,6 +253,9 @@ static int take_option(int count, char **arguments, cli_request *request) {
 static bool take_input(char **argument, cli_request *request) {
     int room = request->command->inputs ? request->command->inputs : 1;
     keep_words(request, 1, argument);
+    for (int k = 0; k < request->input_count; k++)
+        if (request->command->inputs && strcmp(*argument, request->inputs[k]) == 0)
+            return cli_refuse(false, "%s: is given twice", *argument);
     if (request->input_count < room) {
         request->inputs[request->input_count++] = *argument;
         return true;

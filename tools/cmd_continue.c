@@ -291,9 +291,10 @@ static int compute(run_state *run) {
         saltus_branch_file file = {.point_count = 0};
         status = saltus_branch_file_read(run->request->output, &file, &message);
         if (status == SALTUS_OK) {
-            printf("%s: %d point%s on %d branch%s in %s\n", run->setup.scene.name, run->rows,
+            const bool quiet = cli_given(run->request, "--quiet");
+            printf("%s: %d point%s on %d branch%s%s%s\n", run->setup.scene.name, run->rows,
                    run->rows == 1 ? "" : "s", run->branches, run->branches == 1 ? "" : "es",
-                   run->request->output);
+                   quiet ? "" : " in ", quiet ? "" : run->request->output);
             saltus_write_branch_text(stdout, &file);
         }
         saltus_branch_file_clear(&file);
@@ -303,8 +304,8 @@ static int compute(run_state *run) {
     if (run->interrupted && !run->rows)
         return interrupt_report("no point was found yet");
     if (run->interrupted)
-        return cli_refuse(CLI_FAILED, "interrupted; %s holds the %d points so far, --resume goes on",
-                          run->request->output, run->rows);
+        return cli_refuse(CLI_FAILED, "interrupted; %s holds the %d point%s so far, --resume goes on",
+                          run->request->output, run->rows, run->rows == 1 ? "" : "s");
     return CLI_DONE;
 }
 

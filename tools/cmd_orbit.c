@@ -97,8 +97,9 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
     saltus_status status = saltus_harvest_run(setup->system, &how, &found, message);
     cli_progress_end(request);
     if (status == SALTUS_OK && json && found.count == 0)
-        fprintf(stderr, "saltus: orbit: no periodic orbit of a period up to %d T was found in %lld periods\n",
-                how.longest, how.periods);
+        fprintf(stderr,
+                "saltus: orbit: no periodic orbit of a period up to %d T was found in %lld period%s\n",
+                how.longest, found.periods, found.periods == 1 ? "" : "s");
     if (status == SALTUS_OK && !json)
         saltus_write_harvest_text(stdout, &setup->scene, setup->system, &found);
     describing.flow = how.flow;

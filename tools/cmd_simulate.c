@@ -64,9 +64,12 @@ static saltus_status simulate(const cli_request *request, cli_setup *setup, cons
     cli_progress_end(request);
     cli_origin_clear(&origin);
     if (status == SALTUS_OK && !cli_given(request, "--quiet") && !request->to_stdout)
-        printf("%s: %lld samples, %lld events over %.9g %s\n", request->output, record.samples,
-               record.event_count, record.time[record.samples - 1],
-               saltus_system_forced(setup->system) ? "periods" : "T");
+        printf("%s: %lld sample%s, %lld event%s over %.9g %s\n", request->output, record.samples,
+               record.samples == 1 ? "" : "s", record.event_count, record.event_count == 1 ? "" : "s",
+               record.time[record.samples - 1],
+               !saltus_system_forced(setup->system)   ? "T"
+               : record.time[record.samples - 1] == 1 ? "period"
+                                                      : "periods");
     saltus_trajectory_clear(&record);
     saltus_motion_clear(&motion);
     if (status == SALTUS_OK && ended_early)

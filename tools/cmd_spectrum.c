@@ -5,9 +5,12 @@
 #include "interrupt.h"
 #include "motion/options.h"
 
-static const cli_option of =
-    CLI_OPTION("--of", CLI_LIST, "what",
-               "displacement, velocity, q3, v2 or a name of the state; at most two (default the first two)");
+#include <string.h>
+
+static const cli_option of = CLI_OPTION(
+    "--of", CLI_LIST, "what",
+    "displacement, velocity, q3, v2 or a name of the state; at most two, such as q1,q2 (default the "
+    "first two)");
 
 static saltus_status analyse(const cli_request *request, cli_setup *setup, const char **cut,
                              saltus_message *message) {
@@ -22,16 +25,25 @@ static saltus_status analyse(const cli_request *request, cli_setup *setup, const
     if (wishes.per_period % 4)
         return saltus_fail(message, SALTUS_BAD_INPUT, "--samples %d: must be a multiple of 4",
                            wishes.per_period);
-    if (given->count > SALTUS_QUANTITIES_MAX)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: only %d can be given", given->items[2],
-                           SALTUS_QUANTITIES_MAX);
-    for (int k = 0; k < given->count; k++) {
-        saltus_message reason = {.text = ""};
-        if (saltus_quantity_parse(setup->system, given->items[k], &wishes.quantities[k], &reason) !=
-            SALTUS_OK)
-            return saltus_fail(message, SALTUS_BAD_INPUT, "--of %s", reason.text);
-    }
-    wishes.quantity_count = given->count ? given->count : wishes.quantity_count;
+    int asked = 0;
+    for (int k = 0; k < given->count; k++)
+        for (const char *at = given->items[k]; at; asked++) {
+            const size_t length = strcspn(at, ",");
+            char word[64];
+            saltus_message reason = {.text = ""};
+            snprintf(word, sizeof word, "%.*s", (int)length, at);
+            if (asked == SALTUS_QUANTITIES_MAX)
+                return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: only %d can be given", at,
+                                   SALTUS_QUANTITIES_MAX);
+            saltus_quantity *own = &wishes.quantities[asked];
+            if (saltus_quantity_parse(setup->system, word, own, &reason) != SALTUS_OK)
+                return saltus_fail(message, SALTUS_BAD_INPUT, "--of %s", reason.text);
+            if (asked && own->coordinate == wishes.quantities[0].coordinate &&
+                own->velocity == wishes.quantities[0].velocity)
+                return saltus_fail(message, SALTUS_BAD_INPUT, "--of %.40s: is given twice", word);
+            at = at[length] ? at + length + 1 : NULL;
+        }
+    wishes.quantity_count = asked ? asked : wishes.quantity_count;
     saltus_status status = cli_motion(request, setup, &how, &motion, message);
     const saltus_system *system = setup->system;
     if (status == SALTUS_OK && interrupt_asked() && !saltus_verdict_settled(motion.verdict))

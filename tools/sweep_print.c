@@ -45,7 +45,18 @@ static void print_classes(const sweep_tally *tally, long long rows) {
         printf("%-16s %12lld %7.2f %%\n", others, rest, percent(rest, rows));
 }
 
-static void print_attractors(const saltus_sweep_file *file, const share *shares) {
+/* Trajectories without an attractor, by what is told of each. */
+static saltus_status count_others(const saltus_sweep_file *file, sweep_tally *others,
+                                  saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    for (long long k = 0; k < file->row_count && status == SALTUS_OK; k++)
+        if (file->rows[k].attractor < 0)
+            status = sweep_tally_add(others, &file->rows[k], message);
+    sweep_tally_sort(others);
+    return status;
+}
+
+static void print_attractors(const saltus_sweep_file *file, const share *shares, const sweep_tally *none) {
     printf("%-16s %12s %9s %18s\n", "attractor", "trajectories", "share", "largest multiplier");
     for (int k = 0; k < file->attractor_count && k < lines_max; k++) {
         int a = shares[k].attractor;
@@ -54,11 +65,12 @@ static void print_attractors(const saltus_sweep_file *file, const share *shares)
     }
     if (file->attractor_count > lines_max)
         printf("%d others\n", file->attractor_count - lines_max);
-    long long lost = file->row_count;
-    for (int k = 0; k < file->attractor_count; k++)
-        lost -= shares[k].count;
-    if (lost)
-        printf("%-16s %12lld %7.2f %%\n", "none found", lost, percent(lost, file->row_count));
+    for (int k = 0; k < none->count; k++) {
+        char text[SALTUS_LABEL_MAX + 16];
+        snprintf(text, sizeof text, "none: %s", none->classes[k].label);
+        printf("%-16s %12lld %7.2f %%\n", text, none->classes[k].count,
+               percent(none->classes[k].count, file->row_count));
+    }
 }
 
 /* Number of trajectories in the tally: all in the file, or without a file those of this run. */
@@ -99,12 +111,16 @@ static void print_hint(const saltus_sweep *sweep, const sweep_report *report) {
 }
 
 static void print_table(const sweep_order *order, const sweep_report *report, const saltus_sweep_file *file,
-                        const share *shares) {
+                        const share *shares, const sweep_tally *none) {
     const saltus_sweep *sweep = order->sweep;
-    printf("%s: %lld points, %lld trajectories in %s\n", saltus_sweep_scene(sweep)->name,
-           saltus_sweep_points(sweep), report->rows, order->to_stdout ? "standard output" : order->path);
+    printf("%s: %lld point%s, %lld trajector%s%s%s\n", saltus_sweep_scene(sweep)->name,
+           saltus_sweep_points(sweep), saltus_sweep_points(sweep) == 1 ? "" : "s", report->rows,
+           report->rows == 1 ? "y" : "ies", order->quiet ? "" : " in ",
+           order->quiet       ? ""
+           : order->to_stdout ? "standard output"
+                              : order->path);
     if (shares)
-        print_attractors(file, shares);
+        print_attractors(file, shares, none);
     else if (report->tally.count)
         print_classes(&report->tally, counted(report));
     if (!order->basins)
@@ -154,6 +170,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
                                   saltus_message *message) {
     saltus_sweep_file file = {.row_count = 0};
     share *shares = NULL;
+    sweep_tally none = {0};
     saltus_status status = SALTUS_OK;
     bool read = (order->basins || report->computed < report->rows) && cli_ends_in(order->path, ".h5");
     if (read)
@@ -176,12 +193,15 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
             shares[file.rows[k].attractor].count++;
     if (shares)
         qsort(shares, (size_t)file.attractor_count, sizeof *shares, larger_share);
+    if (status == SALTUS_OK && shares)
+        status = count_others(&file, &none, message);
     sweep_tally_sort(&report->tally);
     if (status == SALTUS_OK && json)
         put_json(order, report, &file, shares);
     else if (status == SALTUS_OK)
-        print_table(order, report, &file, shares);
+        print_table(order, report, &file, shares, &none);
     free(shares);
+    sweep_tally_clear(&none);
     saltus_sweep_file_clear(&file);
     return status;
 }

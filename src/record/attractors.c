@@ -41,8 +41,9 @@ void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus
 
 void saltus_write_harvest_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                const saltus_harvest *harvest) {
-    fprintf(file, "%s: %d periodic orbit%s from %lld close returns in %lld periods\n", scene->name,
-            harvest->count, saltus_plural(harvest->count), harvest->candidates, harvest->periods);
+    fprintf(file, "%s: %d periodic orbit%s from %lld close return%s in %lld period%s\n", scene->name,
+            harvest->count, saltus_plural(harvest->count), harvest->candidates,
+            saltus_plural(harvest->candidates), harvest->periods, saltus_plural(harvest->periods));
     saltus_put_scene(file, scene, system);
     if (harvest->count)
         fprintf(file, "%5s  %-12s %9s  %11s  %9s\n%5s  %-12s %9s  %11s\n", "", "n/p", "largest",

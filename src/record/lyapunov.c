@@ -171,7 +171,7 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
     }
     fprintf(file, "  %-14s%lld periods (%.6g units of time) by all trajectories together (%s)\n", "measured",
             l->periods, l->time, saltus_integrator_used(system, o->flow.integrator));
-    fprintf(file, "  %-14s%lld periods", "transient", l->transient);
+    fprintf(file, "  %-14s%lld period%s", "transient", l->transient, saltus_plural(l->transient));
     if (l->transient > o->transient)
         fprintf(file, ": %lld as asked for, then until directions and exponent had settled", o->transient);
     fputc('\n', file);

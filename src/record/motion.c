@@ -55,7 +55,7 @@ static void put_faces(FILE *file, const saltus_system *system, const saltus_moti
     bool modal = saltus_notation_of(system)->structure == SALTUS_STRUCTURE_LINE;
     bool cut = !held && settled && motion->impacts < 0;
     if (!settled)
-        fprintf(file, " (in %lld periods%s)", motion->counted,
+        fprintf(file, " (in %lld period%s%s)", motion->counted, saltus_plural(motion->counted),
                 motion->impacts < 0 ? ", of complete chatter those simulated one by one" : "");
     fputs(held && modal ? " (per modal mass)\n" : cut ? " (before the chatter completes)\n" : "\n", file);
 }

@@ -39,6 +39,8 @@ static saltus_status read_grid(const char *text, const char *values, saltus_axis
         return refuse(text, "a grid needs a last value and a count", message);
     end = saltus_read_number_until(end + 1, ":", &count);
     bool logarithmic = end && strcmp(end, ":log") == 0;
+    if (end && *end == ':' && !logarithmic)
+        return refuse(text, "after the count only log can stand", message);
     if (!end || (*end && !logarithmic) || count != floor(count) || count < 2 || count > axis_values_max)
         return refuse(text, "the count must be a whole number from 2 to 10000000", message);
     axis->count = (int)count;
