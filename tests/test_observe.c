@@ -204,6 +204,25 @@ static void root_mean_squares_are_those_of_samples(void **unused) {
     }
 }
 
+/* The report names what is observed where the scene says it. */
+static void reports_name_what_is_observed(void **state) {
+    static const char *const cases[][2] = {{"classify fig7d", NULL},
+                                           {"classify fig7d --set observe=q2", " (of q2)\n"},
+                                           {"classify fig7d --set observe=0.3", " (at xi = 0.3)\n"},
+                                           {"classify fig7d --set observe=stop1", " (at xi = 0.5)\n"},
+                                           {"classify duffing", " (of x)\n"}};
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char *text = told(*state, cases[k][0]), *line = strstr(text, "displacement ");
+        assert_non_null(line);
+        const char *end = strchr(line, '\n') + 1;
+        if (cases[k][1])
+            assert_memory_equal(end - strlen(cases[k][1]), cases[k][1], strlen(cases[k][1]));
+        else
+            assert_null(memchr(line, '(', (size_t)(end - line)));
+        free(text);
+    }
+}
+
 /* Files keep the choice; another choice makes another sweep. */
 static void files_keep_the_choice(void **state) {
     fixture *f = *state;
@@ -248,6 +267,7 @@ int main(void) {
         cmocka_unit_test(records_are_of_what_is_observed),
         cmocka_unit_test(a_triangle_wave_has_its_root_mean_square),
         cmocka_unit_test(root_mean_squares_are_those_of_samples),
+        cmocka_unit_test_setup_teardown(reports_name_what_is_observed, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(files_keep_the_choice, open_fixture, close_fixture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
