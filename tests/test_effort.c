@@ -112,17 +112,17 @@ static void a_used_up_effort_ends_all_flows(void **state) {
     check_ok(saltus_motion_settle(system, &none, 1, start, &message), &message);
     /* What a step costs, with columns, less the allowance of its time. */
     effort = (saltus_effort){.period = 2};
-    saltus_effort_add(&effort, 0, 0, false);
+    saltus_effort_add(&effort, 0, 2, 0, false);
     check_near(effort.spent, 1, 0);
-    saltus_effort_add(&effort, 0, 3, false);
+    saltus_effort_add(&effort, 0, 2, 3, false);
     check_near(effort.spent, 5, 0);
-    saltus_effort_add(&effort, 1.0 / SALTUS_EFFORT_USUAL, 7, false);
+    saltus_effort_add(&effort, 1.0 / SALTUS_EFFORT_USUAL, 2, 7, false);
     check_near(effort.spent, 5, 1e-12);
-    saltus_effort_add(&effort, 0, 0, true);
+    saltus_effort_add(&effort, 0, 2, 0, true);
     check_near(effort.spent, 17, 1e-12);
-    saltus_effort_add(&effort, 1.0 / SALTUS_EFFORT_USUAL_STIFF, 7, true);
+    saltus_effort_add(&effort, 1.0 / SALTUS_EFFORT_USUAL_STIFF, 2, 7, true);
     check_near(effort.spent, 17, 1e-12);
-    saltus_effort_add(&effort, 1, 0, false);
+    saltus_effort_add(&effort, 1, 2, 0, false);
     check_near(effort.spent, 0, 0);
     /* Each point of a branch subtracts its allowance. */
     effort.spent = 1.5 * SALTUS_EFFORT_AT_POINT;

@@ -407,7 +407,7 @@ static void pass_time(saltus_flow *flow, int lane, bool contact_event) {
         saltus_effort_add(flow->options.effort,
                           self->step.length /
                               saltus_effort_period(flow->options.effort, self->system->period),
-                          flow->options.columns, flow->collocated);
+                          flow->dof, flow->options.columns, flow->collocated);
     flow->mixture.layers -= self->step.length;
     self->flight = self->flight > self->step.length ? self->flight - self->step.length : INFINITY;
     if (!flow->collocated)

@@ -4,6 +4,7 @@
 #include "flow/effort.h"
 #include "motion/options.h"
 #include "motion/search.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -76,7 +77,8 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     bool open = motion->verdict == SALTUS_UNDECIDED || motion->verdict == SALTUS_IRREGULAR;
     if (status != SALTUS_OK || !open)
         return status;
-    if (s->settling.count < o->transient)
+    const bool attracts = !forced || !saltus_system_keeps_volume(s->system);
+    if (attracts && s->settling.count < o->transient)
         status = saltus_search_run(s, o->transient, motion, message);
     if (status != SALTUS_OK || s->found || motion->verdict != SALTUS_UNDECIDED)
         return status;

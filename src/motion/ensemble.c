@@ -7,6 +7,7 @@
 #include "base/progress.h"
 #include "orbit/volume.h"
 #include "system/state.h"
+#include "system/system.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
@@ -23,6 +24,25 @@ static const double disturbance = 1e-6, strangers = 17; /* e^17 times the distur
 static const double unlikely = 1e-4;
 static const double bounds_apart = 6; /* for regular motions, whose errors are roughly bounds */
 
+/* How many members run side by side. One trajectory of many modes fills the packs too, and does not leave the
+ * cache: of 16 modes it is faster by a third, of 24 by three quarters. */
+static int width_for(const saltus_system *system, saltus_integrator integrator) {
+    enum { many = 12 };
+    return !system->tape && system->dof > many ? 1 : saltus_flow_width(system, integrator);
+}
+
+/* The order of the series, 0: the usual one. Where fast modes ring on for a hundred radians in a period,
+ * longer steps of a higher order are cheaper by a fifth. */
+static int order_for(const saltus_system *system, const saltus_flow_options *options) {
+    enum { higher = 18 };
+    static const double many_turns = 90, coarse = 1e-11; /* finer tolerances have a higher order anyway */
+    double ringing = 0;
+    for (int i = 0; i < system->dof; i++)
+        ringing = fmax(ringing, sqrt(system->stiffness[i]) - 0.5 * system->damping[i]);
+    const bool usual = options->order || options->rtol < coarse || ringing * system->period < many_turns;
+    return usual ? options->order : higher;
+}
+
 saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *system,
                                    const saltus_lyapunov_options *options, long long room,
                                    saltus_message *message) {
@@ -31,7 +51,7 @@ saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *syst
                            .n = saltus_system_dimension(system),
                            .members = options->members,
                            .room = room,
-                           .width = saltus_flow_width(system, options->flow.integrator)};
+                           .width = width_for(system, options->flow.integrator)};
     const size_t places = (size_t)e->members * (size_t)room;
     e->columns = options->exponents ? options->exponents : e->n;
     e->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
@@ -55,6 +75,7 @@ saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *syst
     const saltus_system *systems[SALTUS_MEMBERS_MAX];
     saltus_flow_options flow = options->flow;
     saltus_status status = SALTUS_OK;
+    flow.order = order_for(system, &options->flow);
     flow.columns = e->columns;
     flow.directions = 0;
     for (int m = 0; m < e->members; m++) {

@@ -10,6 +10,7 @@
  * lifetime. A negative exponent means that the motion is regular and a period will appear. A zero exponent,
  * known well, belongs to a torus if the section points fill closed curves and have a spectrum of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "flow/effort.h"
 #include "motion/ensemble.h"
 #include "motion/evidence.h"
 #include "motion/motion.h"
@@ -42,9 +43,11 @@ typedef struct judge {
     saltus_motion *motion;
     double *returns, *times; /* without forcing: the first trajectory's returns to the section, their times */
     long long return_count;
+    double before;        /* the question's steps before this measurement */
     bool searched;        /* stable orbits have been searched for */
     bool unseen;          /* one was found, so slow that no trajectory would be seen to come to it */
     bool nowhere, drifts; /* a longer run would tell no more, as the exponent drifts */
+    bool traceless;       /* nothing but impacts changes volumes */
     bool sticks;          /* a contact that wipes out all differences was met */
     long long escaped[trajectories]; /* samples of each trajectory until it left; 0: it has not */
     /* Sticking may shrink tangent vectors without any escape: after a check in vain a trajectory is not
@@ -96,6 +99,18 @@ static void tell_exponent(judge *j) {
     evidence->impacts_per_period = sticks > 0 && rebounds ? NAN : (double)impacts / (double)evidence->periods;
 }
 
+/* How many times a measured period counts in what --measure allows. */
+static double dearness(const judge *j) {
+    const double total = j->options->flow.effort->total - j->before;
+    return fmax(1, total / (double)saltus_ensemble_periods(&j->ensemble) / SALTUS_EFFORT_MEASURED);
+}
+
+/* Whether a member's volumes have been kept since the measurement began: it comes to no orbit. */
+static bool keeps_volume(const judge *j, const saltus_member *member) {
+    return j->traceless &&
+           saltus_flow_information(member->flow, member->lane).log_volume == member->begin.log_volume;
+}
+
 /* Find trajectories that have come to a regular motion, among those whose tangent vectors have shrunk while
  * the others' grow. */
 static saltus_status look_who_left(judge *j, saltus_message *message) {
@@ -109,7 +124,8 @@ static saltus_status look_who_left(judge *j, saltus_message *message) {
     for (int m = 0; m < trajectories && status == SALTUS_OK; m++) {
         const saltus_member *member = &j->ensemble.member[m];
         saltus_motion regular = {0};
-        if (j->escaped[m] || member->samples < j->next_look[m] || !(member->recent <= 0))
+        if (j->escaped[m] || member->samples < j->next_look[m] || !(member->recent <= 0) ||
+            keeps_volume(j, member))
             continue;
         j->next_look[m] = 2 * member->samples;
         status =
@@ -248,10 +264,9 @@ static saltus_status leads_nowhere(judge *j, bool *nowhere, saltus_message *mess
     const saltus_runs runs = runs_of(j);
     const double fastest = runs.all.mean + likely * runs.all.standard_error,
                  grows = fastest * runs.period * (double)(j->options->measure / trajectories);
-    bool kept = saltus_system_traceless(e->system);
-    for (int m = 0; m < trajectories && kept; m++)
-        kept = saltus_flow_information(e->member[m].flow, e->member[m].lane).log_volume ==
-               e->member[m].begin.log_volume;
+    bool kept = true;
+    for (int m = 0; m < trajectories; m++)
+        kept &= keeps_volume(j, &e->member[m]);
     *nowhere = false;
     if (!kept || (double)points_there(e) < near_all * points_kept)
         return SALTUS_OK;
@@ -289,6 +304,12 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     return status;
 }
 
+/* Whether `samples` more of each trajectory are allowed. */
+static bool affords(const judge *j, long long samples) {
+    const long long done = j->ensemble.member[0].samples, most = j->options->measure / trajectories;
+    return done + samples <= most && (!done || dearness(j) * (double)(done + samples) <= (double)most);
+}
+
 /* Make runs, each as long as all before it, until there is an outcome or no time is left. */
 static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message *message) {
     saltus_ensemble *e = &j->ensemble;
@@ -297,7 +318,7 @@ static saltus_status run_trial(judge *j, saltus_outcome *outcome, saltus_message
     long long samples = first_run, most = j->options->measure / trajectories;
     saltus_status status = saltus_ensemble_place(e, j->motion->state, message);
     while (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN && samples > 0 && !j->nowhere &&
-           first->samples + samples <= most) {
+           affords(j, samples)) {
         status = run_on(j, samples, outcome, message);
         if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_OPEN)
             status = decide(j, outcome, message);
@@ -352,10 +373,10 @@ __attribute__((format(printf, 2, 3))) static void say(saltus_motion *motion, con
 static void tell_undecided(const judge *j) {
     saltus_motion *m = j->motion;
     const saltus_evidence *e = &m->evidence;
-    const double period = saltus_system_period(j->ensemble.system);
+    const double period = saltus_system_period(j->ensemble.system), dear = dearness(j);
     double exponent = m->lyapunov, error = m->lyapunov_error, rate = exponent * period;
     double lacking = SALTUS_SIGNIFICANT * error / fmax(fabs(exponent), 1e-3 / period),
-           needed = 1.2 * (double)e->periods * fmax(lacking * lacking, 2);
+           needed = 1.2 * dear * (double)e->periods * fmax(lacking * lacking, 2);
     if (!isfinite(error)) {
         say(m, "no period was found, and %lld periods are too few for an exponent", e->periods);
         return;
@@ -363,8 +384,11 @@ static void tell_undecided(const judge *j) {
     say(m, "largest exponent %.3g +- %.1g per unit of time over %lld periods", exponent, error, e->periods);
     if (j->drifts)
         say(m, " drifts (halves %.3g and %.3g)", e->half[0], e->half[1]);
-    else if (exponent > SALTUS_SIGNIFICANT * error && (double)e->periods * rate < SALTUS_APART * e->members) {
-        needed = 1.2 * SALTUS_APART * e->members / rate;
+    else if (exponent > SALTUS_SIGNIFICANT * error && (double)e->periods * rate >= SALTUS_APART * e->members)
+        say(m, ", positive, but not the same in both halves of the run (%.3g and %.3g)", e->half[0],
+            e->half[1]);
+    else if (exponent > SALTUS_SIGNIFICANT * error) {
+        needed = 1.2 * dear * SALTUS_APART * e->members / rate;
         say(m, ", in which neighbours have not come apart: chaos, or an unstable orbit that is left slowly");
     } else
         say(m, " is not told from zero (halves %.3g and %.3g), the section points %s", e->half[0], e->half[1],
@@ -459,7 +483,7 @@ static void tell(judge *j, saltus_outcome outcome) {
             "largest exponent %.4g +- %.1g per unit of time over %lld periods, positive, but a transient of "
             "%.0f periods would not have ended yet; measuring some %.1e periods would tell (--measure)",
             m->lyapunov, m->lyapunov_error, e->periods, e->lifetime_at_least,
-            1.05 * (double)e->periods * (double)j->options->lifetime / e->lifetime_at_least);
+            1.05 * dearness(j) * (double)e->periods * (double)j->options->lifetime / e->lifetime_at_least);
         break;
     default:
         tell_undecided(j);
@@ -468,7 +492,10 @@ static void tell(judge *j, saltus_outcome outcome) {
 
 saltus_status saltus_motion_judge(const saltus_system *system, const saltus_classify_options *options,
                                   saltus_motion *motion, saltus_outcome *outcome, saltus_message *message) {
-    judge j = {.options = options, .motion = motion};
+    judge j = {.options = options,
+               .motion = motion,
+               .before = options->flow.effort->total,
+               .traceless = saltus_system_traceless(system)};
     saltus_lyapunov_options how = saltus_lyapunov_defaults();
     const size_t numbers = (size_t)points_kept * (size_t)saltus_system_dimension(system);
     *outcome = SALTUS_OUTCOME_OPEN;

@@ -89,9 +89,10 @@ static saltus_status complete_batches(saltus_ensemble *e, saltus_message *messag
 }
 
 /* Measure until the largest exponent is as precise as required. A run that still drifts is discarded as
- * transient; the new measurement lasts at least as long. */
+ * transient; the new measurement lasts at least as long. Dear periods count more than once. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
+    const double before = o->flow.effort->total;
     long long spent = 0, least = least_samples, next_look = least_samples,
               each = (long long)e->member[0].growth.whole * e->members; /* periods per sample */
     saltus_status status = SALTUS_OK;
@@ -106,7 +107,8 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         status = saltus_ensemble_run(e, chunk, message);
         if (status != SALTUS_OK)
             break;
-        spent += chunk * each;
+        const long long worth = (long long)((o->flow.effort->total - before) / SALTUS_EFFORT_MEASURED);
+        spent = worth > spent + chunk * each ? worth : spent + chunk * each;
         done += chunk;
         saltus_estimate now = saltus_ensemble_largest(e);
         saltus_ensemble_record(e, now, l->history, &l->history_count);

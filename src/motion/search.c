@@ -220,12 +220,14 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     /* What is all but reached is worth more steps in a period than a search spends: they count only in all.
      */
     saltus_effort *effort = recurrence <= all_but_reached ? s->options->flow.effort : NULL,
-                  all = {.spent = effort ? effort->spent : 0};
+                  all = {.spent = effort ? effort->spent : 0, .total = effort ? effort->total : 0};
     if (effort)
         shooting.flow.effort = &all;
     saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
-    if (effort)
+    if (effort) {
         effort->spent = all.spent;
+        effort->total = all.total;
+    }
     return take_orbit(s, status, recurrence, message);
 }
 

@@ -136,13 +136,23 @@ static void field_at(const saltus_system *system, const saltus_equations_graph *
         field[i] = values[g->field[i]];
 }
 
+/* How strongly an extra state pulls at accelerations, and how its rate depends on displacements and on
+ * velocities. */
+typedef struct extra_loop {
+    double pull, moved, dragged;
+} extra_loop;
+
 /* Measure the linear part at the reference state by differences: its diagonal for the stiff integrator,
- * bounds on its eigenvalues (rows of the first-order form) and decay rates, scales of velocities. */
+ * bounds on its eigenvalues (rows of the first-order form) and decay rates, scales of velocities. An extra
+ * state's pull counts by the rate of the loops that it closes, which does not depend on the scales: beside a
+ * small clearance any pull would look stiff. */
 static void measure_rates(saltus_system *system, const saltus_equations_graph *g, const double *reference,
                           double *values) {
     const int n = system->dof, all = n + system->extra, dimension = system->dimension;
     double state[SALTUS_STATE_MAX], above[SALTUS_STATE_MAX], below[SALTUS_STATE_MAX];
     double pull[SALTUS_STATE_MAX] = {0}, drag[SALTUS_STATE_MAX] = {0}, decay = 0, stiffness = 0, damping = 0;
+    extra_loop loop[SALTUS_STATE_MAX] = {{0}};
+    double loops = 0;
     memcpy(state, reference, (size_t)dimension * sizeof *state);
     for (int j = 0; j < dimension; j++) {
         const double h = 1e-5 * system->scale[j];
@@ -159,8 +169,14 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
                 system->linear[i * dimension + j] = slope;
             if (j < n)
                 pull[i] += fabs(slope);
+            else if (j < 2 * n || i >= n)
+                drag[i] += fabs(slope);
             else
-                drag[i] += fabs(slope) * (j >= 2 * n && i < n ? system->scale[j] / system->scale[n + i] : 1);
+                loop[j - 2 * n].pull = fmax(loop[j - 2 * n].pull, fabs(slope));
+            if (i >= n && j < n)
+                loop[i - n].moved = fmax(loop[i - n].moved, fabs(slope));
+            else if (i >= n && j < 2 * n)
+                loop[i - n].dragged = fmax(loop[i - n].dragged, fabs(slope));
             if (i < n && j == i)
                 system->stiffness[i] = fmax(-slope, 0);
             if (i < n && j == n + i)
@@ -173,6 +189,9 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
         stiffness = fmax(stiffness, i < n ? pull[i] : 0);
         damping = fmax(damping, drag[i]);
     }
+    for (int k = 0; k < system->extra; k++)
+        loops = fmax(loops, cbrt(loop[k].pull * loop[k].moved) + sqrt(loop[k].pull * loop[k].dragged));
+    damping += loops;
     /* Without forcing, all forces on a displacement show how fast it is: feedback may hide its own
      * stiffness. */
     for (int i = 0; i < n; i++)
