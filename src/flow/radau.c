@@ -4,7 +4,9 @@
  * by side and corrects the accelerations by solving the linear part for the residual (collocation.h); this
  * linear part is taken at rest, at the phase of the step's middle. The cubic term and the change of the
  * pulsation within the step remain: mild couplings, whose error falls like (h L)^k / k! with the number k of
- * sweeps. The sweeps converge to the collocation solution whatever the linear part is.
+ * sweeps. The sweeps converge to the collocation solution whatever the linear part is. Where the damping
+ * itself changes with the state, as along a relaxation oscillation, a part taken at rest would keep steps to
+ * the fast time; if the sweeps of equations from text converge slowly, it is taken anew where the motion is.
  *
  * Dense output is the polynomial of degree 15 through the accelerations, integrated twice exactly. Its last
  * Legendre coefficients tell how well it represents the solution inside the step, where events are located on
@@ -18,7 +20,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { nodes = SALTUS_RADAU_NODES, bins = 8, slots_max = 256, sweeps_max = 40, attempts_max = 60 };
+enum {
+    nodes = SALTUS_RADAU_NODES,
+    bins = 8,
+    slots_max = 256,
+    sweeps_max = 40,
+    sweeps_many = 10, /* of a step whose linear part fits badly */
+    attempts_max = 60
+};
 
 /* The field's linear part at rest in each bin of the phase, and those of its factors that were needed. */
 typedef struct factor_cache {
@@ -65,6 +74,8 @@ struct saltus_radau {
     last_polynomial last;
     double proposal;    /* step to try; 0 after a reset */
     int steps, bounces; /* since the last impact; impacts since the reset */
+    int sweeps;         /* of the last attempt */
+    bool moved;         /* the linear part is not that at rest */
 };
 
 /* The larger; a NaN wins. */
@@ -98,19 +109,31 @@ static void reserve(saltus_radau *r) {
     s->contact.schur = saltus_arena_doubles(arena, faces * faces * nodes);
 }
 
-/* The field near rest, with one displacement or velocity of the trajectory given, in all bins of the phase
- * side by side: value [bin][mode]. */
-static void field_near_rest(saltus_radau *r, int mode, double displacement, double velocity, double *value) {
+/* Where the linear part is taken: displacements, velocities and extra states; NULL: at rest. */
+typedef struct linear_place {
+    const double *q, *v, *e;
+} linear_place;
+
+/* The field near a place, with one displacement or velocity of the trajectory changed, in all bins of the
+ * phase side by side: value [bin][mode]. */
+static void field_near(saltus_radau *r, const linear_place *place, int mode, double displacement,
+                       double velocity, double *value) {
     const int n = r->stages.dof;
     for (int k = 0; k < r->stages.chunks; k++) {
         saltus_work *w = &r->work[k];
         for (int l = 0; l < w->lanes; l++) {
             w->lane->phase[l] = ((k * w->lanes + l) % bins + 0.5) / bins;
-            w->state.q[mode * w->lanes + l] = displacement;
-            w->state.v[mode * w->lanes + l] = velocity;
+            for (int i = 0; i < n && place; i++) {
+                w->state.q[i * w->lanes + l] = place->q[i];
+                w->state.v[i * w->lanes + l] = place->v[i];
+            }
+            for (int i = 0; i < r->extra && place; i++)
+                w->state.e[saltus_work_extra_place(w, 0, 0, i, l)] = place->e[i];
+            w->state.q[mode * w->lanes + l] += displacement;
+            w->state.v[mode * w->lanes + l] += velocity;
         }
         r->field->expand(w, 0, 1);
-        for (int l = 0; l < w->lanes; l++)
+        for (int l = 0; l < w->lanes && !place; l++)
             w->state.q[mode * w->lanes + l] = w->state.v[mode * w->lanes + l] = 0;
         for (int l = 0; l < w->lanes && k * w->lanes + l < bins; l++)
             for (int i = 0; i < n; i++)
@@ -118,24 +141,25 @@ static void field_near_rest(saltus_radau *r, int mode, double displacement, doub
     }
 }
 
-/* The linear part by differences from rest; it only steers the iteration. If modes couple only to those of
+/* The linear part by differences from a place; it only steers the iteration. If modes couple only to those of
  * the other parity, they are eliminated parity by parity, which saves half the work. */
-static void find_linear_part(saltus_radau *r) {
+static void find_linear_part(saltus_radau *r, const linear_place *place) {
     saltus_linear_part *linear = &r->stages.linear;
-    int n = r->stages.dof, place = 0;
+    int n = r->stages.dof, rank = 0;
     double rest[bins * SALTUS_MODES_MAX], moved[bins * SALTUS_MODES_MAX];
     bool alternate = true;
-    for (int k = 0; k < r->stages.chunks; k++) {
+    for (int k = 0; k < r->stages.chunks && !place; k++) {
         saltus_work_clear_states(&r->work[k]);
         r->work[k].hold.count = 0;
     }
-    field_near_rest(r, 0, 0, 0, rest);
+    field_near(r, place, 0, 0, 0, rest);
     for (int j = 0; j < n; j++) {
-        double small = 1e-5 * r->system->scale[j];
-        field_near_rest(r, j, 0, 1, moved);
+        const double *scale = r->system->scale, small = 1e-5 * scale[j],
+                     slow = place ? 1e-5 * scale[n + j] : 1;
+        field_near(r, place, j, 0, slow, moved);
         for (int k = 0; k < bins * n; k++)
-            r->cache.damp[k * n + j] = moved[k] - rest[k];
-        field_near_rest(r, j, small, 0, moved);
+            r->cache.damp[k * n + j] = (moved[k] - rest[k]) / slow;
+        field_near(r, place, j, small, 0, moved);
         for (int k = 0; k < bins * n; k++)
             r->cache.stiff[k * n + j] = (moved[k] - rest[k]) / small;
     }
@@ -145,8 +169,10 @@ static void find_linear_part(saltus_radau *r) {
                 alternate &= r->cache.damp[k * n + j] == 0 && r->cache.stiff[k * n + j] == 0;
     for (int parity = 0; parity < 2; parity++)
         for (int i = parity; i < n; i += 2)
-            linear->order[place++] = i;
+            linear->order[rank++] = i;
     linear->uncoupled = alternate ? (n + 1) / 2 : 0;
+    memset(r->cache.held, 0, sizeof r->cache.held);
+    r->moved = place != NULL;
 }
 
 void saltus_radau_retune(saltus_radau *radau, const saltus_system *system) {
@@ -161,8 +187,7 @@ void saltus_radau_retune(saltus_radau *radau, const saltus_system *system) {
             radau->field->load(w, l, system, w->order, damping);
         w->stops = 0;
     }
-    find_linear_part(radau);
-    memset(radau->cache.held, 0, sizeof radau->cache.held);
+    find_linear_part(radau, NULL);
     saltus_radau_reset(radau);
 }
 
@@ -225,6 +250,8 @@ void saltus_radau_close(saltus_radau *radau) {
 }
 
 void saltus_radau_reset(saltus_radau *radau) {
+    if (radau->moved)
+        find_linear_part(radau, NULL);
     radau->proposal = 0;
     radau->last.known = false;
     radau->bounces = radau->steps = 0;
@@ -478,6 +505,7 @@ static bool converge(saltus_radau *r, long long *evaluations) {
     int growths = 0;
     integrate(r);
     for (int sweep = 0; sweep < sweeps_max; sweep++) {
+        r->sweeps = sweep + 1;
         for (int k = 0; k < s->chunks; k++)
             r->field->expand(&r->work[k], 0, 1);
         *evaluations += nodes;
@@ -703,16 +731,29 @@ static bool ends_finite(const saltus_work *work) {
     return isfinite(sum);
 }
 
+/* Take the linear part anew at the start of the step. */
+static void linearise_here(saltus_radau *radau, long long *evaluations) {
+    const saltus_stages *s = &radau->stages;
+    const linear_place here = {s->q0, s->v0, radau->e0};
+    find_linear_part(radau, &here);
+    *evaluations += (2 * s->dof + 1) * nodes;
+}
+
 saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, long long *evaluations) {
     double phase = work->lane->phase[0], errors[nodes], scale = 0;
     take_start(radau, work);
     if (radau->proposal == 0)
         propose_first(radau, phase, evaluations);
     int k = fit_step(radau, radau->proposal, work->lane->left[0]), attempt = 0;
-    bool follows = radau->last.known;
+    bool follows = radau->last.known, fits = !radau->system->tape;
     while (!attempt_step(radau, phase, k, follows, errors, &scale, evaluations)) {
         if (++attempt == attempts_max)
             return SALTUS_STALLED;
+        if (scale == 0 && !fits) {
+            fits = true;
+            linearise_here(radau, evaluations);
+            continue;
+        }
         /* A polynomial that is merely too coarse is a good guess for the shorter step. */
         follows = scale > 0;
         if (follows)
@@ -725,6 +766,8 @@ saltus_status saltus_radau_step(saltus_radau *radau, saltus_work *work, long lon
         return SALTUS_STALLED;
     double step = radau->stages.step, grown = step * growth(errors);
     radau->proposal = step < radau->proposal ? fmax(radau->proposal, grown) : grown;
+    if (radau->sweeps > sweeps_many && !fits)
+        linearise_here(radau, evaluations);
     radau->steps++;
     keep_as_guess(radau, phase);
     return SALTUS_OK;

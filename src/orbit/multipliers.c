@@ -456,6 +456,7 @@ static void forget_hidden(const saltus_cocycle *cocycle, saltus_multiplier *foun
 saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *out, int *count,
                                    double *trivial, double *log_volume, saltus_message *message) {
     const double over_segment = 10; /* contraction that leaves the smallest multiplier its digits */
+    const double many = 5000;       /* segments */
     const int n = cocycle->n;
     *count = n - cocycle->autonomous;
     *trivial = cocycle->autonomous ? deflate(cocycle) : 0;
@@ -467,9 +468,15 @@ saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *o
         return status;
     /* Only after one lap it is known how much the flow contracts. */
     double wanted = fmin(-cocycle->sum_rule / over_segment, bytes_max / (8.0 * n * n)) / cocycle->periods;
-    if (!isnan(cocycle->sum_rule) && wanted > cocycle->density)
+    const bool last = *count == 1 && zeros == 0 && wanted * cocycle->periods > many;
+    if (!isnan(cocycle->sum_rule) && wanted > cocycle->density && !last)
         cocycle->wanted = wanted;
     forget_hidden(cocycle, out, *count);
+    /* In the plane there is but one multiplier, which Liouville's formula gives: impacts keep orientation. */
+    if (last) {
+        *log_volume = cocycle->sum_rule;
+        out[0] = (saltus_multiplier){exp(cocycle->sum_rule), 0, cocycle->sum_rule};
+    }
     for (int k = 0; k < *count; k++)
         if (isnan(out[k].log_modulus))
             *log_volume = NAN;
