@@ -207,15 +207,23 @@ static void undamped_motions_are_measured_as_far_as_that_tells(void **state) {
 /* A clearance far below the motion's size does not set its scale: the motion is that without clearance, and
  * is found as quickly. */
 static void tiny_clearances_are_no_scale(void **state) {
-    static const char *const cases[][2] = {{"relief-valve", "1e-300"},    {"relief-valve", "1e-6"},
-                                           {"relief-valve", "0"},         {"impact-oscillator", "1e-300"},
-                                           {"impact-oscillator", "1e-9"}, {"impact-oscillator", "0"}};
+    static const char *const cases[][2] = {{"relief-valve", "1e-300"},
+                                           {"relief-valve", "1e-6"},
+                                           {"relief-valve", "0"},
+                                           {"impact-oscillator", "1e-300"},
+                                           {"impact-oscillator", "1e-9"},
+                                           {"impact-oscillator", "0"},
+                                           {"chain", "1e-300"},
+                                           {"chain", "1e-9"},
+                                           {"chain", "0"}};
     fixture *f = *state;
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
         char line[80];
         snprintf(line, sizeof line, "classify %s --set d=%s", cases[k][0], cases[k][1]);
         char *out = told(f, line);
-        if (!strstr(out, k < 3 ? "relief-valve: 1/1, stable" : "impact-oscillator: 2/1, stable"))
+        if (!strstr(out, k < 3   ? "relief-valve: 1/1, stable"
+                         : k < 6 ? "impact-oscillator: 2/1, stable"
+                                 : "chain: 2/2, stable"))
             fail_msg("%s: %s", line, out);
         free(out);
     }
@@ -269,6 +277,10 @@ static void every_command_names_what_was_too_much(void **state) {
                  {"lyapunov relief-valve --set kappa=1e6 --quiet", "kappa = 1e+06 is too great"},
                  {"classify van-der-pol --set mu=1e300", "mu = 1e+300 is too great"},
                  {"classify two-mass --set k2=1e12", "k2 = 1e+12 is too great"},
+                 {"classify impact-pair --set d=1e-300", "d = 1e-300 is too small a clearance"},
+                 {"classify impact-damper --set d=1e-12", "d = 1e-12 is too small a clearance"},
+                 {"classify relief-valve --set delta=1e12 q=1e12", "q = 1e+12 is too great"},
+                 {"diagnose vibrating-table --set omega=1e-300 -o x.svg", "omega = 1e-300 is too small"},
                  {"classify duffing --set c=1e300", "c = 1e+300 is too great"},
                  {"lyapunov two-mass --set m=1e-300 --quiet", "m = 1e-300 is too small"},
                  {"diagnose duffing --set omega=1e-6 -o x.svg --quiet", "omega = 1e-06 is too small"},

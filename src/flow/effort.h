@@ -39,11 +39,6 @@ saltus_flow_options saltus_effort_begin(const saltus_flow_options *options, cons
 saltus_status saltus_effort_check(const saltus_effort *effort, const saltus_system *system,
                                   saltus_message *message);
 
-/* The likely cause of very many steps, with its value: the parameter farthest from its default, or a
- * pre-load. */
-enum { SALTUS_CAUSE_MAX = 120 };
-const char *saltus_effort_cause(const saltus_system *system, char cause[SALTUS_CAUSE_MAX]);
-
 /* Subtract the allowance of a branch's point, before the next point is sought. */
 static inline void saltus_effort_next_point(saltus_effort *effort) {
     const double spent = effort->spent - SALTUS_EFFORT_AT_POINT;

@@ -27,6 +27,7 @@
 
 #include "base/progress.h"
 #include "flow/quiet.h"
+#include "system/cause.h"
 
 #include <math.h>
 #include <string.h>
@@ -261,11 +262,11 @@ static bool leads_on(saltus_flow *flow, int lane, double planned) {
             "%s, T = %.6g, would take more than %.0e steps (%d of them, %.3g long, go over %.3g T): %s",
             self->system->spec.model->forcing >= 0 ? "a forcing period" : "a unit of time",
             self->system->period, most, self->cycle_steps, planned, gone,
-            saltus_effort_cause(self->system, cause));
+            saltus_system_cause(self->system, cause));
     else if (!moves && w->lane->left[lane] > 0)
         saltus_fail(&self->why, SALTUS_STALLED,
-                    "the step falls to %.3g at %.15g periods: the motion grows without bound", planned,
-                    saltus_time_periods(self->now));
+                    "the step falls to %.3g at %.15g periods: the motion grows without bound, or %s", planned,
+                    saltus_time_periods(self->now), saltus_system_cause(self->system, cause));
     else
         return true;
     give_up(flow, lane);
@@ -298,7 +299,7 @@ static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_me
             char cause[SALTUS_CAUSE_MAX];
             saltus_fail(message, status, "no step of the stiff integrator converges at %.15g periods: %s",
                         saltus_time_periods(flow->lane[0].now),
-                        saltus_effort_cause(flow->lane[0].system, cause));
+                        saltus_system_cause(flow->lane[0].system, cause));
             fail_here(flow, 0, message);
             return status;
         }
@@ -450,13 +451,14 @@ static saltus_status conclude(saltus_flow *flow, int lane) {
         return SALTUS_OK;
     if (!sound && !endless && self->why.text[0])
         return SALTUS_STALLED;
+    char cause[SALTUS_CAUSE_MAX];
     return saltus_fail(&self->why, SALTUS_STALLED,
-                       "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g",
+                       "the flow stalls at %.15g periods (%s): gap %.3g, speed %.3g: %s",
                        saltus_time_periods(self->now),
                        endless ? "bounces without end; a restitution that is 1, or tends to 1 for small "
                                  "closing speeds, never comes to rest under pressure"
                                : "a gap is passed or an impact has no solution",
-                       gap, self->last_speed);
+                       gap, self->last_speed, saltus_system_cause(self->system, cause));
 }
 
 static saltus_event plain_event(saltus_event_kind kind, saltus_time time) {

@@ -96,7 +96,7 @@ static double typical_length(const saltus_system *system) {
                  response = force / (p[p_k] + p[p_m] * gsl_pow_2(p[p_omega]));
     if (length == 0 || (!between && isfinite(response) && length < SALTUS_NO_CLEARANCE * response))
         length = response;
-    return length > 0 ? length : 1;
+    return length > 0 && isfinite(length) ? length : 1;
 }
 
 /* M^-1 K, M^-1 C and the Maxwell element. */

@@ -3,6 +3,7 @@
 #include "system/state.h"
 
 #include "base/dense.h"
+#include "system/cause.h"
 
 #include <gsl/gsl_randist.h>
 #include <math.h>
@@ -89,11 +90,17 @@ saltus_status saltus_state_load(const saltus_system *system, const double *state
 saltus_status saltus_state_bounded(const saltus_system *system, const double *state, unsigned contacts,
                                    long long periods, saltus_message *message) {
     enum { at_once = 8 }; /* the load is checked once, after this many periods */
+    char cause[SALTUS_CAUSE_MAX];
     const double *scale = saltus_system_scale(system);
     if (periods == at_once && saltus_state_load(system, state, contacts, message) != SALTUS_OK)
         return SALTUS_STALLED;
     for (int i = 0; i < saltus_system_dimension(system); i++)
-        if (!(fabs(state[i]) < 1e8 * scale[i]))
+        if (!(fabs(state[i]) < 1e8 * scale[i]) && isfinite(state[i]) && periods < at_once)
+            return saltus_fail(message, SALTUS_STALLED,
+                               "the motion leaves its scale at once: state entry %d is %.3g after %lld "
+                               "periods, its scale %.2g: %s",
+                               i + 1, state[i], periods, scale[i], saltus_system_cause(system, cause));
+        else if (!(fabs(state[i]) < 1e8 * scale[i]))
             return saltus_fail(message, SALTUS_STALLED,
                                "the motion grows without bound: state entry %d is %.3g after %lld periods",
                                i + 1, state[i], periods);

@@ -107,12 +107,29 @@ static void reserve(saltus_system *system) {
     system->numbers = saltus_arena_doubles(&system->arena, (size_t)g->graph.count);
 }
 
+/* A length of the response to the forcing alone: the greatest acceleration at rest, over the square of the
+ * angular frequency. */
+static double forced_response(const saltus_system *system, const saltus_equations_graph *g) {
+    enum { phases = 4 };
+    double *values = values_of(g), most = 0;
+    for (int k = 0; k < phases && values && g->forced; k++) {
+        evaluate(g, &system->spec, NULL, (double)k / phases, values);
+        for (int i = 0; i < system->dof; i++)
+            most = fmax(most, fabs(values[g->field[i]]));
+    }
+    free(values);
+    most /= g->forced ? system->omega * system->omega : 1;
+    return isfinite(most) ? most : 0;
+}
+
 /* A typical length of displacements: the smallest clearance, else the first nonzero initial displacement,
  * else 1. */
 static double typical_length(const saltus_system *system, const saltus_equations_graph *g) {
     double length = 0;
+    bool between = false;
     for (int s = 0; s < system->spec.stop_count; s++) {
         const saltus_stop *stop = &system->spec.stops[s];
+        between |= stop->sides == SALTUS_BOTH;
         const double offset = s < g->stop_count ? system->numbers[g->stops[s].offset] : 0;
         double d = fabs(stop->sides == SALTUS_LOWER ? stop->d + offset : stop->d - offset);
         if (d > 0 && (length == 0 || d < length))
@@ -125,6 +142,9 @@ static double typical_length(const saltus_system *system, const saltus_equations
             begin = fabs(system->numbers[g->state[i].initial]);
     if (length < SALTUS_NO_CLEARANCE * begin)
         length = begin;
+    /* So is one far below what the forcing moves, but between two sides. */
+    if (!between && length > 0 && begin == 0 && length < 1e-6 * forced_response(system, g))
+        length = 0;
     return length > 0 && isfinite(length) ? length : 1;
 }
 
