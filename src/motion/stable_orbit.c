@@ -8,8 +8,10 @@
  * Returns over which tangent vectors have grown much belong to other unstable orbits, whose number grows
  * with the period: they are skipped at once. The remaining returns are tried with plain Newton steps on the
  * stroboscopic map, given up as soon as they do not converge; saltus_orbit_find confirms what they find.
+ * Short periods come first; where steps and tangent vectors are many, the search ends before the longest.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 
+#include "flow/effort.h"
 #include "motion/motion.h"
 #include "orbit/fixed_point.h"
 #include "orbit/returns.h"
@@ -30,11 +32,12 @@ enum {
     bisections = 6, /* for the edge of the basin between an orbit and the points */
     probes = 64,    /* points that are enough for the extent of all */
     neighbours = 16,
-    wait_most = 200,   /* periods to wait for capture at most, ... */
-    wait_cycles = 12,  /* ... or cycles, if these take longer */
-    remembered = 1024, /* latest points of orbits that have been tried */
-    least_tries = 200, /* tries before the search is given up if fewer than one in ... */
-    hopeless = 25      /* ... this many has led to an orbit; with damping one in ten does */
+    wait_most = 200,      /* periods to wait for capture at most, ... */
+    wait_cycles = 12,     /* ... or cycles, if these take longer */
+    remembered = 1024,    /* latest points of orbits that have been tried */
+    least_tries = 200,    /* tries before the search is given up if fewer than one in ... */
+    hopeless = 25,        /* ... this many has led to an orbit; with damping one in ten does */
+    most_steps = 20000000 /* of the flow, as efforts count them; pipes of up to six modes take 7 million */
 };
 static const double same_orbit = 1e-5; /* in scales: orbits this near are the same */
 static const double near_return = 0.2; /* of the points' extent: farther returns do not count */
@@ -55,6 +58,7 @@ typedef struct search {
     double *tried;      /* ring buffer of points of orbits that have been tried, and their periods */
     int tried_periods[remembered];
     long long tried_count;
+    double before;        /* steps of the question before the search */
     long long tries, led; /* returns that Newton's method began with, and that led it to an orbit */
 } search;
 
@@ -222,7 +226,8 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
 }
 
 static bool is_hopeless(const search *s) {
-    return s->tries >= least_tries && s->led * hopeless < s->tries;
+    const bool costly = s->flow->effort && s->flow->effort->total - s->before > most_steps;
+    return costly || (s->tries >= least_tries && s->led * hopeless < s->tries);
 }
 
 static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,
@@ -252,7 +257,8 @@ saltus_status saltus_stable_orbit_among(const saltus_system *system, const saltu
                 .flow = flow,
                 .tracks = tracks,
                 .track_count = track_count,
-                .n = saltus_system_dimension(system)};
+                .n = saltus_system_dimension(system),
+                .before = flow->effort ? flow->effort->total : 0};
     if (!saltus_system_forced(system))
         return saltus_stable_cycle_among(system, flow, tracks, motion, found, message);
     saltus_returns *returns = NULL;
