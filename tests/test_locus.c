@@ -1047,6 +1047,38 @@ static void curves_of_grazing_join_those_of_a_third(void **unused) {
     }
 }
 
+/* Orbits of four periods lose the speeds of all their impacts but one to first order, where an orbit of one
+ * period grazes: each impact undoes what the others do, and the orbit's halves are alike to second order.
+ * Their curve ends there, where those of shorter orbits end. */
+static void all_impacts_die_at_once(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {0.774503, 0.457195}, high[2] = {2.47841, 1.21919},
+                        step_max[2] = {0.02, 0.01}, state[] = {1.0873439329355987, 0.448973399209425};
+    saltus_spec spec = oscillator_spec(0.046, 1, 1, 0.761991);
+    add_stop(&spec, 1.54901, 0.489292, SALTUS_UPPER);
+    add_stop(&spec, 1.54901, 0.483529, SALTUS_LOWER);
+    for (int run = 0; run < 2; run++) {
+        saltus_branch_options options = locus_options(SALTUS_POINT_PD, key, low, high);
+        options.switches = 2;
+        options.step_max = step_max[run];
+        branch_record record = branch_run(&spec, 1, state, &options);
+        const saltus_branch_point *flip = first_of(&record, SALTUS_POINT_GR_PD, SALTUS_POINT_PD);
+        int ends = 0;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            if (p->kind != SALTUS_POINT_EP || p->periods != 4)
+                continue;
+            assert_true(p[-1].kind == SALTUS_POINT_GR_GR);
+            for (int i = 0; i < 2; i++)
+                check_near(p->value[i], flip->value[i], 1e-9);
+            ends++;
+        }
+        assert_int_equal(ends, 2);
+        branch_forget(&record);
+    }
+}
+
 /* A branch of orbits of three periods begins where an orbit of one period grazes: the curve of grazing of
  * that orbit is followed, not of its threefold repetition, in which any impact could be born or die. */
 static void a_shorter_orbit_grazes_once(void **unused) {
@@ -1750,6 +1782,7 @@ int main(void) {
         cmocka_unit_test(slow_forcing_hides_no_corner),
         cmocka_unit_test(pairs_beside_infinity_are_found),
         cmocka_unit_test(curves_of_grazing_join_those_of_a_third),
+        cmocka_unit_test(all_impacts_die_at_once),
         cmocka_unit_test(a_shorter_orbit_grazes_once),
         cmocka_unit_test(close_corners_are_told_apart),
         cmocka_unit_test(grazing_passes_a_crossing),

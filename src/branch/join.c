@@ -21,9 +21,22 @@ static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s
 
 enum { samples_most = 8 };
 
-/* What falls to nothing along a curve, as its arclength does: the distance from a shorter orbit, a breach, or
- * the root of one. */
-typedef enum measure { BY_DISTANCE, BY_BREACH, BY_ROOT } measure;
+/* What falls to nothing along a curve, as its arclength does: the distance from a shorter orbit, a breach,
+ * the root of one, or the greatest speed of the slow impacts. */
+typedef enum measure { BY_BREACH, BY_DISTANCE, BY_SPEED, BY_ROOT } measure;
+
+static double left_of(saltus_extended *x, measure by, int parts, const saltus_solution *s) {
+    const double slow = 1e-2;
+    double speed = 0;
+    if (by == BY_DISTANCE)
+        return saltus_locus_distance(x, s, parts);
+    if (by != BY_SPEED)
+        return by == BY_ROOT ? sqrt(fabs(saltus_corner_breach(x, s))) : saltus_corner_breach(x, s);
+    for (int k = 0; k < s->breach_count; k++)
+        if (s->breaches[k].kind == SALTUS_BREACH_SPEED && -s->breaches[k].value < slow)
+            speed = fmax(speed, -s->breaches[k].value);
+    return speed;
+}
 
 /* `at` becomes the place where what is left by a measure is nothing, extrapolated from places on the curve of
  * `here` so far apart before one `ahead` of it, where the equations are regular; *spread: how far off in the
@@ -42,10 +55,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
         status = saltus_curve_visit(&x->equations, &here->at, ahead - (k + 1) * apart, &at->at, message);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, message);
-        rest[k] = status != SALTUS_OK ? NAN
-                  : by == BY_DISTANCE ? saltus_locus_distance(x, &at->orbit, parts)
-                                      : saltus_corner_breach(x, &at->orbit);
-        rest[k] = by == BY_ROOT ? sqrt(fabs(rest[k])) : rest[k];
+        rest[k] = status == SALTUS_OK ? left_of(x, by, parts, &at->orbit) : NAN;
         for (int j = 0; j < m && status == SALTUS_OK; j++)
             u[j * samples + k] = at->at.u[j];
     }
@@ -120,9 +130,10 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
                                 saltus_point_kind *kind, saltus_message *message) {
     static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double little = 1e-4, near = 1e-3, sharp = 1e-10;
+    const double little = 1e-4, near = 1e-3, sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
+    const size_t size = (size_t)here->at.unknowns * sizeof(double);
     int parts;
-    double spread;
+    double spread, least = INFINITY;
     saltus_message ignored;
     *kind = SALTUS_POINT_REGULAR;
     if (x->kind != SALTUS_POINT_GR)
@@ -130,21 +141,29 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     if (!(saltus_corner_breach(x, &here->orbit) > -little) ||
         !(saltus_locus_apart(x, &here->orbit, &parts) < near))
         return SALTUS_OK;
-    /* If several breaches fall to zero together, now one is the worst, now another: try the distance too. */
-    for (int k = 0; k < 2 * spacings && !*kind; k++) {
-        const double own = apart[k % spacings];
-        saltus_status status = extrapolate(x, here, 0, own, 6, k < spacings ? BY_BREACH : BY_DISTANCE, parts,
-                                           at, &spread, &ignored);
-        if (status == SALTUS_NO_MEMORY)
-            return saltus_branch_no_memory(message);
-        if (status == SALTUS_OK && fabs(at->at.ahead) < 2 * own &&
-            fabs(saltus_corner_breach(x, &at->orbit)) < sharp &&
-            saltus_locus_distance(x, &at->orbit, parts) < sharp)
-            *kind = parts > 2 || touches_elsewhere(x, &at->orbit, parts) ? SALTUS_POINT_GR_GR
-                    : parts == 2                                         ? SALTUS_POINT_GR_PD
-                                                                         : SALTUS_POINT_GR_BP;
+    double *u = malloc(size);
+    saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
+    /* If several breaches fall to zero together, now one is the worst, now another: try the distance too.
+     * That may be small of second order, where impacts undo each other's effects: try their speeds. */
+    for (int k = 0; k < 3 * spacings && least > trusted && status != SALTUS_NO_MEMORY; k++) {
+        const measure by = k / spacings;
+        status = extrapolate(x, here, 0, apart[k % spacings], 6, by, parts, at, &spread, &ignored);
+        if (status != SALTUS_OK || !(spread < least) || !(fabs(at->at.ahead) < 2 * apart[k % spacings]) ||
+            !(fabs(saltus_corner_breach(x, &at->orbit)) < sharp[by]) ||
+            !(saltus_locus_distance(x, &at->orbit, parts) < sharp[by]))
+            continue;
+        least = spread;
+        memcpy(u, at->at.u, size);
+        *kind = parts > 2 || touches_elsewhere(x, &at->orbit, parts) ? SALTUS_POINT_GR_GR
+                : parts == 2                                         ? SALTUS_POINT_GR_PD
+                                                                     : SALTUS_POINT_GR_BP;
     }
-    return SALTUS_OK;
+    if (*kind && status != SALTUS_NO_MEMORY) {
+        memcpy(at->at.u, u, size);
+        status = saltus_locus_see_orbit(x, at, &ignored);
+    }
+    free(u);
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
