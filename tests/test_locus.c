@@ -1263,6 +1263,37 @@ static void mirror_images_are_one_orbit(void **unused) {
     saltus_motion_clear(&motion);
 }
 
+/* Between two equal stops all happens at once where the symmetric free motion grazes and half a period is a
+ * whole number of free oscillations: the orbits with impacts fold, flip and break their symmetry. The curve
+ * of these branch points goes on from there. To leading order their impacts' speeds grow with the detuning as
+ * a solution of a quadratic equation; that of the folds grows on the other side of it. */
+static void symmetry_breaks_where_it_folds(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {0.665085, 0.446529}, high[2] = {2.12827, 1.19074},
+                        step_max[2] = {0.02, 0.01};
+    const double c = 0.12, omega = 0.5 * sqrt(1 - 0.25 * c * c), square = omega * omega;
+    saltus_spec spec = oscillator_spec(c, 1, 1, 0.744215);
+    add_stop(&spec, 1.33017, 0.948749, SALTUS_BOTH);
+    saltus_motion motion = settled(&spec);
+    for (int run = 0; run < 2; run++) {
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        options.switches = 1;
+        options.step_max = step_max[run];
+        branch_record record = branch_run(&spec, motion.periods, motion.state, &options);
+        const saltus_branch_point *first = first_of(&record, SALTUS_POINT_BP, SALTUS_POINT_BP), *last = first;
+        check_near(first->value[1], omega, 1e-9);
+        check_near(first->value[0], 1 / hypot(1 - square, c * omega), 1e-9);
+        while (last[1].branch == first->branch)
+            last++;
+        assert_true(last->step > 50 && last->value[1] > 2 * omega - 0.05);
+        assert_string_equal(last->reason, "end of the parameters' range");
+        check_anew(&first[last->step / 2], SALTUS_POINT_BP);
+        branch_forget(&record);
+    }
+    saltus_motion_clear(&motion);
+}
+
 /* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
 static bool grazes_there(const branch_record *record, const saltus_branch_point *p, int periods) {
     bool found = false;
@@ -1788,6 +1819,7 @@ int main(void) {
         cmocka_unit_test(grazing_passes_a_crossing),
         cmocka_unit_test(grazing_joins_a_symmetric_motion),
         cmocka_unit_test(mirror_images_are_one_orbit),
+        cmocka_unit_test(symmetry_breaks_where_it_folds),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),

@@ -14,6 +14,8 @@ static void reserve(saltus_extended *x, int count) {
     x->left = saltus_arena_doubles(&x->arena, k * k * (c + 1));
     x->b = saltus_arena_doubles(&x->arena, k * c);
     x->c = saltus_arena_doubles(&x->arena, k * c);
+    x->folding[0] = saltus_arena_doubles(&x->arena, c);
+    x->folding[1] = saltus_arena_doubles(&x->arena, c);
     x->aside = saltus_arena_doubles(&x->arena, m);
     x->along = saltus_arena_doubles(&x->arena, k * c * m);
     x->fresh = saltus_arena_doubles(&x->arena, k * c * m);
@@ -35,12 +37,13 @@ saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message)
         !saltus_dense_lu_open(&x->equations.lu, count + 2 + x->extra))
         return saltus_branch_no_memory(message);
     reserve(x, count);
-    x->differs = false;
+    x->differs = x->folds = false;
     return SALTUS_OK;
 }
 
 /* A without borders, in real form, in rows of `stride` numbers: the closing rows get 1 - e^{i theta} times
- * the state at the base added. */
+ * the state at the base added. Where orbits that are their own mirror images fold, too, it is made regular
+ * for those. */
 static void fill_singular(const saltus_extended *x, double theta, double *a, int stride) {
     const saltus_equations *e = x->orbits.equations;
     int c = e->count, n = x->orbits.n, row = saltus_shooting_closing_row(x->orbits.shooting);
@@ -59,11 +62,16 @@ static void fill_singular(const saltus_extended *x, double theta, double *a, int
                 a[(k * c + row + i) * stride + (1 - k) * c + i] += k ? im : -im;
         }
     }
+    for (int i = 0; i < c && x->folds; i++)
+        for (int j = 0; j < c; j++)
+            a[i * stride + j] += x->folding[1][i] * x->folding[0][j];
 }
 
 /* The null vector of a matrix of `size` rows, which is overwritten. Where orbits that are their own mirror
- * images fold as well as others branch off, that of the latter (saltus_extended_breaks). */
-static saltus_status find_null(const saltus_extended *x, double *a, int size, double *out) {
+ * images fold as well as others branch off, that of the latter (saltus_extended_breaks); `folding` becomes
+ * the former's, and *folds says that there is one. */
+static saltus_status find_null(const saltus_extended *x, double *a, int size, double *out, double *folding,
+                               bool *folds) {
     const double singular = 1e-6;
     const int n = x->orbits.n, count = x->kind == SALTUS_POINT_BP && x->mirrored ? 2 : 1;
     double values[2] = {0, INFINITY}, *both = calloc((size_t)(count * size), sizeof *both);
@@ -71,13 +79,16 @@ static saltus_status find_null(const saltus_extended *x, double *a, int size, do
         both ? saltus_dense_null_vectors(a, size, size, count, both, values) : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
         memcpy(out, both, (size_t)size * sizeof *out);
-    if (status == SALTUS_OK && values[1] < singular) {
+    *folds = status == SALTUS_OK && values[1] < singular;
+    if (*folds) {
         const double *one = both, *other = both + size;
         const double turn = atan2(saltus_dot(one, other + n, n) + saltus_dot(other, one + n, n),
                                   saltus_dot(one, one + n, n) - saltus_dot(other, other + n, n)) /
                             2;
-        for (int i = 0; i < size; i++)
+        for (int i = 0; i < size; i++) {
             out[i] = cos(turn) * one[i] + sin(turn) * other[i];
+            folding[i] = cos(turn) * other[i] - sin(turn) * one[i];
+        }
     }
     free(both);
     return status;
@@ -85,11 +96,13 @@ static saltus_status find_null(const saltus_extended *x, double *a, int size, do
 
 saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_message *message) {
     int size = x->copies * x->orbits.equations->count;
+    bool folds[2];
     double *a = calloc((size_t)(size * size), sizeof *a);
     if (!a)
         return saltus_branch_no_memory(message);
+    x->folds = false;
     fill_singular(x, theta, a, size);
-    saltus_status status = find_null(x, a, size, x->c);
+    saltus_status status = find_null(x, a, size, x->c, x->folding[0], &folds[0]);
     fill_singular(x, theta, a, size);
     for (int i = 0; i < size; i++)
         for (int j = 0; j < i; j++) {
@@ -98,7 +111,8 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
             a[j * size + i] = swap;
         }
     if (status == SALTUS_OK)
-        status = find_null(x, a, size, x->b);
+        status = find_null(x, a, size, x->b, x->folding[1], &folds[1]);
+    x->folds = status == SALTUS_OK && folds[0] && folds[1];
     free(a);
     return status == SALTUS_OK
                ? status

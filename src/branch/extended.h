@@ -32,10 +32,12 @@ typedef struct saltus_extended {
     saltus_equations equations;
     /* For the present sequence. */
     saltus_arena arena;
-    saltus_dense_lu lu;    /* of the bordered matrix */
-    double *matrix;        /* the bordered matrix */
-    double *right, *left;  /* its solutions: v, g; w for each copy */
-    double *b, *c;         /* the borders, copies x count */
+    saltus_dense_lu lu;   /* of the bordered matrix */
+    double *matrix;       /* the bordered matrix */
+    double *right, *left; /* its solutions: v, g; w for each copy */
+    double *b, *c;        /* the borders, copies x count */
+    bool folds; /* at the first point of a curve of branch points orbits that stay mirror images fold, too, */
+    double *folding[2];    /* with these right and left null vectors */
     double *aside;         /* unknowns of an orbit displaced along v */
     double *along, *fresh; /* A' v, copies x count x unknowns, and room for a new one */
     bool differs;          /* `along` has been computed */

@@ -330,6 +330,7 @@ static void step_on(saltus_locus *l) {
     l->here = l->next;
     l->next = point;
     l->trail->arclength += l->here.at.ahead;
+    l->x.folds = false;
     saltus_curve_bend(&l->next.at, &l->here.at);
     for (int k = 0; k < l->here.corner_count; k++)
         l->here.before[k] = l->next.corners[k].value;

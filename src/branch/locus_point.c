@@ -160,6 +160,7 @@ saltus_status saltus_locus_install(saltus_extended *x, saltus_locus_point *here,
         if (order[k] == mark)
             x->mark = k;
     saltus_status status = saltus_locus_take_up(x, here, here->orbit.at.u, more, message);
+    x->folds = false;
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(&x->equations, here->at.u, message);
     if (status == SALTUS_OK)
