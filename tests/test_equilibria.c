@@ -506,6 +506,23 @@ static void curves_meet_where_two_eigenvalues_are_zero(void **unused) {
     }
 }
 
+/* From the curve of folds the one of Hopf points, a = 0, was switched to, and followed on both ways from the
+ * generalised Hopf point, which is not passed again. `a` is the parameter with this index. */
+static void check_hopf_curve(const branch_record *record, int a) {
+    int ends = 0, curves = 0;
+    for (int k = 0; k < record->count; k++) {
+        const saltus_branch_point *p = &record->point[k];
+        if (p->locus != SALTUS_POINT_HB)
+            continue;
+        check_near(p->value[a], 0, 1e-9);
+        assert_true(p->kind == SALTUS_POINT_HB || p->kind == SALTUS_POINT_EP);
+        assert_in_range(p->parent, 0, 1);
+        curves += p->step == 0;
+        ends += p->kind == SALTUS_POINT_EP && (p->value[!a] == -1 || p->value[!a] == 2);
+    }
+    assert_true(curves == 2 && ends == 2);
+}
+
 /* Cycles of radius r with a + b r^2 - r^4 = 0 fold where a = -b^2/4, r^2 = b/2, and shrink to nothing where
  * the curve of Hopf points, a = 0, has its first Lyapunov coefficient zero. From the Hopf points their curve
  * is followed from there, and from such a cycle it ends there, with steps of any length, interrupted or not.
@@ -549,12 +566,25 @@ static void folding_cycles_grow_from_a_generalised_hopf_point(void **unused) {
         branch_record back = branch_run(&cycle->spec, 1, cycle->state, &options);
         assert_int_equal(count_of(&back, SALTUS_POINT_GH), 1);
         assert_int_equal(count_of(&back, SALTUS_POINT_CP), 0);
+        check_hopf_curve(&back, 0);
         for (int i = 0; i < back.count; i++)
             if (back.point[i].kind == SALTUS_POINT_GH) {
                 check_near(back.point[i].value[0], 0, 1e-10);
                 check_near(back.point[i].value[1], 0, 1e-10);
                 assert_int_equal(back.point[i + 1].kind, SALTUS_POINT_EP);
             }
+        if (k < 2) {
+            assert_true(branch_check_resumed(&cycle->spec, 1, cycle->state, &options, 7) > 3);
+            saltus_branch_options turned = options;
+            for (int i = 0; i < 2; i++) {
+                memcpy(turned.key[i], options.key[1 - i], sizeof turned.key[i]);
+                turned.low[i] = options.low[1 - i];
+                turned.high[i] = options.high[1 - i];
+            }
+            branch_record other = branch_run(&cycle->spec, 1, cycle->state, &turned);
+            check_hopf_curve(&other, 1);
+            branch_forget(&other);
+        }
         options.orbit.free_period = false;
         options.locus = SALTUS_POINT_HB;
         if (k < 2)

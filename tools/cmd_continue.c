@@ -339,8 +339,8 @@ const cli_command cmd_continue = {
         "of codimension two; there --switch also follows the other curves that meet: that of grazing, those "
         "of folds, flips, tori and branch points at grazing, the grazing of orbits that branch off where a "
         "flip or branch point grazes, tori and folds or flips at a double multiplier 1 (R1) or -1 (R2), the "
-        "other impact's where two graze, and of equilibria Hopf points or folds at BT and folds of cycles "
-        "at GH. At R3 and R4 only orbits of period 3 and 4 begin, which are "
+        "other impact's where two graze, and of equilibria Hopf points or folds at BT and Hopf points or "
+        "folds of cycles at GH. At R3 and R4 only orbits of period 3 and 4 begin, which are "
         "branches, no such curves. The file can be plotted, and read, while it grows; with --resume the "
         "options are those of the interrupted run, and the file becomes the one that it would have left.",
     .needs_scene = true,

@@ -121,15 +121,29 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
                              o->origin + o->family.unit[0] * parameter, why.text);
 }
 
-/* One step along curves of special equilibria, or the begin of those of cycles that they have come to. */
-static saltus_status advance_rest_locus(saltus_branch *b, bool *more, saltus_message *message) {
-    saltus_locus_starts *cycles = saltus_rest_locus_cycles(b->rest_locus);
-    saltus_status status = saltus_rest_locus_step(b->rest_locus, more, message);
-    if (status != SALTUS_OK || *more || cycles->count == 0)
+/* One step along curves of special equilibria or orbits, or the begin of those of the other sort that they
+ * have come to. */
+static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *message) {
+    const saltus_spec *spec = &b->trace.orbits.family.spec;
+    const bool of_rests = b->phase == RUN_REST_LOCUS;
+    saltus_status status = of_rests ? saltus_rest_locus_step(b->rest_locus, more, message)
+                                    : saltus_locus_step(b->locus, more, message);
+    saltus_locus_starts *starts =
+        of_rests ? saltus_rest_locus_cycles(b->rest_locus) : saltus_locus_all_starts(b->locus);
+    if (status != SALTUS_OK || *more || !saltus_locus_starts_wait(starts, !of_rests))
         return status;
-    status = saltus_locus_go_on(&b->trace.orbits.family.spec, &b->trail, cycles, &b->locus, message);
-    b->phase = RUN_LOCUS;
-    return status == SALTUS_OK ? saltus_locus_step(b->locus, more, message) : status;
+    if (of_rests) {
+        saltus_locus_free(b->locus);
+        b->locus = NULL;
+        b->phase = RUN_LOCUS;
+        status = saltus_locus_go_on(spec, &b->trail, starts, &b->locus, message);
+        return status == SALTUS_OK ? saltus_locus_step(b->locus, more, message) : status;
+    }
+    saltus_rest_locus_free(b->rest_locus);
+    b->rest_locus = NULL;
+    b->phase = RUN_REST_LOCUS;
+    status = saltus_rest_locus_go_on(spec, &b->trail, starts, &b->rest_locus, message);
+    return status == SALTUS_OK ? saltus_rest_locus_step(b->rest_locus, more, message) : status;
 }
 
 /* One step of the machine at work: of branches of orbits along the one under way, or the begin of another.
@@ -139,9 +153,8 @@ static saltus_status advance(saltus_branch *b, bool *more, saltus_message *messa
     case RUN_RESTS:
         return saltus_equilibria_step(b->equilibria, more, message);
     case RUN_REST_LOCUS:
-        return advance_rest_locus(b, more, message);
     case RUN_LOCUS:
-        return saltus_locus_step(b->locus, more, message);
+        return advance_loci(b, more, message);
     case RUN_ORBITS:
         break;
     }

@@ -553,7 +553,7 @@ static saltus_status give_corner(saltus_locus *l, saltus_locus_test corner, doub
 
 /* End the curve at `trial`, where its orbits join shorter ones. */
 static saltus_status give_join(saltus_locus *l, saltus_point_kind kind, saltus_message *message) {
-    const saltus_locus_test corner = {.kind = kind, .joins = true};
+    const saltus_locus_test corner = {.kind = kind, .joins = kind != SALTUS_POINT_GH};
     const double ahead = l->trial.at.ahead;
     const char *reason = corner_reasons[1][kind];
     bool closes = false;
@@ -756,9 +756,7 @@ static saltus_status begin_next(saltus_locus *l, bool *more, saltus_message *mes
     saltus_locus_starts *starts = &l->starts;
     if (l->way < l->way_count)
         return begin(l, begins_crossing(l) && !l->x.mirrored, message);
-    while (starts->next < starts->count && starts->start[starts->next].done)
-        starts->next++;
-    *more = starts->next < starts->count;
+    *more = saltus_locus_starts_wait(starts, false);
     if (!*more)
         return SALTUS_OK;
     /* The list may grow while the curve is followed. */
@@ -769,6 +767,10 @@ saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *mes
     *more = true;
     saltus_status status = l->trail->following ? advance(l, message) : begin_next(l, more, message);
     return status == SALTUS_OK && l->x.orbits.starved ? saltus_branch_no_memory(message) : status;
+}
+
+saltus_locus_starts *saltus_locus_all_starts(saltus_locus *l) {
+    return &l->starts;
 }
 
 bool saltus_locus_rests(const saltus_locus *l) {
@@ -845,6 +847,7 @@ saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail,
     saltus_archive_orbits(a, &l->x.orbits);
     /* The start of the current curve, and the directions from there. */
     const saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);
+    a->sound = a->sound && kind != SALTUS_POINT_HB;
     const bool mirrored = saltus_archive_flag(a, l->x.mirrored);
     if (a->reading)
         become(l, kind, mirrored);

@@ -21,6 +21,9 @@ saltus_status saltus_locus_go_on(const saltus_spec *spec, saltus_trail *trail, s
 void saltus_locus_free(saltus_locus *locus);
 /* One step, which may give out points; *more is false when all curves are done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_step(saltus_locus *locus, bool *more, saltus_message *message);
+/* All places at which other curves begin; its own. When it is done, those of Hopf points may wait:
+ * rest_locus.h follows them. */
+saltus_locus_starts *saltus_locus_all_starts(saltus_locus *locus);
 /* Whether a curve was begun, so that saltus_locus_archive has something to write. */
 bool saltus_locus_rests(const saltus_locus *locus);
 /* Everything, except the trail, on which later steps depend. Reading creates the locus; numbers out of bounds

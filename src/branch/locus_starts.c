@@ -31,8 +31,26 @@ void saltus_locus_starts_clear(saltus_locus_starts *starts) {
     *starts = (saltus_locus_starts){.count = 0};
 }
 
+/* Whether two starts belong to one curve: at the same place, with the same number of events and the same
+ * grazing impact, in whichever period of the orbit. */
+static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
+    const double near = 1e-6, near_time = 1e-4;
+    if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.periods != b->sequence.periods ||
+        a->sequence.count != b->sequence.count || fabs(a->parameter[0] - b->parameter[0]) > near ||
+        fabs(a->parameter[1] - b->parameter[1]) > near)
+        return false;
+    const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
+    return a->kind != SALTUS_POINT_GR ||
+           (one->face == other->face && fabs(remainder(one->time - other->time, 1)) < near_time);
+}
+
 saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
                                       saltus_message *message) {
+    for (int k = 0; k < starts->count; k++)
+        if (are_one(&starts->start[k], start)) {
+            starts->start[k].done |= start->done;
+            return SALTUS_OK;
+        }
     saltus_locus_start *grown = realloc(starts->start, ((size_t)starts->count + 1) * sizeof *grown);
     if (grown)
         starts->start = grown;
@@ -48,19 +66,6 @@ saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const 
     return SALTUS_OK;
 }
 
-/* Whether two starts belong to one curve: at the same place, with the same number of events and the same
- * grazing impact, in whichever period of the orbit. */
-static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
-    const double near = 1e-6, near_time = 1e-4;
-    if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.periods != b->sequence.periods ||
-        a->sequence.count != b->sequence.count || fabs(a->parameter[0] - b->parameter[0]) > near ||
-        fabs(a->parameter[1] - b->parameter[1]) > near)
-        return false;
-    const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
-    return a->kind != SALTUS_POINT_GR ||
-           (one->face == other->face && fabs(remainder(one->time - other->time, 1)) < near_time);
-}
-
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message) {
     saltus_locus_start own = {.kind = x->kind,
@@ -70,13 +75,9 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
                               .leaves = joins,
                               .done = true};
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
-    bool known = false;
     for (int k = 0; k < starts->count; k++)
-        if (are_one(&starts->start[k], &own)) {
-            known = starts->start[k].done = true;
-            *closes |= k == starts->next - 1;
-        }
-    return known ? SALTUS_OK : saltus_locus_starts_add(starts, x->orbits.n, &own, message);
+        *closes |= k == starts->next - 1 && are_one(&starts->start[k], &own);
+    return saltus_locus_starts_add(starts, x->orbits.n, &own, message);
 }
 
 /* The least number of periods after which an orbit closes; that of its sequence if it cannot be told. */
@@ -307,6 +308,13 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
     }
     if (corner->kind == SALTUS_POINT_GR_GR)
         return other_grazing(x, at, starts);
+    if (corner->kind == SALTUS_POINT_GH) {
+        start->kind = SALTUS_POINT_HB;
+        start->sequence = (saltus_sequence){.periods = 1,
+                                            .contacts = at->sequence.contacts,
+                                            .omega = at->sequence.omega / at->sequence.periods};
+        return 1;
+    }
     if (corner->kind == SALTUS_POINT_R1 || corner->kind == SALTUS_POINT_R2) {
         bool at_one = corner->kind == SALTUS_POINT_R1;
         start->kind = x->kind != SALTUS_POINT_NS ? SALTUS_POINT_NS
@@ -327,25 +335,30 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
     int count = curves_at(x, corner, at, fresh);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
-        bool known = false;
         fresh[k].origin = corner->kind;
         fresh[k].state = at->state;
         fresh[k].parent = parent;
         fresh[k].depth = depth;
         fresh[k].sequence.cuts = 1;
         memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
-        for (int j = 0; j < starts->count; j++)
-            known = known || are_one(&starts->start[j], &fresh[k]);
-        if (!known)
-            status = saltus_locus_starts_add(starts, x->orbits.n, &fresh[k], message);
+        status = saltus_locus_starts_add(starts, x->orbits.n, &fresh[k], message);
     }
     return status;
+}
+
+bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests) {
+    starts->next = 0;
+    while (starts->next < starts->count &&
+           (starts->start[starts->next].done ||
+            (starts->start[starts->next].kind == SALTUS_POINT_HB) != of_rests))
+        starts->next++;
+    return starts->next < starts->count;
 }
 
 saltus_point_kind saltus_locus_start_kind(saltus_archive *a, saltus_point_kind kind) {
     kind = saltus_archive_kind(a, kind);
     a->sound = a->sound && (kind == SALTUS_POINT_LP || kind == SALTUS_POINT_PD || kind == SALTUS_POINT_NS ||
-                            kind == SALTUS_POINT_BP || kind == SALTUS_POINT_GR);
+                            kind == SALTUS_POINT_BP || kind == SALTUS_POINT_GR || kind == SALTUS_POINT_HB);
     return kind;
 }
 

@@ -8,7 +8,7 @@
 
 /* An orbit at which a curve begins. */
 typedef struct saltus_locus_start {
-    saltus_point_kind kind; /* of the curve's points */
+    saltus_point_kind kind; /* of the curve's points; HB: one of equilibria, for rest_locus.c */
     saltus_sequence sequence;
     double parameter[2];
     double *state; /* at the base; GH: the equilibrium, which the sequence's anchor leads away from */
@@ -28,7 +28,8 @@ typedef struct saltus_locus_starts {
 } saltus_locus_starts;
 
 void saltus_locus_starts_clear(saltus_locus_starts *starts);
-/* Keep a copy. Errors: SALTUS_NO_MEMORY. */
+/* Keep a copy; or, if there is such a start already, note that it is done if this one is. Errors:
+ * SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
                                       saltus_message *message);
 /* The curve of kind x->kind has come to a point of codimension two, the orbit `at`, where it joins orbits of
@@ -50,6 +51,10 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
  * orbit. */
 int saltus_locus_starts_grazing(saltus_orbits *orbits, const saltus_solution *at, const saltus_breach *touch,
                                 saltus_sequence *with);
+
+/* Whether a curve of special orbits, or of Hopf points, is still to be begun at one of them; `next` moves to
+ * the first such start. */
+bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests);
 
 /* Archive a kind of which there are curves; any other kind makes the archive unsound (archive.h). */
 saltus_point_kind saltus_locus_start_kind(saltus_archive *archive, saltus_point_kind kind);

@@ -20,11 +20,13 @@ typedef struct test {
     double value;
 } test;
 
-/* A curve of Hopf points or folds through a point where two eigenvalues are zero (BT). */
+/* A curve of Hopf points or folds through a point where two eigenvalues are zero (BT), or of Hopf points
+ * through a generalised one (GH). */
 typedef struct passage {
     saltus_point_kind kind;
     unsigned contacts;
     double parameter[2], *state;
+    double square;     /* GH: product of the two eigenvalues; BT: 0 */
     int parent, depth; /* of the curve that has met it */
     bool done;         /* it has been followed */
 } passage;
@@ -39,8 +41,8 @@ struct saltus_rest_locus {
     saltus_trail *trail; /* the caller's */
     passage *passages;
     int passage_count;
-    saltus_locus_starts cycles;
-    bool switched; /* the curve under way begins at such a place */
+    saltus_locus_starts cycles; /* and where curves of cycles have met those of Hopf points */
+    bool switched;              /* the curve under way begins at such a place */
     saltus_rests rests;
     saltus_rest_special special; /* what makes the equilibria special, renewed from point to point */
     spot here, next, trial;
@@ -105,12 +107,13 @@ static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message
     return status;
 }
 
-/* `here` becomes the first point, from a guess. */
+/* `here` becomes the first point, from a guess, with the second parameter as it is or, if it stays so along
+ * the curve, with the first. */
 static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const double *state,
                                 const double parameters[2], saltus_message *message) {
     saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.rest.at;
-    double normal[SALTUS_REST_UNKNOWNS_MAX] = {0}, anchor[SALTUS_REST_UNKNOWNS_MAX];
+    double anchor[SALTUS_REST_UNKNOWNS_MAX];
     saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
     const int m = r->equations.unknowns;
     const size_t bytes = (size_t)m * sizeof *at->u;
@@ -120,9 +123,14 @@ static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const d
         status = saltus_rests_fill(r, parameters, state, at->u, message);
     if (status == SALTUS_OK)
         status = renew(l, at->u, message);
-    if (status == SALTUS_OK) {
-        normal[m - 1] = 1;
-        memcpy(anchor, at->u, bytes);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(anchor, at->u, bytes);
+    status = SALTUS_NO_CONVERGENCE;
+    for (int k = m - 1; k >= m - 2 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k--) {
+        double normal[SALTUS_REST_UNKNOWNS_MAX] = {0};
+        normal[k] = 1;
+        memcpy(at->u, anchor, bytes);
         status = saltus_newton(&r->equations, at->u, normal, anchor, true, &at->iterations, message);
     }
     if (status == SALTUS_OK)
@@ -180,6 +188,18 @@ static void clear_passages(saltus_rest_locus *l) {
     free(l->passages);
     l->passages = NULL;
     l->passage_count = 0;
+}
+
+saltus_status saltus_rest_locus_go_on(const saltus_spec *spec, saltus_trail *trail,
+                                      saltus_locus_starts *starts, saltus_rest_locus **locus,
+                                      saltus_message *message) {
+    saltus_status status = saltus_rest_locus_new(spec, trail, NULL, locus, message);
+    if (status != SALTUS_OK)
+        return status;
+    (*locus)->way = (*locus)->way_count;
+    (*locus)->cycles = *starts;
+    *starts = (saltus_locus_starts){.count = 0};
+    return SALTUS_OK;
 }
 
 void saltus_rest_locus_free(saltus_rest_locus *l) {
@@ -300,20 +320,26 @@ static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_me
 static saltus_status leave_cycles(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
     saltus_hopf hopf;
     saltus_message ignored;
-    if (l->trail->depth >= l->trail->options->switches)
+    if (l->trail->options->switches == 0)
         return SALTUS_OK;
     saltus_status status = saltus_hopf_find(&l->rests, at, &hopf, &ignored);
     if (status != SALTUS_OK)
         return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     saltus_locus_start start = {
-        .kind = SALTUS_POINT_LP,
+        .kind = SALTUS_POINT_HB,
         .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
         .parameter = {at->parameter[0], at->parameter[1]},
         .state = at->state,
         .one_way = true,
         .origin = SALTUS_POINT_GH,
         .parent = l->trail->number,
-        .depth = l->trail->depth + 1};
+        .depth = l->trail->depth + 1,
+        .done = true};
+    status = saltus_locus_starts_add(&l->cycles, l->rests.n, &start, message);
+    if (status != SALTUS_OK || l->trail->depth >= l->trail->options->switches)
+        return status;
+    start.kind = SALTUS_POINT_LP;
+    start.done = false;
     saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
     return saltus_locus_starts_add(&l->cycles, l->rests.n, &start, message);
 }
@@ -332,22 +358,23 @@ static int way_of_pairs(saltus_rest_locus *l) {
                : -1;
 }
 
-/* Begin the other curve through a point where two eigenvalues are zero. */
-static saltus_status switch_to(saltus_rest_locus *l, passage *p, saltus_message *message) {
+/* Begin a curve that was met. */
+static saltus_status switch_to(saltus_rest_locus *l, const passage *p, saltus_message *message) {
     const double little = 1e-6; /* relative to rate_scale squared; identifies the two eigenvalues */
     saltus_message why = {.text = ""};
-    p->done = l->switched = true;
+    const bool hopf = p->kind == SALTUS_POINT_HB, through = p->square > 0;
+    l->switched = true;
     l->special.kind = p->kind;
     l->special.face = -1;
-    l->special.square = little * l->rests.rate_scale * l->rests.rate_scale;
+    l->special.square = through ? p->square : little * l->rests.rate_scale * l->rests.rate_scale;
     l->trail->parent = p->parent;
     l->trail->depth = p->depth;
     saltus_status status = open_first(l, p->contacts, p->state, p->parameter, &why);
     if (status != SALTUS_OK)
-        return saltus_fail(message, status, "no curve of %s points can be begun at a BT: %.200s",
-                           saltus_point_word(l->special.kind), why.text);
+        return saltus_fail(message, status, "no curve of %s points can be begun at a %s: %.200s",
+                           saltus_point_word(p->kind), through ? "GH" : "BT", why.text);
     l->way = 0;
-    l->way_count = l->special.kind == SALTUS_POINT_HB ? 1 : 2;
+    l->way_count = hopf && !through ? 1 : 2;
     l->ways[0] = l->way_count > 1 ? 1 : way_of_pairs(l);
     l->ways[1] = -1;
     return begin(l, message);
@@ -489,13 +516,29 @@ saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_me
     int waiting = 0;
     while (waiting < l->passage_count && l->passages[waiting].done)
         waiting++;
-    *more = l->trail->following || l->way < l->way_count || waiting < l->passage_count;
-    if (l->trail->following)
+    *more = true;
+    if (l->trail->following) {
         status = advance(l, message);
-    else if (l->way < l->way_count)
+    } else if (l->way < l->way_count) {
         status = begin(l, message);
-    else if (*more)
+    } else if (waiting < l->passage_count) {
+        l->passages[waiting].done = true;
         status = switch_to(l, &l->passages[waiting], message);
+    } else if (saltus_locus_starts_wait(&l->cycles, true)) {
+        saltus_locus_start *met = &l->cycles.start[l->cycles.next];
+        const double omega = met->sequence.omega;
+        const passage own = {.kind = SALTUS_POINT_HB,
+                             .contacts = met->sequence.contacts,
+                             .parameter = {met->parameter[0], met->parameter[1]},
+                             .state = met->state,
+                             .square = omega * omega,
+                             .parent = met->parent,
+                             .depth = met->depth};
+        met->done = true;
+        status = switch_to(l, &own, message);
+    } else {
+        *more = false;
+    }
     return status == SALTUS_OK && l->rests.starved ? saltus_branch_no_memory(message) : status;
 }
 

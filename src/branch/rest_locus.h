@@ -23,12 +23,17 @@ typedef struct saltus_rest_start {
 saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail,
                                     const saltus_rest_start *place, saltus_rest_locus **locus,
                                     saltus_message *message);
+/* The curves of Hopf points that wait at such starts, which become its own. Errors: SALTUS_NO_MEMORY,
+ * SALTUS_BAD_INPUT. */
+saltus_status saltus_rest_locus_go_on(const saltus_spec *spec, saltus_trail *trail,
+                                      saltus_locus_starts *starts, saltus_rest_locus **locus,
+                                      saltus_message *message);
 /* NULL is accepted. */
 void saltus_rest_locus_free(saltus_rest_locus *locus);
 /* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_rest_locus_step(saltus_rest_locus *locus, bool *more, saltus_message *message);
-/* Curves of cycles that begin where the curves followed have come to: generalised Hopf points, from which
- * cycles that fold grow; its own. */
+/* Curves of cycles that begin where the curves followed have come to, generalised Hopf points, from which
+ * cycles that fold grow, beside the starts that it was given; its own. */
 saltus_locus_starts *saltus_rest_locus_cycles(saltus_rest_locus *locus);
 /* All that later steps depend on, but for the trail, written, or read into what saltus_rest_locus_new has
  * made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
