@@ -47,12 +47,21 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
     const double tolerance = 1e-13, usual = x->equations.tolerance;
     int m = here->at.unknowns;
     double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
+    saltus_locus_point before = {.corner_count = 0};
     saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
     /* A residual moves the place by its size divided by the remainder, and spoils the bend even more. */
     x->equations.tolerance = tolerance;
     here->at.bent = false;
     for (int k = 0; k < samples && status == SALTUS_OK; k++) {
-        status = saltus_curve_visit(&x->equations, &here->at, ahead - (k + 1) * apart, &at->at, message);
+        /* Orbits with slow impacts are close to those without them, on which a long step would end. */
+        const bool follows = by == BY_SPEED && k > 0;
+        if (follows) {
+            const saltus_locus_point last = *at;
+            *at = before;
+            before = last;
+        }
+        status = saltus_curve_visit(&x->equations, follows ? &before.at : &here->at,
+                                    follows ? -apart : ahead - (k + 1) * apart, &at->at, message);
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, message);
         rest[k] = status == SALTUS_OK ? left_of(x, by, parts, &at->orbit) : NAN;
@@ -74,6 +83,7 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
         *spread = hypot(*spread, at->at.u[j + d] - saltus_curve_interpolate(rest, values, samples - 1));
     }
     free(u);
+    saltus_locus_point_clear(&before);
     return status == SALTUS_OK ? saltus_locus_see_orbit(x, at, message) : status;
 }
 
