@@ -1294,6 +1294,43 @@ static void symmetry_breaks_where_it_folds(void **unused) {
     saltus_motion_clear(&motion);
 }
 
+/* The grazing of orbits of twice the period leaves a flip at grazing almost along the curve of grazing that
+ * it crosses, whose orbits it must not be drawn to: so it has to be left along its own tangent. It ends at
+ * another such flip, and is found from either end. */
+static void grazing_leaves_a_flip_aslant(void **unused) {
+    (void)unused;
+    static const char *const key[2] = {"d", "omega"};
+    static const double low[2] = {0.97, 0.335}, high[2] = {0.98, 0.355}, step_max[2] = {0.4, 0.2},
+                        state[2] = {0.8693461999700857, 0.005582376261226392};
+    saltus_spec spec = oscillator_spec(0.191, 1, 1, 0.3472088738910642);
+    add_stop(&spec, 0.9753924033153816, 0.508224, SALTUS_UPPER);
+    add_stop(&spec, 0.9753924033153816, 0.559742, SALTUS_LOWER);
+    for (int run = 0; run < 2; run++) {
+        saltus_branch_options options = locus_options(SALTUS_POINT_GR, key, low, high);
+        options.switches = 1;
+        options.step_max = step_max[run];
+        branch_record record = branch_run(&spec, 1, state, &options);
+        const saltus_branch_point *ends[2] = {NULL};
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            const bool twice = p->periods == 2 && (p->step == 0 || p->kind == SALTUS_POINT_EP);
+            if (twice)
+                ends[p->step > 0] = p;
+            assert_true(p->kind != SALTUS_POINT_EP || !strstr(p->reason, "does not go on"));
+        }
+        assert_non_null(ends[0]);
+        assert_true(ends[1] > ends[0] + 5 && ends[1][-1].kind == SALTUS_POINT_GR_PD);
+        int met = 0;
+        for (int k = 0; k < record.count; k++)
+            for (int end = 0; end < 2 && record.point[k].kind == SALTUS_POINT_GR_PD; end++)
+                met += record.point[k].periods == 1 && record.point[k].locus == SALTUS_POINT_GR &&
+                       at_one_place(&record.point[k], ends[end]);
+        assert_int_equal(met, 2);
+        check_near(fabs(ends[1]->value[0] - ends[0]->value[0]), 0.0031895, 1e-6);
+        branch_forget(&record);
+    }
+}
+
 /* Whether a curve of grazing of orbits of so many periods begins or passes where a point is. */
 static bool grazes_there(const branch_record *record, const saltus_branch_point *p, int periods) {
     bool found = false;
@@ -1820,6 +1857,7 @@ int main(void) {
         cmocka_unit_test(grazing_joins_a_symmetric_motion),
         cmocka_unit_test(mirror_images_are_one_orbit),
         cmocka_unit_test(symmetry_breaks_where_it_folds),
+        cmocka_unit_test(grazing_leaves_a_flip_aslant),
         cmocka_unit_test(curves_end_where_the_period_halves),
         cmocka_unit_test(grazing_leaves_the_ends_of_short_curves_of_flips),
         cmocka_unit_test(a_polygon_of_grazings_is_closed),

@@ -136,9 +136,80 @@ static int may_join(saltus_extended *x, const saltus_solution *s) {
     return halves ? 2 : 0;
 }
 
+/* Along the curve of the shorter orbits: the determinant that is zero where another curve crosses. */
+typedef struct crossing {
+    saltus_extended *x;
+    saltus_curve_point from;
+    saltus_locus_point *at;
+    int parts;
+    double exponent;
+} crossing;
+
+static bool crosses_at(void *context, double ahead, double *value) {
+    const double alike = 1e-8;
+    crossing *c = context;
+    saltus_message ignored;
+    saltus_status status = saltus_curve_visit(&c->x->equations, &c->from, ahead, &c->at->at, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_locus_see_orbit(c->x, c->at, &ignored);
+    if (isnan(c->exponent))
+        c->exponent = c->at->at.crossing.exponent;
+    *value = saltus_scaled_in(c->at->at.crossing, c->exponent);
+    return saltus_orbits_noted(&c->x->orbits, status) == SALTUS_OK &&
+           saltus_locus_distance(c->x, &c->at->orbit, c->parts) < alike;
+}
+
+/* Locate the place `at`, known to `least`, where the curve of `here` joins that of shorter orbits by the
+ * equations of these, which solve those of the longer ones, too: from both sides of it along their curve,
+ * where the equations are regular. It stays as it is if that fails. */
+static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int parts, double least,
+                         saltus_locus_point *at) {
+    static const double apart[] = {1e-2, 5e-3, 3e-3, 2e-3};
+    const double tolerance = 1e-13, usual = x->equations.tolerance, far = 1e-5, singular = 1e-4;
+    const int m = here->at.unknowns;
+    const size_t size = (size_t)m * sizeof(double);
+    double values[2], spread, ahead, *work = calloc((size_t)(11 * m), sizeof *work);
+    saltus_message ignored;
+    if (!work) {
+        saltus_orbits_noted(&x->orbits, SALTUS_NO_MEMORY);
+        return;
+    }
+    double *best = work + 7 * m, *start = work + 8 * m, *plane = work + 9 * m;
+    crossing c = {.x = x, .from = here->at, .at = at, .parts = parts, .exponent = NAN};
+    c.from.u = memcpy(start, at->at.u, size);
+    c.from.bent = false;
+    memcpy(best, start, size);
+    x->equations.tolerance = tolerance;
+    saltus_status status = saltus_equations_evaluate(&x->equations, start, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_null_plane(&x->equations, plane, values, &ignored);
+    if (status == SALTUS_OK && values[1] < singular) {
+        const double turn =
+            atan2(saltus_dot(plane + m, here->at.tangent, m), saltus_dot(plane, here->at.tangent, m));
+        for (int j = 0; j < m; j++) {
+            const double one = plane[j], other = plane[m + j];
+            plane[j] = cos(turn) * one + sin(turn) * other;
+            plane[m + j] = cos(turn) * other - sin(turn) * one;
+        }
+        status = saltus_locus_other_tangent(x, start, plane, plane + m, &ignored);
+        c.from.tangent = plane + m;
+        for (int k = 0; k < 4 && status == SALTUS_OK; k++)
+            if (saltus_curve_cross(crosses_at, &c, &c.from, &at->at, 0, apart[k], true, work, &ahead,
+                                   &spread) &&
+                spread < least && hypot(work[m - 1] - start[m - 1], work[m - 2] - start[m - 2]) < far) {
+                least = spread;
+                memcpy(best, work, size);
+            }
+    }
+    x->equations.tolerance = usual;
+    memcpy(at->at.u, best, size);
+    saltus_orbits_noted(&x->orbits, status);
+    free(work);
+}
+
 saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message) {
-    static const double apart[] = {3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5};
+    static const double apart[] = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
     const double little = 1e-4, near = 1e-3, sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
@@ -170,6 +241,7 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     }
     if (*kind && status != SALTUS_NO_MEMORY) {
         memcpy(at->at.u, u, size);
+        sharpen_join(x, here, parts, least, at);
         status = saltus_locus_see_orbit(x, at, &ignored);
     }
     free(u);
