@@ -129,7 +129,7 @@ static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *
     saltus_status status = of_rests ? saltus_rest_locus_step(b->rest_locus, more, message)
                                     : saltus_locus_step(b->locus, more, message);
     saltus_locus_starts *starts =
-        of_rests ? saltus_rest_locus_cycles(b->rest_locus) : saltus_locus_all_starts(b->locus);
+        of_rests ? saltus_rest_locus_starts(b->rest_locus) : saltus_locus_all_starts(b->locus);
     if (status != SALTUS_OK || *more || !saltus_locus_starts_wait(starts, !of_rests))
         return status;
     if (of_rests) {
@@ -208,7 +208,7 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     int parameters;
     saltus_model_parameters(spec->model, &parameters);
     /* The first number is the version of what follows. */
-    const double own[] = {9,         a->n,         a->faces,    o->low[0],     o->high[0],
+    const double own[] = {10,        a->n,         a->faces,    o->low[0],     o->high[0],
                           o->locus,  o->low[1],    o->high[1],  o->step,       o->step_max,
                           o->points, o->direction, o->switches, o->value_count};
     const double *numbers[] = {own, spec->parameters, o->values};

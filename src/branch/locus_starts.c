@@ -35,9 +35,9 @@ void saltus_locus_starts_clear(saltus_locus_starts *starts) {
  * grazing impact, in whichever period of the orbit. */
 static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
     const double near = 1e-6, near_time = 1e-4;
-    if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.periods != b->sequence.periods ||
-        a->sequence.count != b->sequence.count || fabs(a->parameter[0] - b->parameter[0]) > near ||
-        fabs(a->parameter[1] - b->parameter[1]) > near)
+    if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.contacts != b->sequence.contacts ||
+        a->sequence.periods != b->sequence.periods || a->sequence.count != b->sequence.count ||
+        fabs(a->parameter[0] - b->parameter[0]) > near || fabs(a->parameter[1] - b->parameter[1]) > near)
         return false;
     const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
     return a->kind != SALTUS_POINT_GR ||
@@ -347,12 +347,12 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
 }
 
 bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests) {
-    starts->next = 0;
-    while (starts->next < starts->count &&
-           (starts->start[starts->next].done ||
-            (starts->start[starts->next].kind == SALTUS_POINT_HB) != of_rests))
-        starts->next++;
-    return starts->next < starts->count;
+    for (starts->next = 0; starts->next < starts->count; starts->next++) {
+        const saltus_locus_start *s = &starts->start[starts->next];
+        if (!s->done && (s->kind == SALTUS_POINT_HB || s->origin == SALTUS_POINT_BT) == of_rests)
+            return true;
+    }
+    return false;
 }
 
 saltus_point_kind saltus_locus_start_kind(saltus_archive *a, saltus_point_kind kind) {

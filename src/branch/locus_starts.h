@@ -8,7 +8,7 @@
 
 /* An orbit at which a curve begins. */
 typedef struct saltus_locus_start {
-    saltus_point_kind kind; /* of the curve's points; HB: one of equilibria, for rest_locus.c */
+    saltus_point_kind kind; /* of the curve's points; HB, or begun at BT: of equilibria (rest_locus.h) */
     saltus_sequence sequence;
     double parameter[2];
     double *state; /* at the base; GH: the equilibrium, which the sequence's anchor leads away from */
@@ -52,7 +52,7 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
 int saltus_locus_starts_grazing(saltus_orbits *orbits, const saltus_solution *at, const saltus_breach *touch,
                                 saltus_sequence *with);
 
-/* Whether a curve of special orbits, or of Hopf points, is still to be begun at one of them; `next` moves to
+/* Whether a curve of special orbits, or of equilibria, is still to be begun at one of them; `next` moves to
  * the first such start. */
 bool saltus_locus_starts_wait(saltus_locus_starts *starts, bool of_rests);
 

@@ -20,17 +20,6 @@ typedef struct test {
     double value;
 } test;
 
-/* A curve of Hopf points or folds through a point where two eigenvalues are zero (BT), or of Hopf points
- * through a generalised one (GH). */
-typedef struct passage {
-    saltus_point_kind kind;
-    unsigned contacts;
-    double parameter[2], *state;
-    double square;     /* GH: product of the two eigenvalues; BT: 0 */
-    int parent, depth; /* of the curve that has met it */
-    bool done;         /* it has been followed */
-} passage;
-
 /* A point of the curve, and its tests. */
 typedef struct spot {
     saltus_rest rest;
@@ -38,10 +27,8 @@ typedef struct spot {
 } spot;
 
 struct saltus_rest_locus {
-    saltus_trail *trail; /* the caller's */
-    passage *passages;
-    int passage_count;
-    saltus_locus_starts cycles; /* and where curves of cycles have met those of Hopf points */
+    saltus_trail *trail;        /* the caller's */
+    saltus_locus_starts starts; /* of curves that meet those followed, and of others that its owner knows */
     bool switched;              /* the curve under way begins at such a place */
     saltus_rests rests;
     saltus_rest_special special; /* what makes the equilibria special, renewed from point to point */
@@ -182,14 +169,6 @@ saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail
     return status;
 }
 
-static void clear_passages(saltus_rest_locus *l) {
-    for (int k = 0; k < l->passage_count; k++)
-        free(l->passages[k].state);
-    free(l->passages);
-    l->passages = NULL;
-    l->passage_count = 0;
-}
-
 saltus_status saltus_rest_locus_go_on(const saltus_spec *spec, saltus_trail *trail,
                                       saltus_locus_starts *starts, saltus_rest_locus **locus,
                                       saltus_message *message) {
@@ -197,7 +176,7 @@ saltus_status saltus_rest_locus_go_on(const saltus_spec *spec, saltus_trail *tra
     if (status != SALTUS_OK)
         return status;
     (*locus)->way = (*locus)->way_count;
-    (*locus)->cycles = *starts;
+    (*locus)->starts = *starts;
     *starts = (saltus_locus_starts){.count = 0};
     return SALTUS_OK;
 }
@@ -208,14 +187,13 @@ void saltus_rest_locus_free(saltus_rest_locus *l) {
     saltus_rest_clear(&l->here.rest);
     saltus_rest_clear(&l->next.rest);
     saltus_rest_clear(&l->trial.rest);
-    clear_passages(l);
-    saltus_locus_starts_clear(&l->cycles);
+    saltus_locus_starts_clear(&l->starts);
     saltus_rests_close(&l->rests);
     free(l);
 }
 
-saltus_locus_starts *saltus_rest_locus_cycles(saltus_rest_locus *l) {
-    return &l->cycles;
+saltus_locus_starts *saltus_rest_locus_starts(saltus_rest_locus *l) {
+    return &l->starts;
 }
 
 static saltus_status give(saltus_rest_locus *l, const spot *at, saltus_point_kind kind, double ahead,
@@ -270,49 +248,25 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
     return status == SALTUS_OK ? give(l, &l->here, l->special.kind, 0, "", message) : status;
 }
 
-/* Note a curve through a point where two eigenvalues are zero, unless it is known; `done`: it is the current
- * one. */
-static saltus_status note(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at, bool done,
-                          saltus_message *message) {
-    const double near = 1e-6;
-    const size_t n = (size_t)l->rests.n;
-    for (int k = 0; k < l->passage_count; k++) {
-        passage *p = &l->passages[k];
-        if (p->kind == kind && p->contacts == at->contacts &&
-            hypot(p->parameter[0] - at->parameter[0], p->parameter[1] - at->parameter[1]) < near) {
-            p->done |= done;
-            return SALTUS_OK;
-        }
-    }
-    passage *grown = realloc(l->passages, ((size_t)l->passage_count + 1) * sizeof *grown);
-    if (grown)
-        l->passages = grown;
-    double *state = calloc(n, sizeof *state);
-    if (!grown || !state) {
-        free(state);
-        return saltus_branch_no_memory(message);
-    }
-    memcpy(state, at->state, n * sizeof *state);
-    l->passages[l->passage_count++] = (passage){.kind = kind,
-                                                .contacts = at->contacts,
-                                                .parameter = {at->parameter[0], at->parameter[1]},
-                                                .state = state,
-                                                .parent = l->trail->number,
-                                                .depth = l->trail->depth + 1,
-                                                .done = done};
-    return SALTUS_OK;
-}
-
 /* Where two eigenvalues are zero, the curve of folds passes through, and that of Hopf points ends. */
 static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
-    const saltus_point_kind own = l->special.kind,
-                            other = own == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
-    if (l->trail->options->switches == 0)
-        return SALTUS_OK;
-    saltus_status status = note(l, own, at, true, message);
-    return status == SALTUS_OK && l->trail->depth < l->trail->options->switches
-               ? note(l, other, at, false, message)
-               : status;
+    const saltus_trail *trail = l->trail;
+    saltus_locus_start start = {.kind = l->special.kind,
+                                .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1},
+                                .parameter = {at->parameter[0], at->parameter[1]},
+                                .state = at->state,
+                                .origin = SALTUS_POINT_BT,
+                                .parent = trail->number,
+                                .depth = trail->depth + 1,
+                                .done = true};
+    saltus_status status = trail->options->switches == 0
+                               ? SALTUS_OK
+                               : saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
+    if (status != SALTUS_OK || trail->depth >= trail->options->switches)
+        return status;
+    start.kind = start.kind == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
+    start.done = false;
+    return saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
 }
 
 /* Where the first Lyapunov coefficient is zero the curve of Hopf points goes through, and cycles that fold
@@ -335,13 +289,13 @@ static saltus_status leave_cycles(saltus_rest_locus *l, const saltus_rest *at, s
         .parent = l->trail->number,
         .depth = l->trail->depth + 1,
         .done = true};
-    status = saltus_locus_starts_add(&l->cycles, l->rests.n, &start, message);
+    status = saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
     if (status != SALTUS_OK || l->trail->depth >= l->trail->options->switches)
         return status;
     start.kind = SALTUS_POINT_LP;
     start.done = false;
     saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
-    return saltus_locus_starts_add(&l->cycles, l->rests.n, &start, message);
+    return saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
 }
 
 /* The way along a curve of Hopf points from where two eigenvalues are zero on which these are a pair. */
@@ -359,23 +313,25 @@ static int way_of_pairs(saltus_rest_locus *l) {
 }
 
 /* Begin a curve that was met. */
-static saltus_status switch_to(saltus_rest_locus *l, const passage *p, saltus_message *message) {
-    const double little = 1e-6; /* relative to rate_scale squared; identifies the two eigenvalues */
+static saltus_status switch_to(saltus_rest_locus *l, saltus_locus_start *start, saltus_message *message) {
+    const double little = 1e-6; /* relative to rate_scale; identifies the two eigenvalues at BT */
+    const bool through = start->kind != SALTUS_POINT_HB || start->origin != SALTUS_POINT_BT;
+    const double omega =
+        start->sequence.omega > 0 ? start->sequence.omega : sqrt(little) * l->rests.rate_scale;
     saltus_message why = {.text = ""};
-    const bool hopf = p->kind == SALTUS_POINT_HB, through = p->square > 0;
-    l->switched = true;
-    l->special.kind = p->kind;
+    start->done = l->switched = true;
+    l->special.kind = start->kind;
     l->special.face = -1;
-    l->special.square = through ? p->square : little * l->rests.rate_scale * l->rests.rate_scale;
-    l->trail->parent = p->parent;
-    l->trail->depth = p->depth;
-    saltus_status status = open_first(l, p->contacts, p->state, p->parameter, &why);
+    l->special.square = omega * omega;
+    l->trail->parent = start->parent;
+    l->trail->depth = start->depth;
+    saltus_status status = open_first(l, start->sequence.contacts, start->state, start->parameter, &why);
     if (status != SALTUS_OK)
         return saltus_fail(message, status, "no curve of %s points can be begun at a %s: %.200s",
-                           saltus_point_word(p->kind), through ? "GH" : "BT", why.text);
+                           saltus_point_word(start->kind), saltus_point_word(start->origin), why.text);
     l->way = 0;
-    l->way_count = hopf && !through ? 1 : 2;
-    l->ways[0] = l->way_count > 1 ? 1 : way_of_pairs(l);
+    l->way_count = through ? 2 : 1;
+    l->ways[0] = through ? 1 : way_of_pairs(l);
     l->ways[1] = -1;
     return begin(l, message);
 }
@@ -513,32 +469,13 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
 
 saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_message *message) {
     saltus_status status = SALTUS_OK;
-    int waiting = 0;
-    while (waiting < l->passage_count && l->passages[waiting].done)
-        waiting++;
     *more = true;
-    if (l->trail->following) {
+    if (l->trail->following)
         status = advance(l, message);
-    } else if (l->way < l->way_count) {
+    else if (l->way < l->way_count)
         status = begin(l, message);
-    } else if (waiting < l->passage_count) {
-        l->passages[waiting].done = true;
-        status = switch_to(l, &l->passages[waiting], message);
-    } else if (saltus_locus_starts_wait(&l->cycles, true)) {
-        saltus_locus_start *met = &l->cycles.start[l->cycles.next];
-        const double omega = met->sequence.omega;
-        const passage own = {.kind = SALTUS_POINT_HB,
-                             .contacts = met->sequence.contacts,
-                             .parameter = {met->parameter[0], met->parameter[1]},
-                             .state = met->state,
-                             .square = omega * omega,
-                             .parent = met->parent,
-                             .depth = met->depth};
-        met->done = true;
-        status = switch_to(l, &own, message);
-    } else {
-        *more = false;
-    }
+    else if ((*more = saltus_locus_starts_wait(&l->starts, true)))
+        status = switch_to(l, &l->starts.start[l->starts.next], message);
     return status == SALTUS_OK && l->rests.starved ? saltus_branch_no_memory(message) : status;
 }
 
@@ -548,26 +485,8 @@ static saltus_point_kind archive_kind(saltus_archive *a, saltus_point_kind kind)
     return kind;
 }
 
-static void archive_passages(saltus_rest_locus *l, saltus_archive *a) {
-    enum { numbers_min = 7 }; /* per passage */
-    if (a->reading)
-        clear_passages(l);
-    l->passages = saltus_archive_list(a, l->passages, &l->passage_count, sizeof *l->passages, numbers_min);
-    for (int k = 0; k < l->passage_count; k++) {
-        passage *p = &l->passages[k];
-        p->kind = archive_kind(a, p->kind);
-        p->contacts = (unsigned)saltus_archive_whole(a, p->contacts, 0, (1LL << a->faces) - 1);
-        saltus_archive_finite(a, p->parameter, 2);
-        saltus_archive_array(a, &p->state, (size_t)a->n);
-        p->parent = (int)saltus_archive_whole(a, p->parent, 0, INT_MAX);
-        p->depth = (int)saltus_archive_whole(a, p->depth, 0, INT_MAX);
-        p->done = saltus_archive_flag(a, p->done);
-    }
-}
-
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
-    archive_passages(l, a);
-    saltus_locus_starts_archive(a, &l->cycles);
+    saltus_locus_starts_archive(a, &l->starts);
     l->switched = saltus_archive_flag(a, l->switched);
     l->special.kind = archive_kind(a, l->special.kind);
     l->special.face = (int)saltus_archive_whole(a, l->special.face, -1, a->faces - 1);

@@ -34,7 +34,7 @@ void saltus_rest_locus_free(saltus_rest_locus *locus);
 saltus_status saltus_rest_locus_step(saltus_rest_locus *locus, bool *more, saltus_message *message);
 /* Curves of cycles that begin where the curves followed have come to, generalised Hopf points, from which
  * cycles that fold grow, beside the starts that it was given; its own. */
-saltus_locus_starts *saltus_rest_locus_cycles(saltus_rest_locus *locus);
+saltus_locus_starts *saltus_rest_locus_starts(saltus_rest_locus *locus);
 /* All that later steps depend on, but for the trail, written, or read into what saltus_rest_locus_new has
  * made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *locus, saltus_archive *archive,
