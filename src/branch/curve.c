@@ -59,6 +59,47 @@ void saltus_curve_bend(const saltus_curve_point *before, saltus_curve_point *poi
     point->bent = apart > 0;
 }
 
+saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const double *along, double *leaving,
+                                   double *singular, saltus_message *message) {
+    const double apart = 1e-5, nothing = 1e-6;
+    const int m = e->unknowns, c = e->count;
+    double values[2] = {0}, form[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 4)), sizeof *a);
+    double *one = a ? a + m * m : NULL, *other = one ? one + m : NULL, *left = one ? other + m : NULL,
+           *aside = one ? left + m : NULL;
+    saltus_status status = a ? saltus_equations_evaluate(e, u, message) : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK)
+        status = saltus_null_plane(e, one, values, message);
+    const double turn =
+        status == SALTUS_OK ? atan2(saltus_dot(other, along, m), saltus_dot(one, along, m)) : 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++) {
+        const double first = one[j], second = other[j];
+        one[j] = cos(turn) * first + sin(turn) * second;
+        other[j] = cos(turn) * second - sin(turn) * first;
+    }
+    for (int k = 0; k < m * m && status == SALTUS_OK; k++)
+        a[k] = k % m < c ? e->jacobian[k % m * m + k / m] : other[k / m];
+    if (status == SALTUS_OK)
+        status = saltus_dense_null_vectors(a, m, m, 1, left, &length);
+    for (int side = -1; side <= 1 && status == SALTUS_OK; side += 2) {
+        for (int j = 0; j < m; j++)
+            aside[j] = u[j] + side * apart * other[j];
+        status = saltus_equations_evaluate(e, aside, message);
+        for (int i = 0; i < c && status == SALTUS_OK; i++) {
+            form[0] += side * left[i] * saltus_dot(e->jacobian + i * m, one, m);
+            form[1] += side * left[i] * saltus_dot(e->jacobian + i * m, other, m);
+        }
+    }
+    const bool told = fabs(form[0]) > nothing * (fabs(form[1]) + 2 * apart);
+    length = 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++)
+        length = hypot(length, leaving[j] = other[j] - (told ? 0.5 * form[1] / form[0] : 0) * one[j]);
+    for (int j = 0; j < m && status == SALTUS_OK; j++)
+        leaving[j] /= length;
+    *singular = values[1];
+    free(a);
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : status;
+}
+
 double saltus_curve_interpolate(const double *x, const double *y, int count) {
     double p[8];
     memcpy(p, y, (size_t)count * sizeof *p);

@@ -167,66 +167,16 @@ static int find_places(saltus_equilibria *e, saltus_special *places) {
     return count;
 }
 
-/* The residual, projected on the equations' left null vector, at `at` displaced along `across` and `up`. */
-static double project(saltus_rests *r, const double *left, const saltus_rest *at, const double *across,
-                      double by, const double *up, double high) {
-    double u[SALTUS_REST_UNKNOWNS_MAX];
-    saltus_message ignored;
-    for (int j = 0; j < at->at.unknowns; j++)
-        u[j] = at->at.u[j] + by * across[j] + high * up[j];
-    saltus_status status = saltus_equations_evaluate(&r->equations, u, &ignored);
-    return saltus_rests_noted(r, status) == SALTUS_OK ? saltus_dot(left, r->equations.residual, r->size)
-                                                      : NAN;
-}
-
-/* At a branch point the second-order terms of the equations vanish along two directions in the null plane:
- * `old`, and the one that becomes `leaving` (Keller 1977). `aside`: orthogonal to `old` in the plane. */
-static saltus_status find_leaving(saltus_rests *r, const saltus_rest *at, const double *old,
-                                  const double *aside, double *leaving, saltus_message *message) {
-    const double apart = 1e-3;
-    const int m = at->at.unknowns;
-    double mixed = 0, size = 0, right[SALTUS_REST_UNKNOWNS_MAX], left[SALTUS_REST_UNKNOWNS_MAX];
-    saltus_status status = saltus_rests_null_vectors(r, at->at.u, right, left, message);
-    if (status != SALTUS_OK)
-        return status;
-    for (int k = 0; k < 4; k++)
-        mixed += (k == 0 || k == 3 ? 0.25 : -0.25) *
-                 project(r, left, at, old, k & 1 ? apart : -apart, aside, k & 2 ? apart : -apart);
-    const double square = project(r, left, at, old, 0, aside, apart) +
-                          project(r, left, at, old, 0, aside, -apart) -
-                          2 * project(r, left, at, old, 0, aside, 0);
-    const bool known = fabs(mixed) > 1e-6 * apart * apart;
-    for (int j = 0; j < m; j++) {
-        leaving[j] = known ? 2 * mixed * aside[j] - square * old[j] : aside[j];
-        size = hypot(size, leaving[j]);
-    }
-    for (int j = 0; j < m; j++)
-        leaving[j] /= size;
-    return SALTUS_OK;
-}
-
 /* Add the branches that leave at a branch point `at`; only one if `at` is symmetric, so that they are mirror
  * images of each other. */
 static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_message *message) {
     saltus_rests *r = &e->rests;
-    const int m = at->at.unknowns;
     const double nothing[SALTUS_STATE_MAX] = {0};
-    double values[2], share[2] = {0, 0}, plane[2 * SALTUS_REST_UNKNOWNS_MAX], old[SALTUS_REST_UNKNOWNS_MAX],
-                      aside[SALTUS_REST_UNKNOWNS_MAX], tangent[SALTUS_REST_UNKNOWNS_MAX] = {0};
+    double singular, tangent[SALTUS_REST_UNKNOWNS_MAX] = {0};
     bool shift, mirrored = saltus_system_mirror_symmetric(r->system, &shift) &&
                            saltus_system_distance(r->system, at->state, nothing) < 1e-7;
-    saltus_status status = saltus_equations_evaluate(&r->equations, at->at.u, message);
-    if (status == SALTUS_OK)
-        status = saltus_null_plane(&r->equations, plane, values, message);
-    for (int k = 0; k < 2 && status == SALTUS_OK; k++)
-        share[k] = saltus_dot(plane + (ptrdiff_t)k * m, e->here->at.tangent, m);
-    const double length = hypot(share[0], share[1]);
-    for (int j = 0; j < m && status == SALTUS_OK; j++) {
-        old[j] = (share[0] * plane[j] + share[1] * plane[m + j]) / length;
-        aside[j] = (share[1] * plane[j] - share[0] * plane[m + j]) / length;
-    }
-    if (status == SALTUS_OK)
-        status = find_leaving(r, at, old, aside, tangent, message);
+    saltus_status status =
+        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, tangent, &singular, message);
     saltus_branch_start start = saltus_trail_leaving(e->trail);
     start.origin = SALTUS_POINT_BP;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};

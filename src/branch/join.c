@@ -165,42 +165,30 @@ static bool crosses_at(void *context, double ahead, double *value) {
 static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int parts, double least,
                          saltus_locus_point *at) {
     static const double apart[] = {1e-2, 5e-3, 3e-3, 2e-3};
-    const double tolerance = 1e-13, usual = x->equations.tolerance, far = 1e-5, singular = 1e-4;
+    const double tolerance = 1e-13, usual = x->equations.tolerance, far = 1e-5, clear = 1e-4;
     const int m = here->at.unknowns;
     const size_t size = (size_t)m * sizeof(double);
-    double values[2], spread, ahead, *work = calloc((size_t)(11 * m), sizeof *work);
+    double singular, spread, ahead, *work = calloc((size_t)(10 * m), sizeof *work);
     saltus_message ignored;
     if (!work) {
         saltus_orbits_noted(&x->orbits, SALTUS_NO_MEMORY);
         return;
     }
-    double *best = work + 7 * m, *start = work + 8 * m, *plane = work + 9 * m;
+    double *best = work + 7 * m, *start = work + 8 * m;
     crossing c = {.x = x, .from = here->at, .at = at, .parts = parts, .exponent = NAN};
     c.from.u = memcpy(start, at->at.u, size);
+    c.from.tangent = work + 9 * m;
     c.from.bent = false;
     memcpy(best, start, size);
     x->equations.tolerance = tolerance;
-    saltus_status status = saltus_equations_evaluate(&x->equations, start, &ignored);
-    if (status == SALTUS_OK)
-        status = saltus_null_plane(&x->equations, plane, values, &ignored);
-    if (status == SALTUS_OK && values[1] < singular) {
-        const double turn =
-            atan2(saltus_dot(plane + m, here->at.tangent, m), saltus_dot(plane, here->at.tangent, m));
-        for (int j = 0; j < m; j++) {
-            const double one = plane[j], other = plane[m + j];
-            plane[j] = cos(turn) * one + sin(turn) * other;
-            plane[m + j] = cos(turn) * other - sin(turn) * one;
+    const saltus_status status =
+        saltus_curve_leaving(&x->equations, start, here->at.tangent, c.from.tangent, &singular, &ignored);
+    for (int k = 0; k < 4 && status == SALTUS_OK && singular < clear; k++)
+        if (saltus_curve_cross(crosses_at, &c, &c.from, &at->at, 0, apart[k], true, work, &ahead, &spread) &&
+            spread < least && hypot(work[m - 1] - start[m - 1], work[m - 2] - start[m - 2]) < far) {
+            least = spread;
+            memcpy(best, work, size);
         }
-        status = saltus_locus_other_tangent(x, start, plane, plane + m, &ignored);
-        c.from.tangent = plane + m;
-        for (int k = 0; k < 4 && status == SALTUS_OK; k++)
-            if (saltus_curve_cross(crosses_at, &c, &c.from, &at->at, 0, apart[k], true, work, &ahead,
-                                   &spread) &&
-                spread < least && hypot(work[m - 1] - start[m - 1], work[m - 2] - start[m - 2]) < far) {
-                least = spread;
-                memcpy(best, work, size);
-            }
-    }
     x->equations.tolerance = usual;
     memcpy(at->at.u, best, size);
     saltus_orbits_noted(&x->orbits, status);

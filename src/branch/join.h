@@ -8,10 +8,12 @@
 /* A curve of grazing may join that of orbits of half the period at a flip of these: its orbits touch again
  * half a period later, up to a remainder (a speed or a gap) that falls to zero. In the same way it may join a
  * curve of symmetric orbits at a branch point of these. The equations are singular there, but the curve
- * depends smoothly on the remainder. *kind: GR-PD or GR-BP if the curve so joins another one just ahead of
- * `here`, at `at`; GR-GR if another impact of the shorter orbits grazes too, or if their period is a third or
- * less; REGULAR otherwise. On curves of other kinds it is the result of the next function. Errors:
- * SALTUS_NO_MEMORY. */
+ * depends smoothly on the remainder or, where several impacts die at once and the remainder is of second
+ * order, on their speeds. The place so known is then located along the curve of the shorter orbits, which
+ * solve the same equations: there the determinant changes its sign. *kind: GR-PD or GR-BP if the curve so
+ * joins another one just ahead of `here`, at `at`; GR-GR if another impact of the shorter orbits grazes too,
+ * or if their period is a third or less; REGULAR otherwise. On curves of other kinds it is the result of the
+ * next function. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
                                 saltus_point_kind *kind, saltus_message *message);
 /* Where a curve of special orbits ends as an impact has lost its speed, at `at`, located ahead of `here`,

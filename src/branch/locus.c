@@ -751,21 +751,17 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
                : give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
 }
 
-/* Begin the other direction from the first point, or the next curve. *more is false when all is done. */
-static saltus_status begin_next(saltus_locus *l, bool *more, saltus_message *message) {
-    saltus_locus_starts *starts = &l->starts;
-    if (l->way < l->way_count)
-        return begin(l, begins_crossing(l) && !l->x.mirrored, message);
-    *more = saltus_locus_starts_wait(starts, false);
-    if (!*more)
-        return SALTUS_OK;
-    /* The list may grow while the curve is followed. */
-    return switch_to(l, &starts->start[starts->next++], message);
-}
-
 saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *message) {
+    saltus_locus_starts *starts = &l->starts;
+    saltus_status status = SALTUS_OK;
     *more = true;
-    saltus_status status = l->trail->following ? advance(l, message) : begin_next(l, more, message);
+    if (l->trail->following)
+        status = advance(l, message);
+    else if (l->way < l->way_count)
+        status = begin(l, begins_crossing(l) && !l->x.mirrored, message);
+    else if ((*more = saltus_locus_starts_wait(starts, false)))
+        /* The list may grow while the curve is followed. */
+        status = switch_to(l, &starts->start[starts->next++], message);
     return status == SALTUS_OK && l->x.orbits.starved ? saltus_branch_no_memory(message) : status;
 }
 

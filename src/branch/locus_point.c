@@ -112,37 +112,6 @@ static double half_apart(const saltus_extended *x, const double *u, int i, bool 
     return u[x->orbits.n + i] + (mirrored ? u[i] : -u[i]);
 }
 
-saltus_status saltus_locus_other_tangent(saltus_extended *x, const double *u, const double *one,
-                                         double *other, saltus_message *message) {
-    const double apart = 1e-5, nothing = 1e-6;
-    saltus_equations *e = &x->equations;
-    const int m = e->unknowns, c = e->count;
-    double value, form[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 2)), sizeof *a);
-    if (!a)
-        return saltus_branch_no_memory(message);
-    double *left = a + m * m, *aside = left + m;
-    for (int i = 0; i < m; i++)
-        for (int j = 0; j < m; j++)
-            a[j * m + i] = i < c ? e->jacobian[i * m + j] : other[j];
-    saltus_status status = saltus_dense_null_vectors(a, m, m, 1, left, &value);
-    for (int side = -1; side <= 1 && status == SALTUS_OK; side += 2) {
-        for (int j = 0; j < m; j++)
-            aside[j] = u[j] + side * apart * other[j];
-        status = saltus_equations_evaluate(e, aside, message);
-        for (int i = 0; i < c && status == SALTUS_OK; i++) {
-            form[0] += side * left[i] * saltus_dot(e->jacobian + i * m, one, m);
-            form[1] += side * left[i] * saltus_dot(e->jacobian + i * m, other, m);
-        }
-    }
-    const double share = fabs(form[0]) > nothing * fabs(form[1]) ? -0.5 * form[1] / form[0] : 0;
-    for (int j = 0; j < m; j++)
-        length = hypot(length, other[j] += share * one[j]);
-    for (int j = 0; j < m; j++)
-        other[j] /= length;
-    free(a);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
-}
-
 saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point *here, bool leaves,
                                          saltus_message *message) {
     const double singular = 1e-6;
@@ -166,15 +135,13 @@ saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point 
     here->at.iterations = 0;
     here->at.bent = false;
     length = hypot(most[0], most[1]);
-    for (int j = 0; j < m && status == SALTUS_OK; j++) {
-        const double one = plane[j], other = plane[m + j];
-        plane[j] = (most[0] * other - most[1] * one) / length;
-        plane[m + j] = (most[0] * one + most[1] * other) / length;
+    for (int j = 0; j < m && status == SALTUS_OK; j++)
+        here->at.tangent[j] = (most[0] * plane[m + j] - most[1] * plane[j]) / length;
+    if (status == SALTUS_OK && leaves) {
+        memcpy(plane, here->at.tangent, (size_t)m * sizeof *plane);
+        status =
+            saltus_curve_leaving(&x->equations, here->at.u, plane, here->at.tangent, &values[1], message);
     }
-    if (status == SALTUS_OK && leaves)
-        status = saltus_locus_other_tangent(x, here->at.u, plane, plane + m, message);
-    if (status == SALTUS_OK)
-        memcpy(here->at.tangent, leaves ? plane + m : plane, (size_t)m * sizeof *plane);
     free(plane);
     return status;
 }

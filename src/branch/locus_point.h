@@ -37,12 +37,6 @@ saltus_status saltus_locus_find_again(saltus_extended *extended, saltus_locus_po
  * 0 or pi, where the equations are singular: then the first point is a little away from there. */
 saltus_status saltus_locus_find_near(saltus_extended *extended, saltus_locus_point *here, double theta,
                                      saltus_message *message);
-/* Where two curves of the equations cross at u, the point last evaluated, `one` is the tangent of the first
- * and `other` a vector of the null plane across it, which becomes the tangent of the second. Both are roots
- * of the quadratic form that the left null vector of the Jacobian makes of the equations' second derivatives
- * in the plane. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_other_tangent(saltus_extended *extended, const double *u, const double *one,
-                                         double *other, saltus_message *message);
 /* At `here`, an orbit of half the period, or its own mirror image, which is cut after half of it, two curves
  * of grazing cross: that of such orbits and that of those which branch off. The tangent becomes the latter's
  * if it `leaves`, otherwise the former's, from the null plane; where none cross after all, its own. */
