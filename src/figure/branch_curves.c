@@ -136,7 +136,9 @@ void saltus_plot_elements(const saltus_plot_page *page) {
         saltus_line name = {.length = 0};
         saltus_line_plain(&name, page->files[i].scene);
         saltus_plot_add_differences(page, i, &name);
-        fprintf(file, line, "lw 2.6", hues[i % SALTUS_HUES], name.text);
+        fprintf(file, "     NaN with lines lw 2.6 lc rgb '%s' title ", hues[i % SALTUS_HUES]);
+        saltus_put_quoted(file, name.text, name.length);
+        fputs(", \\\n", file);
     }
     if (c.dots)
         fprintf(file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");

@@ -67,8 +67,9 @@ static bool is_free(const saltus_plot_page *page, const places *all, place wante
 }
 
 static void put_label(const saltus_plot_page *page, const saltus_line *line, place where, const char *style) {
-    fprintf(page->paper->file, "set label '%s' at graph %.4f,%.4f %s\n", line->text, where.x / wide(page),
-            where.y / high(page), style);
+    fputs("set label ", page->paper->file);
+    saltus_put_quoted(page->paper->file, line->text, line->length);
+    fprintf(page->paper->file, " at graph %.4f,%.4f %s\n", where.x / wide(page), where.y / high(page), style);
 }
 
 /* The pieces of all curves, one per branch or one per visit. Without memory, names are placed as if there

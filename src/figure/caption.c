@@ -1,4 +1,4 @@
-/* Lines of text for figures, in gnuplot's enhanced text inside single quotes.
+/* Lines of text for figures, in gnuplot's enhanced text, and how text enters a script.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/caption.h"
 
@@ -27,10 +27,8 @@ void saltus_line_plain(saltus_line *l, const char *text) {
     for (const char *c = text; *c; c++) {
         if (strchr("_^{}@&~\\", *c))
             saltus_line_add(l, "\\%c", *c);
-        else if (*c == '\'')
-            saltus_line_add(l, "''");
-        else if ((unsigned char)*c >= 0x20 && *c != 0x7f)
-            saltus_line_add(l, "%c", *c);
+        else
+            saltus_line_add(l, "%c", (unsigned char)*c < 0x20 ? ' ' : *c);
     }
 }
 
@@ -155,15 +153,19 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
         saltus_line_add(l, ";  no stop");
 }
 
-/* Skip one letter of a text, or an element that only formats it: a brace with its command, an index, an
- * escape. Returns whether it is visible. */
+/* Skip one letter of a text, or an element that only formats it: a brace with its command, an index. Returns
+ * whether it is visible. */
 static bool pass_letter(const char **text, int *depth) {
     const char c = *(*text)++;
+    if (c == '\\' && **text) { /* an escaped letter is itself */
+        ++*text;
+        return true;
+    }
     if (c == '{' || c == '}')
         *depth += c == '{' ? 1 : -1;
     if (c == '{' && **text == '/')
         *text += strcspn(*text, " ") + 1;
-    return !strchr("{}_^\\", c) && ((unsigned char)c & 0xc0) != 0x80;
+    return !strchr("{}_^", c) && ((unsigned char)c & 0xc0) != 0x80;
 }
 
 size_t saltus_line_piece(const char *text, int letters) {
@@ -178,8 +180,8 @@ size_t saltus_line_piece(const char *text, int letters) {
             if (k && shown > letters / 2 && strchr(",;", text[k - 1]))
                 fits = k;
         }
-        if (++shown > letters && word)
-            return fits ? fits : word;
+        if (++shown > letters && (word || depth == 0)) /* a word longer than the line is broken */
+            return fits ? fits : word ? word : k;
     }
     return strlen(text);
 }
@@ -189,6 +191,49 @@ int saltus_line_letters(const char *text) {
     while (*text)
         shown += pass_letter(&text, &depth);
     return shown;
+}
+
+/* The bytes of the letter at the beginning of a text; 0: they are no UTF-8. */
+static size_t letter_bytes(const char *text, size_t length) {
+    const unsigned char first = (unsigned char)*text;
+    const size_t bytes = first < 0x80                    ? 1
+                         : first >= 0xc2 && first < 0xe0 ? 2
+                         : first >= 0xe0 && first < 0xf0 ? 3
+                         : first >= 0xf0 && first < 0xf5 ? 4
+                                                         : 0;
+    const unsigned char second = bytes > 1 && length > 1 ? (unsigned char)text[1] : 0x80;
+    if (bytes > length || (first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) ||
+        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second >= 0x90))
+        return 0;
+    for (size_t k = 1; k < bytes; k++)
+        if (((unsigned char)text[k] & 0xc0) != 0x80)
+            return 0;
+    return bytes;
+}
+
+void saltus_put_quoted(FILE *script, const char *text, size_t length) {
+    int open = 0;
+    fputc('\'', script);
+    for (size_t k = 0, bytes; k < length; k += bytes) {
+        const bool escape = text[k] == '\\';
+        const size_t at = k + escape;
+        bytes = at < length ? letter_bytes(text + at, length - at) : 0;
+        const bool control = bytes == 1 && ((unsigned char)text[at] < 0x20 || text[at] == 0x7f);
+        if (!bytes || control || (!escape && text[at] == '}' && open == 0)) {
+            bytes = 1 + escape;
+            continue;
+        }
+        open += escape ? 0 : (text[at] == '{') - (text[at] == '}');
+        if (escape)
+            fputc('\\', script);
+        if (text[at] == '\'')
+            fputc('\'', script);
+        fwrite(text + at, 1, bytes, script);
+        bytes += escape;
+    }
+    for (; open > 0; open--)
+        fputc('}', script);
+    fputc('\'', script);
 }
 
 void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velocity) {
@@ -203,10 +248,11 @@ void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velo
     const char *x = n->displacement, *t = n->time, *own = saltus_system_observed_name(system);
     const int mass = observer[0] == 1 ? 1 : 2;
     if (own) {
-        saltus_line name = {.length = 0};
-        saltus_line_plain(&name, own);
-        saltus_line_add(l, velocity ? "velocity d({/:Italic %.80s})/d{/:Italic %s}" : "{/:Italic %.120s}",
-                        name.text, t);
+        char shown[120];
+        snprintf(shown, velocity ? 80 : sizeof shown, "%s", own);
+        saltus_line_add(l, velocity ? "velocity d({/:Italic " : "{/:Italic ");
+        saltus_line_plain(l, shown);
+        saltus_line_add(l, velocity ? "})/d{/:Italic %s}" : "}", t);
     } else if (n->structure == SALTUS_STRUCTURE_LINE && velocity)
         saltus_line_add(l, "velocity ∂{/:Italic %s}/∂{/:Italic %s} (%s, {/:Italic %s})", x, t, place, t);
     else if (n->structure == SALTUS_STRUCTURE_LINE)
@@ -232,8 +278,12 @@ void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const cha
     for (int k = 0; k < count; k++)
         if (strcmp(key, p[k].name) == 0)
             meaning = p[k].meaning;
-    if (!strchr(meaning, '^') && *meaning)
-        saltus_line_add(line, "%.*s  ", (int)strcspn(meaning, ",;("), meaning);
+    if (!strchr(meaning, '^') && *meaning) {
+        char words[256];
+        snprintf(words, sizeof words, "%.*s", (int)strcspn(meaning, ",;("), meaning);
+        saltus_line_plain(line, words);
+        saltus_line_add(line, "  ");
+    }
     saltus_line_symbol(line, key);
 }
 

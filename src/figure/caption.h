@@ -1,4 +1,4 @@
-/* Private: lines of text for figures, in gnuplot's enhanced text inside single quotes.
+/* Private: lines of text for figures, in gnuplot's enhanced text, and how text enters a script.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FIGURE_CAPTION_H
 #define SALTUS_FIGURE_CAPTION_H
@@ -6,6 +6,7 @@
 #include "record/describe.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 /* Text under construction; excess text is cut off. */
 typedef struct saltus_line {
@@ -20,7 +21,7 @@ void saltus_line_add(saltus_line *l, const char *format, ...)
     ;
 /* Append a separator ";  " unless the line is empty. */
 void saltus_line_next(saltus_line *l);
-/* Text from a user's file; characters with a meaning in enhanced text or quoted strings are escaped. */
+/* Text from a user's file, as it stands: what would be markup in enhanced text is escaped. */
 void saltus_line_plain(saltus_line *l, const char *text);
 /* A number formatted with one conversion; a minus sign replaces the hyphen. */
 void saltus_line_number(saltus_line *l, const char *format, double value);
@@ -41,5 +42,9 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
 size_t saltus_line_piece(const char *text, int letters);
 /* Number of visible letters of a text. */
 int saltus_line_letters(const char *text);
+/* The only way for text into a script: write `length` bytes of enhanced text as a string in single quotes.
+ * Nothing in the text can end the string or begin a command: quotes are doubled, control characters and bytes
+ * that are no UTF-8 are left out, and braces are balanced. */
+void saltus_put_quoted(FILE *script, const char *text, size_t length);
 
 #endif

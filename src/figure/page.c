@@ -81,6 +81,7 @@ static saltus_status deliver(const saltus_page *page, FILE *picture, saltus_mess
 /* Copy the script, and after its second line, the terminal, add the name of the figure, which will be drawn
  * in the current folder. */
 static saltus_status keep_script(const saltus_page *page, saltus_message *message) {
+    const char *name = saltus_path_name(page->path);
     saltus_output output;
     int lines = 0;
     saltus_status status = saltus_output_open(&output, page->look.script, message);
@@ -91,10 +92,9 @@ static saltus_status keep_script(const saltus_page *page, saltus_message *messag
         fputc(c, output.file);
         if (c != '\n' || ++lines != 2)
             continue;
-        fputs("set output '", output.file);
-        for (const char *letter = saltus_path_name(page->path); *letter; letter++)
-            fprintf(output.file, *letter == '\'' ? "''" : "%c", *letter);
-        fputs("'\n", output.file);
+        fputs("set output ", output.file);
+        saltus_put_quoted(output.file, name, strlen(name));
+        fputs("\n", output.file);
     }
     return saltus_output_close(&output, SALTUS_OK, message);
 }
@@ -118,8 +118,9 @@ bool saltus_page_narrow(const saltus_page *page) {
 }
 
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style) {
-    fprintf(page->file, "set label '%s' at screen %.6g,%.6g %s\n", text, x / page->width, y / page->height,
-            style);
+    fputs("set label ", page->file);
+    saltus_put_quoted(page->file, text, strlen(text));
+    fprintf(page->file, " at screen %.6g,%.6g %s\n", x / page->width, y / page->height, style);
 }
 
 /* Lay out the caption from the page's upper edge downwards, and write it if `put`. */
@@ -143,13 +144,12 @@ static void lay_caption(saltus_page *page, bool put) {
             snprintf(style, sizeof style, " tc rgb '%s'%s", page->colour[k], narrow ? " font ',11.5'" : "");
         for (const char *text = page->caption[k].text; *text; page->top -= step) {
             const int length = (int)saltus_line_piece(text, letters);
+            saltus_line piece = {.length = 0};
+            if (heading)
+                saltus_line_add(&piece, "{/=%d:Bold ", narrow ? 16 : 20);
+            saltus_line_add(&piece, "%.*s%s", length, text, heading ? "}" : "");
             if (put)
-                fprintf(page->file, "set label '%s%.*s%s' at screen %.6g,%.6g left front%s\n",
-                        !heading ? ""
-                        : narrow ? "{/=16:Bold "
-                                 : "{/=20:Bold ",
-                        length, text, heading ? "}" : "", margin / page->width, page->top / page->height,
-                        style);
+                saltus_page_label(page, piece.text, margin, page->top, style);
             text += length;
             text += strspn(text, " ");
         }
@@ -288,11 +288,13 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
         rest += length[lines];
         rest += strspn(rest, " ");
     }
-    for (int k = 0; k < lines; k++)
-        fprintf(page->file,
-                "set label %d '%.*s' at screen %.6g, screen %.6g offset 0,%g left front tc rgb '#202020'%s\n",
-                99 - k, (int)length[k], from[k], (frame.left - left) / page->width, frame.top / page->height,
-                1.1 * (lines - k), narrow ? " font ',11'" : "");
+    for (int k = 0; k < lines; k++) {
+        fprintf(page->file, "set label %d ", 99 - k);
+        saltus_put_quoted(page->file, from[k], length[k]);
+        fprintf(page->file, " at screen %.6g, screen %.6g offset 0,%g left front tc rgb '#202020'%s\n",
+                (frame.left - left) / page->width, frame.top / page->height, 1.1 * (lines - k),
+                narrow ? " font ',11'" : "");
+    }
 }
 
 void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
@@ -346,7 +348,9 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
     const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
     const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
                  size = usual * (length + over) / (letter * saltus_line_letters(name));
-    fprintf(page->file, "set %slabel '%s'%s", axis, name,
+    fprintf(page->file, "set %slabel ", axis);
+    saltus_put_quoted(page->file, name, strlen(name));
+    fprintf(page->file, "%s",
             across                    ? ""
             : strcmp(axis, "y2") == 0 ? (narrow ? " offset -1,0" : " offset 0.8,0")
             : narrow                  ? " offset -0.2,0"
@@ -381,7 +385,9 @@ void saltus_page_number(const saltus_page *page, const char *name, double value)
 }
 
 void saltus_page_text(const saltus_page *page, const char *name, const char *text) {
-    fprintf(page->file, "%s = '%s'\n", name, text);
+    fprintf(page->file, "%s = ", name);
+    saltus_put_quoted(page->file, text, strlen(text));
+    fputc('\n', page->file);
 }
 
 void saltus_page_template(const saltus_page *page, const char *name) {

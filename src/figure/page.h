@@ -87,7 +87,7 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading);
 /* Set the margins of a panel; if the frame is too small the script stops with a message. */
 void saltus_page_frame(const saltus_page *page, saltus_frame frame);
-/* A label at a place of the page, with the style of `set label`. */
+/* A label in enhanced text at a place of the page, with the style of `set label`. */
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
 /* Title, range and scale of a panel's axis ("x", "y" or "y2"); on a page of a requested size long titles are
  * set in smaller type. */
@@ -95,7 +95,7 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
                       const char *name, saltus_range range);
 /* A round step that gives at most `tics` tics. */
 double saltus_page_tic_step(saltus_range range, double tics);
-/* Set variables of the script for the templates: a number, or a text that contains no single quotes. */
+/* Set variables of the script for the templates: a number, or a text. */
 void saltus_page_number(const saltus_page *page, const char *name, double value);
 void saltus_page_text(const saltus_page *page, const char *name, const char *text);
 /* Write the fixed part of a figure, the template NAME.gp. */

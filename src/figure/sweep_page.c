@@ -53,7 +53,7 @@ static void add_symbol(const saltus_system *system, const char *key, saltus_line
     if (entry >= 0 && saltus_model_text(saltus_system_spec(system)->model))
         saltus_line_state(line, system, entry);
     else if (entry >= 0)
-        saltus_line_add(line, "{/:Italic %c}%s_{%s}", key[0] == 'z' ? 'z' : 'q', key[0] == 'v' ? "′" : "",
+        saltus_line_add(line, "{/:Italic %c}%s_{%.8s}", key[0] == 'z' ? 'z' : 'q', key[0] == 'v' ? "′" : "",
                         key + 1);
     else
         saltus_line_symbol(line, key);
@@ -154,7 +154,9 @@ void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, s
             "set object rectangle from screen %.6f,%.6f to screen %.6f,%.6f front fc rgb '#%06x' fs solid "
             "border lc rgb '#909090' lw 0.6\n",
             x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)paint.colour);
-    saltus_page_label(&page->paper, text, x + size + 12, y + 0.5 * size,
+    saltus_line plain = {.length = 0};
+    saltus_line_plain(&plain, text);
+    saltus_page_label(&page->paper, plain.text, x + size + 12, y + 0.5 * size,
                       saltus_page_narrow(&page->paper) ? "left front font ',10.5' tc rgb '#202020'"
                                                        : "left front font ',12' tc rgb '#202020'");
     for (int k = 0; k < 7; k++) {

@@ -63,8 +63,9 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
             if (!c || c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
                 continue;
             saltus_line_plain(&name, c->label);
-            fprintf(page->paper.file,
-                    "set label '%s' at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n", name.text,
+            fputs("set label ", page->paper.file);
+            saltus_put_quoted(page->paper.file, name.text, name.length);
+            fprintf(page->paper.file, " at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
                     0.5 * (from + to), (bottom + 0.5 * height) / raster->height,
                     saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
         }
