@@ -1384,6 +1384,30 @@ static void forces_have_their_axis(void **state) {
     remove(path);
 }
 
+static void fill_nothing(made_place *m) {
+    m->row[0] = made_periodic(0, 1);
+}
+
+/* Where nothing is anywhere in contact the colours begin at zero, and the bar's name is on the page. */
+static void nothing_is_the_begin_of_a_range(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_axis axes[2];
+    saltus_message message = {.text = ""};
+    char path[path_size], out[path_size];
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_nothing, 100);
+    for (int sized = 0; sized < 2; sized++) {
+        const saltus_sweep_view how = {.view = SALTUS_VIEW_CONTACT, .look = {.width = sized ? 85 : 0}};
+        check_ok(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), &message);
+        figure f = figure_taken(folder);
+        assert_true(f.panel[1].range[3][0] == 0 && f.panel[1].range[3][1] == 1);
+        assert_true((1 - f.panel[1].frame[1]) * (sized ? 522 : 1600) > 100);
+        figure_free(&f);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_cell_has_the_colour_of_its_class),
@@ -1401,6 +1425,7 @@ int main(void) {
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
         cmocka_unit_test(cut_ranges_say_so),
+        cmocka_unit_test(nothing_is_the_begin_of_a_range),
         cmocka_unit_test(far_numbers_do_not_stretch_the_colours),
         cmocka_unit_test(a_pixel_shows_what_most_of_its_cells_are),
         cmocka_unit_test(a_pixel_shows_the_mean_of_its_cells),

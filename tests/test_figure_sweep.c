@@ -1046,6 +1046,48 @@ static void views_that_cannot_be_shown_are_named(void **state) {
     }
 }
 
+enum { slivered = 1000 };
+
+static void fill_slivers(made_place *m) {
+    const int k = (int)m->point;
+    m->row[0] = k == 447 || k == 453    ? made_other(SALTUS_UNDECIDED)
+                : k > 420 && k < 480    ? made_periodic(0, 1)
+                : k > 600 && k % 97 < 4 ? made_periodic(1 + k % 5, 3)
+                                        : made_periodic(k / 100, 2);
+}
+
+/* On any page each motion of the strip has its name in it or an entry above. */
+static void each_motion_has_its_name(void **state) {
+    (void)state;
+    const saltus_axis axis = {.key = "omega", .count = slivered, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_message message = {.text = ""};
+    char path[path_size], out[path_size];
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_slivers, slivered);
+    saltus_sweep_file file = made_read(path);
+    for (int size = 80; size <= 180; size += 4)
+        for (int png = 0; png < 2; png++) {
+            saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST, .look = {.width = size}};
+            check_ok(saltus_plot_sweep(path_in(png ? "s.png" : "s.svg", out), path, &how, &message),
+                     &message);
+            figure f = figure_taken(folder);
+            for (long long row = 0; row < file.row_count; row++) {
+                char label[32];
+                bool told = false;
+                saltus_sweep_label(&file.rows[row], label);
+                for (int m = 0; m < f.panel[1].mark_count; m++)
+                    told = told || strncmp(f.panel[1].mark[m].text, label, strlen(label)) == 0;
+                for (int m = 0; m < f.panel[0].mark_count; m++)
+                    told = told || strncmp(f.panel[0].mark[m].text, label, strlen(label)) == 0;
+                if (!told && file.rows[row].verdict == SALTUS_PERIODIC)
+                    fail_msg("%d mm: %s is neither in the strip nor above", size, label);
+            }
+            figure_free(&f);
+        }
+    saltus_sweep_file_clear(&file);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clouds_are_those_of_the_file),
@@ -1060,6 +1102,7 @@ int main(void) {
         cmocka_unit_test(attractors_are_counted_by_point),
         cmocka_unit_test(exponents_stand_on_zero),
         cmocka_unit_test(the_strip_tells_the_motion_at_each_value),
+        cmocka_unit_test(each_motion_has_its_name),
         cmocka_unit_test(shares_of_the_starts_are_heights),
         cmocka_unit_test(logarithmic_tics_are_round),
         cmocka_unit_test(dense_clouds_are_painted_where_the_points_are),

@@ -70,7 +70,8 @@ static void check_script(const char *script, size_t length) {
             if (*line == '"' || *line == '`')
                 line = *line == '"' ? strchr(line + 1, '"') : NULL;
             assert_non_null(line);
-            if (sscanf(line, "binary array=(%d,%d)", &width, &height) == 2)
+            if (figure_begins(line, "binary array=(") &&
+                sscanf(line, "binary array=(%d,%d)", &width, &height) == 2)
                 pixels += 4 * (size_t)width * (size_t)height;
             if (*line == '\'')
                 line = check_string(line) - 1;

@@ -23,7 +23,9 @@ saltus_range saltus_plot_range(const saltus_plot_page *page, bool measure) {
             const saltus_branch_point *point = &page->files[i].points[k];
             const saltus_plot_visits *visits = page->visits ? &page->visits[i][k] : NULL;
             double own = up ? saltus_plot_y(page, point) : saltus_plot_x(page, point);
-            if (!saltus_plot_shown(page, point))
+            /* At a grazing point the speed is a rounding error, which no logarithmic axis has to reach. */
+            if (!saltus_plot_shown(page, point) ||
+                (measure && page->logarithmic[up] && !page->locus && point->kind == SALTUS_POINT_GR))
                 continue;
             for (int v = -1; v < (measure && visits ? visits->count : 0); v++) {
                 double value = v < 0 ? own : visits->list[v].value;

@@ -10,7 +10,7 @@
 
 /* Text under construction; excess text is cut off. */
 typedef struct saltus_line {
-    char text[1024];
+    char text[4096];
     size_t length;
 } saltus_line;
 

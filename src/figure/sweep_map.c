@@ -328,7 +328,8 @@ static void put_legend(saltus_sweep_map *map) {
         for (int k = 0; k < map->kind_count; k++)
             shown += map->kinds[k].count;
         share *= 100 / shown;
-        snprintf(text, sizeof text, "%d more motions, %.*f %%", rest, share < 9.95 ? 1 : 0, share);
+        snprintf(text, sizeof text, "%d more%s, %.*f %%", rest, below ? "" : " motions", share < 9.95 ? 1 : 0,
+                 share);
         put_note(map, below ? x + rows % 3 * width : x,
                  below ? top - rows / 3 * row_height + 9 : top - rows * row_height, text);
     }
@@ -406,9 +407,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     saltus_page_caption(paper);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
     page->frame.left = narrow ? 124 : 150;
-    page->frame.right = narrow     ? paper->width - (map.kind ? 24 : 160)
-                        : map.kind ? paper->width - 410
-                                   : paper->width - 180;
+    page->frame.right = paper->width - (!map.kind ? saltus_sweep_map_bar_room(&map) : narrow ? 24 : 410);
     page->frame.bottom += narrow ? 32 * map.legend_rows : 2.4;
     if (page->branches) {
         curves = *page->branches;

@@ -50,5 +50,7 @@ void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map);
 bool saltus_sweep_map_numbers(saltus_sweep_map *map);
 uint32_t saltus_sweep_map_colour(const saltus_sweep_map *map, double number);
 bool saltus_sweep_map_put_bar(const saltus_sweep_map *map);
+/* The width that the colour bar needs beside the map, with its numbers and its name. */
+double saltus_sweep_map_bar_room(const saltus_sweep_map *map);
 
 #endif

@@ -5,6 +5,7 @@
 #include <gsl/gsl_sort_float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 bool saltus_sweep_map_numbers(saltus_sweep_map *map) {
     const double rare = 0.005, far = 0.5, decades = 20;
@@ -45,8 +46,11 @@ bool saltus_sweep_map_numbers(saltus_sweep_map *map) {
         if (counted)
             map->range.low = fmax(low, 1);
         map->clipped = map->range.low > low + (counted ? 1 : 0) || map->range.high < high;
+        /* One number throughout is shown amid a range of its size; nothing at all begins a range from 0. */
+        if (!(map->range.high > map->range.low) && high == 0)
+            map->range.high = 1;
         if (!(map->range.high > map->range.low))
-            saltus_range_pad(&map->range, 0, fmax(fabs(high) * 0.1, 1e-9));
+            saltus_range_pad(&map->range, 0, fabs(high) * 0.1);
     }
     if (page->asked) {
         map->range = page->up;
@@ -70,8 +74,24 @@ uint32_t saltus_sweep_map_colour(const saltus_sweep_map *map, double number) {
                                           : 0.5 + 0.5 * number / fmax(high, 1e-300));
 }
 
+enum { apart = 22, wide = 22 }; /* the colour bar: from the map, and its width */
+
+double saltus_sweep_map_bar_room(const saltus_sweep_map *map) {
+    const bool narrow = saltus_page_narrow(&map->page->paper);
+    const double letter = 9.8, beside = apart + wide + (narrow ? 46 : 66);
+    const double step = saltus_page_tic_step(map->range, 5);
+    size_t longest = 4;
+    for (double tic = ceil(map->range.low / step); tic * step <= map->range.high && !map->logarithmic;
+         tic++) {
+        char number[32];
+        snprintf(number, sizeof number, "%.6g", fabs(tic) < 0.5 ? 0 : tic * step);
+        longest = strlen(number) > longest ? strlen(number) : longest;
+    }
+    return fmax(narrow ? 160 : 180, beside + letter * (double)longest);
+}
+
 bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
-    enum { steps = 512, apart = 22, wide = 22, columns = 2 };
+    enum { steps = 512, columns = 2 };
     const saltus_sweep_page *page = map->page;
     saltus_raster raster;
     saltus_line name = {.length = 0};

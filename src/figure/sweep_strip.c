@@ -27,10 +27,33 @@ static int count_classes(const saltus_sweep_page *page, int pass, int width, int
     return total;
 }
 
-/* Whether a stretch of the band is wide enough for the name of its class. */
-static bool has_room(const saltus_sweep_page *page, const saltus_sweep_class *c, double from, double to) {
+/* Pixels across a strip. */
+static int pixels_across(const saltus_sweep_page *page, saltus_frame strip) {
+    return (int)(saltus_sweep_fineness(page) * (strip.right - strip.left));
+}
+
+/* The class of the next stretch that is wide enough for the name of its class, from *first to before *end;
+ * NULL: there is none. A sliver of other classes does not end a stretch. *end is where the search begins, 0
+ * at first. */
+static const saltus_sweep_class *next_named(const saltus_sweep_page *page, const int *winners, int width,
+                                            int *first, int *end) {
     const double letter = 9.2, room = 8;
-    return (to - from) * (page->frame.right - page->frame.left) >= letter * (double)strlen(c->label) + room;
+    const int fineness = saltus_sweep_fineness(page), sliver = 2 * fineness;
+    while (*end < width) {
+        const int own = winners[*end];
+        *first = *end;
+        for (int x = ++*end; x < width && x <= *end + sliver; x++)
+            if (winners[x] == own)
+                *end = x + 1;
+        const saltus_sweep_class *c = own >= 0 ? &page->classes.list[own] : NULL;
+        if (c && c->verdict != SALTUS_PENDING &&
+            *end - *first >= fineness * (letter * (double)strlen(c->label) + room))
+            return c;
+        *end = *first + 1;
+        while (*end < width && winners[*end] == own)
+            ++*end;
+    }
+    return NULL;
 }
 
 /* All bands; the first pass is on top. */
@@ -53,20 +76,14 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
                         1);
         }
         /* Names of the stretches along which one class prevails. */
-        for (int x = 0, end; x < raster->width; x = end) {
-            const double from = (double)x / raster->width;
-            for (end = x + 1; end < raster->width && winners[end] == winners[x];)
-                end++;
-            const double to = (double)end / raster->width;
-            const saltus_sweep_class *c = winners[x] >= 0 ? &page->classes.list[winners[x]] : NULL;
+        const saltus_sweep_class *c;
+        for (int first, end = 0; (c = next_named(page, winners, raster->width, &first, &end)) != NULL;) {
             saltus_line name = {.length = 0};
-            if (!c || c->verdict == SALTUS_PENDING || !has_room(page, c, from, to))
-                continue;
             saltus_line_plain(&name, c->label);
             fputs("set label ", page->paper.file);
             saltus_put_quoted(page->paper.file, name.text, name.length);
             fprintf(page->paper.file, " at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
-                    0.5 * (from + to), (bottom + 0.5 * height) / raster->height,
+                    0.5 * (first + end) / raster->width, (bottom + 0.5 * height) / raster->height,
                     saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
         }
     }
@@ -78,24 +95,21 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
 
 /* Find the classes that occur in the visible part, and whether each has a name in the strip. */
 static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, bool *named) {
-    int *counts = calloc((size_t)page->classes.count, sizeof *counts);
-    for (int pass = 0; pass < page->sweep->pass_count && counts; pass++) {
-        int run = -1, from = 0;
-        for (int x = 0; x <= width; x++) {
-            int winner = -1;
-            if (x < width && count_classes(page, pass, width, x, counts, &winner))
+    int *counts = calloc((size_t)page->classes.count, sizeof *counts),
+        *winners = calloc((size_t)width, sizeof *winners);
+    const bool sound = counts && winners;
+    for (int pass = 0; pass < page->sweep->pass_count && sound; pass++) {
+        for (int x = 0; x < width; x++)
+            if (count_classes(page, pass, width, x, counts, &winners[x]))
                 for (int k = 0; k < page->classes.count; k++)
                     occurs[k] = occurs[k] || counts[k] > 0;
-            if (winner == run)
-                continue;
-            if (run >= 0 && has_room(page, &page->classes.list[run], (double)from / width, (double)x / width))
-                named[run] = true;
-            run = winner;
-            from = x;
-        }
+        const saltus_sweep_class *c;
+        for (int first, end = 0; (c = next_named(page, winners, width, &first, &end)) != NULL;)
+            named[c - page->classes.list] = true;
     }
     free(counts);
-    return counts != NULL;
+    free(winners);
+    return sound;
 }
 
 bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame strip, double top, bool drawn,
@@ -103,7 +117,7 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame s
     const double row = 25, apart = 30, letter = 9.6;
     size_t count = (size_t)page->classes.count + 1;
     bool *occurs = calloc(count, sizeof *occurs), *named = calloc(count, sizeof *named);
-    bool sound = occurs && named && find_named(page, (int)(strip.right - strip.left), occurs, named);
+    bool sound = occurs && named && find_named(page, pixels_across(page, strip), occurs, named);
     double x = strip.left;
     *height = 0;
     for (int k = 0; k < page->classes.count && sound; k++) {
@@ -129,9 +143,9 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame s
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
     FILE *file = page->paper.file;
     saltus_raster raster;
-    int fineness = saltus_sweep_fineness(page), passes = page->sweep->pass_count;
-    if (!saltus_raster_open(&raster, (int)(fineness * (frame.right - frame.left)),
-                            (int)(fineness * (frame.top - frame.bottom))))
+    const int passes = page->sweep->pass_count;
+    if (!saltus_raster_open(&raster, pixels_across(page, frame),
+                            (int)(saltus_sweep_fineness(page) * (frame.top - frame.bottom))))
         return false;
     saltus_page_frame(&page->paper, frame);
     saltus_sweep_put_axis(page, "x", &page->x);
