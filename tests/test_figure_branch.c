@@ -482,7 +482,7 @@ static void names_stand_on_their_stretches(void **state) {
     figure_free(&f);
 }
 
-/* However close special points are, no name is closer to the mark of another kind. */
+/* However close special points are, no name is closer to the mark of another kind, or floats. */
 static void names_are_nearest_to_their_own_marks(void **state) {
     (void)state;
     static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_GR,
@@ -517,6 +517,14 @@ static void names_are_nearest_to_their_own_marks(void **state) {
                 }
                 if (!(least[1] < least[0] * (column ? 1.2 : 1.02)))
                     fail_msg("%s stands by another mark: %g, %g", label->text, least[1], least[0]);
+                /* It is beside its mark, or a line leads to it. */
+                bool led = false;
+                const figure_mark *arrow;
+                for (int k = 0; (arrow = figure_mark_of(panel, 'a', "nohead", k)) != NULL; k++)
+                    led = led || hypot(arrow->place[1][0] - label->place[0][0],
+                                       arrow->place[1][1] - label->place[0][1]) < (column ? 0.06 : 0.03);
+                if (!led && least[1] > (column ? 0.33 : 0.11))
+                    fail_msg("%s is %g away from its mark, without a line", label->text, least[1]);
                 names++;
             }
             figure_free(&f);
@@ -528,8 +536,9 @@ static void names_are_nearest_to_their_own_marks(void **state) {
 static void crowded_marks_have_their_names(void **state) {
     (void)state;
     static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
-                                             SALTUS_POINT_GR, SALTUS_POINT_BP, SALTUS_POINT_CH};
-    enum { crowd = 6, first = 48 };
+                                             SALTUS_POINT_GR, SALTUS_POINT_BP, SALTUS_POINT_CH,
+                                             SALTUS_POINT_ST};
+    enum { crowd = 7, first = 48 };
     saltus_plot_options how = saltus_plot_defaults();
     int led = 0;
     make_branch();
@@ -1418,6 +1427,47 @@ static void scripts_are_kept(void **state) {
     assert_int_equal(saltus_plot(out, paths, 1, &how, &message), SALTUS_BAD_INPUT);
 }
 
+/* A name on a curve is on its own alone: where an unstable motion lies on a stable one of another label, and
+ * where curves cross, neither name is. */
+static void names_on_curves_are_where_no_other_curve_is(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    make_branch();
+    for (int k = 0; k < points; k++) {
+        const double along = k % 30 / 29.0;
+        /* A line, one that lies on it but for its last part, and one that crosses both in their middle. */
+        made.point[k].value[0] = 1 + along;
+        made.state[k][0] = k < 30 ? 0.5 : k < 60 ? 0.5 + fmax(0, along - 0.7) : 0.5 + 0.8 * (along - 0.5);
+        made.point[k].stable = k < 30;
+        snprintf(made.point[k].label, sizeof made.point[k].label, "%d/1", 7 + k / 30);
+        set_parameter(&made.point[k].spec, "omega", made.point[k].value[0]);
+    }
+    write_branch("b.h5");
+    figure f = draw(&how);
+    const figure_panel *panel = &f.panel[0];
+    int names = 0;
+    for (int m = 0; m < panel->mark_count; m++) {
+        const figure_mark *label = &panel->mark[m];
+        double at[2];
+        if (label->kind != 'l' || label->system[0][0] != 'g')
+            continue;
+        place_of(panel, label, at);
+        const int own = label->text[0] - '7';
+        double least[3] = {INFINITY, INFINITY, INFINITY};
+        for (int k = 0; k < points; k++)
+            least[k / 30] =
+                fmin(least[k / 30],
+                     hypot((made.point[k].value[0] - at[0]) / (panel->range[0][1] - panel->range[0][0]),
+                           (made.state[k][0] - at[1]) / (panel->range[1][1] - panel->range[1][0])));
+        for (int k = 0; k < 3; k++)
+            assert_true(k == own || least[k] > least[own] + 0.005);
+        names++;
+    }
+    assert_int_equal(names, 3);
+    figure_free(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_are_the_rows_of_the_file),
@@ -1427,6 +1477,7 @@ int main(void) {
         cmocka_unit_test(names_stand_on_their_stretches),
         cmocka_unit_test(names_do_not_lie_on_each_other),
         cmocka_unit_test(names_are_nearest_to_their_own_marks),
+        cmocka_unit_test(names_on_curves_are_where_no_other_curve_is),
         cmocka_unit_test(crowded_marks_have_their_names),
         cmocka_unit_test(files_over_each_other_have_their_own_colour),
         cmocka_unit_test(longer_names_are_other_parameters),

@@ -30,6 +30,7 @@ typedef struct saltus_plot_page {
     bool amplitude;              /* of the turning points only the largest and the smallest of each orbit */
     bool swap;                   /* exchange the axes: the parameter is vertical */
     bool over_map;               /* curves are drawn over a coloured map and get a white rim */
+    bool over_sweep;             /* curves are drawn over a map or a cloud: names get a white ground */
     bool logarithmic[2];         /* horizontal and vertical axis */
     saltus_show show;
     const saltus_plot_options *options;

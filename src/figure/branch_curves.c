@@ -98,6 +98,15 @@ static void put_curves(const saltus_plot_page *page, const content *c) {
             fprintf(page->paper->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n",
                     hue, stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
         }
+    /* Where loci lie on each other the lower ones show through as dashes. */
+    int highest = 0;
+    for (int hue = 0; hue < SALTUS_HUES; hue++)
+        highest = c->hue[hue] ? hue : highest;
+    for (int hue = 0; hue < highest && page->locus; hue++)
+        if (c->hue[hue])
+            fprintf(page->paper->file,
+                    "     $curve_%d_%d using 1:2 with lines dt (7,7) lw 2.6 lc rgb '%s' notitle, \\\n", hue,
+                    (int)SALTUS_STROKE_STABLE, hue_colour(page, hue));
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
         if (c->hue[hue]) {
             const saltus_point_kind kind = saltus_plot_locus(hue);

@@ -353,9 +353,19 @@ static bool ends_early(const saltus_branch_file *f, const saltus_branch_point *p
 }
 
 bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
-    /* A curve that ends at a point of codimension two has the mark of that point instead. */
-    if (point->kind == SALTUS_POINT_EP)
-        return ends_early(file, point) && !(point > file->points && point[-1].kind >= SALTUS_POINT_CP);
+    /* A curve that ends at another special point has the mark of that point instead. */
+    if (point->kind == SALTUS_POINT_EP) {
+        const double near = 1e-6 * (file->options.high[0] - file->options.low[0]);
+        for (int k = 0; k < file->point_count; k++) {
+            const saltus_branch_point *other = &file->points[k];
+            if (other->kind != SALTUS_POINT_REGULAR && other->kind != SALTUS_POINT_EP &&
+                (other + 1 == point
+                     ? other->kind >= SALTUS_POINT_CP || fabs(other->value[0] - point->value[0]) < near
+                     : other->kind == SALTUS_POINT_HB && fabs(other->value[0] - point->value[0]) < near))
+                return false;
+        }
+        return ends_early(file, point);
+    }
     return point->kind != SALTUS_POINT_REGULAR && point->kind != point->locus;
 }
 

@@ -1,5 +1,6 @@
-/* Text on a bifurcation diagram, placed without overlaps: n/p along each stretch of a branch, and names of
- * special points.
+/* Text on a bifurcation diagram: n/p along each stretch of a branch, and names of special points. Names do
+ * not overlap. Each is beside what it names, nearer than anything else, or has a line to it; one for which
+ * there is no such place is left out, as marks and legend tell its kind.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
@@ -11,21 +12,36 @@
 
 enum { places_max = 400 };
 
-/* Height of a word in page units, and width of a letter in heights. */
-static const double word_height = 20.2, letter_width = 0.62;
+/* Height of a word's line in page units; in such heights the width of a letter, and half the width of a mark.
+ */
+static const double word_height = 20.2, letter_width = 0.47, mark_radius = 0.4;
 
 /* Places are in word heights, from the panel's lower left corner. */
 typedef struct place {
     double x, y, half_width, half_height;
 } place;
 
+/* The piece of a curve from a row of a file to the next. */
+typedef struct piece {
+    double ends[2][2];
+    int file, row;
+} piece;
+
+/* A stretch of one branch along which the label of the motion is the same. */
+typedef struct stretch {
+    int file, first, last; /* rows of the file */
+    double length;         /* on the page */
+} stretch;
+
 typedef struct places {
     place taken[places_max];
     int count;
-    double (*lines)[2][2]; /* the pieces of all curves, also in word heights */
-    int line_count;
-    const saltus_branch_point *unnamed[places_max]; /* special points whose names found no place */
-    int unnamed_count;
+    piece *pieces; /* of all curves */
+    int piece_count;
+    /* Special points and stretches whose names found no place beside them. */
+    const saltus_branch_point *unnamed[places_max];
+    stretch unnamed_stretch[places_max];
+    int unnamed_count, unnamed_stretch_count;
 } places;
 
 static double wide(const saltus_plot_page *page) {
@@ -36,32 +52,60 @@ static double high(const saltus_plot_page *page) {
     return (page->frame.top - page->frame.bottom) / word_height;
 }
 
-static place place_at(const saltus_plot_page *page, double x, double y, double letters) {
+static place place_at(const saltus_plot_page *page, double x, double y) {
     double at[2];
     saltus_plot_place(page, x, y, at);
-    return (place){at[0] / word_height, at[1] / word_height, 0.5 * letter_width * letters + 0.5, 0.75};
+    return (place){at[0] / word_height, at[1] / word_height, 0, 0};
 }
 
-static place place_of(const saltus_plot_page *page, const saltus_branch_point *point, size_t letters) {
-    return place_at(page, saltus_plot_x(page, point), saltus_plot_y(page, point), (double)letters);
+static place place_of(const saltus_plot_page *page, const saltus_branch_point *point) {
+    return place_at(page, saltus_plot_x(page, point), saltus_plot_y(page, point));
+}
+
+/* The place of visit v of a row; without visits that of the row's point. */
+static place place_of_visit(const saltus_plot_page *page, int file, int row, int v) {
+    const saltus_branch_point *point = &page->files[file].points[row];
+    if (!page->visits)
+        return place_of(page, point);
+    const double value = page->visits[file][row].list[v].value;
+    return page->swap ? place_at(page, value, point->value[0]) : place_at(page, point->value[0], value);
+}
+
+/* The space of a word, on a white ground if `boxed`. */
+static place word_of(size_t letters, bool boxed) {
+    return (place){0, 0, 0.5 * letter_width * (double)letters + (boxed ? 0.25 : 0.05), boxed ? 0.46 : 0.4};
+}
+
+static place moved(place word, double x, double y) {
+    return (place){x, y, word.half_width, word.half_height};
 }
 
 static double apart(place a, place b) {
     return hypot(a.x - b.x, a.y - b.y);
 }
 
-/* Distance on the page from row k - 1 to row k of a file. */
-static double way_to(const saltus_plot_page *page, const saltus_branch_file *f, int k) {
-    return apart(place_of(page, &f->points[k], 0), place_of(page, &f->points[k - 1], 0));
+/* Distance between the edges of two places; 0 if they overlap. */
+static double gap(place a, place b) {
+    return hypot(fmax(0, fabs(a.x - b.x) - a.half_width - b.half_width),
+                 fmax(0, fabs(a.y - b.y) - a.half_height - b.half_height));
+}
+
+/* Whether a point is in the panel, with its other coordinate too. */
+static bool is_visible(const saltus_plot_page *page, const saltus_branch_point *point) {
+    const double rim = 1e-6;
+    const place at = place_of(page, point);
+    return saltus_plot_shown(page, point) && at.x >= -rim && at.x <= wide(page) + rim && at.y >= -rim &&
+           at.y <= high(page) + rim;
 }
 
 static bool is_free(const saltus_plot_page *page, const places *all, place wanted) {
-    if (all->count == places_max || wanted.x < wanted.half_width ||
-        !(wanted.x <= wide(page) - wanted.half_width) || wanted.y < 0.6 || !(wanted.y <= high(page) - 0.6))
+    const double rim = 0.1, beside = 0.13;
+    if (all->count == places_max || !(wanted.x >= wanted.half_width + rim) ||
+        !(wanted.x <= wide(page) - wanted.half_width - rim) || !(wanted.y >= wanted.half_height + rim) ||
+        !(wanted.y <= high(page) - wanted.half_height - rim))
         return false;
     for (int k = 0; k < all->count; k++)
-        if (fabs(all->taken[k].x - wanted.x) < all->taken[k].half_width + wanted.half_width &&
-            fabs(all->taken[k].y - wanted.y) < all->taken[k].half_height + wanted.half_height)
+        if (gap(all->taken[k], wanted) < beside)
             return false;
     return true;
 }
@@ -74,48 +118,79 @@ static void put_label(const saltus_plot_page *page, const saltus_line *line, pla
 
 /* The pieces of all curves, one per branch or one per visit. Without memory, names are placed as if there
  * were no curves. */
-static void find_lines(const saltus_plot_page *page, places *all) {
+static void find_pieces(const saltus_plot_page *page, places *all) {
     size_t most = 1;
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++)
             most += page->visits ? (size_t)page->visits[i][k].count : 1;
-    all->lines = calloc(most, sizeof *all->lines);
-    for (int i = 0; i < page->count && all->lines; i++)
+    all->pieces = calloc(most, sizeof *all->pieces);
+    for (int i = 0; i < page->count && all->pieces; i++)
         for (int k = 0; k + 1 < page->files[i].point_count; k++) {
             const saltus_branch_point *p = &page->files[i].points[k];
-            const saltus_plot_visits *visits = page->visits ? &page->visits[i][k] : NULL;
-            for (int v = 0; p[0].branch == p[1].branch && v < (visits ? visits->count : 1); v++) {
-                int next = visits ? saltus_plot_partner(page, i, k, v) : 0;
-                for (int end = 0; end < 2 && next >= 0; end++) {
-                    double *at = all->lines[all->line_count][end], x = saltus_plot_x(page, &p[end]),
-                           y = saltus_plot_y(page, &p[end]);
-                    if (visits)
-                        *(page->swap ? &x : &y) = end ? visits[1].list[next].value : visits->list[v].value;
-                    saltus_plot_place(page, x, y, at);
-                    at[0] /= word_height;
-                    at[1] /= word_height;
+            const int visits = page->visits ? page->visits[i][k].count : 1;
+            for (int v = 0; p[0].branch == p[1].branch && v < visits; v++) {
+                const int next = page->visits ? saltus_plot_partner(page, i, k, v) : 0;
+                if (next < 0)
+                    continue;
+                piece *made = &all->pieces[all->piece_count++];
+                made->file = i;
+                made->row = k;
+                for (int end = 0; end < 2; end++) {
+                    const place at = place_of_visit(page, i, k + end, end ? next : v);
+                    made->ends[end][0] = at.x;
+                    made->ends[end][1] = at.y;
                 }
-                all->line_count += next >= 0;
             }
         }
 }
 
-/* Distance from a place to the nearest curve, exact only below `enough`. */
-static double clearance(const places *all, place wanted, double enough) {
-    double least = enough;
-    for (int k = 0; k < all->line_count; k++)
-        least = fmin(
-            least, saltus_plot_distance((double[2]){wanted.x, wanted.y}, all->lines[k][0], all->lines[k][1]));
-    return least;
+/* Which curves count for a name's clearance. */
+typedef enum count_curves { EVERY, OWN, OTHER } count_curves;
+
+static bool is_part(const piece *p, const stretch *s) {
+    return p->file == s->file && p->row >= s->first && p->row < s->last;
 }
 
-/* The same for the whole width of a word. */
-static double clearance_of_word(const places *all, place wanted) {
-    const double enough = 1.3, half = wanted.half_width - 0.5;
-    double least = enough;
-    for (int k = -1; k <= 1; k++)
-        least = fmin(least, clearance(all, (place){wanted.x + k * half, wanted.y, 0, 0}, enough));
-    return least;
+/* Whether a piece is of a stretch (NULL: none), or lies on it, is of the same motion and does not hide it. */
+static bool is_own(const saltus_plot_page *page, const places *all, const piece *p, const stretch *s) {
+    const double near = 0.12;
+    if (!s || is_part(p, s))
+        return s != NULL;
+    const saltus_branch_file *f = &page->files[p->file], *own = &page->files[s->file];
+    if (strcmp(f->points[p->row].label, own->points[s->first].label) != 0 ||
+        (!page->locus && saltus_plot_stroke(f, p->row, p->row + 1) == SALTUS_STROKE_STABLE &&
+         saltus_plot_stroke(own, s->first, s->first + 1) != SALTUS_STROKE_STABLE))
+        return false;
+    for (int end = 0; end < 2; end++) {
+        double least = INFINITY;
+        for (int k = 0; k < all->piece_count; k++)
+            if (is_part(&all->pieces[k], s))
+                least = fmin(least, saltus_plot_distance(p->ends[end], all->pieces[k].ends[0],
+                                                         all->pieces[k].ends[1]));
+        if (!(least < near))
+            return false;
+    }
+    return true;
+}
+
+/* Distance from the edge of a word to the nearest curve of those that count, exact only below `enough`. */
+static double clearance(const saltus_plot_page *page, const places *all, place word, double enough,
+                        const stretch *s, count_curves counted) {
+    const int samples = word.half_width > 1 ? 3 : word.half_width > 0.2 ? 1 : 0;
+    const double half = word.half_width - fmin(word.half_width, word.half_height);
+    double least = enough + word.half_height;
+    for (int k = 0; k < all->piece_count; k++) {
+        const piece *p = &all->pieces[k];
+        const double *a = p->ends[0], *b = p->ends[1], reach = least + half;
+        if (fmin(a[0], b[0]) > word.x + reach || fmax(a[0], b[0]) < word.x - reach ||
+            fmin(a[1], b[1]) > word.y + least || fmax(a[1], b[1]) < word.y - least ||
+            (counted != EVERY && is_own(page, all, p, s) != (counted == OWN)))
+            continue;
+        for (int n = -samples; n <= samples; n++)
+            least = fmin(least, saltus_plot_distance(
+                                    (double[2]){word.x + (samples ? n * half / samples : 0), word.y}, a, b));
+    }
+    return least - word.half_height;
 }
 
 static void take_place(places *all, place taken) {
@@ -130,133 +205,188 @@ static bool named_already(const saltus_plot_page *page, const saltus_branch_poin
             const saltus_branch_point *other = &page->files[i].points[k];
             if (other == point)
                 return false;
-            if (other->kind == point->kind && apart(place_of(page, other, 0), place_of(page, point, 0)) < 0.8)
+            if (other->kind == point->kind && apart(place_of(page, other), place_of(page, point)) < 0.8)
                 return true;
         }
     return false;
 }
 
-/* Whether a name at this place would be nearer to the mark of a point of another kind. */
-static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted) {
-    const double same = 0.3;
-    const place own = place_of(page, point, 0);
+/* Whether a name at this place would be nearer to the mark of a point of another kind than to its own, or,
+ * with a line to its own, near another. */
+static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted, bool led) {
+    const double same = 0.1, overlapping = 0.4, off = 0.9, clearly = 1.2;
+    const place own = place_of(page, point);
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
             const saltus_branch_point *other = &page->files[i].points[k];
             if (other->kind == point->kind || !saltus_plot_marked(&page->files[i], other) ||
-                !saltus_plot_shown(page, other))
+                !is_visible(page, other))
                 continue;
-            const place its = place_of(page, other, 0);
-            if (apart(its, own) > same && apart(its, wanted) < apart(own, wanted))
+            const place its = place_of(page, other);
+            const double away = apart(its, own), ratio = away < overlapping ? 1 : clearly;
+            if (away > same && (apart(its, wanted) < ratio * apart(own, wanted) ||
+                                (away >= overlapping && gap(its, wanted) < (led ? off : gap(own, wanted)))))
                 return true;
         }
     return false;
 }
 
-static void put_point_name(const saltus_plot_page *page, const char *word, place where, places *all) {
-    saltus_line line = {.length = 0};
-    saltus_line_plain(&line, word);
-    put_label(page, &line, where,
-              page->over_map ? "center front boxed tc rgb '#202020' font ',10'"
-                             : "center front tc rgb '#303030' font ',10'");
-    take_place(all, where);
+/* The place of a word at a distance from something at an angle, edge to edge. */
+static place beside(place own, place word, double distance, double angle) {
+    const double across = cos(angle), up = sin(angle);
+    const double way = fmin((own.half_width + word.half_width) / fmax(fabs(across), 1e-9),
+                            (own.half_height + word.half_height) / fmax(fabs(up), 1e-9)) +
+                       distance;
+    return moved(word, own.x + way * across, own.y + way * up);
 }
 
-/* Put a special point's name beside it, at the place farthest from the curves. */
-static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, places *all) {
-    static const double shift[][2] = {
-        {0, 1.2}, {1.7, 0.6}, {-1.7, 0.6}, {1.8, 0},    {-1.8, 0},   {1.7, -0.6},  {-1.7, -0.6}, {0, -1.2},
-        {0, 1.9}, {0, -1.9},  {1.9, 1.5},  {-1.9, 1.5}, {1.9, -1.5}, {-1.9, -1.5}, {2.7, 0.4},   {-2.7, 0.4}};
-    /* A curve nearer than this would strike the name through; kinds without a mark of their own are named
-     * even then. */
-    const double enough = 0.75, least = point->kind >= SALTUS_POINT_CP ? 0 : 0.3;
-    const char *word = saltus_point_word(point->kind);
-    place best = {0, 0, 0, 0};
-    double widest = least;
-    if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
-        return;
-    for (size_t k = 0; k < sizeof shift / sizeof shift[0] && widest < enough; k++) {
-        place wanted = place_of(page, point, strlen(word));
-        /* The shifts are for names of two letters. */
-        double longer = 0.5 * letter_width * ((double)strlen(word) - 2);
-        wanted.x += shift[k][0] + (shift[k][0] > 0 ? longer : shift[k][0] < 0 ? -longer : 0);
-        if (shift[k][0] == 0)
-            wanted.x = fmin(fmax(wanted.x, wanted.half_width), wide(page) - wanted.half_width);
-        wanted.y += shift[k][1];
-        double away =
-            is_free(page, all, wanted) && !misleads(page, point, wanted) ? clearance_of_word(all, wanted) : 0;
-        if (away <= widest + 0.1)
-            continue;
-        widest = away;
-        best = wanted;
-    }
-    if (widest > least)
-        put_point_name(page, word, best, all);
-    else if (all->unnamed_count < places_max)
-        all->unnamed[all->unnamed_count++] = point;
+/* Whether a point touches a name or a mark. */
+static bool touches(place taken, place at) {
+    return taken.half_width == mark_radius ? apart(taken, at) < mark_radius : gap(taken, at) < 0.05;
 }
 
-/* Whether a line from a point to a place crosses no name, no mark except at the point, and no curve except
- * there. */
-static bool leads(const places *all, place from, place to) {
-    const double step = 0.2, begin = 0.9, near = 0.12, mark = 0.42; /* in heights of a word */
+/* Whether a line from a place to another passes no name and no mark except where it begins, and no curve but
+ * those of a stretch. */
+static bool leads(const saltus_plot_page *page, const places *all, place from, place to, const stretch *s) {
+    const double step = 0.2, begin = s ? 0.2 : 0.7, near = 0.12;
     const double length = apart(from, to);
     for (double way = begin; way < length; way += step) {
         const place at = {from.x + way / length * (to.x - from.x), from.y + way / length * (to.y - from.y), 0,
                           0};
-        if (clearance(all, at, near) < near)
+        if (clearance(page, all, at, near, s, s ? OTHER : EVERY) < near)
             return false;
-        for (int k = 0; k < all->count; k++) {
-            /* The space taken by a word includes a margin. */
-            const place *taken = &all->taken[k];
-            if (apart(*taken, from) > begin && fabs(taken->x - at.x) < fmax(mark, taken->half_width - 0.3) &&
-                fabs(taken->y - at.y) < fmax(mark, taken->half_height - 0.25))
+        for (int k = 0; k < all->count; k++)
+            if (touches(all->taken[k], at) && !(apart(all->taken[k], from) < 0.5))
                 return false;
-        }
     }
     return true;
 }
 
-/* Put names that found no place beside their points farther away, with a line to the point; only as many as
- * remain readable. */
-static void lead_to_names(const saltus_plot_page *page, places *all) {
-    enum { ways = 36, most = 40 };
-    const double nearest = 2.2, farthest = 8, step = 0.6, enough = 0.6;
-    for (int u = 0; u < all->unnamed_count && u < most; u++) {
-        const saltus_branch_point *point = all->unnamed[u];
-        const char *word = saltus_point_word(point->kind);
-        const place own = place_of(page, point, 0);
-        bool named = false;
-        for (double away = nearest; away < farthest && !named; away += step)
-            for (int k = 0; k < ways && !named; k++) {
-                const double angle = 2 * M_PI * k / ways, across = cos(angle), up = sin(angle);
-                place wanted = place_of(page, point, strlen(word));
-                wanted.x += away * across;
-                wanted.y += away * up;
-                /* The line ends at the edge of the word. */
-                const double rest = fmin(fabs((wanted.half_width - 0.4) / across), fabs(0.5 / up));
-                const place end = {wanted.x - rest * across, wanted.y - rest * up, 0, 0};
-                named = is_free(page, all, wanted) && !misleads(page, point, wanted) &&
-                        clearance_of_word(all, wanted) >= enough && leads(all, own, end);
-                if (!named)
-                    continue;
-                fprintf(
-                    page->paper->file,
-                    "set arrow from graph %.4f,%.4f to graph %.4f,%.4f nohead back lc rgb '#808080' lw 0.8\n",
-                    own.x / wide(page), own.y / high(page), end.x / wide(page), end.y / high(page));
-                put_point_name(page, word, wanted, all);
-            }
-    }
+/* A name to be placed: of a special point, or of a stretch at one of its places. */
+typedef struct naming {
+    const saltus_branch_point *point; /* NULL: a stretch */
+    const stretch *s;
+    place own, word;
+} naming;
+
+/* How well a name would stand: the clearance from the curves, negative if it cannot stand there. */
+static double rate(const saltus_plot_page *page, const places *all, const naming *n, place wanted, bool led) {
+    const double enough = 0.8, nearer = 0.25;
+    if (!is_free(page, all, wanted) || (n->point && misleads(page, n->point, wanted, led)))
+        return -1;
+    const double clear = clearance(page, all, wanted, enough, NULL, EVERY);
+    if (clear < (led ? 0.2 : 0.08) || !n->s || led)
+        return clear < (led ? 0.2 : 0.08) ? -1 : clear;
+    /* A stretch's name is nearer to its own curve than to any other. */
+    const double own = clearance(page, all, wanted, 2 * enough, n->s, OWN),
+                 other = clearance(page, all, wanted, own + nearer, n->s, OTHER);
+    return other < own + nearer ? -1 : clear;
 }
 
-/* A stretch of one branch along which the label of the motion is the same. */
-typedef struct stretch {
-    int first, last; /* rows of the file */
-    double length;   /* on the page */
-} stretch;
+/* Find a place that touches what is named. */
+static bool find_beside(const saltus_plot_page *page, const places *all, const naming *n, place *found) {
+    static const double gaps[] = {0.2, 0.4, 0.6};
+    enum { ways = 24 };
+    const double much = 0.05;
+    double best = -1;
+    for (size_t g = 0; g < sizeof gaps / sizeof gaps[0]; g++)
+        for (int k = 0; k < ways; k++) {
+            /* From straight up to both sides in turn. */
+            const double angle = M_PI / 2 + (k % 2 ? 1 : -1) * ((k + 1) / 2) * 2 * M_PI / ways;
+            const place wanted = beside(n->own, n->word, gaps[g], angle);
+            const double clear = rate(page, all, n, wanted, false),
+                         straight = (k + 1) / 2 % (ways / 4) == 0 ? 0.2 : 0,
+                         score = clear + straight - 0.4 * gaps[g];
+            if (clear < 0 || score <= best + much)
+                continue;
+            best = score;
+            *found = wanted;
+        }
+    return best > -1;
+}
 
-static stretch find_stretch(const saltus_plot_page *page, const saltus_branch_file *f, int first) {
-    stretch s = {first, first, 0};
+/* Find a place farther away that a line can lead to, and draw that line. */
+static bool find_led(const saltus_plot_page *page, const places *all, const naming *n, place *found) {
+    enum { ways = 72 };
+    const double nearest = 0.9, farthest = 6, step = 0.4;
+    for (double away = nearest; away < farthest; away += step) {
+        double best = -1;
+        place end = {0, 0, 0, 0};
+        for (int k = 0; k < ways; k++) {
+            const double angle = 2 * M_PI * k / ways;
+            const place wanted = beside(n->own, n->word, away, angle);
+            const double clear = rate(page, all, n, wanted, true);
+            if (clear <= best)
+                continue;
+            /* The line ends at the edge of the word. */
+            const double rest = fmin((n->word.half_width + 0.1) / fmax(fabs(cos(angle)), 1e-9),
+                                     (n->word.half_height + 0.1) / fmax(fabs(sin(angle)), 1e-9));
+            const place to = {wanted.x - rest * cos(angle), wanted.y - rest * sin(angle), 0, 0};
+            if (!leads(page, all, n->own, to, n->s))
+                continue;
+            best = clear;
+            end = to;
+            *found = wanted;
+        }
+        if (best < 0)
+            continue;
+        fprintf(page->paper->file,
+                "set arrow from graph %.4f,%.4f to graph %.4f,%.4f nohead back lc rgb '#808080' lw 0.8\n",
+                n->own.x / wide(page), n->own.y / high(page), end.x / wide(page), end.y / high(page));
+        return true;
+    }
+    return false;
+}
+
+/* Name a special point beside its mark or, if `led`, at the end of a line. */
+static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, bool led,
+                       places *all) {
+    const char *word = saltus_point_word(point->kind);
+    naming n = {
+        .point = point, .own = place_of(page, point), .word = word_of(strlen(word), page->over_sweep)};
+    place found;
+    saltus_line line = {.length = 0};
+    if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
+        return;
+    n.own.half_width = n.own.half_height = mark_radius;
+    if (!(led ? find_led : find_beside)(page, all, &n, &found)) {
+        if (!led && all->unnamed_count < places_max)
+            all->unnamed[all->unnamed_count++] = point;
+        return;
+    }
+    saltus_line_plain(&line, word);
+    put_label(page, &line, found,
+              page->over_sweep ? "center front boxed tc rgb '#202020' font ',10'"
+                               : "center front tc rgb '#303030' font ',10'");
+    take_place(all, found);
+}
+
+/* The visit of a row with the largest value, or the smallest; 0 without visits. */
+static int outer_visit(const saltus_plot_page *page, int file, int row, bool smallest) {
+    const double sign = smallest ? -1 : 1;
+    int found = 0;
+    for (int v = 1; page->visits && v < page->visits[file][row].count; v++)
+        if (sign * page->visits[file][row].list[v].value > sign * page->visits[file][row].list[found].value)
+            found = v;
+    return found;
+}
+
+static bool has_place(const saltus_plot_page *page, int file, int row) {
+    return !page->visits || page->visits[file][row].count > 0;
+}
+
+/* Distance on the page from row k - 1 to row k of a file; 0 if either has no place. */
+static double way_to(const saltus_plot_page *page, int file, int k) {
+    if (!has_place(page, file, k) || !has_place(page, file, k - 1))
+        return 0;
+    const double way = apart(place_of_visit(page, file, k, outer_visit(page, file, k, false)),
+                             place_of_visit(page, file, k - 1, outer_visit(page, file, k - 1, false)));
+    return isfinite(way) ? way : 0;
+}
+
+static stretch find_stretch(const saltus_plot_page *page, int file, int first) {
+    const saltus_branch_file *f = &page->files[file];
+    stretch s = {file, first, first, 0};
     for (int k = first + 1;
          k < f->point_count && f->points[k].branch == f->points[first].branch &&
          saltus_plot_shown(page, &f->points[k]) == saltus_plot_shown(page, &f->points[first]) &&
@@ -264,94 +394,105 @@ static stretch find_stretch(const saltus_plot_page *page, const saltus_branch_fi
          (k == first + 1 || page->locus ||
           saltus_plot_stroke(f, k - 1, k) == saltus_plot_stroke(f, first, first + 1));
          k++) {
-        s.length += way_to(page, f, k);
+        s.length += way_to(page, file, k);
         s.last = k;
     }
     return s;
 }
 
 /* The row nearest to a fraction `part` of a stretch's length. */
-static int row_at(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, double part) {
+static int row_at(const saltus_plot_page *page, const stretch *s, double part) {
     double passed = 0;
-    for (int k = s.first + 1; k <= s.last; k++) {
-        passed += way_to(page, f, k);
-        if (passed >= part * s.length)
+    for (int k = s->first + 1; k <= s->last; k++) {
+        passed += way_to(page, s->file, k);
+        if (passed >= part * s->length)
             return k;
     }
-    return s.first;
+    return s->first;
 }
 
-/* Distance from a place to the piece of a curve between row k of a file and the next. */
-static double from_piece(const saltus_plot_page *page, const saltus_branch_file *f, int k, place at) {
-    const place a = place_of(page, &f->points[k], 0), b = place_of(page, &f->points[k + 1], 0);
-    return saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y});
-}
-
-/* Whether a row lies on an earlier curve with the same label, which is named already. */
+/* Whether a row lies on a curve with the same label that is named for both: an earlier one of the same
+ * stability, or a stable one that covers an unstable one. */
 static bool named_below(const saltus_plot_page *page, const saltus_branch_file *f, int row) {
     const double near = 0.15;
     const saltus_branch_point *own = &f->points[row];
-    for (int k = 0; k + 1 < f->point_count && f->points[k].branch < own->branch; k++)
-        if (strcmp(f->points[k].label, own->label) == 0 && f->points[k].branch == f->points[k + 1].branch &&
-            f->points[k].stable == own->stable && from_piece(page, f, k, place_of(page, own, 0)) < near)
+    const place at = place_of(page, own);
+    for (int k = 0; k + 1 < f->point_count; k++) {
+        const saltus_branch_point *p = &f->points[k];
+        const place a = place_of(page, p), b = place_of(page, p + 1);
+        if (p[0].branch == p[1].branch && p->branch != own->branch && strcmp(p->label, own->label) == 0 &&
+            (p->stable == own->stable ? p->branch < own->branch : p->stable) &&
+            saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y}) <
+                near)
             return true;
+    }
     return false;
 }
 
-/* Whether a name at this place would be nearer to another curve than to its own stretch. */
-static bool strays(const saltus_plot_page *page, const saltus_branch_file *f, stretch s, place wanted,
-                   const places *all) {
-    const double slack = 0.1;
-    double own = INFINITY;
-    for (int k = s.first; k < s.last; k++)
-        own = fmin(own, from_piece(page, f, k, wanted));
-    return clearance(all, wanted, own) < own - slack;
+/* Find a place for the name of a stretch: on its curve where no other is or, if `led`, anyway; beside it or,
+ * if `led`, at the end of a line. */
+static bool find_on_stretch(const saltus_plot_page *page, const places *all, const stretch *s, size_t letters,
+                            bool on_curve, bool led, place *found) {
+    static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
+
+    for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
+        const int row = row_at(page, s, parts[k]),
+                  visits = page->visits ? page->visits[s->file][row].count : 1;
+        for (int n = 0; n < visits && n < 2; n++) {
+            naming name = {.s = s, .word = word_of(letters, on_curve || page->over_sweep)};
+            name.own = place_of_visit(page, s->file, row, outer_visit(page, s->file, row, n > 0));
+            name.own.half_width = name.own.half_height = 0.05;
+            const place there = moved(name.word, name.own.x, name.own.y);
+            if (!isfinite(name.own.x) || !isfinite(name.own.y))
+                continue;
+            bool marked = false; /* a line that ends at a mark names that */
+            for (int t = 0; t < all->count && led; t++)
+                marked = marked || touches(all->taken[t], name.own);
+            if (on_curve && is_free(page, all, there) &&
+                (led || clearance(page, all, there, 0.2, s, OTHER) > 0.1)) {
+                *found = there;
+                return true;
+            }
+            if (!on_curve && !marked && (led ? find_led : find_beside)(page, all, &name, found))
+                return true;
+        }
+    }
+    return false;
 }
 
-/* Put the name of a stretch on its curve if that is long enough, otherwise beside it; returns whether there
+/* Put the name of a stretch; if there is no place it is kept for a name with a line. Returns whether there
  * was a place. */
-static bool name_stretch(const saltus_plot_page *page, int file, stretch s, places *all) {
-    static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
-    static const double shift[][2] = {{0, 0},     {0.9, 0.8},  {-0.9, 0.8}, {0.9, -0.8}, {-0.9, -0.8},
-                                      {1.6, 0.9}, {-1.6, 0.9}, {1.6, -0.9}, {-1.6, -0.9}};
+static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool led, places *all) {
     static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#1f6650", "#634078",
                                                     "#7a5c00", "#444444", "#7d004b"};
-    const saltus_branch_file *f = &page->files[file];
+    const saltus_branch_file *f = &page->files[s->file];
     saltus_line name = {.length = 0};
+    char style[96];
+    place found;
     /* The label; on loci also the kind of point and the parameters in which the files differ. */
     if (page->locus)
         saltus_line_add(&name, "%s ", saltus_point_word(f->options.locus));
-    saltus_line_plain(&name, f->points[s.first].label);
-    int letters = (int)name.length;
+    saltus_line_plain(&name, f->points[s->first].label);
     if (page->locus)
-        saltus_plot_add_differences(page, file, &name);
-    letters += (int)name.length > letters ? 10 : 0;
-    int hue = saltus_plot_hue(page, file, f->points[s.first].branch);
-    bool long_enough = s.length >= 1.5 * letter_width * letters + 1;
-    const size_t ways = page->locus ? 1 : sizeof shift / sizeof shift[0];
-    if (s.length < 0.8 || (page->locus && !long_enough) || named_below(page, f, row_at(page, f, s, 0.5)))
+        saltus_plot_add_differences(page, s->file, &name);
+    const size_t letters = (size_t)saltus_line_letters(name.text);
+    const bool long_enough = s->length >= 2 * word_of(letters, true).half_width + 1.2;
+    if (s->length < 0.8 || (page->locus && !long_enough) || named_below(page, f, row_at(page, s, 0.5)))
         return false;
-    for (size_t way = long_enough ? 0 : 1; way < ways; way++)
-        for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
-            char style[96];
-            int row = row_at(page, f, s, parts[k]);
-            place wanted = place_of(page, &f->points[row], (size_t)letters + (way == 0));
-            wanted.x += shift[way][0] + (shift[way][0] > 0   ? 1
-                                         : shift[way][0] < 0 ? -1
-                                                             : 0) *
-                                            fmax(0, 0.5 * letter_width * (letters - 3));
-            wanted.y += shift[way][1];
-            /* A row without visits has no curve here. */
-            if ((page->visits && !page->visits[file][row].count) || !is_free(page, all, wanted) ||
-                (way > 0 && (clearance_of_word(all, wanted) < 0.75 || strays(page, f, s, wanted, all))))
-                continue;
-            snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'", way ? "" : "boxed ",
-                     page->locus ? "#202020" : colour[hue]);
-            put_label(page, &name, wanted, style);
-            take_place(all, wanted);
-            return true;
-        }
-    return false;
+    const bool on_curve = !led && long_enough &&
+                          (find_on_stretch(page, all, s, letters, true, false, &found) ||
+                           (page->locus && find_on_stretch(page, all, s, letters, true, true, &found)));
+    if (!on_curve && (page->locus || !find_on_stretch(page, all, s, letters, false, led, &found))) {
+        if (!led && !page->locus && all->unnamed_stretch_count < places_max)
+            all->unnamed_stretch[all->unnamed_stretch_count++] = *s;
+        return false;
+    }
+    const int hue = saltus_plot_hue(page, s->file, f->points[s->first].branch);
+    snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'",
+             on_curve || page->over_sweep ? "boxed " : "", page->locus ? "#202020" : colour[hue]);
+    put_label(page, &name, found, style);
+    take_place(all, found);
+    return true;
 }
 
 /* Name the stable or the unstable stretches; equal names at the same place of the page are written once. */
@@ -360,16 +501,16 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
         const saltus_branch_file *f = &page->files[i];
         const saltus_branch_point *begun = NULL; /* where the last named stretch began */
         for (int k = 0; k < f->point_count;) {
-            stretch s = find_stretch(page, f, k);
+            const stretch s = find_stretch(page, i, k);
             bool solid =
                 s.last > s.first && saltus_plot_stroke(f, s.first, s.first + 1) == SALTUS_STROKE_STABLE;
             bool begins = k == 0 || f->points[k - 1].branch != f->points[k].branch;
             /* Several branches from the same orbit are named once. */
             bool known = begins && begun && begun->branch != f->points[k].branch &&
                          strcmp(begun->label, f->points[k].label) == 0 &&
-                         apart(place_of(page, begun, 0), place_of(page, &f->points[k], 0)) < 0.1;
+                         apart(place_of(page, begun), place_of(page, &f->points[k])) < 0.1;
             if (saltus_plot_shown(page, &f->points[s.first]) && solid == stable && !known &&
-                name_stretch(page, i, s, all))
+                name_stretch(page, &s, false, all))
                 begun = &f->points[k];
             k = s.last > s.first && s.last + 1 < f->point_count &&
                         f->points[s.last + 1].branch == f->points[s.last].branch &&
@@ -382,20 +523,42 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
     }
 }
 
-/* Special points of all files: reserve the places of their marks, or write their names. */
+/* Special points of all files: reserve the places of their marks, or write their names, first of the kinds
+ * whose marks are drawn over those of others. */
 static void name_points(const saltus_plot_page *page, bool marks, places *all) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++) {
-            const saltus_branch_point *point = &page->files[i].points[k];
-            if (!saltus_plot_marked(&page->files[i], point) || !saltus_plot_shown(page, point))
-                continue;
-            place mark = place_of(page, point, 0);
-            mark.half_width = mark.half_height = 0.42;
-            if (marks)
-                take_place(all, mark);
-            else
-                name_point(page, point, all);
-        }
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+        for (int i = 0; i < page->count; i++)
+            for (int k = 0; k < page->files[i].point_count; k++) {
+                const saltus_branch_point *point = &page->files[i].points[k];
+                if ((int)saltus_plot_mark(point->kind) != kind ||
+                    !saltus_plot_marked(&page->files[i], point) || !is_visible(page, point))
+                    continue;
+                place mark = place_of(page, point);
+                mark.half_width = mark.half_height = mark_radius;
+                if (marks)
+                    take_place(all, mark);
+                else
+                    name_point(page, point, false, all);
+            }
+}
+
+/* The labels requested by the caller, in larger type than the other names. */
+static void name_regions(const saltus_plot_page *page, places *all) {
+    const char *first = page->files[0].options.key[0];
+    for (int k = 0; k < page->options->label_count; k++) {
+        const saltus_plot_label *label = &page->options->labels[k];
+        bool turned = strcmp(label->key[0], first) != 0;
+        double x = label->value[turned], y = label->value[!turned];
+        saltus_line line = {.length = 0};
+        place where = place_at(page, x, y);
+        where.half_width = letter_width * (double)strlen(label->text);
+        where.half_height = 0.6;
+        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
+            continue;
+        saltus_line_plain(&line, label->text);
+        put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
+        take_place(all, where);
+    }
 }
 
 bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v) {
@@ -456,45 +619,39 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
 }
 
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context) {
-    const double h = word_height, step = 0.2, rim = 0.2; /* in word heights */
+    const double h = word_height, step = 0.2, rim = 0.2, margin = 0.3; /* in word heights */
+    enum { most_led = 40 };
     places all = {.count = 0};
-    find_lines(page, &all);
-    /* The labels requested by the caller, in larger type than the other names. */
-    for (int k = 0; k < page->options->label_count; k++) {
-        const saltus_plot_label *label = &page->options->labels[k];
-        const bool turned = strcmp(label->key[0], page->files[0].options.key[0]) != 0;
-        const double x = label->value[turned], y = label->value[!turned];
-        const place where = place_at(page, x, y, 2 * (double)strlen(label->text));
-        saltus_line line = {.length = 0};
-        if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
-            continue;
-        saltus_line_plain(&line, label->text);
-        put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
-        take_place(&all, where);
-    }
+    find_pieces(page, &all);
+    name_regions(page, &all);
     name_points(page, true, &all);
     /* On a map the colours identify the motions; on loci the names of points come first. */
     if (!page->over_map && !page->locus)
         name_stretches(page, true, &all);
+    const int stable = all.unnamed_stretch_count;
     name_points(page, false, &all);
+    if (!page->over_map)
+        name_stretches(page, page->locus, &all);
     if (!page->over_map && page->locus)
-        name_stretches(page, true, &all);
-    if (!page->over_map) {
         name_stretches(page, false, &all);
-        lead_to_names(page, &all);
-    }
+    /* Lines only as many as remain readable; an unstable stretch without a place keeps none. */
+    for (int k = 0; k < stable && k < most_led; k++)
+        name_stretch(page, &all.unnamed_stretch[k], true, &all);
+    for (int k = 0; k < all.unnamed_count && k < most_led && !page->over_map; k++)
+        name_point(page, all.unnamed[k], true, &all);
     for (int k = 0; k < all.count && block; k++) {
         const place *p = &all.taken[k];
-        block(context, (saltus_frame){h * (p->x - p->half_width), h * (p->x + p->half_width),
-                                      h * (p->y - p->half_height), h * (p->y + p->half_height)});
+        block(context,
+              (saltus_frame){h * (p->x - p->half_width - margin), h * (p->x + p->half_width + margin),
+                             h * (p->y - p->half_height - margin), h * (p->y + p->half_height + margin)});
     }
-    for (int k = 0; k < all.line_count && block; k++) {
-        const double *a = all.lines[k][0], *b = all.lines[k][1];
+    for (int k = 0; k < all.piece_count && block; k++) {
+        const double *a = all.pieces[k].ends[0], *b = all.pieces[k].ends[1];
         int steps = 1 + (int)fmin(hypot(b[0] - a[0], b[1] - a[1]) / step, 1e5);
         for (int n = 0; n <= steps; n++) {
             double x = a[0] + n * (b[0] - a[0]) / steps, y = a[1] + n * (b[1] - a[1]) / steps;
             block(context, (saltus_frame){h * (x - rim), h * (x + rim), h * (y - rim), h * (y + rim)});
         }
     }
-    free(all.lines);
+    free(all.pieces);
 }

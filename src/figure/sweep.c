@@ -224,6 +224,7 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
         .options = &no_labels,
         .locus = two,
         .over_map = two,
+        .over_sweep = true,
         .show = shows[page->view],
         .turning = page->view == SALTUS_VIEW_TURNING,
         .x = page->x.range,
