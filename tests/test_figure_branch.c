@@ -536,9 +536,8 @@ static void names_are_nearest_to_their_own_marks(void **state) {
 static void crowded_marks_have_their_names(void **state) {
     (void)state;
     static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_NS,
-                                             SALTUS_POINT_GR, SALTUS_POINT_BP, SALTUS_POINT_CH,
-                                             SALTUS_POINT_ST};
-    enum { crowd = 7, first = 48 };
+                                             SALTUS_POINT_GR, SALTUS_POINT_BP, SALTUS_POINT_CH};
+    enum { crowd = 6, first = 48 };
     saltus_plot_options how = saltus_plot_defaults();
     int led = 0;
     make_branch();

@@ -513,6 +513,24 @@ static bool put_uncovered(const saltus_plot_page *page, int file, int branch, co
     return false;
 }
 
+/* Which of a point's events is the largest impact; -1: there is none. */
+static int strongest(const saltus_branch_point *point) {
+    int found = -1;
+    for (int k = 0; k < point->event_count; k++) {
+        const double speed = impact_speed(&point->events[k]);
+        if (!isnan(speed) && (found < 0 || speed > impact_speed(&point->events[found])))
+            found = k;
+    }
+    return found;
+}
+
+/* Whether between two points another impact becomes the largest, so that the curve of the largest has a
+ * corner. */
+static bool overtaken(const saltus_branch_point *a, const saltus_branch_point *b) {
+    const int one = strongest(a), other = strongest(b);
+    return one >= 0 && other >= 0 && (one != other || a->events[one].face != b->events[other].face);
+}
+
 /* A branch of one stroke, with one value per point. */
 static void put_branch(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
                        curve_point *p) {
@@ -523,7 +541,10 @@ static void put_branch(const saltus_plot_page *page, int file, int first, int la
         const saltus_branch_point *point = &f->points[first + k];
         p[k].value[0] = saltus_plot_x(page, point);
         p[k].value[1] = saltus_plot_y(page, point);
-        p[k].corner = corner(point) || isnan(p[k].value[1]);
+        p[k].corner =
+            corner(point) || isnan(p[k].value[1]) ||
+            (page->show == SALTUS_SHOW_SPEED && !page->locus &&
+             ((k > 0 && overtaken(point - 1, point)) || (k + 1 < count && overtaken(point, point + 1))));
         p[k].drawn = k + 1 < count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
     }
     for (int k = 0; k + 1 < count && dashed; k++)

@@ -72,8 +72,10 @@ static place place_of_visit(const saltus_plot_page *page, int file, int row, int
 }
 
 /* The space of a word, on a white ground if `boxed`. */
-static place word_of(size_t letters, bool boxed) {
-    return (place){0, 0, 0.5 * letter_width * (double)letters + (boxed ? 0.25 : 0.05), boxed ? 0.46 : 0.4};
+static place word_of(const saltus_plot_page *page, size_t letters, bool boxed) {
+    const double larger = saltus_page_type(page->paper, 10) / 10;
+    return (place){0, 0, 0.5 * larger * letter_width * (double)letters + (boxed ? 0.25 : 0.05),
+                   larger * (boxed ? 0.46 : 0.4)};
 }
 
 static place moved(place word, double x, double y) {
@@ -240,9 +242,12 @@ static place beside(place own, place word, double distance, double angle) {
     return moved(word, own.x + way * across, own.y + way * up);
 }
 
-/* Whether a point touches a name or a mark. */
+/* Whether a point touches a name, whose letters are lower than its line, or a mark. */
 static bool touches(place taken, place at) {
-    return taken.half_width == mark_radius ? apart(taken, at) < mark_radius : gap(taken, at) < 0.05;
+    if (taken.half_width == mark_radius)
+        return apart(taken, at) < mark_radius;
+    taken.half_height -= 0.13;
+    return gap(taken, at) < 0.04;
 }
 
 /* Whether a line from a place to another passes no name and no mark except where it begins, and no curve but
@@ -283,6 +288,26 @@ static double rate(const saltus_plot_page *page, const places *all, const naming
     return other < own + nearer ? -1 : clear;
 }
 
+/* Whether a curve that does not pass the mark itself is between a mark and a word. */
+static bool is_cut_off(const places *all, place mark, place word) {
+    const double passes = 0.15;
+    const double to[2] = {fmin(fmax(mark.x, word.x - word.half_width), word.x + word.half_width),
+                          fmin(fmax(mark.y, word.y - word.half_height), word.y + word.half_height)};
+    const double dx = to[0] - mark.x, dy = to[1] - mark.y;
+    for (int k = 0; k < all->piece_count; k++) {
+        const double *a = all->pieces[k].ends[0], *b = all->pieces[k].ends[1];
+        const double side_a = dx * (a[1] - mark.y) - dy * (a[0] - mark.x),
+                     side_b = dx * (b[1] - mark.y) - dy * (b[0] - mark.x);
+        const double ux = b[0] - a[0], uy = b[1] - a[1];
+        const double from = ux * (mark.y - a[1]) - uy * (mark.x - a[0]),
+                     until = ux * (to[1] - a[1]) - uy * (to[0] - a[0]);
+        if (side_a * side_b < 0 && from * until < 0 &&
+            saltus_plot_distance((double[2]){mark.x, mark.y}, a, b) > passes)
+            return true;
+    }
+    return false;
+}
+
 /* Find a place that touches what is named. */
 static bool find_beside(const saltus_plot_page *page, const places *all, const naming *n, place *found) {
     static const double gaps[] = {0.2, 0.4, 0.6};
@@ -299,6 +324,8 @@ static bool find_beside(const saltus_plot_page *page, const places *all, const n
                          score = clear + straight - 0.4 * gaps[g];
             if (clear < 0 || score <= best + much)
                 continue;
+            if (n->point && is_cut_off(all, n->own, wanted))
+                continue;
             best = score;
             *found = wanted;
         }
@@ -308,7 +335,7 @@ static bool find_beside(const saltus_plot_page *page, const places *all, const n
 /* Find a place farther away that a line can lead to, and draw that line. */
 static bool find_led(const saltus_plot_page *page, const places *all, const naming *n, place *found) {
     enum { ways = 72 };
-    const double nearest = 0.9, farthest = 6, step = 0.4;
+    const double nearest = 0.9, farthest = 8, step = 0.4;
     for (double away = nearest; away < farthest; away += step) {
         double best = -1;
         place end = {0, 0, 0, 0};
@@ -343,8 +370,9 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
                        places *all) {
     const char *word = saltus_point_word(point->kind);
     naming n = {
-        .point = point, .own = place_of(page, point), .word = word_of(strlen(word), page->over_sweep)};
+        .point = point, .own = place_of(page, point), .word = word_of(page, strlen(word), page->over_sweep)};
     place found;
+    char style[96];
     saltus_line line = {.length = 0};
     if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
         return;
@@ -355,9 +383,10 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
         return;
     }
     saltus_line_plain(&line, word);
-    put_label(page, &line, found,
-              page->over_sweep ? "center front boxed tc rgb '#202020' font ',10'"
-                               : "center front tc rgb '#303030' font ',10'");
+    snprintf(style, sizeof style, "center front %s font ',%.4g'",
+             page->over_sweep ? "boxed tc rgb '#202020'" : "tc rgb '#303030'",
+             saltus_page_type(page->paper, 10));
+    put_label(page, &line, found, style);
     take_place(all, found);
 }
 
@@ -439,7 +468,7 @@ static bool find_on_stretch(const saltus_plot_page *page, const places *all, con
         const int row = row_at(page, s, parts[k]),
                   visits = page->visits ? page->visits[s->file][row].count : 1;
         for (int n = 0; n < visits && n < 2; n++) {
-            naming name = {.s = s, .word = word_of(letters, on_curve || page->over_sweep)};
+            naming name = {.s = s, .word = word_of(page, letters, on_curve || page->over_sweep)};
             name.own = place_of_visit(page, s->file, row, outer_visit(page, s->file, row, n > 0));
             name.own.half_width = name.own.half_height = 0.05;
             const place there = moved(name.word, name.own.x, name.own.y);
@@ -476,7 +505,7 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
     if (page->locus)
         saltus_plot_add_differences(page, s->file, &name);
     const size_t letters = (size_t)saltus_line_letters(name.text);
-    const bool long_enough = s->length >= 2 * word_of(letters, true).half_width + 1.2;
+    const bool long_enough = s->length >= 2 * word_of(page, letters, true).half_width + 1.2;
     if (s->length < 0.8 || (page->locus && !long_enough) || named_below(page, f, row_at(page, s, 0.5)))
         return false;
     const bool on_curve = !led && long_enough &&
@@ -488,8 +517,9 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
         return false;
     }
     const int hue = saltus_plot_hue(page, s->file, f->points[s->first].branch);
-    snprintf(style, sizeof style, "center front %stc rgb '%s' font ',11'",
-             on_curve || page->over_sweep ? "boxed " : "", page->locus ? "#202020" : colour[hue]);
+    snprintf(style, sizeof style, "center front %stc rgb '%s' font ',%.4g'",
+             on_curve || page->over_sweep ? "boxed " : "", page->locus ? "#202020" : colour[hue],
+             saltus_page_type(page->paper, 11));
     put_label(page, &name, found, style);
     take_place(all, found);
     return true;

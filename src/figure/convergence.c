@@ -39,7 +39,7 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
                          saltus_frame frame) {
     const double alike = 0.003;
     saltus_line result = {.length = 0}, time_name = {.length = 0};
-    saltus_page_frame(page, frame);
+    saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
     if (!isfinite(c->exponent) || c->count == 0) {
         if (c->exponent == -INFINITY)
             saltus_line_add(&result, "the largest exponent is −∞: every direction is %s",
@@ -69,6 +69,9 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     saltus_line_add(&result, tight ? "" : "final value ");
     saltus_line_uncertain(&result, saltus_uncertain_text(c->exponent, c->standard_error));
     saltus_page_text(page, "Result", result.text);
+    char small[16];
+    snprintf(small, sizeof small, ",%.4g", saltus_page_type(page, 11));
+    saltus_page_text(page, "Small", small);
     saltus_page_text(page, "KeyPlace",
                      tight ? "-0.3, graph 1.02 left bottom vertical"
                            : "1, graph 1.02 right bottom horizontal");

@@ -4,7 +4,7 @@ if (Zero) {
 set arrow from graph 0, first 0 to graph 1, first 0 nohead front lc rgb '#707070' lw 1.4
 }
 set arrow from graph 0, first Final to graph 1, first Final nohead front lc rgb '#c44e2a' dt (12,9) lw 1.6
-set key at graph @KeyPlace Left reverse samplen 1.8 width -1 font ',11' textcolor rgb '#303030'
+set key at graph @KeyPlace Left reverse samplen 1.8 width -1 font Small textcolor rgb '#303030'
 cut(x) = x < Low ? Low : x > High ? High : x
 Marks = ""
 if (Points < 30) {

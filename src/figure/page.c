@@ -9,6 +9,7 @@
 #include <string.h>
 
 /* Pages of a requested size have type of eight points; a letter of the usual size is 52/3 units high. */
+static const double smallest_type = 7 * 13 / 8.0;
 static const double tallest = 235; /* of a journal's page, in millimetres */
 static const double mm_per_unit = 8 * 25.4 / 72 / (13 * 96 / 72.0), usual_width = 1600, usual_height = 1200;
 
@@ -40,6 +41,7 @@ saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus
     if (status != SALTUS_OK)
         return status;
     *page = (saltus_page){.path = path, .look = look ? *look : saltus_figure_defaults()};
+    page->lacking = page->lacked;
     page->width = page->look.width > 0 ? page->look.width / mm_per_unit : usual_width;
     page->free_height = page->look.width > 0 && !(page->look.height > 0);
     page->height = page->free_height       ? page->width * usual_height / usual_width
@@ -101,6 +103,14 @@ static saltus_status keep_script(const saltus_page *page, saltus_message *messag
 
 saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message) {
     FILE *picture = NULL;
+    if (status == SALTUS_OK && (page->lacked[0] > 0 || page->lacked[1] > 0))
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "a figure of %.0f x %.0f mm has no room for its panels: %.0f x %.0f mm would be "
+                             "enough%s",
+                             page->width * mm_per_unit, page->height * mm_per_unit,
+                             ceil((page->width + 3 * page->lacked[0]) * mm_per_unit),
+                             ceil((page->height + page->lacked[1] * page->lacked[3]) * mm_per_unit),
+                             page->look.no_heading ? "" : ", or less without the heading (--no-heading)");
     if (status == SALTUS_OK && page->look.script)
         status = keep_script(page, message);
     if (status == SALTUS_OK)
@@ -115,6 +125,10 @@ saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_
 
 bool saltus_page_narrow(const saltus_page *page) {
     return page->width < 1000;
+}
+
+double saltus_page_type(const saltus_page *page, double size) {
+    return page->look.width > 0 ? fmax(size, smallest_type) : size;
 }
 
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style) {
@@ -181,9 +195,9 @@ void saltus_page_caption(saltus_page *page) {
 void saltus_page_legend(const saltus_page *page, int rows) {
     fprintf(page->file,
             "set key at screen %.4f, screen %.4f left top horizontal Left reverse samplen 1.8 width 1 "
-            "maxrows %d font ',11' textcolor rgb '#303030'\n",
+            "maxrows %d font ',%.4g' textcolor rgb '#303030'\n",
             saltus_page_narrow(page) ? 0.01 : 0.03, fmin(page->top + 9.6, page->height - 4) / page->height,
-            rows);
+            rows, saltus_page_type(page, 11));
 }
 
 void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *words,
@@ -263,20 +277,12 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
     return (saltus_frame){x, x + span * width + (span - 1) * beside, y, y + height};
 }
 
-/* Stop gnuplot with a message if a frame is smaller than this. */
-static void demand_room(const saltus_page *page, saltus_frame frame, double least) {
-    if (!(frame.right - frame.left >= least && frame.top - frame.bottom >= least))
-        fputs("exit error 'the page has no room for its panels: make it larger, or leave the words out'\n",
-              page->file);
-}
-
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading) {
     bool narrow = saltus_page_narrow(page);
     const double left = narrow ? 62 : 0, wide = narrow ? 8.2 : 9.5, /* a letter */
         room = fmin(frame.right + (narrow ? 14 : 90), page->width - 6) - frame.left + left;
     saltus_line line = {.length = 0};
-    demand_room(page, frame, 60);
-    saltus_page_frame(page, frame);
+    saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
     saltus_line_add(&line, "{/:Bold (%c)}  %s", 'a' + letter, heading);
     enum { most = 4 };
     const char *rest = line.text, *from[most];
@@ -291,14 +297,19 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
     for (int k = 0; k < lines; k++) {
         fprintf(page->file, "set label %d ", 99 - k);
         saltus_put_quoted(page->file, from[k], length[k]);
-        fprintf(page->file, " at screen %.6g, screen %.6g offset 0,%g left front tc rgb '#202020'%s\n",
-                (frame.left - left) / page->width, frame.top / page->height, 1.1 * (lines - k),
-                narrow ? " font ',11'" : "");
+        fprintf(page->file, " at screen %.6g, screen %.6g offset 0,%g left front tc rgb '#202020'",
+                (frame.left - left) / page->width, frame.top / page->height, 1.1 * (lines - k));
+        fprintf(page->file, narrow ? " font ',%.4g'\n" : "\n", saltus_page_type(page, 11));
     }
 }
 
-void saltus_page_frame(const saltus_page *page, saltus_frame frame) {
-    demand_room(page, frame, 10);
+void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least) {
+    const double least_width = 10;
+    const double high = frame.top - frame.bottom;
+    page->lacking[0] = fmax(page->lacking[0], least_width - (frame.right - frame.left));
+    page->lacking[1] = fmax(page->lacking[1], least - high);
+    page->lacking[3] += least > 0 && page->lacking[2] != frame.bottom;
+    page->lacking[2] = least > 0 ? frame.bottom : page->lacking[2];
     fprintf(page->file,
             "set lmargin at screen %.8f\nset rmargin at screen %.8f\nset bmargin at screen %.8f\n"
             "set tmargin at screen %.8f\n",
@@ -344,26 +355,36 @@ static void put_log_tics(const saltus_page *page, const char *axis, double lengt
 
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
                       const char *name, saltus_range range) {
-    const double letter = 9.5, usual = 13, smallest = 9, over = 36; /* overhang at the ends */
+    const double letter = 9.5, usual = 13, over = 36; /* overhang at the ends */
     const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
     const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
                  size = usual * (length + over) / (letter * saltus_line_letters(name));
     fprintf(page->file, "set %slabel ", axis);
-    saltus_put_quoted(page->file, name, strlen(name));
+    /* A title that would not even fit in the smallest type has two lines, if its axis has room beside it. */
+    const size_t all = strlen(name),
+                 first = page->look.width > 0 && size < smallest_type && *axis == 'y'
+                             ? saltus_line_piece(name, (int)(0.62 * saltus_line_letters(name)))
+                             : all;
+    saltus_put_quoted(page->file, name, first);
+    if (first < all) {
+        fputs(".\"\\n\".", page->file);
+        saltus_put_quoted(page->file, name + first + strspn(name + first, " "),
+                          strlen(name + first + strspn(name + first, " ")));
+    }
     fprintf(page->file, "%s",
             across                    ? ""
             : strcmp(axis, "y2") == 0 ? (narrow ? " offset -1,0" : " offset 0.8,0")
             : narrow                  ? " offset -0.2,0"
                                       : " offset -0.6,0");
     if (page->look.width > 0 && size < usual)
-        fprintf(page->file, " font ',%.3g'", fmax(size, smallest));
+        fprintf(page->file, " font ',%.4g'", fmax(size, smallest_type));
     fprintf(page->file, "\nset %srange [%.12g:%.12g]\n", axis, range.low, range.high);
     if (logarithmic) {
         fprintf(page->file, "set logscale %s\n", axis);
         put_log_tics(page, axis, length, range);
     } else if (narrow || length < 220) {
         /* Long numbers need room beside each other, but an axis needs at least two or three of them. */
-        double tics = across ? fmin(fmax(length / 45, 2), 5) : 5, step = saltus_page_tic_step(range, tics);
+        double tics = fmin(fmax(length / (across ? 45 : 24), 2), 5), step = saltus_page_tic_step(range, tics);
         if (floor(range.high / step) - ceil(range.low / step) < (tics < 5 ? 1 : 2))
             step /= 2;
         fprintf(page->file, "set %stics %.9g\n", axis, step);

@@ -20,6 +20,8 @@ typedef struct saltus_page {
     double width, height;
     bool free_height; /* no height was requested: the figure chooses it before the page begins */
     double top;       /* lower edge of the caption */
+    /* The width and height that a panel lacks most, the bottom of the last panel, and the number of rows. */
+    double lacked[4], *lacking;
     saltus_line caption[SALTUS_CAPTION_LINES]; /* the heading first */
     const char *colour[SALTUS_CAPTION_LINES];
     int caption_lines;
@@ -53,8 +55,8 @@ saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus
 /* Write the terminal and the style. A narrow page with free height is made higher for a caption of many
  * lines, up to the height of a journal's page. Caption, data and panels follow. */
 void saltus_page_begin(saltus_page *page);
-/* Draw the page unless `status` is an error, keep its script if requested, and close it. Returns `status`, or
- * SALTUS_IO with gnuplot's error message. */
+/* Draw the page unless `status` is an error, keep its script if requested, and close it. Returns `status`,
+ * SALTUS_BAD_INPUT if its panels have no room, or SALTUS_IO with gnuplot's error message. */
 saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message);
 
 /* Set the caption, before the page begins: the heading, with the program's name in a corner, and lines below
@@ -74,6 +76,9 @@ void saltus_page_legend(const saltus_page *page, int rows);
 /* Whether the page, such as a column of a journal, is too narrow for panels side by side in the usual
  * type. */
 bool saltus_page_narrow(const saltus_page *page);
+/* The size of type of about `size` points: on paper, where thirteen are eight points, none is smaller than
+ * seven. */
+double saltus_page_type(const saltus_page *page, double size);
 /* The height available for panels below the caption, on the requested page or on a journal's page. */
 double saltus_page_room(const saltus_page *page);
 
@@ -85,8 +90,10 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
 /* Set the margins of a panel and write its heading after the letter 'a' + letter, in several lines on a
  * narrow page. */
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading);
-/* Set the margins of a panel; if the frame is too small the script stops with a message. */
-void saltus_page_frame(const saltus_page *page, saltus_frame frame);
+/* Set the margins of a panel, which needs at least this height; a page on which a panel lacks room is refused
+ * when it is closed. */
+void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least);
+enum { SALTUS_PANEL_LEAST = 75 }; /* the height of a panel that can be read */
 /* A label in enhanced text at a place of the page, with the style of `set label`. */
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
 /* Title, range and scale of a panel's axis ("x", "y" or "y2"); on a page of a requested size long titles are

@@ -1,10 +1,7 @@
 # Phase portrait: velocity jumps, the trajectory, and its stroboscopic points with a white rim.
 Jumps = ""
-if (Impacts > 0 && Orbit) {
-Jumps = "$jumps using 1:2 with lines lc rgb '#c44e2a' lw 1.5, "
-}
-if (Impacts > 0 && !Orbit) {
-Jumps = "$jumps using 1:2 with lines lc rgb '#d8c44e2a' lw 1.5, "
+if (Impacts > 0) {
+Jumps = "$jumps using 1:2:3 with lines lc rgb variable lw 1.5, "
 }
 Trace = "lc rgb '#a02c5f8a' lw 0.7"
 if (Orbit) {

@@ -106,38 +106,23 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     saltus_page_draw(sheet->page, "section");
 }
 
-/* Number of colours for marks; if there are more faces, only those that are hit are shown. */
-enum { mark_colours = 8 };
-
-static bool is_shown(const saltus_sheet *sheet, int face) {
-    bool shown = saltus_system_face_count(sheet->system) <= mark_colours;
-    for (long long k = 0; k < sheet->mapped && !shown; k++) {
-        const saltus_event *event = &sheet->section->events[k];
-        shown = event->face == face && event->kind != SALTUS_RELEASE && event->velocity_before != 0;
-    }
-    return shown;
-}
-
 /* Marks of the impact map: one colour and sign for each side of a stop; once all colours are used they repeat
  * with open signs. */
 static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
-    static const char *const colours[mark_colours] = {"c44e2a", "2c5f8a", "2f8f6f", "8a5aa0",
-                                                      "b08a00", "1c1c1c", "4aa3c7", "a03060"};
-    int shown = 0;
     const char *separator = "plot ", *value = logarithmic ? "abs($2)" : "$2";
     const char *size = sheet->mapped > 400 ? "0.5" : sheet->mapped > 60 ? "0.8" : "1.3";
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
-        if (!is_shown(sheet, f))
+        unsigned colour;
+        int rank;
+        if (!saltus_sheet_face_look(sheet, f, &colour, &rank))
             continue;
         fprintf(sheet->page->file,
                 "%s$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc rgb "
-                "'%s%s' title 'stop %d, %s%s'",
-                separator, face.side, face.stop + 1, value,
-                (face.side > 0 ? 9 : 11) - shown / mark_colours % 2, size, sheet->mapped > 400 ? "#60" : "#",
-                colours[shown % mark_colours], face.stop + 1, saltus_side_word(face.side),
+                "'%s%06x' title 'stop %d, %s%s'",
+                separator, face.side, face.stop + 1, value, (face.side > 0 ? 9 : 11) - rank % 2, size,
+                sheet->mapped > 400 ? "#60" : "#", colour, face.stop + 1, saltus_side_word(face.side),
                 saltus_page_narrow(sheet->page) ? "" : " side");
-        shown++;
         separator = ", \\\n     ";
     }
     fputc('\n', sheet->page->file);
@@ -165,9 +150,11 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     saltus_page_panel(sheet->page, frame, letter, heading);
     if (faces > 1 && narrow) {
         frame.top -= 8;
+        unsigned colour;
+        int rank;
         for (int f = 0; f < faces; f++)
-            frame.top -= 19 * is_shown(sheet, f);
-        saltus_page_frame(sheet->page, frame);
+            frame.top -= 19 * saltus_sheet_face_look(sheet, f, &colour, &rank);
+        saltus_page_frame(sheet->page, frame, SALTUS_PANEL_LEAST);
     }
     if (logarithmic) {
         saltus_range_floor(&size);
@@ -182,8 +169,9 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     if (faces > 1)
         fprintf(sheet->page->file,
                 "set key at graph %s left %s vertical Left reverse samplen 0.5 width -2 font "
-                "',11' textcolor rgb '#303030'\n",
-                narrow ? "0, graph 1.01" : "1.02, graph 1.02", narrow ? "bottom" : "top");
+                "',%.4g' textcolor rgb '#303030'\n",
+                narrow ? "0, graph 1.01" : "1.02, graph 1.02", narrow ? "bottom" : "top",
+                saltus_page_type(sheet->page, 11));
     put_impact_marks(sheet, logarithmic);
     saltus_page_template(sheet->page, "close");
 }
@@ -222,7 +210,7 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     snprintf(displacement, sizeof displacement, "displacement {/:Italic %s}", n->displacement);
     saltus_page_panel(sheet->page, frame, letter, heading);
     frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of time */
-    saltus_page_frame(sheet->page, frame);
+    saltus_page_frame(sheet->page, frame, SALTUS_PANEL_LEAST);
     put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range);
     for (int f = 0; f < faces; f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
@@ -310,7 +298,7 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
     saltus_line_observed(&heading, sheet->system, false);
     if (s->kind == SALTUS_SPECTRUM_WELCH)
         saltus_line_add(&heading, "; %g %% band%s", 100 * s->confidence,
-                        s->line_count > 0 ? "; ▾ lines" : "");
+                        saltus_spectrum_has_strong_lines(s) ? "; ▾ lines" : "");
     else if (s->periods == 1)
         saltus_line_add(&heading, ": multiples of {/:Italic ω}");
     else if (forcing)
@@ -377,7 +365,9 @@ static void put_script(saltus_sheet *sheet, saltus_page *page) {
                        (narrow ? 0 : words);
     saltus_page_begin(page);
     saltus_sheet_data(sheet);
-    fprintf(page->file, "set multiplot\n%s", narrow && columns > 1 ? "set tics font ',11'\n" : "");
+    fputs("set multiplot\n", page->file);
+    if (narrow && columns > 1)
+        fprintf(page->file, "set tics font ',%.4g'\n", saltus_page_type(page, 11));
     saltus_page_caption(page);
     if (wide && columns == 2) { /* the time history takes two cells, so it must begin a row */
         chosen[1] = chosen[2];

@@ -31,6 +31,8 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
 void saltus_spectrum_low_data(const saltus_spectra_source *source, const saltus_page *page);
 void saltus_spectrum_low_panel(const saltus_spectra_source *source, const saltus_page *page,
                                saltus_frame frame, int letter, const saltus_line *heading);
+/* Whether any line above a continuum is strong enough to be marked. */
+bool saltus_spectrum_has_strong_lines(const saltus_spectrum *spectrum);
 
 typedef struct saltus_sheet {
     const saltus_page *page;
@@ -64,6 +66,9 @@ void saltus_sheet_choose_all(saltus_sheet *sheet);
 void saltus_sheet_data(saltus_sheet *sheet);
 /* Only the data of portrait and history. */
 void saltus_sheet_record_data(saltus_sheet *sheet);
+/* The colour of the impacts on a face, and which sign it has in the impact map; faces that are not hit have
+ * none if there are many: false. */
+bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *rank);
 /* Number of impacts among the first `events` events of a record. */
 long long saltus_sheet_impacts(const saltus_trajectory *record, long long events);
 /* Observed displacement and velocity of stroboscopic point k of a record. */

@@ -12,6 +12,35 @@ long long saltus_sheet_impacts(const saltus_trajectory *record, long long events
     return count;
 }
 
+bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *rank) {
+    static const unsigned colours[] = {0xc44e2a, 0x2c5f8a, 0x2f8f6f, 0x8a5aa0,
+                                       0xb08a00, 0x1c1c1c, 0x4aa3c7, 0xa03060};
+    enum { count = sizeof colours / sizeof colours[0] };
+    const saltus_trajectory *r = sheet->section ? sheet->section : sheet->record;
+    const long long events = sheet->section ? sheet->mapped : sheet->events;
+    const bool all = saltus_system_face_count(sheet->system) <= count;
+    bool hit = false;
+    int shown = 0;
+    for (int f = 0; f <= face; f++) {
+        hit = all;
+        for (long long k = 0; k < events && !hit; k++)
+            hit = r->events[k].face == f && r->events[k].kind != SALTUS_RELEASE &&
+                  r->events[k].velocity_before != 0;
+        shown += hit && f < face;
+    }
+    *colour = colours[shown % count];
+    *rank = shown / count;
+    return hit;
+}
+
+/* The colour of an event's face as a number. */
+static unsigned colour_of(const saltus_sheet *sheet, const saltus_event *event) {
+    unsigned colour;
+    int rank;
+    saltus_sheet_face_look(sheet, event->face, &colour, &rank);
+    return colour;
+}
+
 void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
                          double point[2]) {
     const double *observer = saltus_system_observer(sheet->system),
@@ -221,18 +250,22 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
     fputs("EOD\n$history << EOD\n# tau/T displacement\n", sheet->page->file);
     for (long long row = 0; row < sheet->history_rows; row++)
         fprintf(sheet->page->file, "%.9g %.9g\n", r->time[row], r->displacement[row]);
-    fputs("EOD\n$jumps << EOD\n# displacement velocity, before and after each impact\n", sheet->page->file);
+    fputs("EOD\n$jumps << EOD\n# displacement velocity colour, before and after each impact\n",
+          sheet->page->file);
+    const unsigned faint = sheet->strong ? 0 : 0xd8000000; /* transparency */
     for (long long k = 0; k < sheet->events; k++) {
         long long row = r->event_rows[k];
-        if (r->events[k].kind != SALTUS_RELEASE)
-            fprintf(sheet->page->file, "%.9g %.9g\n%.9g %.9g\n\n", r->displacement[row], r->velocity[row],
-                    r->displacement[row + 1], r->velocity[row + 1]);
+        if (r->events[k].kind != SALTUS_RELEASE) {
+            const unsigned colour = faint | colour_of(sheet, &r->events[k]);
+            fprintf(sheet->page->file, "%.9g %.9g %u\n%.9g %.9g %u\n\n", r->displacement[row],
+                    r->velocity[row], colour, r->displacement[row + 1], r->velocity[row + 1], colour);
+        }
     }
-    fputs("EOD\n$impacts << EOD\n# tau/T displacement\n", sheet->page->file);
+    fputs("EOD\n$impacts << EOD\n# tau/T displacement colour\n", sheet->page->file);
     for (long long k = 0; k < sheet->history_events; k++)
         if (r->events[k].kind != SALTUS_RELEASE)
-            fprintf(sheet->page->file, "%.9g %.9g\n", r->time[r->event_rows[k]],
-                    r->displacement[r->event_rows[k]]);
+            fprintf(sheet->page->file, "%.9g %.9g %u\n", r->time[r->event_rows[k]],
+                    r->displacement[r->event_rows[k]], colour_of(sheet, &r->events[k]));
     fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->page->file);
     for (long long k = 0; k < sheet->mapped; k++) {
         const saltus_event *mapped = &sheet->section->events[k];

@@ -156,6 +156,18 @@ static void plot(const row *r, const char *block, double end, double floor, doub
     saltus_page_template(r->page, "close");
 }
 
+/* Whether a line above a continuum holds a visible part of the power. */
+static bool is_strong(const saltus_spectrum *s, const saltus_spectral_line *line) {
+    return line->decibels > -60 && 0.5 * line->amplitude * line->amplitude > 1e-3 * s->variance;
+}
+
+bool saltus_spectrum_has_strong_lines(const saltus_spectrum *s) {
+    bool any = false;
+    for (long long k = 0; k < s->line_count; k++)
+        any = any || is_strong(s, &s->lines[k]);
+    return any;
+}
+
 static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_line *heading) {
     const saltus_spectrum *s = r->s;
     const saltus_range across = {0, r->low_end};
@@ -169,7 +181,7 @@ static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_
      * mark of a stronger line. */
     for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_WELCH; k++) {
         const saltus_spectral_line *line = &s->lines[k];
-        bool marked = line->frequency < r->low_end && line->decibels > -60;
+        bool marked = line->frequency < r->low_end && is_strong(s, line);
         for (long long other = 0; other < s->line_count && marked; other++)
             marked = !(fabs(s->lines[other].frequency - line->frequency) < near &&
                        s->lines[other].amplitude > line->amplitude);
@@ -201,7 +213,7 @@ static void put_low(const row *r, saltus_frame frame, int letter) {
         saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}");
     else
         saltus_line_add(&heading, ":  density; pale: %g %% confidence%s", 100 * s->confidence,
-                        s->line_count ? "; ▾ strong lines" : "");
+                        saltus_spectrum_has_strong_lines(s) ? "; ▾ strong lines" : "");
     draw_low(r, frame, letter, &heading);
 }
 

@@ -478,7 +478,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
     if (dense)
         sound = sound && paint(page, rasters);
     if (sound) {
-        saltus_page_frame(&page->paper, page->frame);
+        saltus_page_frame(&page->paper, page->frame, SALTUS_PANEL_LEAST);
         saltus_sweep_put_axis(page, "x", &page->x);
         saltus_sweep_name_measure(page, &name);
         saltus_page_axis(&page->paper, "y", page->frame, page->logarithmic, name.text, page->up);

@@ -32,8 +32,9 @@ static void add_shares(saltus_sweep_map *map) {
     for (int k = 0; k < map->kind_count; k++) {
         double share = all > 0 ? 100 * map->kinds[k].count / all : 0;
         size_t used = strlen(map->kinds[k].figures);
-        snprintf(map->kinds[k].figures + used, sizeof map->kinds[k].figures - used, "%s%.*f %%",
-                 used ? ",  " : "", share < 9.95 ? 1 : 0, share);
+        const bool tiny = share < 0.05 && share > 0;
+        snprintf(map->kinds[k].figures + used, sizeof map->kinds[k].figures - used, "%s%s%.*f %%",
+                 used ? ",  " : "", tiny ? "< " : "", share < 9.95 ? 1 : 0, tiny ? 0.1 : share);
     }
 }
 
@@ -44,7 +45,7 @@ void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_
                                                        [SALTUS_PENDING] = "not computed yet",
                                                        [SALTUS_FAILED] = "failed"};
     bool measured = (sweep->options.keep & SALTUS_KEEP_LYAPUNOV) && sweep->options.measure > 0;
-    if ((c->verdict == SALTUS_UNDECIDED || c->verdict == SALTUS_IRREGULAR) && !measured)
+    if (c->verdict == SALTUS_UNDECIDED && !measured)
         snprintf(label, 64, "no period up to %d", sweep->options.longest);
     else if (c->verdict < SALTUS_VERDICTS && words[c->verdict])
         snprintf(label, 64, "%s", words[c->verdict]);

@@ -264,7 +264,10 @@ static void find_places(saltus_sweep_map *map, int most) {
 }
 
 static void put_note(const saltus_sweep_map *map, double x, double y, const char *text) {
-    saltus_page_label(&map->page->paper, text, x, y, "left front font ',11' tc rgb '#606060'");
+    const saltus_page *paper = &map->page->paper;
+    char style[64];
+    snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#606060'", saltus_page_type(paper, 11));
+    saltus_page_label(paper, text, x, y, style);
 }
 
 /* Notes above the legend on the signs in the map. */
@@ -339,7 +342,7 @@ static void put_legend(saltus_sweep_map *map) {
 static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     FILE *file = page->paper.file;
-    saltus_page_frame(&page->paper, page->frame);
+    saltus_page_frame(&page->paper, page->frame, SALTUS_PANEL_LEAST);
     saltus_sweep_put_axis(page, "x", &page->x);
     saltus_sweep_put_axis(page, "y", &page->y);
     saltus_sweep_put_raster_ranges(file, map->raster.width, map->raster.height);

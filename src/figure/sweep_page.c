@@ -65,7 +65,16 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     const saltus_sweep_options *o = &sweep->options;
     static const char *const starts[] = {"each from the initial state", "carried up", "carried down"};
     for (int k = 0; k < sweep->axis_count; k++) {
-        saltus_line_add(line, k ? " × %d of " : "%d values of ", sweep->axes[k].count);
+        const saltus_cells *cells = strcmp(page->x.key, sweep->axes[k].key) == 0 ? &page->x : &page->y;
+        int shown = 0; /* of a part of the range */
+        for (int n = 0; n < sweep->axes[k].count; n++) {
+            const double part = saltus_cells_part(cells, sweep->axes[k].list[n]);
+            shown += part >= 0 && part <= 1;
+        }
+        saltus_line_add(line, k ? " × %d" : "%d", shown);
+        if (shown < sweep->axes[k].count)
+            saltus_line_add(line, " of %d", sweep->axes[k].count);
+        saltus_line_add(line, k && shown == sweep->axes[k].count ? " of " : " values of ");
         add_symbol(page->system, sweep->axes[k].key, line);
     }
     const bool start = saltus_system_state_index(page->system, sweep->axes[0].key) >= 0;
@@ -91,6 +100,10 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
                         sweep->axis_count == 1 ? ", bars ± one standard error" : "");
     if (page->view == SALTUS_VIEW_LYAPUNOV && saltus_sweep_any_lost(page))
         saltus_line_add(line, ";  %s: all directions lost", sweep->axis_count > 1 ? "black" : "▼");
+    for (int k = 0; k < page->classes.count && !sweep->basins; k++)
+        if (page->classes.list[k].verdict == SALTUS_IRREGULAR &&
+            !(sweep->axis_count > 1 && page->view != SALTUS_VIEW_CLASS))
+            saltus_line_add(line, ";  irregular: no period up to %d", o->longest);
     bool numbers = page->view >= SALTUS_VIEW_LARGEST && saltus_sweep_visits(sweep) > 1;
     if (numbers && sweep->axis_count > 1)
         saltus_line_add(line, ";  shown: the first");
@@ -156,9 +169,11 @@ void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, s
             x / w, y / h, (x + size) / w, (y + size) / h, (unsigned)paint.colour);
     saltus_line plain = {.length = 0};
     saltus_line_plain(&plain, text);
-    saltus_page_label(&page->paper, plain.text, x + size + 12, y + 0.5 * size,
-                      saltus_page_narrow(&page->paper) ? "left front font ',10.5' tc rgb '#202020'"
-                                                       : "left front font ',12' tc rgb '#202020'");
+    const bool narrow = saltus_page_narrow(&page->paper);
+    char style[64];
+    snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#202020'",
+             saltus_page_type(&page->paper, narrow ? 10.5 : 12));
+    saltus_page_label(&page->paper, plain.text, x + size + (narrow ? 8 : 12), y + 0.5 * size, style);
     for (int k = 0; k < 7; k++) {
         double a = fmax(0, 2 * k - 6) * size / 6, b = fmin(6, 2 * k) * size / 6, c = (k + 0.5) * size / 3;
         unsigned texture = k < 3 ? paint.texture : 0;

@@ -109,7 +109,8 @@ bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
                         page->asked ? "the range" : "the 0.5 and 99.5 percentiles");
     saltus_page_frame(&page->paper,
                       (saltus_frame){page->frame.right + apart, page->frame.right + apart + wide,
-                                     page->frame.bottom, page->frame.top});
+                                     page->frame.bottom, page->frame.top},
+                      SALTUS_PANEL_LEAST);
     fprintf(page->paper.file,
             "unset logscale\nunset xtics\nunset ytics\nunset xlabel\nunset ylabel\nset xrange [0:%d]\n"
             "set yrange [0:%d]\nset y2tics out nomirror scale 0.5 offset -0.4,0\n",

@@ -82,8 +82,9 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
             saltus_line_plain(&name, c->label);
             fputs("set label ", page->paper.file);
             saltus_put_quoted(page->paper.file, name.text, name.length);
-            fprintf(page->paper.file, " at graph %.6f,%.6f center front font ',10.5' tc rgb '%s'\n",
+            fprintf(page->paper.file, " at graph %.6f,%.6f center front font ',%.4g' tc rgb '%s'\n",
                     0.5 * (first + end) / raster->width, (bottom + 0.5 * height) / raster->height,
+                    saltus_page_type(&page->paper, 10.5),
                     saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
         }
     }
@@ -147,15 +148,15 @@ bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
     if (!saltus_raster_open(&raster, pixels_across(page, frame),
                             (int)(saltus_sweep_fineness(page) * (frame.top - frame.bottom))))
         return false;
-    saltus_page_frame(&page->paper, frame);
+    saltus_page_frame(&page->paper, frame, 0);
     saltus_sweep_put_axis(page, "x", &page->x);
     saltus_sweep_put_raster_ranges(file, raster.width, raster.height);
     fputs("set format x '% h'\nunset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\n", file);
     bool sound = paint(page, &raster);
     for (int pass = 0; pass < passes; pass++)
-        fprintf(file, "set label '%s' at graph -0.008,%.6f right front font ',10.5' tc rgb '#404040'\n",
+        fprintf(file, "set label '%s' at graph -0.008,%.6f right front font ',%.4g' tc rgb '#404040'\n",
                 passes > 1 ? saltus_pass_word(page->sweep->passes[pass]) : "{/:Italic n}/{/:Italic p}",
-                (passes - 1 - pass + 0.5) / passes);
+                (passes - 1 - pass + 0.5) / passes, saltus_page_type(&page->paper, 10.5));
     fputs("set border 1\nplot ", file);
     saltus_raster_element(file, &raster, "x2y2");
     fputs(", NaN notitle\n", file);
