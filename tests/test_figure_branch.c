@@ -1426,6 +1426,35 @@ static void scripts_are_kept(void **state) {
     assert_int_equal(saltus_plot(out, paths, 1, &how, &message), SALTUS_BAD_INPUT);
 }
 
+/* Where another impact becomes the largest the curve of the largest has a corner: it is nowhere below both
+ * impacts. */
+static void the_largest_of_two_has_a_corner(void **state) {
+    (void)state;
+    const saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    for (int k = 0; k < points; k++) {
+        const double along = k % 30 / 29.0;
+        made.point[k].value[0] = 1 + along;
+        set_parameter(&made.point[k].spec, "omega", made.point[k].value[0]);
+        for (int e = 0; e < 2; e++)
+            made.event[k][e].velocity_before = e ? -(0.1 + along * along) : 1.1 - along * (1.5 - 0.4 * along);
+    }
+    write_branch("b.h5");
+    figure f = draw(&how);
+    int arcs = 0;
+    for (int e = 0; e < f.panel[0].element_count; e++) {
+        const figure_element *line = &f.panel[0].element[e];
+        for (int k = 0; k < line->values.count && strstr(line->text, "$curve"); k++) {
+            const double along = line->values.at[k][0] - 1, other = 0.1 + along * along,
+                         first = 1.1 - along * (1.5 - 0.4 * along);
+            assert_true(line->values.at[k][1] > fmax(first, other) - 2e-3);
+            arcs++;
+        }
+    }
+    assert_true(arcs > 60);
+    figure_free(&f);
+}
+
 /* A name on a curve is on its own alone: where an unstable motion lies on a stable one of another label, and
  * where curves cross, neither name is. */
 static void names_on_curves_are_where_no_other_curve_is(void **state) {
@@ -1476,6 +1505,7 @@ int main(void) {
         cmocka_unit_test(names_stand_on_their_stretches),
         cmocka_unit_test(names_do_not_lie_on_each_other),
         cmocka_unit_test(names_are_nearest_to_their_own_marks),
+        cmocka_unit_test(the_largest_of_two_has_a_corner),
         cmocka_unit_test(names_on_curves_are_where_no_other_curve_is),
         cmocka_unit_test(crowded_marks_have_their_names),
         cmocka_unit_test(files_over_each_other_have_their_own_colour),

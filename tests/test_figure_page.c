@@ -365,6 +365,33 @@ static void stops_have_their_colours(void **state) {
     }
 }
 
+/* An impact has the colour of its side in portrait, history and map. */
+static void sides_have_one_colour(void **state) {
+    (void)state;
+    static made_up m;
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = orbit_of(2);
+    make_record(&m, system, 3, two_impacts, 5);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    figure f = draw(system, &diagnosis);
+    const figure_panel *map = map_of(&f);
+    const double colour[2] = {(double)figure_colour(map->element[0].style),
+                              (double)figure_colour(map->element[1].style)};
+    static const char *const blocks[] = {"$jumps", "$impacts"};
+    for (int b = 0; b < 2; b++) {
+        const figure_element *e = figure_element_of(&f.panel[b], blocks[b], 0);
+        assert_non_null(e);
+        assert_true(e->values.count == (b ? 4 : 8) && strstr(e->style, "lc rgb variable"));
+        for (int k = 0; k < e->values.count; k++) {
+            const bool lower = b ? e->values.at[k][1] < 0 : e->values.at[k][0] < 0;
+            assert_true(e->values.at[k][2] == colour[lower]);
+        }
+    }
+    assert_true(colour[0] != colour[1]);
+    figure_free(&f);
+    saltus_system_free(system);
+}
+
 /* Multipliers and unit circle have a margin of 15 percent around whichever is larger. */
 static void the_circle_has_room_about_it(void **state) {
     (void)state;
@@ -767,6 +794,7 @@ int main(void) {
         cmocka_unit_test(marks_get_smaller_as_they_become_more),
         cmocka_unit_test(speeds_choose_their_axis),
         cmocka_unit_test(stops_have_their_colours),
+        cmocka_unit_test(sides_have_one_colour),
         cmocka_unit_test(the_circle_has_room_about_it),
         cmocka_unit_test(shapes_are_spread_over_two_periods),
         cmocka_unit_test(blocks_are_shown_where_they_are_near),
