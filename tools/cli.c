@@ -35,9 +35,10 @@ const cli_option cli_from = CLI_OPTION(
 /* Widths of figures by name, in mm. */
 static const char *const size_words[] = {"column", "two-columns", NULL};
 static const double size_widths[] = {85, 175};
-const cli_option cli_size = CLI_CHOICE(
-    "--size", "WxH", "on paper, with type of 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm",
-    size_words);
+const cli_option cli_size =
+    CLI_CHOICE("--size", "WxH",
+               "on paper, with type of 7 to 8 pt: column (85 mm wide), two-columns (175 mm), W or WxH in mm",
+               size_words);
 const cli_option cli_no_heading =
     CLI_OPTION("--no-heading", CLI_FLAG, NULL, "panels and legends alone, no words above them");
 const cli_option cli_title =
@@ -326,7 +327,7 @@ static bool choose_look(cli_request *request) {
     look->logarithmic = logarithmic->items;
     look->logarithmic_count = logarithmic->count;
     if (size && !read_size(size, &look->width, &look->height))
-        return cli_refuse(false, "--size %s: must be column, two-columns, W or WxH in mm, such as 85x60",
+        return cli_refuse(false, "--size %s: must be column, two-columns, W or WxH in mm, such as 85x100",
                           size);
     for (int k = 0; k < look->logarithmic_count; k++)
         if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. "))

@@ -360,11 +360,15 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
     const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
                  size = usual * (length + over) / (letter * saltus_line_letters(name));
     fprintf(page->file, "set %slabel ", axis);
-    /* A title that would not even fit in the smallest type has two lines, if its axis has room beside it. */
-    const size_t all = strlen(name),
-                 first = page->look.width > 0 && size < smallest_type && *axis == 'y'
-                             ? saltus_line_piece(name, (int)(0.62 * saltus_line_letters(name)))
-                             : all;
+    /* A title that would not even fit in the smallest type has two lines, the second from a wide blank on if
+     * there is one. */
+    const size_t all = strlen(name);
+    size_t first = all;
+    if (page->look.width > 0 && size < smallest_type && *axis == 'y') {
+        const char *wide = strstr(name, "  ");
+        const int letters = saltus_line_letters(name), after = wide ? saltus_line_letters(wide + 2) : 0;
+        first = 4 * after > letters ? (size_t)(wide - name) : saltus_line_piece(name, (int)(0.62 * letters));
+    }
     saltus_put_quoted(page->file, name, first);
     if (first < all) {
         fputs(".\"\\n\".", page->file);
@@ -388,7 +392,23 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
         if (floor(range.high / step) - ceil(range.low / step) < (tics < 5 ? 1 : 2))
             step /= 2;
         fprintf(page->file, "set %stics %.9g\n", axis, step);
+    } else if (across) {
+        /* Where the tics that gnuplot chooses would touch each other there are fewer. */
+        const double usual_step = saltus_page_tic_step(range, 9),
+                     needed = 10 * (double)saltus_page_tic_letters(range, usual_step) + 16;
+        if (length * usual_step / (range.high - range.low) < needed)
+            fprintf(page->file, "set xtics %.9g\n", saltus_page_tic_step(range, length / needed));
     }
+}
+
+size_t saltus_page_tic_letters(saltus_range range, double step) {
+    size_t longest = 1;
+    for (double tic = ceil(range.low / step); tic * step <= range.high; tic++) {
+        char number[32];
+        snprintf(number, sizeof number, "%.6g", fabs(tic) < 0.5 ? 0 : tic * step);
+        longest = strlen(number) > longest ? strlen(number) : longest;
+    }
+    return longest;
 }
 
 double saltus_page_tic_step(saltus_range range, double tics) {

@@ -100,8 +100,9 @@ void saltus_page_label(const saltus_page *page, const char *text, double x, doub
  * set in smaller type. */
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
                       const char *name, saltus_range range);
-/* A round step that gives at most `tics` tics. */
+/* A round step that gives at most `tics` tics, and the letters of the longest number at such tics. */
 double saltus_page_tic_step(saltus_range range, double tics);
+size_t saltus_page_tic_letters(saltus_range range, double step);
 /* Set variables of the script for the templates: a number, or a text. */
 void saltus_page_number(const saltus_page *page, const char *name, double value);
 void saltus_page_text(const saltus_page *page, const char *name, const char *text);

@@ -5,7 +5,6 @@
 #include <gsl/gsl_sort_float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 bool saltus_sweep_map_numbers(saltus_sweep_map *map) {
     const double rare = 0.005, far = 0.5, decades = 20;
@@ -79,14 +78,8 @@ enum { apart = 22, wide = 22 }; /* the colour bar: from the map, and its width *
 double saltus_sweep_map_bar_room(const saltus_sweep_map *map) {
     const bool narrow = saltus_page_narrow(&map->page->paper);
     const double letter = 9.8, beside = apart + wide + (narrow ? 46 : 66);
-    const double step = saltus_page_tic_step(map->range, 5);
-    size_t longest = 4;
-    for (double tic = ceil(map->range.low / step); tic * step <= map->range.high && !map->logarithmic;
-         tic++) {
-        char number[32];
-        snprintf(number, sizeof number, "%.6g", fabs(tic) < 0.5 ? 0 : tic * step);
-        longest = strlen(number) > longest ? strlen(number) : longest;
-    }
+    const size_t longest =
+        map->logarithmic ? 4 : saltus_page_tic_letters(map->range, saltus_page_tic_step(map->range, 5));
     return fmax(narrow ? 160 : 180, beside + letter * (double)longest);
 }
 

@@ -33,25 +33,26 @@ static int pixels_across(const saltus_sweep_page *page, saltus_frame strip) {
 }
 
 /* The class of the next stretch that is wide enough for the name of its class, from *first to before *end;
- * NULL: there is none. A sliver of other classes does not end a stretch. *end is where the search begins, 0
- * at first. */
+ * NULL: there is none. Slivers of other classes end a stretch only if the name has room beside them. *end is
+ * where the search begins, 0 at first. */
 static const saltus_sweep_class *next_named(const saltus_sweep_page *page, const int *winners, int width,
                                             int *first, int *end) {
     const double letter = 9.2, room = 8;
     const int fineness = saltus_sweep_fineness(page), sliver = 2 * fineness;
     while (*end < width) {
         const int own = winners[*end];
-        *first = *end;
-        for (int x = ++*end; x < width && x <= *end + sliver; x++)
-            if (winners[x] == own)
-                *end = x + 1;
         const saltus_sweep_class *c = own >= 0 ? &page->classes.list[own] : NULL;
-        if (c && c->verdict != SALTUS_PENDING &&
-            *end - *first >= fineness * (letter * (double)strlen(c->label) + room))
-            return c;
-        *end = *first + 1;
+        const double least = c ? fineness * (letter * (double)strlen(c->label) + room) : 0;
+        *first = *end;
         while (*end < width && winners[*end] == own)
             ++*end;
+        const int whole = *end;
+        for (int x = *end; x < width && x <= *end + sliver && *end - *first < least; x++)
+            if (winners[x] == own)
+                *end = x + 1;
+        if (c && c->verdict != SALTUS_PENDING && *end - *first >= least)
+            return c;
+        *end = whole;
     }
     return NULL;
 }
