@@ -41,7 +41,7 @@ saltus_status saltus_page_open(saltus_page *page, const char *path, const saltus
     if (status != SALTUS_OK)
         return status;
     *page = (saltus_page){.path = path, .look = look ? *look : saltus_figure_defaults()};
-    page->lacking = page->lacked;
+    page->lacking = &page->lack;
     page->width = page->look.width > 0 ? page->look.width / mm_per_unit : usual_width;
     page->free_height = page->look.width > 0 && !(page->look.height > 0);
     page->height = page->free_height       ? page->width * usual_height / usual_width
@@ -103,13 +103,13 @@ static saltus_status keep_script(const saltus_page *page, saltus_message *messag
 
 saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message) {
     FILE *picture = NULL;
-    if (status == SALTUS_OK && (page->lacked[0] > 0 || page->lacked[1] > 0))
+    if (status == SALTUS_OK && (page->lack.width > 0 || page->lack.height > 0))
         status = saltus_fail(message, SALTUS_BAD_INPUT,
                              "a figure of %.0f x %.0f mm has no room for its panels: %.0f x %.0f mm would be "
                              "enough%s",
                              page->width * mm_per_unit, page->height * mm_per_unit,
-                             ceil((page->width + 3 * page->lacked[0]) * mm_per_unit),
-                             ceil((page->height + page->lacked[1] * page->lacked[3]) * mm_per_unit),
+                             ceil((page->width + 3 * page->lack.width) * mm_per_unit),
+                             ceil((page->height + page->lack.height * page->lack.rows) * mm_per_unit),
                              page->look.no_heading ? "" : ", or less without the heading (--no-heading)");
     if (status == SALTUS_OK && page->look.script)
         status = keep_script(page, message);
@@ -306,10 +306,10 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
 void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least) {
     const double least_width = 10;
     const double high = frame.top - frame.bottom;
-    page->lacking[0] = fmax(page->lacking[0], least_width - (frame.right - frame.left));
-    page->lacking[1] = fmax(page->lacking[1], least - high);
-    page->lacking[3] += least > 0 && page->lacking[2] != frame.bottom;
-    page->lacking[2] = least > 0 ? frame.bottom : page->lacking[2];
+    page->lacking->width = fmax(page->lacking->width, least_width - (frame.right - frame.left));
+    page->lacking->height = fmax(page->lacking->height, least - high);
+    page->lacking->rows += least > 0 && page->lacking->bottom != frame.bottom;
+    page->lacking->bottom = least > 0 ? frame.bottom : page->lacking->bottom;
     fprintf(page->file,
             "set lmargin at screen %.8f\nset rmargin at screen %.8f\nset bmargin at screen %.8f\n"
             "set tmargin at screen %.8f\n",

@@ -11,6 +11,13 @@
 
 enum { SALTUS_CAPTION_LINES = 8 };
 
+/* The width and height that the panel that lacks most lacks, and the number of rows of panels; `bottom` is
+ * that of the last panel. */
+typedef struct saltus_lack {
+    double width, height, bottom;
+    int rows;
+} saltus_lack;
+
 /* Lengths on a page are in units such that a letter of the usual size is 17.3 units high on any page. The
  * default page has 1600 by 1200 units, a column of a journal is 522 units wide. */
 typedef struct saltus_page {
@@ -18,10 +25,9 @@ typedef struct saltus_page {
     const char *path;
     saltus_figure_options look;
     double width, height;
-    bool free_height; /* no height was requested: the figure chooses it before the page begins */
-    double top;       /* lower edge of the caption */
-    /* The width and height that a panel lacks most, the bottom of the last panel, and the number of rows. */
-    double lacked[4], *lacking;
+    bool free_height;           /* no height was requested: the figure chooses it before the page begins */
+    double top;                 /* lower edge of the caption */
+    saltus_lack lack, *lacking; /* what panels lack, to be written while they are drawn */
     saltus_line caption[SALTUS_CAPTION_LINES]; /* the heading first */
     const char *colour[SALTUS_CAPTION_LINES];
     int caption_lines;

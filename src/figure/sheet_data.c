@@ -33,14 +33,6 @@ bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colou
     return hit;
 }
 
-/* The colour of an event's face as a number. */
-static unsigned colour_of(const saltus_sheet *sheet, const saltus_event *event) {
-    unsigned colour;
-    int rank;
-    saltus_sheet_face_look(sheet, event->face, &colour, &rank);
-    return colour;
-}
-
 void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
                          double point[2]) {
     const double *observer = saltus_system_observer(sheet->system),
@@ -239,6 +231,9 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
     /* Rows of the trajectory; an empty line where the velocity jumps. */
     const saltus_trajectory *r = sheet->record;
     long long event = 0;
+    unsigned colours[2 * SALTUS_STOPS_MAX];
+    for (int f = 0, rank; f < saltus_system_face_count(sheet->system); f++)
+        saltus_sheet_face_look(sheet, f, &colours[f], &rank);
     fputs("$orbit << EOD\n# tau/T displacement velocity\n", sheet->page->file);
     for (long long row = 0; row < sheet->rows; row++) {
         fprintf(sheet->page->file, "%.9g %.9g %.9g\n", r->time[row], r->displacement[row], r->velocity[row]);
@@ -256,7 +251,7 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
     for (long long k = 0; k < sheet->events; k++) {
         long long row = r->event_rows[k];
         if (r->events[k].kind != SALTUS_RELEASE) {
-            const unsigned colour = faint | colour_of(sheet, &r->events[k]);
+            const unsigned colour = faint | colours[r->events[k].face];
             fprintf(sheet->page->file, "%.9g %.9g %u\n%.9g %.9g %u\n\n", r->displacement[row],
                     r->velocity[row], colour, r->displacement[row + 1], r->velocity[row + 1], colour);
         }
@@ -265,7 +260,7 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
     for (long long k = 0; k < sheet->history_events; k++)
         if (r->events[k].kind != SALTUS_RELEASE)
             fprintf(sheet->page->file, "%.9g %.9g %u\n", r->time[r->event_rows[k]],
-                    r->displacement[r->event_rows[k]], colour_of(sheet, &r->events[k]));
+                    r->displacement[r->event_rows[k]], colours[r->events[k].face]);
     fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->page->file);
     for (long long k = 0; k < sheet->mapped; k++) {
         const saltus_event *mapped = &sheet->section->events[k];
