@@ -1426,6 +1426,32 @@ static void scripts_are_kept(void **state) {
     assert_int_equal(saltus_plot(out, paths, 1, &how, &message), SALTUS_BAD_INPUT);
 }
 
+/* The speed of a grazing impact, a rounding error, does not stretch a logarithmic axis, and its mark, below
+ * the panel, has no name; an end at a Hopf point has the mark of that alone. */
+static void marks_that_say_nothing_are_left_out(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    make_branch();
+    made.point[20].kind = SALTUS_POINT_GR;
+    made.event[20][0].velocity_before = made.event[20][1].velocity_before = 1e-13;
+    made.point[28].kind = SALTUS_POINT_HB;
+    made.point[29].kind = SALTUS_POINT_EP;
+    made.point[29].value[0] = made.point[28].value[0];
+    set_parameter(&made.point[29].spec, "omega", made.point[29].value[0]);
+    write_branch("b.h5");
+    how.look.logarithmic = (const char *const[]){"speed"};
+    how.look.logarithmic_count = 1;
+    figure f = draw(&how);
+    const figure_panel *panel = &f.panel[0];
+    assert_true(panel->logarithmic[1] && panel->range[1][0] > 0.1 && panel->range[1][1] < 10);
+    assert_null(figure_mark_of(panel, 'a', "nohead", 0));
+    for (int k = 0; k < panel->mark_count; k++)
+        assert_true(panel->mark[k].kind != 'l' || strcmp(panel->mark[k].text, "GR") != 0);
+    assert_non_null(figure_element_of(panel, "'HB  Hopf'", 0));
+    assert_null(figure_element_of(panel, "'EP  end'", 0));
+    figure_free(&f);
+}
+
 /* Where another impact becomes the largest the curve of the largest has a corner: it is nowhere below both
  * impacts. */
 static void the_largest_of_two_has_a_corner(void **state) {
@@ -1505,6 +1531,7 @@ int main(void) {
         cmocka_unit_test(names_stand_on_their_stretches),
         cmocka_unit_test(names_do_not_lie_on_each_other),
         cmocka_unit_test(names_are_nearest_to_their_own_marks),
+        cmocka_unit_test(marks_that_say_nothing_are_left_out),
         cmocka_unit_test(the_largest_of_two_has_a_corner),
         cmocka_unit_test(names_on_curves_are_where_no_other_curve_is),
         cmocka_unit_test(crowded_marks_have_their_names),

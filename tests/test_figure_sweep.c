@@ -169,6 +169,13 @@ static void clouds_are_those_of_the_file(void **state) {
         how.part_count = 1;
         f = draw("s.h5", &how, "s.png");
         check_cloud(&f, &file, view, (const double[2]){0.55, 0.9}, everything);
+        int shown = 0;
+        char words[64];
+        for (int k = 0; k < file.axes[0].count; k++)
+            shown += file.axes[0].list[k] >= 0.55 && file.axes[0].list[k] <= 0.9;
+        snprintf(words, sizeof words, "%d of %d values of ", shown, file.axes[0].count);
+        assert_true(shown > 0 && shown < file.axes[0].count);
+        figure_says(&f, words);
         figure_free(&f);
     }
     saltus_sweep_file_clear(&file);
