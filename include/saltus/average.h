@@ -41,6 +41,7 @@ typedef struct saltus_estimate {
     bool weighted;         /* the mean is the weighted one */
 } saltus_estimate;
 
+/* Add the next value of the series. */
 void saltus_average_add(saltus_average *average, double value);
 /* Estimate over all values. */
 saltus_estimate saltus_average_estimate(const saltus_average *average);

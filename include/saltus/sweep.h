@@ -170,6 +170,8 @@ typedef struct saltus_sweep_feed {
     void (*done)(void *context, long long task);
 } saltus_sweep_feed;
 
+/* The number of tasks: the points of each pass that starts anew, and the lines along the first axis of the
+ * others. */
 long long saltus_sweep_tasks(const saltus_sweep *sweep);
 /* A task has saltus_sweep_task_length places; the k-th one is saltus_sweep_task_place. */
 int saltus_sweep_task_length(const saltus_sweep *sweep, long long task);

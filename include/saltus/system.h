@@ -168,6 +168,7 @@ saltus_status saltus_system_new(const saltus_spec *spec, saltus_system **system,
 /* NULL is accepted. */
 void saltus_system_free(saltus_system *system);
 
+/* The specification that the system was built from; it belongs to the system. */
 const saltus_spec *saltus_system_spec(const saltus_system *system);
 /* Degrees of freedom (modes), extra first-order states, and the length of a state vector: displacements q,
  * then velocities q', then extra states. */

@@ -37,6 +37,7 @@ void *saltus_archive_list(saltus_archive *archive, void *things, int *count, siz
 /* An array of `count` finite numbers; reading, it is allocated. */
 void saltus_archive_array(saltus_archive *archive, double **values, size_t count);
 
+/* An event sequence. */
 void saltus_archive_sequence(saltus_archive *archive, saltus_sequence *sequence);
 /* The point's room is grown as needed. */
 void saltus_archive_point(saltus_archive *archive, saltus_curve_point *point);

@@ -15,6 +15,7 @@ typedef struct saltus_locus_point {
     double before_place;
 } saltus_locus_point;
 
+/* Free the arrays. A zeroed one is accepted. */
 void saltus_locus_point_clear(saltus_locus_point *point);
 /* Evaluate and survey the orbit at point->at. Errors: SALTUS_NO_MEMORY, those of the equations. */
 saltus_status saltus_locus_see_orbit(saltus_extended *extended, saltus_locus_point *point,

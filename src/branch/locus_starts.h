@@ -27,6 +27,7 @@ typedef struct saltus_locus_starts {
     int count, next;
 } saltus_locus_starts;
 
+/* Free the list. A zeroed one is accepted. */
 void saltus_locus_starts_clear(saltus_locus_starts *starts);
 /* Keep a copy; or, if there is such a start already, note that it is done if this one is. Errors:
  * SALTUS_NO_MEMORY. */

@@ -73,6 +73,7 @@ double saltus_orbits_border(double origin, double unit, double border, int side)
 saltus_status saltus_orbits_tune(saltus_orbits *orbits, const double *parameters, double omega,
                                  saltus_message *message);
 
+/* Free the arrays. A zeroed one is accepted. */
 void saltus_solution_clear(saltus_solution *solution);
 /* The tangent's component in the parameter. */
 double saltus_solution_heading(const saltus_solution *solution);

@@ -34,6 +34,7 @@ typedef struct saltus_notice {
     const saltus_breach *grazing;  /* the touch at grazing; NULL: not known */
 } saltus_notice;
 
+/* Free the trail with the points that were not taken. A zeroed one is accepted. */
 void saltus_trail_clear(saltus_trail *trail);
 /* Discard the points that were not taken yet. */
 void saltus_trail_drop(saltus_trail *trail);

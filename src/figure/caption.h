@@ -14,6 +14,7 @@ typedef struct saltus_line {
     size_t length;
 } saltus_line;
 
+/* Append to the text. */
 void saltus_line_add(saltus_line *l, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 2, 3)))

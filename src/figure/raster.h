@@ -43,6 +43,7 @@ typedef struct saltus_tally {
     float *weight; /* total weight of the points in the pixel, spread like their cover */
 } saltus_tally;
 
+/* An empty tally; false without memory. */
 bool saltus_tally_open(saltus_tally *tally, int width, int height);
 void saltus_tally_close(saltus_tally *tally);
 /* Add a point that extends from `left` to `right` and is `thick` pixels high around `y`; edges may be

@@ -61,6 +61,7 @@ typedef struct saltus_ending {
     const double *points; /* of a periodic motion: its section points, periods x dimension */
 } saltus_ending;
 
+/* The ending of a motion, whose arrays it refers to. */
 saltus_ending saltus_motion_ending(const saltus_motion *motion);
 
 /* Whether two trajectories of a system have ended on the same attractor: on the same orbit or the same rest,

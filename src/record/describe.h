@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+/* Write a number that reads back exactly. */
 void saltus_put_number(FILE *file, double value);
 /* Plural ending of a noun: "" if count is 1, otherwise "s". */
 const char *saltus_plural(long long count);
@@ -61,6 +62,7 @@ typedef struct saltus_uncertain {
     char value[40], error[40];
 } saltus_uncertain;
 
+/* The texts of both numbers. */
 saltus_uncertain saltus_uncertain_text(double value, double error);
 
 /* Fate of nearby trajectories according to the largest exponent. */
@@ -72,6 +74,7 @@ typedef enum saltus_sense {
     SALTUS_SENSE_MEET        /* -infinity */
 } saltus_sense;
 
+/* The fate that the largest exponent tells. */
 saltus_sense saltus_lyapunov_sense(const saltus_lyapunov *lyapunov);
 const char *saltus_sense_word(saltus_sense sense); /* "positive", "negative", "zero", "unresolved", "lost" */
 /* How a system can lose directions of the state space: in lasting contact, or also in impacts with r = 0. */

@@ -18,6 +18,7 @@ void saltus_json_fields(FILE *file, const char *begin, const saltus_field_table 
 void saltus_json_named(FILE *file, const char *names, const saltus_field_table *table, const int *counts,
                        const void *record);
 
+/* A number; null if JSON cannot represent it. */
 void saltus_json_value(FILE *file, double value);
 /* Further members of an object, each preceded by a comma. Numbers that JSON cannot represent become null. */
 void saltus_json_key(FILE *file, const char *key);

@@ -94,6 +94,7 @@ typedef struct saltus_job {
     saltus_cell *cells; /* [place][seed] */
 } saltus_job;
 
+/* The results of a task being collected; NULL without memory. */
 saltus_job *saltus_job_open(const saltus_sweep *sweep, long long task);
 void saltus_job_free(saltus_job *job);
 /* Store a trajectory's result in its cell, which takes over the watch's clouds. Returns true when all seeds
@@ -173,6 +174,7 @@ typedef struct saltus_sweep_trajectory {
     bool starved; /* out of memory */
 } saltus_sweep_trajectory;
 
+/* A trajectory without a job; false without memory. To be closed also then. */
 bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *trajectory, const saltus_sweep *sweep);
 void saltus_sweep_trajectory_close(saltus_sweep_trajectory *trajectory);
 /* The point of the grid where the trajectory is. */

@@ -78,8 +78,10 @@ typedef struct saltus_expression {
  * SALTUS_BAD_INPUT (the message gives the column in bytes, from 1), SALTUS_NO_MEMORY. */
 saltus_status saltus_expression_parse(const char *text, saltus_expression *expression,
                                       saltus_message *message);
+/* Free the terms. A zeroed one is accepted. */
 void saltus_expression_clear(saltus_expression *expression);
 
+/* The word of a function in texts, and the operation that computes it. */
 const char *saltus_function_name(saltus_function function);
 saltus_operation saltus_function_operation(saltus_function function);
 
