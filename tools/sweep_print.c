@@ -93,10 +93,15 @@ static bool is_met(const sweep_report *report, const char *label) {
     return k < report->tally.count;
 }
 
-/* How undecided trajectories could be decided. */
-static void print_hint(const saltus_sweep *sweep, const sweep_report *report) {
-    const saltus_sweep_options *o = saltus_sweep_choices(sweep);
+/* What failed trajectories are, and how undecided ones could be decided. */
+static void print_hint(const sweep_order *order, const sweep_report *report) {
+    const saltus_sweep_options *o = saltus_sweep_choices(order->sweep);
     bool measured = o->keep & SALTUS_KEEP_LYAPUNOV;
+    if (is_met(report, "failed"))
+        puts(
+            "failed: the start lies beyond a stop, or the flow gave up; saltus classify tells it of a point");
+    if (order->basins)
+        return;
     if (is_met(report, "irregular") && !measured)
         printf(
             "irregular: no period up to %d T was found; --what lyapunov would tell chaos from the others\n",
@@ -123,8 +128,7 @@ static void print_table(const sweep_order *order, const sweep_report *report, co
         print_attractors(file, shares, none);
     else if (report->tally.count)
         print_classes(&report->tally, counted(report));
-    if (!order->basins)
-        print_hint(sweep, report);
+    print_hint(order, report);
     if (report->computed)
         printf("%.3g s, %.4g trajectories/s%s\n", report->seconds, rate(report),
                report->computed < report->rows ? "; the others were there" : "");

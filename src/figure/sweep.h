@@ -60,7 +60,7 @@ typedef struct saltus_classes {
     int *of_row;
 } saltus_classes;
 
-/* The classes of all rows; false without memory. */
+/* The classes of all rows; false without memory. To be closed also then. */
 bool saltus_classes_open(saltus_classes *classes, const saltus_sweep_file *sweep);
 void saltus_classes_close(saltus_classes *classes);
 

@@ -22,7 +22,9 @@ static void put_head(const saltus_sweep_file *head, const saltus_cloud_kind *kin
         fprintf(file, "# title: %s\n", head->title);
     saltus_sweep_identity_put(file, head, "# ");
     fprintf(file, "# complete: %d\n", head->complete);
-    fputs("# nan: nothing was recorded, or the quantity was not asked for\n", file);
+    fputs("# nan: nothing was recorded, or the quantity was not asked for\n"
+          "# failed: the start lies beyond a stop, or the flow gave up\n",
+          file);
     for (int k = 0; k < head->axis_count; k++)
         fprintf(file, "%s,", head->axes[k].key);
     fputs("pass,seed", file);
