@@ -81,7 +81,7 @@ table() {
 run whole.h5 --resume >text || fail "a finished sweep is not taken up"
 sed -n '/^motion/,$p' text | grep ' %$' | tr -s ' ' >shown
 table told 120 | cmp -s - shown || fail "the table says $(cat shown), the summary $(cat told)"
-grep -q '20 points, 120 trajectories in whole.h5$' text && grep -qx 'all were there' text || fail "a finished sweep says $(cat text)"
+grep -q '20 points, 120 trajectories$' text && grep -qx 'all were there' text || fail "a finished sweep says $(cat text)"
 [ "$(grep -c '^irregular: ' text)" -eq "$(grep -c '^irregular ' told)" ] || fail "what could be decided: $(cat text)"
 for lanes in 1 4; do
     run lanes.h5 --threads 1 --lanes "$lanes" >/dev/null || fail "$lanes lanes do not run"
@@ -171,7 +171,7 @@ cmp -s told counted || fail "the summary's attractors have $(cat told) rows, the
 sed 's/.*"attractors": //' summary | tr '{' '\n' |
     sed -n 's/"label": "\([^"]*\)", "largest_multiplier": \([^,]*\), "count": \([0-9]*\),.*/\1 \3 \2/p' >told
 awk '{printf "%s %d %.2f %% %.4g\n", $1, $2, 100 * $2 / 40, $3; rest += $2}
-     END {if (rest < 40) printf "none found %d %.2f %%\n", 40 - rest, 100 * (40 - rest) / 40}' told >counted
+     END {if (rest < 40) printf "none: irregular %d %.2f %%\n", 40 - rest, 100 * (40 - rest) / 40}' told >counted
 sed -n '/^attractor/,$p' text | sed 1d | grep ' %' | tr -s ' ' | cmp -s - counted || fail "the basins' table says $(cat text), the summary $(cat told)"
 [ "$(awk -F, '!/^#/ && $9 == -1 && $5 != "irregular"' basins.csv)" = '' ] || fail "a settled row has no attractor"
 [ "$(awk -F, '!/^#/ && $9 >= 0 && $5 == "irregular"' basins.csv)" = '' ] || fail "a row that has not settled has an attractor"

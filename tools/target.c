@@ -124,8 +124,11 @@ static int check_earlier(const cli_command *command, const cli_request *request,
             CLI_BAD_INPUT, p,
             "is there and another kind of file (%s, not %s); another name, or --force to replace it",
             known[0] ? known : "not one of Saltus", kind);
+    /* A table of a sweep's unfinished file can be exported again; that of an interrupted simulation may be
+     * all there is. */
+    const bool again = !command->kind && strncmp(facts.kind, "trajectory", strlen("trajectory")) != 0;
     const int length = snprintf(journal, sizeof journal, "%s.journal", p->path);
-    if (!facts.complete || ((size_t)length < sizeof journal && access(journal, F_OK) == 0))
+    if ((!facts.complete && !again) || ((size_t)length < sizeof journal && access(journal, F_OK) == 0))
         return refuse(CLI_BAD_INPUT, p, "holds an interrupted run; %s--force begins anew",
                       command->resumes ? "--resume goes on with it, " : "");
     return CLI_DONE;
