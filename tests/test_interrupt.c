@@ -268,6 +268,7 @@ static void a_signal_before_the_work_ends_every_command(void **state) {
         "continue fig7d --in omega=38:46 --step-max 0.0003 -o never.h5",
         "lyapunov fig7c --precision 1e-8 --periods 1000000000",
         "lyapunov fig7c --transient 1000000000 --json",
+        "lyapunov pipe --set N=40 omega=10",
         "spectrum fig7c --transient 100000000 --periods 1000000 -o never.png",
         "sweep fig6 --over omega=12:54:5000 -o never.h5",
         "sweep fig6 --over omega=12:54:5000 --quiet -o never.csv",
@@ -286,6 +287,13 @@ static void a_signal_before_the_work_ends_every_command(void **state) {
         assert_int_equal(named(f->paper, ".h5"), 0);
         assert_int_equal(named(f->paper, ".png"), 0);
     }
+}
+
+/* What a check has printed before stays. */
+static void a_check_of_derivatives_ends_soon(void **state) {
+    const fixture *f = *state;
+    check_interrupted(f, end_of(start(f, "check duffing --set omega=1e-6 --derivatives", pending, SIGINT)),
+                      "check");
 }
 
 /* An interrupted measurement reports the transient it has run. */
@@ -633,6 +641,7 @@ int main(void) {
     setenv("LSAN_OPTIONS", "detect_leaks=0", 1);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_signal_before_the_work_ends_every_command),
+        cmocka_unit_test(a_check_of_derivatives_ends_soon),
         cmocka_unit_test(a_transient_that_is_cut_off_is_not_told_as_run),
         cmocka_unit_test(a_signal_before_a_sweep_leaves_what_was_there),
         cmocka_unit_test(ignored_signals_stay_ignored),
