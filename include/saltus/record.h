@@ -284,8 +284,8 @@ saltus_status saltus_write_sweep_csv(const char *path, const saltus_sweep_file *
                                      saltus_message *message);
 
 /* A table of a branch file ("points", "events") or a trajectory file ("samples", "events", "strobe") as CSV,
- * written completely or not at all; `name` NULL: the first table. A row of several numbers has a column for
- * each. Errors: SALTUS_BAD_INPUT, SALTUS_IO, SALTUS_NO_MEMORY. */
+ * written completely or not at all; `name` NULL: the first table. Columns have the names of parameters,
+ * stops and states, and a legend. Errors: SALTUS_BAD_INPUT, SALTUS_IO, SALTUS_NO_MEMORY. */
 saltus_status saltus_write_csv(const char *to, const char *path, const char *name, saltus_message *message);
 
 SALTUS_API_END

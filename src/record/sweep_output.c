@@ -98,7 +98,7 @@ static saltus_status open_journal(saltus_sweep_output *o, bool resume, bool exis
         if (status == SALTUS_OK && !o->finished)
             status = saltus_fail(message, SALTUS_BAD_INPUT,
                                  "%s: is not finished, and %s.journal, from which it would go on, is not "
-                                 "there; without --resume it is begun anew",
+                                 "there; --force in place of --resume begins it anew",
                                  o->path, saltus_path_name(o->path));
     }
     if (status == SALTUS_OK && !there && !o->finished)

@@ -134,7 +134,7 @@ static int entries_of(const saltus_field *field, const int *counts) {
 
 /* A line of names (`row` -1) or of values. */
 static void put_line(FILE *file, const rows *t, int which, long long row) {
-    const unsigned char *record = t->records + (size_t)(row < 0 ? 0 : row) * t->stride;
+    const unsigned char *record = row < 0 ? NULL : t->records + (size_t)row * t->stride;
     char text[SALTUS_FIELD_TEXT_MAX], name[name_size];
     const char *comma = "";
     if (t->numbers) {
