@@ -50,7 +50,8 @@ const cli_command cmd_export = {
     .usage = "FILE.h5 [--table name] -o table.csv",
     .help = "Write a table of a file of saltus sweep, basins, continue or simulate as CSV; of a sweep: one "
             "line for each trajectory, or for each point of a cloud, with the values of the axes, the pass "
-            "and the seed before it.",
+            "and the seed before it. Comments at its head say what it is, and of branches and trajectories "
+            "what each column is.",
     .endings = (const char *const[]){".csv", NULL},
     .options = CLI_OPTIONS(&table, &cli_output),
     .examples =
