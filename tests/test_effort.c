@@ -316,6 +316,30 @@ static void orbits_of_extreme_scenes_are_found(void **state) {
     }
 }
 
+/* Verdicts that rounding or strong damping might have hidden: an impact in the very section of a resonant
+ * oscillator does not double its period; creeping along a slow manifold is no rest; clearances that are never
+ * met are no scale. */
+static void extreme_scenes_are_not_mistaken(void **state) {
+    static const char *const cases[][2] = {
+        {"impact-oscillator --set c=0", "impact-oscillator: 1/1, stable"},
+        {"impact-oscillator --set c=1e-12", "impact-oscillator: 1/1, stable"},
+        {"van-der-pol --set mu=1e12", "van-der-pol: undecided"},
+        {"van-der-pol --set mu=1e6", "van-der-pol: undecided"},
+        {"duffing --set d=1e3", "duffing: 0/7, stable"},
+        {"duffing --set d=1e6", "duffing: 0/7, stable"},
+        {"duffing --set d=1e9", "duffing: 0/7, stable"}};
+    fixture *f = *state;
+    skip_where_slow();
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++) {
+        char line[80];
+        snprintf(line, sizeof line, "classify %s", cases[k][0]);
+        char *out = told(f, line);
+        if (strncmp(out, cases[k][1], strlen(cases[k][1])) != 0)
+            fail_msg("%s: %s", line, out);
+        free(out);
+    }
+}
+
 /* Sweeps and basins fail as classification does only if all of their trajectories fail. */
 static void sweeps_say_why_all_have_failed(void **state) {
     static const struct {
@@ -349,6 +373,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(tiny_clearances_are_no_scale, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(every_command_names_what_was_too_much, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(orbits_of_extreme_scenes_are_found, open_fixture, close_fixture),
+        cmocka_unit_test_setup_teardown(extreme_scenes_are_not_mistaken, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(branches_end_where_they_take_too_much, open_fixture, close_fixture),
         cmocka_unit_test(a_used_up_effort_ends_all_flows),
         cmocka_unit_test_setup_teardown(sweeps_say_why_all_have_failed, open_fixture, close_fixture)};

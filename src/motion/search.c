@@ -23,7 +23,8 @@ static const double nearby = 3e-3; /* the polished orbit must be this close to t
 static const double all_but_reached = 1e-6;
 static const double on_orbit = 1e-7;      /* distance from an orbit of a continuum, none of which attracts */
 static const double drift_at_rest = 1e-6; /* of a displacement, over a period */
-static const double near_rest = 3e-3;     /* distance from a rest that is approached slowly */
+static const double balance_rounding = 1e-12; /* of an acceleration, over stiffness and displacement */
+static const double near_rest = 3e-3;         /* distance from a rest that is approached slowly */
 
 /* Advance the trajectory by a period; without forcing collect its returns on the way. */
 static saltus_status advance_period(saltus_search *s, saltus_message *message) {
@@ -49,8 +50,27 @@ static saltus_status advance_period(saltus_search *s, saltus_message *message) {
                                 message);
 }
 
-/* Whether an unforced system is at rest: neither events nor motion over the last periods, and no drift of a
- * displacement. Accelerations do not count: a fast mode magnifies rounding in them. */
+/* Whether forces balance at a state without its velocities. Along a slow manifold they do not, however slowly
+ * strong damping lets the motion creep. A fast mode magnifies rounding in accelerations. */
+static bool is_balanced(const saltus_search *s) {
+    const int dof = saltus_system_dof(s->system);
+    const double *scale = saltus_system_scale(s->system), period = saltus_system_period(s->system);
+    double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
+    saltus_flow_state(s->flow, 0, state);
+    memset(state + dof, 0, (size_t)dof * sizeof *state);
+    if (saltus_flow_start(s->beside, 0, (saltus_time){0, 0}, state, NULL) != SALTUS_OK)
+        return true;
+    saltus_flow_field(s->beside, 0, field);
+    for (int i = 0; i < dof; i++) {
+        const double rounding = balance_rounding * s->system->stiffness[i] * fabs(state[i]);
+        if (fabs(field[dof + i]) > fmax(rounding, drift_at_rest * scale[dof + i] / period))
+            return false;
+    }
+    return true;
+}
+
+/* Whether an unforced system is at rest: neither events nor motion over the last periods, no drift of a
+ * displacement, and, clear of stops, balanced forces. */
 static bool is_resting(const saltus_search *s) {
     if (saltus_system_forced(s->system) || !saltus_settling_rests(&s->settling))
         return false;
@@ -59,7 +79,7 @@ static bool is_resting(const saltus_search *s) {
     saltus_flow_field(s->flow, 0, field);
     for (int i = 0; i < saltus_system_dof(s->system); i++)
         drift = fmax(drift, fabs(field[i]) / scale[i] * saltus_system_period(s->system));
-    return drift < drift_at_rest;
+    return drift < drift_at_rest && (saltus_flow_contacts(s->flow, 0) || is_balanced(s));
 }
 
 /* How much coarser than usual rounding is in the system's scales, if a motion is far larger than these: with

@@ -2,6 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "orbit/lap.h"
 
+#include "base/dense.h"
+#include "system/system.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -167,14 +170,38 @@ void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_
         snprintf(label, SALTUS_LABEL_MAX, "%lld/%d", impacts, periods);
 }
 
+/* A section point as it is just after the impacts that it may lie before: which side of an impact in the
+ * section the flow ends on, rounding decides. */
+static void pass_impacts(const saltus_system *system, const double *point, double accuracy, double *after) {
+    const int dof = system->dof;
+    const double *scale = saltus_system_scale(system);
+    memcpy(after, point, (size_t)system->dimension * sizeof *after);
+    for (int f = 0; f < system->face_count; f++) {
+        const saltus_face face = system->faces[f];
+        const double *normal = system->stop_normal[face.stop], *impulse = system->stop_impulse[face.stop];
+        double reach = 0;
+        for (int i = 0; i < dof; i++)
+            reach += fabs(normal[i]) * scale[i];
+        const double speed = saltus_dot(normal, after + dof, dof);
+        if (face.side * speed > 0 && fabs(saltus_system_gap(system, f, after)) < accuracy * reach)
+            for (int i = 0; i < dof; i++)
+                after[dof + i] -= (1 + face.r) * speed * impulse[i];
+    }
+}
+
 int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow) {
     /* Accuracy of section points of one orbit that Newton's method finds with this flow. */
     double accuracy = fmax(1e-8, 1e4 * flow->rtol);
-    int n = saltus_system_dimension(lap->system);
-    for (int p = 1; p <= lap->periods / 2; p++)
-        if (lap->periods % p == 0 &&
-            saltus_system_distance(lap->system, lap->points + (size_t)(p * n), lap->points) < accuracy)
+    const int n = saltus_system_dimension(lap->system);
+    double first[SALTUS_STATE_MAX], later[SALTUS_STATE_MAX];
+    pass_impacts(lap->system, lap->points, accuracy, first);
+    for (int p = 1; p <= lap->periods / 2; p++) {
+        if (lap->periods % p)
+            continue;
+        pass_impacts(lap->system, lap->points + (size_t)(p * n), accuracy, later);
+        if (saltus_system_distance(lap->system, later, first) < accuracy)
             return p;
+    }
     return lap->periods;
 }
 

@@ -142,9 +142,12 @@ static double typical_length(const saltus_system *system, const saltus_equations
             begin = fabs(system->numbers[g->state[i].initial]);
     if (length < SALTUS_NO_CLEARANCE * begin)
         length = begin;
-    /* So is one far below what the forcing moves, but between two sides. */
-    if (!between && length > 0 && begin == 0 && length < 1e-6 * forced_response(system, g))
+    /* Nor is one far below what the forcing moves, but between two sides; nor one far beyond both. */
+    const double response = length > 0 ? forced_response(system, g) : 0, moved = fmax(begin, response);
+    if (!between && begin == 0 && length < 1e-6 * response)
         length = 0;
+    if (moved > 0 && length > 1e5 * moved)
+        length = moved;
     return length > 0 && isfinite(length) ? length : 1;
 }
 
