@@ -318,13 +318,15 @@ static void orbits_of_extreme_scenes_are_found(void **state) {
 
 /* Verdicts that rounding or strong damping might have hidden: an impact in the very section of a resonant
  * oscillator does not double its period; creeping along a slow manifold is no rest; clearances that are never
- * met are no scale. */
+ * met are no scale; a box much larger in its motion than the ball's room is no pre-load. */
 static void extreme_scenes_are_not_mistaken(void **state) {
     static const char *const cases[][2] = {
         {"impact-oscillator --set c=0", "impact-oscillator: 1/1, stable"},
         {"impact-oscillator --set c=1e-12", "impact-oscillator: 1/1, stable"},
         {"van-der-pol --set mu=1e12", "van-der-pol: undecided"},
         {"van-der-pol --set mu=1e6", "van-der-pol: undecided"},
+        {"impact-damper --set F=1e3", "impact-damper: chatter/1, stable"},
+        {"impact-damper --set d=1e-6", "impact-damper: chatter/1, stable"},
         {"duffing --set d=1e3", "duffing: 0/7, stable"},
         {"duffing --set d=1e6", "duffing: 0/7, stable"},
         {"duffing --set d=1e9", "duffing: 0/7, stable"}};

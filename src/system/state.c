@@ -4,6 +4,7 @@
 
 #include "base/dense.h"
 #include "system/cause.h"
+#include "system/system.h"
 
 #include <gsl/gsl_randist.h>
 #include <math.h>
@@ -71,13 +72,17 @@ void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size
     memcpy(state, moved, (size_t)n * sizeof *state);
 }
 
-/* If a pre-load holds the system far beyond the scale of its motion, it excites such fast modes that their
- * rounding hides whether the motion settles, at the cost of very many steps. */
+/* If a pre-load, a stop beyond the place of rest, holds the system far beyond the scale of its motion, it
+ * excites such fast modes that their rounding hides whether the motion settles, at the cost of very many
+ * steps. */
 saltus_status saltus_state_load(const saltus_system *system, const double *state, unsigned contacts,
                                 saltus_message *message) {
     static const double far_beyond = 100;
     const double *scale = saltus_system_scale(system);
-    for (int i = 0; i < saltus_system_dof(system) && contacts; i++)
+    bool loaded = false;
+    for (int s = 0; s < system->spec.stop_count; s++)
+        loaded |= system->spec.stops[s].d < 0;
+    for (int i = 0; i < saltus_system_dof(system) && contacts && loaded; i++)
         if (fabs(state[i]) > far_beyond * scale[i])
             return saltus_fail(
                 message, SALTUS_STALLED,
