@@ -280,6 +280,7 @@ static void every_command_names_what_was_too_much(void **state) {
                  {"classify impact-pair --set d=1e-300", "d = 1e-300 is too small a clearance"},
                  {"classify impact-damper --set d=1e-12", "d = 1e-12 is too small a clearance"},
                  {"classify relief-valve --set delta=1e12 q=1e12", "q = 1e+12 is too great"},
+                 {"classify pipe --set N=64 alpha=0 sigma=0.5", "N = 64 is too great"},
                  {"diagnose vibrating-table --set omega=1e-300 -o x.svg", "omega = 1e-300 is too small"},
                  {"classify duffing --set c=1e300", "c = 1e+300 is too great"},
                  {"lyapunov two-mass --set m=1e-300 --quiet", "m = 1e-300 is too small"},

@@ -20,13 +20,15 @@ const char *saltus_system_cause(const saltus_system *system, char cause[SALTUS_C
     static const double far = 10, narrow = 1e-4; /* a clearance has no default */
     char number[16] = "";
     const saltus_spec *spec = saltus_system_spec(system);
-    int count, farthest = -1;
+    int count, farthest = -1, many = -1;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     double most = log(far);
     for (int k = 0; k < count; k++) {
         const double value = spec->parameters[k], usual = p[k].fallback;
         /* A parameter whose default is 0 can only be too great. */
         const double away = usual == 0 ? log(fabs(value)) : fabs(log(fabs(value / usual)));
+        if (p[k].integer && value > 2 * usual)
+            many = k;
         if (!p[k].integer && value != 0 && away > most) {
             farthest = k;
             most = away;
@@ -50,6 +52,8 @@ const char *saltus_system_cause(const saltus_system *system, char cause[SALTUS_C
     else if (farthest >= 0)
         snprintf(cause, SALTUS_CAUSE_MAX, "%s = %.6g is too %s", p[farthest].name, spec->parameters[farthest],
                  fabs(spec->parameters[farthest]) < fabs(p[farthest].fallback) ? "small" : "great");
+    else if (many >= 0)
+        snprintf(cause, SALTUS_CAUSE_MAX, "%s = %.6g is too great", p[many].name, spec->parameters[many]);
     else
         snprintf(cause, SALTUS_CAUSE_MAX, "%s",
                  spec->model->forcing >= 0 ? "a load is too great, or the forcing too slow"

@@ -72,7 +72,7 @@ void saltus_state_disturb(const saltus_system *system, gsl_rng *rng, double size
     memcpy(state, moved, (size_t)n * sizeof *state);
 }
 
-/* If a pre-load, a stop beyond the place of rest, holds the system far beyond the scale of its motion, it
+/* If a pre-load, by a stop beyond the place of rest, holds the system far beyond the scale of its motion, it
  * excites such fast modes that their rounding hides whether the motion settles, at the cost of very many
  * steps. */
 saltus_status saltus_state_load(const saltus_system *system, const double *state, unsigned contacts,
