@@ -7,7 +7,7 @@
  * that long branches of slow cycles are not.
  *
  * Measurements, which go on for as many periods as they are allowed, count dear periods more than once: as
- * one for every SALTUS_EFFORT_MEASURED steps, counted in the same way.
+ * one for every SALTUS_EFFORT_MEASURED steps, counted in the same way, unless they are short.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_EFFORT_H
 #define SALTUS_FLOW_EFFORT_H

@@ -15,6 +15,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/radau.h"
 
+#include "base/dense.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -147,10 +149,14 @@ static void find_linear_part(saltus_radau *r, const linear_place *place) {
     saltus_linear_part *linear = &r->stages.linear;
     int n = r->stages.dof, rank = 0;
     double rest[bins * SALTUS_MODES_MAX], moved[bins * SALTUS_MODES_MAX];
+    int held[SALTUS_RADAU_CHUNKS_MAX];
     bool alternate = true;
-    for (int k = 0; k < r->stages.chunks && !place; k++) {
-        saltus_work_clear_states(&r->work[k]);
+    /* Contacts have unknowns of their own. */
+    for (int k = 0; k < r->stages.chunks; k++) {
+        held[k] = r->work[k].hold.count;
         r->work[k].hold.count = 0;
+        if (!place)
+            saltus_work_clear_states(&r->work[k]);
     }
     field_near(r, place, 0, 0, 0, rest);
     for (int j = 0; j < n; j++) {
@@ -171,6 +177,8 @@ static void find_linear_part(saltus_radau *r, const linear_place *place) {
         for (int i = parity; i < n; i += 2)
             linear->order[rank++] = i;
     linear->uncoupled = alternate ? (n + 1) / 2 : 0;
+    for (int k = 0; k < r->stages.chunks; k++)
+        r->work[k].hold.count = held[k];
     memset(r->cache.held, 0, sizeof r->cache.held);
     r->moved = place != NULL;
 }
@@ -736,6 +744,9 @@ static void linearise_here(saltus_radau *radau, long long *evaluations) {
     const saltus_stages *s = &radau->stages;
     const linear_place here = {s->q0, s->v0, radau->e0};
     find_linear_part(radau, &here);
+    const size_t numbers = (size_t)(bins * s->dof * s->dof);
+    if (!saltus_dense_finite(radau->cache.damp, numbers) || !saltus_dense_finite(radau->cache.stiff, numbers))
+        find_linear_part(radau, NULL);
     *evaluations += (2 * s->dof + 1) * nodes;
 }
 

@@ -99,10 +99,12 @@ static void tell_exponent(judge *j) {
     evidence->impacts_per_period = sticks > 0 && rebounds ? NAN : (double)impacts / (double)evidence->periods;
 }
 
-/* How many times a measured period counts in what --measure allows. */
+/* How many times a measured period counts in what --measure allows. A short run may take what the usual one
+ * does. */
 static double dearness(const judge *j) {
-    const double total = j->options->flow.effort->total - j->before;
-    return fmax(1, total / (double)saltus_ensemble_periods(&j->ensemble) / SALTUS_EFFORT_MEASURED);
+    const double total = j->options->flow.effort->total - j->before, measure = (double)j->options->measure,
+                 most = SALTUS_EFFORT_MEASURED * fmax(measure, (double)saltus_classify_defaults().measure);
+    return fmax(1, total / (double)saltus_ensemble_periods(&j->ensemble) * measure / most);
 }
 
 /* Whether a member's volumes have been kept since the measurement began: it comes to no orbit. */

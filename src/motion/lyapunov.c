@@ -92,7 +92,9 @@ static saltus_status complete_batches(saltus_ensemble *e, saltus_message *messag
  * transient; the new measurement lasts at least as long. Dear periods count more than once. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
-    const double before = o->flow.effort->total;
+    /* A short run may take what the usual one does. */
+    const double most = fmax((double)o->periods, (double)saltus_lyapunov_defaults().periods),
+                 allowed = SALTUS_EFFORT_MEASURED * most, before = o->flow.effort->total;
     long long spent = 0, least = least_samples, next_look = least_samples,
               each = (long long)e->member[0].growth.whole * e->members; /* periods per sample */
     saltus_status status = SALTUS_OK;
@@ -107,7 +109,7 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         status = saltus_ensemble_run(e, chunk, message);
         if (status != SALTUS_OK)
             break;
-        const long long worth = (long long)((o->flow.effort->total - before) / SALTUS_EFFORT_MEASURED);
+        const long long worth = (long long)((double)o->periods * (o->flow.effort->total - before) / allowed);
         spent = worth > spent + chunk * each ? worth : spent + chunk * each;
         done += chunk;
         saltus_estimate now = saltus_ensemble_largest(e);

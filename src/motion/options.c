@@ -13,7 +13,10 @@
 static const saltus_option classify_choices[] = {
     {MEMBER(transient, "T", "periods to wait at most for the motion to settle", SALTUS_LONG),
      .fallback = 20000, .low = 1, .high = 1e12, .flag = "--transient", .argument = "n"},
-    {MEMBER(measure, "T", "without a period: periods at most to measure an exponent over; 0: irregular",
+    {MEMBER(measure, "T",
+            "without a period: periods at most to measure an exponent over, dear ones counting more than "
+            "once; 0: "
+            "irregular",
             SALTUS_LONG),
      .fallback = 256000, .high = 1e12, .flag = "--measure", .argument = "n"},
     {MEMBER(
@@ -37,8 +40,9 @@ const saltus_option_table saltus_classify_table = SALTUS_TABLE(classify_choices)
 static const saltus_option lyapunov_choices[] = {
     {MEMBER(transient, "T", "periods before measuring", SALTUS_LONG), .fallback = 1000, .high = 1e12,
      .flag = "--transient", .argument = "n"},
-    {MEMBER(periods, "T", "periods measured at most, all together", SALTUS_LONG), .fallback = 1e6, .low = 1,
-     .high = 1e15, .flag = "--periods", .argument = "n"},
+    {MEMBER(periods, "T", "periods measured at most, all together, dear ones counting more than once",
+            SALTUS_LONG),
+     .fallback = 1e6, .low = 1, .high = 1e15, .flag = "--periods", .argument = "n"},
     {MEMBER(members, "1", "trajectories that share the work", SALTUS_INT), .fallback = 8, .low = 1,
      .high = SALTUS_MEMBERS_MAX, .flag = "--members", .argument = "m"},
     {MEMBER(seed, "1", "seed of the first directions; other than 0 the start is disturbed, too",
