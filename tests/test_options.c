@@ -1013,12 +1013,18 @@ static void lists_are_taken_up_to_their_room(void **state) {
          "--label r=1,omega=1: only 256 ", 256},
         {"plot ../in/branch.h5 -o x.png", " --range ", "o%d=1:2", "omega=3", "--range omega=3: only 256 ",
          256},
-        {"plot -o x.png", " ", "../in/branch.h5", "nothere.h5", "nothere.h5: only 256 files ", 256},
+        {"plot -o x.png", " ", "../in/link%d.h5", "nothere.h5", "nothere.h5: only 256 files ", 256},
         {"continue impact-oscillator --in omega=0.99:1.01 -o x.h5 --at 1", ",", "1", "2", "--at 2: only 256 ",
          256},
     };
     const fixture *f = *state;
     ((fixture *)*state)->last[0] = ((fixture *)*state)->with[0] = '\0';
+    /* The same file under as many names. */
+    for (int i = 0; i < 256; i++) {
+        char name[512];
+        snprintf(name, sizeof name, "%s/in/link%d.h5", f->folder, i);
+        assert_int_equal(symlink("branch.h5", name), 0);
+    }
     for (size_t k = 0; k < sizeof lists / sizeof lists[0]; k++) {
         const char *items = lists[k].before;
         for (int more = 0; more < 2; more++) {
@@ -1216,13 +1222,14 @@ static void progress_fits_a_narrow_terminal(void **state) {
     skip_where_slow();
     static const struct {
         const char *line, *begin;
-    } cases[] = {{"classify impact-oscillator --seeds 3", "2 of 3 seeds done"},
-                 {"simulate impact-oscillator --periods 2000 --samples 4 -o x.csv", " of 2000 periods"},
-                 {"continue impact-oscillator --in omega=0.99:1.01 --points 4 -o x.h5", "  branch 0"},
-                 {"lyapunov " CHAOS " --transient 20 --periods 1800", "\r100 % of at most 1800 "},
-                 {"sweep " CHAOS " --over F=0.9:1.1:30000 --transient 40 --record 10 --threads 1 --lanes 1 "
-                  "--what class -o s.h5",
-                  " s left"}};
+    } cases[] = {
+        {"classify impact-oscillator --seeds 3", "2 of 3 seeds done"},
+        {"simulate impact-oscillator --periods 2000 --samples 4 -o x.csv", " of 2000 periods"},
+        {"continue impact-oscillator --in omega=0.99:1.01 --points 4 -o x.h5", "\romega=1 step 0 1/1"},
+        {"lyapunov " CHAOS " --transient 20 --periods 1800", "\r100 % of at most 1800"},
+        {"sweep " CHAOS " --over F=0.9:1.1:30000 --transient 40 --record 10 --threads 1 --lanes 1 "
+         "--what class -o s.h5",
+         " s left"}};
     static char said[65536];
     fixture *f = *state;
     clear(f, "with");
