@@ -705,7 +705,7 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
         {"plot x.h5 -o x.svg ", "--range o%d=0.9:1.1 ", "--show nothing", 256, "--show nothing", "--range"},
         {"plot x.h5 -o x.svg ", "--label omega=1,d=1,%d ", "--show nothing", 256, "--show nothing",
          "--label"},
-        {"plot ", "x.h5 ", "-o x.svg --show nothing", 256, "--show nothing", "256 files"},
+        {"plot ", "x%d.h5 ", "-o x.svg --show nothing", 256, "--show nothing", "256 files"},
         {"check impact-oscillator ", "--set w%d=0.6 ", "--set F=x", 255, "--set w1=0.6: \"w1\": unknown key",
          "--set F=x: only 256"},
         {"check --set ", "w%d=0.6 ", "F=x impact-oscillator", 255, "--set w1=0.6: \"w1\": unknown key",

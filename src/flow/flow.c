@@ -273,26 +273,30 @@ static bool leads_on(saltus_flow *flow, int lane, double planned) {
     return false;
 }
 
+/* Set what a lane's next step begins with. */
+static void prepare(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
+    saltus_lane_numbers *to = flow->work.lane;
+    saltus_quiet_end(flow, lane);
+    to->phase[lane] = self->now.phase;
+    to->left[lane] = self->target.aimed ? remaining(self) * self->system->period : 0;
+    self->step.calm = self->hold.faces == 0 && !self->target.coasting;
+    for (int f = 0; f < self->system->face_count; f++)
+        self->step.calm &= self->face[f].touch == 0 && !self->face[f].shadow;
+    const bool damps = self->step.calm && !flow->radau && !flow->options.columns;
+    to->reach[lane] = damps ? to->damped[lane] : to->limit[lane];
+    flow->turning &= ~(1u << lane);
+    flow->turning |= (unsigned)watches_turning(self) << lane;
+    saltus_quiet_begin(flow, lane);
+}
+
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. Of
  * the lanes in *passed the step is concluded. */
 static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_message *message) {
     saltus_work *w = &flow->work;
-    for (int l = 0; l < flow->lanes; l++) {
-        saltus_lane *self = &flow->lane[l];
-        if (flow->quiet >> l & 1)
-            continue;
-        saltus_quiet_end(flow, l);
-        w->lane->phase[l] = self->now.phase;
-        w->lane->left[l] = self->target.aimed ? remaining(self) * self->system->period : 0;
-        self->step.calm = self->hold.faces == 0 && !self->target.coasting;
-        for (int f = 0; f < self->system->face_count; f++)
-            self->step.calm &= self->face[f].touch == 0 && !self->face[f].shadow;
-        w->lane->reach[l] = self->step.calm && !flow->radau && !flow->options.columns ? w->lane->damped[l]
-                                                                                      : w->lane->limit[l];
-        flow->turning &= ~(1u << l);
-        flow->turning |= (unsigned)watches_turning(self) << l;
-        saltus_quiet_begin(flow, l);
-    }
+    for (int l = 0; l < flow->lanes; l++)
+        if (!(flow->quiet >> l & 1))
+            prepare(flow, l);
     if (flow->radau) {
         saltus_status status = saltus_flow_mix(flow);
         if (status != SALTUS_OK) {
