@@ -713,8 +713,7 @@ static void lists_of_the_command_line_have_their_limits(void **state) {
         {"plot x.h5 -o x.svg ", "--over y%d.h5 ", "--view nothing", 256, "--view nothing", "--over"},
         {"sweep impact-oscillator -o y.h5 ", "--over d%d=1,2 ", "--over d=x", 1, "--over d=x: the values",
          "--over d=x: only two axes"},
-        {"spectrum impact-oscillator ", "--of v%d ", "--of nothing", 1, "--of nothing",
-         "--of nothing: only 2"},
+        {"spectrum two-mass ", "--of v%d ", "--of nothing", 1, "--of nothing", "--of nothing: only 2"},
         {"continue impact-oscillator -o x.h5 --in omega=0.9:1.1 --direction both --at ", "1,", "1,2", 254,
          "outside", "only 256"}};
     const fixture *f = *state;
