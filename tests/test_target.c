@@ -222,8 +222,7 @@ static void the_same_kind_is_replaced(void **state) {
         "export run.h5 -o empty.csv",
         "export run.h5 --table events -o empty.csv --force",
         "export run.h5 --table events -o empty.csv",
-        "continue impact-oscillator --in omega=0.9:1.1 --direction down --locus PD --and d=0.9:1.1 -o "
-        "locus.h5",
+        "continue impact-oscillator --in omega=.9:1.1 --direction down --locus PD --and d=.9:1 -o locus.h5",
         "lyapunov impact-oscillator -o empty.csv --force",
         "lyapunov impact-oscillator -o empty.csv",
         "diagnose impact-oscillator -o x.svg --data again.h5 --quiet --force",

@@ -196,7 +196,8 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
         fprintf(file, "  %-14s%.10g per unit of time, the largest\n", "exponent", motion->lyapunov);
     put_evidence(file, system, motion);
     fprintf(file, "  %-14s%s\n", "mirror", mirror[motion->mirror]);
-    fprintf(file, "  %-14s%.7g to %.7g", "displacement", motion->smallest, motion->largest);
+    /* A lower stop at zero has the displacement -0. */
+    fprintf(file, "  %-14s%.7g to %.7g", "displacement", motion->smallest + 0.0, motion->largest + 0.0);
     if (!isnan(motion->rms))
         fprintf(file, ", root mean square %.7g", motion->rms);
     put_observed(file, system);
