@@ -39,8 +39,8 @@ void saltus_scene_clear(saltus_scene *scene);
 saltus_status saltus_scene_set(saltus_scene *scene, const char *assignment, saltus_message *message);
 /* Whether setting `later` leaves nothing of what `earlier` has set: they name the same value (q1 and x, d and
  * d1 of the only stop), or `later` that of all stops and `earlier` one of them (d2 and then d), or `later`
- * takes the stops away. Both are keys
- * of saltus_scene_set, alone or with "=value"; `scene` has all settings. */
+ * takes the stops away. Both are keys of saltus_scene_set, alone or with "=value"; `scene` has all
+ * settings. */
 bool saltus_scene_overrides(const saltus_scene *scene, const char *later, const char *earlier);
 /* Choose the section of a scene of equations without forcing, like its key `section`: "maxima", "impact: 1,
  * side: lower", "zero: x - 1, direction: up", with or without braces. Earlier copies of the scene are then

@@ -1,6 +1,6 @@
 /* Access to a flow's lanes: states and tangent vectors in plain layout, dense output.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "flow/flow.h"
+#include "flow/quiet.h"
 
 const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane) {
     return flow->lane[lane].system;
@@ -8,23 +8,14 @@ const saltus_system *saltus_flow_system(const saltus_flow *flow, int lane) {
 int saltus_flow_columns(const saltus_flow *flow) {
     return flow->options.columns;
 }
-/* Of a quiet lane, time and steps are those that the kernel has counted. */
 saltus_time saltus_flow_time(const saltus_flow *flow, int lane) {
-    const saltus_lane_numbers *numbers = flow->work.lane;
-    saltus_time now = flow->lane[lane].now;
-    if (numbers->taken[lane] > 0)
-        now.phase = numbers->phase[lane];
-    return now;
+    return saltus_quiet_time(flow, lane);
 }
 unsigned saltus_flow_contacts(const saltus_flow *flow, int lane) {
     return flow->lane[lane].hold.faces;
 }
 saltus_flow_info saltus_flow_information(const saltus_flow *flow, int lane) {
-    const double taken = flow->work.lane->taken[lane];
-    saltus_flow_info info = flow->lane[lane].info;
-    info.steps += (long long)taken;
-    info.field_evaluations += (long long)(taken * flow->work.lane->degree[lane]);
-    return info;
+    return saltus_quiet_information(flow, lane);
 }
 double saltus_flow_step_length(const saltus_flow *flow, int lane) {
     const saltus_lane_numbers *numbers = flow->work.lane;

@@ -35,19 +35,34 @@ static inline void saltus_quiet_begin(saltus_flow *flow, int lane) {
     to->brief[lane] = self->brief;
 }
 
+/* A lane's time, and what it has counted, with the steps that the kernel took on. */
+static inline saltus_time saltus_quiet_time(const saltus_flow *flow, int lane) {
+    const saltus_lane_numbers *numbers = flow->work.lane;
+    saltus_time now = flow->lane[lane].now;
+    if (numbers->taken[lane] > 0)
+        now.phase = numbers->phase[lane];
+    return now;
+}
+
+static inline saltus_flow_info saltus_quiet_information(const saltus_flow *flow, int lane) {
+    const double steps = flow->work.lane->taken[lane];
+    saltus_flow_info info = flow->lane[lane].info;
+    info.steps += (long long)steps;
+    info.field_evaluations += (long long)(steps * flow->work.lane->degree[lane]);
+    return info;
+}
+
 /* Bring a lane's time and counters up to date. */
 static inline void saltus_quiet_end(saltus_flow *flow, int lane) {
     saltus_lane *self = &flow->lane[lane];
-    saltus_lane_numbers *numbers = flow->work.lane;
-    const double steps = numbers->taken[lane];
-    if (steps == 0)
+    double *taken = &flow->work.lane->taken[lane];
+    if (*taken == 0)
         return;
-    numbers->taken[lane] = 0;
-    self->now.phase = numbers->phase[lane];
-    self->info.steps += (long long)steps;
-    self->info.field_evaluations += (long long)(steps * numbers->degree[lane]);
-    self->cycle_steps += (int)steps;
+    self->now = saltus_quiet_time(flow, lane);
+    self->info = saltus_quiet_information(flow, lane);
+    self->cycle_steps += (int)*taken;
     self->idle_events = 0;
+    *taken = 0;
 }
 
 /* To be called when a lane is given another start, target or system. */
