@@ -259,10 +259,10 @@ static double steps_in_a_period(const saltus_system *system, saltus_integrator i
     return (double)(info.steps - first);
 }
 
-/* Collocation is mixed in if stability makes Taylor's steps so short that a motion takes some forty times as
- * many of them, which is how much more a step of collocation costs; with impacts, after each of which
- * collocation begins anew, some eighty times; if several trajectories could run in lanes, twice as many. For
- * masses: if damping is faster than all else by some two hundred, in any unit of time. */
+/* Collocation is mixed in if stability makes Taylor's steps so short that a motion takes some three times as
+ * many of them for each mode, which is how much more a step of collocation costs; where several trajectories
+ * run in lanes, the more of these the less of a pack one of them fills. For masses: if damping is faster than
+ * all else by some two hundred, in any unit of time. */
 static void the_integrator_follows_the_stiffness(void **unused) {
     (void)unused;
     const double omegas[] = {20, 42, 55};
@@ -280,8 +280,9 @@ static void the_integrator_follows_the_stiffness(void **unused) {
                        alone = saltus_flow_width(system, SALTUS_AUTOMATIC) == 1;
             const double ratio =
                 steps_in_a_period(system, SALTUS_TAYLOR) / steps_in_a_period(system, SALTUS_RADAU);
-            const double low = stop ? 42 : 27, high = stop ? 120 : 64;
-            if (!(chosen ? ratio > low : ratio < high) || !(alone ? ratio > 2 * low : ratio < 2 * high))
+            const int dof = saltus_system_dof(system);
+            const double low = 2.2 * dof, high = 4.2 * dof, gain = fmax(1, fmin(3, 18.0 / dof));
+            if (!(chosen ? ratio > low : ratio < high) || !(alone ? ratio > gain * low : ratio < gain * high))
                 fail_msg("%d modes, omega = %g, %s stop, %s: %s though Taylor takes %.0f times as many steps",
                          modes, omegas[k / 4], stop ? "a" : "no", damped ? "damped" : "plain",
                          saltus_system_integrator(system), ratio);

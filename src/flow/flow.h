@@ -264,4 +264,9 @@ double saltus_events_acceleration(const saltus_flow *flow, int lane, int row, co
  * passed its stop (a lost impact). */
 bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_face, double *gap);
 
+/* Whether series are the fastest for tangent vectors that restart again and again, each time with transient
+ * layers in the fast modes, after which little time is left for collocation. A step of collocation costs such
+ * vectors the more the larger the system is (measured on pipes of 8 to 20 modes and on chains of masses). */
+bool saltus_flow_restarts_in_series(const saltus_system *system, saltus_integrator integrator);
+
 #endif

@@ -129,8 +129,7 @@ static void load_weights(const saltus_work *w, double *weights, int lane, const 
     }
 }
 
-/* Tolerances near rounding do without damped orders, whose longer steps would amplify it. So do stiff
- * systems, whose integrator is chosen by plain steps. */
+/* Tolerances near rounding do without damped orders, whose longer steps would amplify it. */
 static const double damped_from = 1e-11;
 
 static void load(saltus_work *w, int lane, const saltus_system *system, int degree, saltus_damping damping) {
@@ -158,7 +157,7 @@ static void load(saltus_work *w, int lane, const saltus_system *system, int degr
     }
     w->lane->degree[lane] = degree;
     saltus_work_settle_degrees(w);
-    const bool damps = w->tolerance.relative > damped_from && system->stiffness_ratio <= 1;
+    const bool damps = w->tolerance.relative > damped_from;
     w->lane->limit[lane] = w->lane->reach[lane] = damping.plain;
     w->lane->damped[lane] = damps ? damping.limit : damping.plain;
     w->lane->last[lane] = damping.last;

@@ -71,9 +71,9 @@ static bool same_shape(const saltus_system *a, const saltus_system *b) {
 }
 
 /* Whether a flow uses collocation, which runs one trajectory at a time. Where several could run side by side,
- * series remain faster up to a higher stiffness. */
+ * series remain faster up to a higher stiffness, the more so the less of a pack one of them fills. */
 static bool collocates(const saltus_system *system, int lanes, saltus_integrator integrator) {
-    const double gain = lanes > 1 ? 2 : 1;
+    const double gain = lanes > 1 ? fmax(1, fmin(3, 18.0 / system->dof)) : 1;
     return integrator == SALTUS_AUTOMATIC ? system->stiffness_ratio > gain : integrator != SALTUS_TAYLOR;
 }
 
@@ -319,4 +319,8 @@ void saltus_flow_free(saltus_flow *flow) {
 int saltus_flow_width(const saltus_system *system, saltus_integrator integrator) {
     const int width = saltus_kernel_find(system->spec.model->kernel, 0)->lanes;
     return collocates(system, width, integrator) ? 1 : width;
+}
+
+bool saltus_flow_restarts_in_series(const saltus_system *system, saltus_integrator integrator) {
+    return integrator == SALTUS_AUTOMATIC && 3 * system->stiffness_ratio <= system->dof;
 }

@@ -79,7 +79,7 @@ static bool wants_taylor(const saltus_cocycle *cocycle, const saltus_system *sys
 
 bool saltus_cocycle_takes(const saltus_cocycle *cocycle, const saltus_system *system, int periods,
                           const saltus_flow_options *options) {
-    return saltus_flow_width(system, options->integrator) > 1 ||
+    return saltus_flow_restarts_in_series(system, options->integrator) ||
            !wants_taylor(cocycle, system, periods, options);
 }
 

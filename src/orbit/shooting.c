@@ -31,9 +31,7 @@ static saltus_status open_parts(saltus_shooting *p, saltus_flow_options flow, sa
         direction[d] = p->family.direction[d];
     if (!saltus_system_forced(system))
         direction[flow.directions++] = saltus_spec_omega_direction(&p->family.spec);
-    /* Tangent vectors that restart in every segment bring transient layers along, after which little time is
-     * left for collocation: use Taylor series if they keep up with it side by side. */
-    if (saltus_flow_width(system, flow.integrator) > 1)
+    if (saltus_flow_restarts_in_series(system, flow.integrator))
         flow.integrator = SALTUS_TAYLOR;
     p->n = p->response.n = saltus_system_dimension(system);
     p->response.directions = flow.directions;

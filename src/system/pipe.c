@@ -73,13 +73,13 @@ static void fill_linear(saltus_system *system, double velocity) {
     }
 }
 
-/* Stability limits Taylor steps to 5 / drag at rtol 1e-10. Collocation resolves only motion that lasts (the
- * forcing, and motions about twice as fast as the first mode), with 0.4 steps per radian. One of its steps
- * costs 12 to 25 Taylor steps, and as many follow each impact. With stops several impacts per period are
- * assumed; motions without any would gain from fewer modes on (`saltus_bench --cost-only` measures both). */
-static double ratio_of(double drag, double omega, bool struck) {
-    const double lasting = fmax(omega, 2 * M_PI * M_PI);
-    return drag / ((struck ? 150 : 80) * lasting);
+/* Stability limits Taylor steps to a few / drag. Collocation resolves only motion that lasts (the forcing,
+ * and motions about twice as fast as the first mode), and one of its steps costs the more Taylor steps the
+ * more modes there are. Impacts, which both must resolve, hardly change which is faster (`saltus_bench
+ * --cost-only` measures both). */
+static double ratio_of(const saltus_system *system, double drag) {
+    const double lasting = fmax(system->forced ? system->omega : 0, 2 * M_PI * M_PI);
+    return drag / (10 * system->dof * lasting);
 }
 
 static void build(saltus_system *system) {
@@ -112,7 +112,7 @@ static void build(saltus_system *system) {
     system->decay = drag;
     system->rate = fmax(sqrt(top), drag) + 2 * c->scalar[pipe_root_beta] * velocity * system->dof;
     system->forced = c->terms & SALTUS_TERM_FORCED;
-    system->stiffness_ratio = ratio_of(drag, system->forced ? p[p_omega] : 0, system->spec.stop_count > 0);
+    system->stiffness_ratio = ratio_of(system, drag);
     system->mirror = true;
     system->mirror_shift = false;
 }
