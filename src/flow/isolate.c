@@ -35,12 +35,21 @@ double saltus_compensated(const double *c, int degree, double s) {
     return sum + error;
 }
 
-/* p, p' or p'' by Horner's rule on the monomial coefficients. */
+/* The factor of c_k in p, p' or p''. */
+static inline double factor_of(int k, int derivative) {
+    return derivative == 0 ? 1 : derivative == 1 ? k : (double)k * (k - 1);
+}
+
+/* p, p' or p'' by Horner's rule on the monomial coefficients, even and odd ones in two chains. */
 static inline double horner(const double *c, int degree, int derivative, double s) {
-    double sum = 0;
-    for (int k = degree; k >= derivative; k--)
-        sum = sum * s + c[k] * (derivative == 0 ? 1 : derivative == 1 ? k : (double)k * (k - 1));
-    return sum;
+    const double square = s * s;
+    double even = 0, odd = 0;
+    int k = degree;
+    for (; k > derivative; k -= 2) {
+        even = even * square + c[k] * factor_of(k, derivative);
+        odd = odd * square + c[k - 1] * factor_of(k - 1, derivative);
+    }
+    return k == derivative ? (even * s + odd) * s + c[k] * factor_of(k, derivative) : even * s + odd;
 }
 
 /* b_j = sum_k C(j,k) / C(n,k) a_k. */
@@ -58,16 +67,12 @@ static void to_bernstein(const double *a, int n, double *b) {
     }
 }
 
-static void first_piece(const double *c, int degree, piece *whole) {
+/* Bernstein coefficients of p's derivative of order d on [0, 1]. */
+static void derivative_to_bernstein(const double *c, int degree, int d, double *b) {
     double a[SALTUS_DEGREE_MAX + 1];
-    whole->lo = 0;
-    whole->hi = 1;
-    for (int d = 0; d < 3; d++) {
-        int n = degree - d;
-        for (int k = 0; k <= n; k++)
-            a[k] = c[k + d] * (d == 0 ? 1.0 : d == 1 ? k + 1.0 : (k + 1.0) * (k + 2.0));
-        to_bernstein(a, n, whole->p[d]);
-    }
+    for (int k = d; k <= degree; k++)
+        a[k - d] = c[k] * factor_of(k, d);
+    to_bernstein(a, degree - d, b);
 }
 
 /* de Casteljau at one half; `left` becomes the left half, `right` the right one. */
@@ -97,10 +102,10 @@ static int common_sign(const double *b, int n) {
     return low >= 0 ? 1 : high <= 0 ? -1 : 0;
 }
 
-/* The zero of the `derivative`-th derivative on [lo, hi], where it changes sign once: Newton, kept in the
- * bracket. The last steps of a zero of p itself use the compensated value. */
-static double bracketed_zero(const double *c, int degree, int derivative, double lo, double hi) {
-    double at_lo = horner(c, degree, derivative, lo), at_hi = horner(c, degree, derivative, hi);
+/* The zero of the `derivative`-th derivative on [lo, hi], where it changes sign once, from its values there:
+ * Newton, kept in the bracket. The last steps of a zero of p itself use the compensated value. */
+static double bracketed_zero(const double *c, int degree, int derivative, double lo, double hi, double at_lo,
+                             double at_hi) {
     double rising = at_hi >= at_lo ? 1 : -1, s = lo + (hi - lo) * (at_lo / (at_lo - at_hi));
     if (!(s > lo && s < hi))
         s = 0.5 * (lo + hi);
@@ -151,7 +156,7 @@ static bool rise_between(const double *c, int degree, double noise, double lo, d
     double at_lo = signed_value(c, degree, noise, lo), at_hi = signed_value(c, degree, noise, hi);
     if (!(at_lo < 0) || !(at_hi >= 0) || (at_hi == 0 && !positive_after(c, degree, hi)))
         return false;
-    *root = at_hi == 0 ? hi : bracketed_zero(c, degree, 0, lo, hi);
+    *root = at_hi == 0 ? hi : bracketed_zero(c, degree, 0, lo, hi, at_lo, at_hi);
     return *root > 0;
 }
 
@@ -159,14 +164,14 @@ static bool rise_between(const double *c, int degree, double noise, double lo, d
 static bool rise_from_minimum(const double *c, int degree, double noise, double lo, double hi, double *root) {
     double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
     if (at_lo < 0 && at_hi > 0 && !(signed_value(c, degree, noise, lo) < 0))
-        lo = bracketed_zero(c, degree, 1, lo, hi);
+        lo = bracketed_zero(c, degree, 1, lo, hi, at_lo, at_hi);
     return rise_between(c, degree, noise, lo, hi, root);
 }
 
 /* p is concave on the piece: the sign of its single maximum decides. */
 static bool rise_to_maximum(const double *c, int degree, double noise, double lo, double hi, double *root) {
     double at_lo = horner(c, degree, 1, lo), at_hi = horner(c, degree, 1, hi);
-    double top = at_hi >= 0 ? hi : at_lo <= 0 ? lo : bracketed_zero(c, degree, 1, lo, hi);
+    double top = at_hi >= 0 ? hi : at_lo <= 0 ? lo : bracketed_zero(c, degree, 1, lo, hi, at_lo, at_hi);
     if (top < hi && !(signed_value(c, degree, noise, top) > 0))
         return false;
     return rise_between(c, degree, noise, lo, top, root);
@@ -199,6 +204,21 @@ static void plain_signs(const double *c, int degree, int *slope, int *curvature)
     }
     *slope = low[0] >= 0 ? 1 : high[0] <= 0 ? -1 : 0;
     *curvature = low[1] >= 0 ? 1 : high[1] <= 0 ? -1 : 0;
+}
+
+/* The signs of p' and p'' on [0, 1], of p'' only if that of p' is unknown. Most are plain, nearly all others
+ * are settled by Bernstein coefficients. */
+static void signs_of_whole(const double *c, int degree, int *slope, int *curvature) {
+    double b[SALTUS_DEGREE_MAX + 1];
+    plain_signs(c, degree, slope, curvature);
+    if (*slope || *curvature)
+        return;
+    derivative_to_bernstein(c, degree, 1, b);
+    *slope = common_sign(b, degree - 1);
+    if (*slope)
+        return;
+    derivative_to_bernstein(c, degree, 2, b);
+    *curvature = common_sign(b, degree - 2);
 }
 
 /* An upper bound on [0, 1]: the largest Bernstein coefficient of the part of degree 6, plus the positive
@@ -234,7 +254,7 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
         degree--;
     int slope = 0, curvature = 0;
     if (degree >= 2)
-        plain_signs(c, degree, &slope, &curvature);
+        signs_of_whole(c, degree, &slope, &curvature);
     int verdict = decide(c, degree, noise, slope, curvature, 0, 1, root);
     if (verdict != 0)
         return verdict > 0;
@@ -242,8 +262,11 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
     /* Depth first, leftmost piece on top: at most one piece per depth waits. */
     piece stack[depth_max + 2];
     int depth[depth_max + 2], top = 0;
-    first_piece(c, degree, &stack[0]);
+    stack[0].lo = 0;
+    stack[0].hi = 1;
     depth[0] = 0;
+    for (int d = 0; d < 3; d++)
+        derivative_to_bernstein(c, degree, d, stack[0].p[d]);
     while (top >= 0) {
         piece *s = &stack[top];
         double highest = s->p[0][0];
