@@ -24,13 +24,6 @@ static const double disturbance = 1e-6, strangers = 17; /* e^17 times the distur
 static const double unlikely = 1e-4;
 static const double bounds_apart = 6; /* for regular motions, whose errors are roughly bounds */
 
-/* How many members run side by side. One trajectory of many modes fills the packs too, and does not leave the
- * cache: of 16 modes it is faster by a third, of 24 by three quarters. */
-static int width_for(const saltus_system *system, saltus_integrator integrator) {
-    enum { many = 12 };
-    return !system->tape && system->dof > many ? 1 : saltus_flow_width(system, integrator);
-}
-
 /* The order of the series, 0: the usual one. Where fast modes ring on for a hundred radians in a period,
  * longer steps of a higher order are cheaper by a fifth. */
 static int order_for(const saltus_system *system, const saltus_flow_options *options) {
@@ -51,7 +44,7 @@ saltus_status saltus_ensemble_open(saltus_ensemble *e, const saltus_system *syst
                            .n = saltus_system_dimension(system),
                            .members = options->members,
                            .room = room,
-                           .width = width_for(system, options->flow.integrator)};
+                           .width = saltus_flow_width(system, options->flow.integrator)};
     const size_t places = (size_t)e->members * (size_t)room;
     e->columns = options->exponents ? options->exponents : e->n;
     e->table = gsl_integration_glfixed_table_alloc(SALTUS_TRACE_POINTS);
