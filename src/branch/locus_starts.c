@@ -31,23 +31,32 @@ void saltus_locus_starts_clear(saltus_locus_starts *starts) {
     *starts = (saltus_locus_starts){.count = 0};
 }
 
+/* Whether two starts graze with the same impact, in whichever period of the orbit; or one with the mirror
+ * image of the other's. In a scene that is its own mirror image these are `image` forcing periods apart
+ * (otherwise NAN), and the curves of orbits and of their images are one. */
+static bool one_touch(const saltus_locus_start *a, const saltus_locus_start *b, double image) {
+    const double near = 1e-4;
+    const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
+    const double apart = one->face == other->face ? 0 : image;
+    return fabs(remainder(one->time - other->time - apart, 1)) < near;
+}
+
 /* Whether two starts belong to one curve: at the same place, with the same number of events and the same
- * grazing impact, in whichever period of the orbit. */
-static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b) {
-    const double near = 1e-6, near_time = 1e-4;
+ * grazing impact. */
+static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b, double image) {
+    const double near = 1e-6;
     if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.contacts != b->sequence.contacts ||
         a->sequence.periods != b->sequence.periods || a->sequence.count != b->sequence.count ||
         fabs(a->parameter[0] - b->parameter[0]) > near || fabs(a->parameter[1] - b->parameter[1]) > near)
         return false;
-    const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
-    return a->kind != SALTUS_POINT_GR ||
-           (one->face == other->face && fabs(remainder(one->time - other->time, 1)) < near_time);
+    return a->kind != SALTUS_POINT_GR || one_touch(a, b, image);
 }
 
-saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
-                                      saltus_message *message) {
+/* As saltus_locus_starts_add; `image` as for one_touch(). */
+static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_start *start, double image,
+                         saltus_message *message) {
     for (int k = 0; k < starts->count; k++)
-        if (are_one(&starts->start[k], start)) {
+        if (are_one(&starts->start[k], start, image)) {
             starts->start[k].done |= start->done;
             return SALTUS_OK;
         }
@@ -66,6 +75,17 @@ saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const 
     return SALTUS_OK;
 }
 
+saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
+                                      saltus_message *message) {
+    return add(starts, n, start, NAN, message);
+}
+
+/* How many forcing periods a mirror image of an orbit is later than it; NAN: the scene has none. */
+static double image_shift(const saltus_extended *x) {
+    bool shift;
+    return !saltus_system_mirror_symmetric(x->orbits.system, &shift) ? NAN : shift ? 0.5 : 0;
+}
+
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message) {
     saltus_locus_start own = {.kind = x->kind,
@@ -75,9 +95,10 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
                               .leaves = joins,
                               .done = true};
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
+    const double image = image_shift(x);
     for (int k = 0; k < starts->count; k++)
-        *closes |= k == starts->next - 1 && are_one(&starts->start[k], &own);
-    return saltus_locus_starts_add(starts, x->orbits.n, &own, message);
+        *closes |= k == starts->next - 1 && are_one(&starts->start[k], &own, image);
+    return add(starts, x->orbits.n, &own, image, message);
 }
 
 /* The least number of periods after which an orbit closes; that of its sequence if it cannot be told. */
@@ -341,7 +362,7 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
         fresh[k].depth = depth;
         fresh[k].sequence.cuts = 1;
         memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
-        status = saltus_locus_starts_add(starts, x->orbits.n, &fresh[k], message);
+        status = add(starts, x->orbits.n, &fresh[k], image_shift(x), message);
     }
     return status;
 }

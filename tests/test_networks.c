@@ -1,0 +1,142 @@
+/* Networks of curves of special points: whatever the longest step, the same named points, and no curve that
+ * ends without one.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch_check.h"
+
+enum { steps = 3 };
+
+typedef struct network {
+    const char *scene, *settings;
+    saltus_point_kind locus;
+    const char *key[2];
+    double low[2], high[2];
+    int switches;
+    double step_max[steps]; /* 0: no more */
+    int named;              /* points of codimension two with the first of them; -1: any number */
+} network;
+
+static saltus_scene open_scene(const network *n) {
+    saltus_message message = {.text = ""};
+    saltus_scene scene = {.name = ""};
+    char *settings = strdup(n->settings), *rest = settings;
+    check_ok(saltus_scene_load(n->scene, &scene, &message), &message);
+    for (char *word; (word = strtok_r(rest, " ", &rest));)
+        check_ok(saltus_scene_set(&scene, word, &message), &message);
+    free(settings);
+    return scene;
+}
+
+static branch_record follow(const network *n, double step_max) {
+    saltus_message message = {.text = ""};
+    saltus_scene scene = open_scene(n);
+    saltus_system *system = build(&scene.spec);
+    double state[SALTUS_SCENE_STATE_MAX];
+    saltus_classify_options how = saltus_classify_defaults();
+    how.transient = 2000;
+    how.longest = 12;
+    saltus_motion motion;
+    check_ok(saltus_scene_state(&scene, system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    saltus_branch_options options = branch_along(n->key[0], n->low[0], n->high[0]);
+    snprintf(options.key[1], sizeof options.key[1], "%s", n->key[1]);
+    options.low[1] = n->low[1];
+    options.high[1] = n->high[1];
+    options.locus = n->locus;
+    options.switches = n->switches;
+    options.step_max = step_max;
+    options.step = step_max / 4;
+    options.points = 400;
+    branch_record record = branch_run(&scene.spec, motion.periods, motion.state, &options);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+    return record;
+}
+
+static bool is_named(const saltus_branch_point *p) {
+    return p->kind >= SALTUS_POINT_CP && p->kind != SALTUS_POINT_EP && p->kind != p->locus;
+}
+
+/* The distance of two points in the plane, where the ranges of both parameters are 1. */
+static double apart(const network *n, const saltus_branch_point *a, const saltus_branch_point *b) {
+    return fmax(fabs(a->value[0] - b->value[0]) / (n->high[0] - n->low[0]),
+                fabs(a->value[1] - b->value[1]) / (n->high[1] - n->low[1]));
+}
+
+/* Each end of a curve is at the border of the range, where the curve began, or at a named point. */
+static void check_ends(const network *n, const branch_record *record) {
+    for (int k = 0; k < record->count; k++) {
+        const saltus_branch_point *p = &record->point[k], *last = k ? p - 1 : p;
+        const bool border = p->value[0] == n->low[0] || p->value[0] == n->high[0] ||
+                            p->value[1] == n->low[1] || p->value[1] == n->high[1];
+        if (p->kind == SALTUS_POINT_EP && !border && !strstr(p->reason, "come back") &&
+            !(is_named(last) && last->branch == p->branch && apart(n, last, p) < 1e-9))
+            fail_msg("%s: curve %d of %s ends at %.12g, %.12g: %s", n->settings, p->branch,
+                     saltus_point_word(p->locus), p->value[0], p->value[1], p->reason);
+    }
+}
+
+/* Each named point of one run is one of the other. */
+static void check_in(const network *n, const branch_record *one, const branch_record *other) {
+    for (int k = 0; k < one->count; k++) {
+        const saltus_branch_point *p = &one->point[k];
+        double nearest = INFINITY;
+        for (int j = 0; j < other->count && is_named(p); j++) {
+            const saltus_branch_point *q = &other->point[j];
+            if (q->kind == p->kind && q->locus == p->locus && q->periods == p->periods)
+                nearest = fmin(nearest, apart(n, p, q));
+        }
+        if (is_named(p) && !(nearest < 1e-9))
+            fail_msg("%s: %s on curve %d of %s at %.12g, %.12g is %.2g off with other steps", n->settings,
+                     saltus_point_word(p->kind), p->branch, saltus_point_word(p->locus), p->value[0],
+                     p->value[1], nearest);
+    }
+}
+
+static void check_network(const network *n) {
+    branch_record record[steps];
+    int runs = 0;
+    for (; runs < steps && n->step_max[runs] > 0; runs++) {
+        record[runs] = follow(n, n->step_max[runs]);
+        check_ends(n, &record[runs]);
+        int named = 0;
+        for (int k = 0; k < record[runs].count; k++)
+            named += is_named(&record[runs].point[k]);
+        if (n->named >= 0)
+            assert_int_equal(named, n->named);
+    }
+    for (int k = 1; k < runs; k++) {
+        check_in(n, &record[0], &record[k]);
+        check_in(n, &record[k], &record[0]);
+    }
+    for (int k = 0; k < runs; k++)
+        branch_forget(&record[k]);
+}
+
+static void check_networks(const network *networks, size_t count) {
+    for (size_t k = 0; k < count; k++)
+        check_network(&networks[k]);
+}
+
+/* Between equal stops the curves of an impact's grazing and of its mirror image's are one, which is followed
+ * once. */
+static void mirror_images_graze_on_one_curve(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=0.997692 omega=0.997535 r=0.873776 c=0 sides=both",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {0.698275, 0.498846},
+                                        {1.39655, 1.49654},
+                                        2,
+                                        {0.04, 0.02, 0.01},
+                                        4}};
+    check_networks(networks, 1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mirror_images_graze_on_one_curve),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
