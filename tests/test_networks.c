@@ -134,9 +134,26 @@ static void mirror_images_graze_on_one_curve(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Between equal stops an orbit whose impacts lose their speed becomes symmetric and touches the other stop at
+ * once: which of the two is told first must not matter, nor must rounding, to which functions fall there. */
+static void impacts_die_and_are_born_at_once(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=1.38716 omega=0.705162 r=0.46788 c=0.156811 sides=both",
+                                        SALTUS_POINT_PD,
+                                        {"omega", "d"},
+                                        {0.493614, 0.693581},
+                                        {0.987227, 2.08074},
+                                        2,
+                                        {0.04, 0.02, 0.01},
+                                        8}};
+    check_networks(networks, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mirror_images_graze_on_one_curve),
+        cmocka_unit_test(impacts_die_and_are_born_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

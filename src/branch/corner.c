@@ -38,15 +38,29 @@ static const saltus_breach *worst_of(const saltus_extended *x, const saltus_solu
     return worst;
 }
 
-const saltus_breach *saltus_corner_touch(const saltus_extended *x, const saltus_solution *s) {
+/* The breach of an impact without speed at which a maximum of the gap is; NULL: none. */
+static const saltus_breach *slow_impact(const saltus_solution *s, const saltus_breach *gap) {
     const double near = 1e-4, slow = 1e-5;
-    const saltus_breach *worst = worst_of(x, s);
-    for (int k = 0; worst && worst->kind == SALTUS_BREACH_GAP && k < s->breach_count; k++) {
+    for (int k = 0; k < s->breach_count; k++) {
         const saltus_breach *impact = &s->breaches[k];
-        if (impact->kind == SALTUS_BREACH_SPEED && impact->face == worst->face &&
-            fabs(impact->time - worst->time) < near && fabs(impact->value) < slow)
+        if (impact->kind == SALTUS_BREACH_SPEED && impact->face == gap->face &&
+            fabs(impact->time - gap->time) < near && fabs(impact->value) < slow)
             return impact;
     }
+    return NULL;
+}
+
+const saltus_breach *saltus_corner_touch(const saltus_extended *x, const saltus_solution *s) {
+    const double together = 1e-7;
+    const saltus_breach *worst = worst_of(x, s);
+    const saltus_breach *impact = worst && worst->kind == SALTUS_BREACH_GAP ? slow_impact(s, worst) : NULL;
+    if (impact)
+        return impact;
+    /* Between equal stops an orbit whose impacts die becomes symmetric, and touches the other stop, too. */
+    for (int k = 0; k < s->breach_count && worst && worst->kind == SALTUS_BREACH_SPEED; k++)
+        if (x->kind != SALTUS_POINT_GR && s->breaches[k].kind == SALTUS_BREACH_GAP &&
+            fabs(s->breaches[k].value) < together && !slow_impact(s, &s->breaches[k]))
+            worst = &s->breaches[k];
     return worst;
 }
 
@@ -313,6 +327,17 @@ static saltus_locus_test smooth(saltus_point_kind kind, double value, bool ends)
     return (saltus_locus_test){.kind = kind, .value = plain(value), .ends = ends};
 }
 
+static saltus_locus_test double_multiplier(const saltus_extended *x, saltus_point_kind kind) {
+    double rounding;
+    saltus_locus_test test = smooth(kind, saltus_extended_double(x, &rounding), false);
+    test.quiet = log(rounding);
+    return test;
+}
+
+bool saltus_corner_is_rounding(const saltus_locus_test *test) {
+    return test->quiet != 0 && log(fabs(test->value.mantissa)) + test->value.exponent < test->quiet;
+}
+
 int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *point, const saltus_solution *s,
                           saltus_locus_test *corners) {
     static const saltus_point_kind grazing[] = {[SALTUS_POINT_LP] = SALTUS_POINT_GR_LP,
@@ -327,10 +352,10 @@ int saltus_corner_measure(const saltus_extended *x, const saltus_curve_point *po
     switch (x->kind) {
     case SALTUS_POINT_LP:
         corners[count++] = smooth(SALTUS_POINT_CP, saltus_extended_cusp(x), false);
-        corners[count++] = smooth(SALTUS_POINT_R1, saltus_extended_double(x), false);
+        corners[count++] = double_multiplier(x, SALTUS_POINT_R1);
         break;
     case SALTUS_POINT_PD:
-        corners[count++] = smooth(SALTUS_POINT_R2, saltus_extended_double(x), false);
+        corners[count++] = double_multiplier(x, SALTUS_POINT_R2);
         break;
     case SALTUS_POINT_NS:
         corners[count++] = smooth(SALTUS_POINT_R1, theta, true);

@@ -17,7 +17,7 @@ typedef struct saltus_close {
 typedef struct saltus_locus_test {
     saltus_point_kind kind;
     saltus_scaled value;
-    double quiet; /* a determinant up to exp(quiet) is rounding; 0: value is no determinant */
+    double quiet; /* a value up to exp(quiet) is rounding; 0: it is not known what is */
     bool breach;  /* value is the orbit's worst breach, which must be negative */
     bool ends;    /* the curve ends there */
     bool without; /* on a curve of grazing: function of the orbit without the impact */
@@ -30,7 +30,8 @@ typedef struct saltus_locus_test {
 } saltus_locus_test;
 
 /* The worst breach of an orbit apart from the grazing impact that is followed; NULL: none. If it is a maximum
- * of the gap at an impact of zero speed, the breach of that impact. */
+ * of the gap at an impact of zero speed, the breach of that impact. On curves of other points than grazing,
+ * an impact that is born goes before one that dies with it. */
 const saltus_breach *saltus_corner_touch(const saltus_extended *extended, const saltus_solution *orbit);
 /* The value of the worst such breach, -1 for none. */
 double saltus_corner_breach(const saltus_extended *extended, const saltus_solution *orbit);
@@ -43,6 +44,7 @@ saltus_sequence saltus_corner_without(const saltus_extended *extended, const sal
 int saltus_corner_measure(const saltus_extended *extended, const saltus_curve_point *point,
                           const saltus_solution *orbit, saltus_locus_test *corners);
 
+bool saltus_corner_is_rounding(const saltus_locus_test *test);
 /* Whether, between two points, multipliers or products of them may have crossed the unit circle and come
  * back, or have moved so far that functions of them may; from the GR-NS function at both. */
 bool saltus_corner_hides(const saltus_locus_test *a, const saltus_locus_test *b);

@@ -269,12 +269,18 @@ void saltus_extended_renew(saltus_extended *x, const double *u) {
     memcpy(x->anchor, u, (size_t)(c + 2) * sizeof *u);
 }
 
-double saltus_extended_double(const saltus_extended *x) {
-    int c = x->orbits.equations->count, row = saltus_shooting_closing_row(x->orbits.shooting);
-    double sum = 0;
+double saltus_extended_double(const saltus_extended *x, double *rounding) {
+    const double digits = 1e-12;
+    const int c = x->orbits.equations->count, row = saltus_shooting_closing_row(x->orbits.shooting);
+    double sum = 0, left = 0, right = 0;
+    for (int i = 0; i < c; i++) {
+        left = hypot(left, x->left[i]);
+        right = hypot(right, x->right[i]);
+    }
     for (int i = 0; i < x->orbits.n; i++)
         sum += x->left[row + i] * x->right[i];
-    return x->copies == 1 && c ? sum : NAN;
+    *rounding = digits * left * right;
+    return sum;
 }
 
 bool saltus_extended_breaks(const saltus_extended *x) {

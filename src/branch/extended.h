@@ -58,8 +58,9 @@ void saltus_extended_renew(saltus_extended *extended, const double *u);
  * SALTUS_SINGULAR. */
 saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_message *message);
 
-/* w' v over the states, at the point last evaluated: zero where the critical multiplier is double. */
-double saltus_extended_double(const saltus_extended *extended);
+/* w' v over the states, at the point last evaluated: zero where the critical multiplier is double; up to
+ * *rounding it is nothing else. */
+double saltus_extended_double(const saltus_extended *extended, double *rounding);
 /* Whether the null vector of orbits that are their own mirror images, cut in halves, leads to others, at the
  * point last evaluated: half an orbit later it is itself again, not minus itself as they are. */
 bool saltus_extended_breaks(const saltus_extended *extended);

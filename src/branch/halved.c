@@ -23,10 +23,11 @@ typedef struct shorter {
 static bool test_at(shorter *s, double ahead, double *value) {
     const bool pair = s->kind == SALTUS_POINT_PD_NS, multipliers = pair || s->kind == SALTUS_POINT_LP_PD;
     saltus_orbits *o = &s->x.orbits;
+    double rounding;
     saltus_message ignored;
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
     if (status == SALTUS_OK)
-        *value = saltus_extended_double(&s->x);
+        *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && s->kind == SALTUS_POINT_GPD)
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
     if (status == SALTUS_OK && multipliers)

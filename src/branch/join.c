@@ -103,8 +103,8 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     memcpy(located, at->at.u, (size_t)m * sizeof *u);
     memcpy(u, located, (size_t)m * sizeof *u);
     for (int k = 0; k < 2 * spacings; k++) {
-        const saltus_status status = extrapolate(x, here, place, apart[k / 2], 6, k % 2 ? BY_ROOT : BY_BREACH,
-                                                 0, at, &spread, &ignored);
+        const saltus_status status = extrapolate(x, here, place, apart[k / 2], samples_most,
+                                                 k % 2 ? BY_ROOT : BY_BREACH, 0, at, &spread, &ignored);
         const double moved = hypot(at->at.u[c] - located[c], at->at.u[c + 1] - located[c + 1]);
         if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK || !(spread < least) || !(moved < far) ||
             moved < fmax(trusted, 10 * spread))

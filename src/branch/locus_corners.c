@@ -66,8 +66,7 @@ static bool may_dip(const double place[3], const double value[3], double deep) {
 /* Whether a function is only rounding at both ends of the step; in between a zero may make it fall below
  * that. */
 static bool is_quiet(const search *s, int k) {
-    const saltus_locus_test *from = &s->here->corners[k], *to = &s->next->corners[k];
-    return from->quiet != 0 && from->value.exponent < from->quiet && to->value.exponent < to->quiet;
+    return saltus_corner_is_rounding(&s->here->corners[k]) && saltus_corner_is_rounding(&s->next->corners[k]);
 }
 
 /* Whether there may be more zeros between the last sample and `end` than signs tell, also from the values
@@ -261,14 +260,20 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
             sound = add_samples(&s, found);
             added = true;
         }
-        for (int j = 0; j + 1 < s.count && sound; j++) {
-            const sample *from = &s.samples[j], *to = from + 1;
+        const sample *from = &s.samples[0];
+        for (int j = 1; j < s.count && sound; j++) {
+            const sample *to = &s.samples[j];
             struct saltus_locus_zero zero;
             double value;
+            /* Towards the end of a curve functions may fall to nothing, and their signs are chance. */
+            if (x->kind != SALTUS_POINT_GR && j + 1 < s.count && saltus_corner_is_rounding(&to->corners[k]))
+                continue;
             const bool located = find_zero(&s, k, from, to, &zero);
+            const double end = to->corners[k].value.mantissa;
+            from = to;
             /* The first function is the breach, which may begin with a jump where a maximum of the gap
              * appears. */
-            if (k == 0 && (located || to->corners[k].value.mantissa > 1e-9))
+            if (k == 0 && (located || end > 1e-9))
                 sound = located && corner_at(&s, zero.place, &value) && fabs(value) < jump &&
                         !saltus_locus_joins_at(x, here, &scratch->orbit, true);
             if (!located || !sound || zero.place >= ends - together)
