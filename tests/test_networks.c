@@ -118,6 +118,22 @@ static void check_networks(const network *networks, size_t count) {
         check_network(&networks[k]);
 }
 
+/* Folds of orbits between equal stops pass where an impact happens half a period after the base: the state
+ * there jumps, and with it that of its mirror image, but the orbits are no nearer to being symmetric. */
+static void folds_pass_an_impact_half_a_period_away(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=0.872612 omega=0.748634 r=0.315508 c=0 sides=both",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {0.524044, 0.436306},
+                                        {1.04809, 1.30892},
+                                        1,
+                                        {0.02},
+                                        0}};
+    check_networks(networks, 1);
+}
+
 /* Between equal stops the curves of an impact's grazing and of its mirror image's are one, which is followed
  * once. */
 static void mirror_images_graze_on_one_curve(void **unused) {
@@ -152,6 +168,7 @@ static void impacts_die_and_are_born_at_once(void **unused) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
         cmocka_unit_test(mirror_images_graze_on_one_curve),
         cmocka_unit_test(impacts_die_and_are_born_at_once),
     };

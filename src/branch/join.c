@@ -281,6 +281,14 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
+/* How many events an orbit has in the first half of its period. */
+static int first_half_count(const saltus_sequence *s) {
+    int count = 0;
+    while (count < s->count && s->mark[count].time < s->base + 0.5 * s->periods)
+        count++;
+    return count;
+}
+
 bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *here,
                                const saltus_locus_point *next, double *ahead) {
     const double small = 0.3, little = 1e-3;
@@ -295,6 +303,10 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
         return false;
     for (int i = 0; i < x->orbits.n; i++)
         product += from[i] * to[i];
+    /* The states half a period apart jump as an impact comes to be in the other half. */
+    if (other > saltus_alike &&
+        first_half_count(&here->orbit.sequence) != first_half_count(&next->orbit.sequence))
+        return false;
     /* If Newton's method was drawn onto the flips of the shorter orbits, which solve these equations too, the
      * step was long. */
     *ahead = next->at.ahead * (product < 0 ? 0.9 * own / (own + other) : 0.5);
