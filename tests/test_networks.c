@@ -150,6 +150,22 @@ static void mirror_images_graze_on_one_curve(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Folds of two masses end where the flip of orbits of half the period changes its criticality; near there
+ * those flips solve the equations of folds but for the fourth power of the distance. */
+static void folds_end_at_flips(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"two-mass",
+                                        "d=0.82 omega=0.7252 r=0.922373",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {0.7215, 0.7},
+                                        {0.735, 1},
+                                        1,
+                                        {0.2, 0.02, 0.01},
+                                        1}};
+    check_networks(networks, 1);
+}
+
 /* Between equal stops an orbit whose impacts lose their speed becomes symmetric and touches the other stop at
  * once: which of the two is told first must not matter, nor must rounding, to which functions fall there. */
 static void impacts_die_and_are_born_at_once(void **unused) {
@@ -170,6 +186,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
         cmocka_unit_test(mirror_images_graze_on_one_curve),
+        cmocka_unit_test(folds_end_at_flips),
         cmocka_unit_test(impacts_die_and_are_born_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -20,6 +20,8 @@ static bool touches_elsewhere(const saltus_extended *x, const saltus_solution *s
 }
 
 enum { samples_most = 8 };
+/* The halves of an orbit are all but alike. */
+static const double close_by = 6e-3;
 
 /* What falls to nothing along a curve, as its arclength does: the distance from a shorter orbit, a breach,
  * the root of one, or the greatest speed of the slow impacts. */
@@ -240,7 +242,7 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
                                        saltus_point_kind *kind, saltus_message *message) {
     static const double apart[] = {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double farthest = 8, sharp = 1e-5, clear = 1e-6, close = 6e-3;
+    const double farthest = 8, sharp = 1e-5, clear = 1e-6;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     double spread, ahead = 0, before[2] = {NAN, NAN}, *u;
     saltus_message ignored;
@@ -250,7 +252,7 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
         return SALTUS_OK;
     /* From afar demand more accuracy: a step nearer may locate the place better and still not be too
      * close. */
-    double best = saltus_locus_apart(x, &here->orbit, NULL) > close ? 3e-9 : 1e-7;
+    double best = saltus_locus_apart(x, &here->orbit, NULL) > close_by ? 3e-9 : 1e-7;
     u = calloc((size_t)m, sizeof *u);
     saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
     for (int k = 0; k < 2 * spacings && status != SALTUS_NO_MEMORY; k++) {
@@ -307,9 +309,16 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
     if (other > saltus_alike &&
         first_half_count(&here->orbit.sequence) != first_half_count(&next->orbit.sequence))
         return false;
+    const bool folds = x->kind == SALTUS_POINT_LP,
+               strays = product < 0 || other < small * own || (folds && own < saltus_alike && other < own);
     /* If Newton's method was drawn onto the flips of the shorter orbits, which solve these equations too, the
      * step was long. */
-    *ahead = next->at.ahead * (product < 0 ? 0.9 * own / (own + other) : 0.5);
-    return product < 0 || other < small * own ||
-           (x->kind == SALTUS_POINT_LP && own < saltus_alike && other < own);
+    *ahead = !strays ? 0 : next->at.ahead * (product < 0 ? 0.9 * own / (own + other) : 0.5);
+    return strays || (folds && own < close_by && other < own);
+}
+
+double saltus_locus_sharpness(saltus_extended *x, const saltus_locus_point *here, double usual) {
+    const double sharp = 1e-12, near = 0.1;
+    const int parts = may_join(x, &here->orbit);
+    return parts && saltus_locus_distance(x, &here->orbit, parts) < near ? sharp : usual;
 }

@@ -32,9 +32,13 @@ saltus_status saltus_locus_join_halves(saltus_extended *extended, saltus_locus_p
 /* Where the states of the two halves are this close (scaled), the equations no longer determine a curve of
  * folds. */
 static const double saltus_alike = 5e-4;
-/* Whether orbits on a curve of folds or tori become such between two points: their halves
- * change places, or are all but equal at the second, or ever nearer. *ahead of the first they are not yet. */
+/* Whether orbits on a curve of folds or tori may become such between two points, or soon: their halves change
+ * places, or are all but equal at the second, or ever nearer. *ahead of the first they are not yet; 0: nor
+ * are they at the second. */
 bool saltus_locus_halves_ahead(saltus_extended *extended, const saltus_locus_point *here,
                                const saltus_locus_point *next, double *ahead);
+/* The tolerance of the equations for a step from `here`: sharper than the `usual` one near there, where the
+ * function that is zero on the curve is of fourth order in how far the halves are apart. */
+double saltus_locus_sharpness(saltus_extended *extended, const saltus_locus_point *here, double usual);
 
 #endif

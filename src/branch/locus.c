@@ -603,7 +603,7 @@ static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message 
     saltus_status status = saltus_locus_join_halves(&l->x, &l->here, &l->trial, &kind, message);
     if (status == SALTUS_OK && kind)
         return give_join(l, kind, message);
-    if (status != SALTUS_OK)
+    if (status != SALTUS_OK || step == 0)
         return status;
     /* Beyond that place there are no orbits of twice the period. */
     *shorter = step > stride_min && (l->x.kind == SALTUS_POINT_NS ||
@@ -665,14 +665,17 @@ static saltus_status meet_rest(saltus_locus *l, saltus_message *message) {
 static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros *crossed,
                                saltus_message *message) {
     const int c = l->x.orbits.equations->count;
+    const double usual = l->x.equations.tolerance;
     const saltus_curve_bound bounds[2] = {{c, l->border[0][0], l->border[0][1]},
                                           {c + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
     for (;;) {
         bool found = false, shorter;
         for (; !found && l->trail->step > stride_min; l->trail->step *= found ? 1 : 0.5) {
+            l->x.equations.tolerance = saltus_locus_sharpness(&l->x, &l->here, usual);
             saltus_status status = saltus_curve_step(&l->x.equations, &l->here.at, &l->trail->step, bounds, 2,
                                                      &l->next.at, reached, &why);
+            l->x.equations.tolerance = usual;
             if (status == SALTUS_OK)
                 status = saltus_locus_see(&l->x, &l->next, &why);
             if (status == SALTUS_NO_MEMORY)
