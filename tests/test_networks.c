@@ -150,6 +150,21 @@ static void mirror_images_graze_on_one_curve(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Where folding orbits become their own mirror images is told by the branch points of such orbits. */
+static void folds_end_at_symmetric_orbits(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=0.96835 omega=1.24957 r=0.730592 c=0 sides=both",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {0.874698, 0.484175},
+                                        {1.7494, 1.45253},
+                                        1,
+                                        {0.04, 0.02, 0.01},
+                                        1}};
+    check_networks(networks, 1);
+}
+
 /* Folds of two masses end where the flip of orbits of half the period changes its criticality; near there
  * those flips solve the equations of folds but for the fourth power of the distance. */
 static void folds_end_at_flips(void **unused) {
@@ -186,6 +201,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
         cmocka_unit_test(mirror_images_graze_on_one_curve),
+        cmocka_unit_test(folds_end_at_symmetric_orbits),
         cmocka_unit_test(folds_end_at_flips),
         cmocka_unit_test(impacts_die_and_are_born_at_once),
     };

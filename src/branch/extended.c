@@ -303,14 +303,15 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
                         second[arm] = {8. / 5, -1. / 5, 8. / 315, -1. / 560}, centre = -205. / 72;
     saltus_equations *e = x->orbits.equations;
     const int c = e->count, m = e->unknowns;
+    const bool flips = x->kind == SALTUS_POINT_PD;
     const double *v = x->right, *w = x->left;
-    double length = 0, cubic = 0, *work = calloc((size_t)(c * c + 2 * c), sizeof *work);
+    double length = 0, cubic = 0, *work = calloc((size_t)(c * c + 2 * c + 1), sizeof *work);
     saltus_dense_lu lu = {.n = 0};
     if (!work || !saltus_dense_lu_open(&lu, c)) {
         free(work);
         return saltus_branch_no_memory(message);
     }
-    double *matrix = work, *square = work + c * c, *mixed = square + c;
+    double *matrix = work, *square = work + c * c, *mixed = square + c + 1;
     for (int j = 0; j < c; j++)
         length = hypot(length, v[j]);
     saltus_status status = SALTUS_OK;
@@ -333,10 +334,11 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
             cubic += bend * w[i] * along;
         }
     }
-    if (status == SALTUS_OK && !saltus_dense_factor(&lu, matrix))
+    if (status == SALTUS_OK && flips && !saltus_dense_factor(&lu, matrix))
         status = saltus_fail(message, SALTUS_SINGULAR, "a flip with a multiplier 1");
     if (status == SALTUS_OK) {
-        saltus_dense_resolve(&lu, false, 1, square);
+        /* At a branch point F' is A itself, and s has no part along c. */
+        saltus_dense_resolve(flips ? &lu : &x->lu, false, 1, square);
         *value = cubic / 6;
         for (int j = 0; j < c; j++)
             *value += mixed[j] * square[j];

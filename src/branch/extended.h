@@ -66,11 +66,12 @@ double saltus_extended_double(const saltus_extended *extended, double *rounding)
 bool saltus_extended_breaks(const saltus_extended *extended);
 /* Zero at a cusp of folds, at the point last evaluated: the second derivative along v. */
 double saltus_extended_cusp(const saltus_extended *extended);
-/* *value is zero where a flip changes from sub- to supercritical; u: a flip that was just evaluated. The
- * halves of orbits of twice the period are s + d and s - d, with d = a v and the null vector v of A. The mean
- * of their equations gives F' s = - a^2 F'' v v / 2; their difference, projected on w, says that the
- * parameter changes by a^2 times *value = w' (F'' s v + F''' v v v / 6), with s for a = 1, up to a factor.
- * Derivatives are differences over four times `apart` to both sides. Errors: SALTUS_NO_MEMORY,
+/* *value is zero where a flip, or a branch point of orbits that are their own mirror images, changes from
+ * sub- to supercritical; u: such a point that was just evaluated. The halves of orbits of twice the period
+ * are s + d and s - d, with d = a v and the null vector v of A; so are an orbit that branches off and its
+ * mirror image. The mean of their equations gives F' s = - a^2 F'' v v / 2; their difference, projected on w,
+ * says that the parameter changes by a^2 times *value = w' (F'' s v + F''' v v v / 6), with s for a = 1, up
+ * to a factor. Derivatives are differences over four times `apart` to both sides. Errors: SALTUS_NO_MEMORY,
  * SALTUS_SINGULAR, those of the orbit's equations. */
 saltus_status saltus_extended_criticality(saltus_extended *extended, const double *u, double apart,
                                           double *value, saltus_message *message);

@@ -28,7 +28,7 @@ static bool test_at(shorter *s, double ahead, double *value) {
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
     if (status == SALTUS_OK)
         *value = saltus_extended_double(&s->x, &rounding);
-    if (status == SALTUS_OK && s->kind == SALTUS_POINT_GPD)
+    if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
     if (status == SALTUS_OK && multipliers)
         status = saltus_equations_evaluate(o->equations, s->at.u, &ignored);
@@ -61,8 +61,8 @@ static bool find_zero(shorter *s) {
     return found && fabs(value) < still * fabs(slope);
 }
 
-/* The same for GPD, whose test is made of differences: their width is the one at which the place changes
- * least from the width before. */
+/* The same for GPD and CP, whose test is made of differences: their width is the one at which the place
+ * changes least from the width before. */
 static bool find_change(shorter *s) {
     enum { widths = 6 };
     double place[widths], least = INFINITY;
@@ -80,15 +80,18 @@ static bool find_change(shorter *s) {
     return best > 0 && find_zero(s);
 }
 
-/* s->on becomes a point of the shorter orbits' curve of flips or, with `turns`, the point of angle pi/2 of
- * their curve of tori, near the orbit of `at`. The caller closes `s` in any case. */
+/* s->on becomes a point of a curve of the shorter orbits, or of the symmetric ones, near the orbit of `at`:
+ * of flips (PD), of branch points (BP), or that of angle pi/2 on the curve of tori (NS). The caller closes
+ * `s` in any case. */
 static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_locus_point *at,
-                         const saltus_sequence *sequence, bool turns) {
+                         const saltus_sequence *sequence, saltus_point_kind locus) {
     const double sharp = 1e-12, far = 1e-4;
+    const bool turns = locus == SALTUS_POINT_NS, mirrored = locus == SALTUS_POINT_BP;
     saltus_message ignored;
-    *s = (shorter){.x = {.kind = turns ? SALTUS_POINT_NS : SALTUS_POINT_PD,
+    *s = (shorter){.x = {.kind = locus,
                          .orbits = whole->orbits,
-                         .extra = turns,
+                         .mirrored = mirrored,
+                         .extra = turns || mirrored,
                          .copies = 1 + turns,
                          .sharp = true,
                          .equations = {.self = &s->x,
@@ -157,25 +160,35 @@ static void go_through(saltus_extended *x, const shorter *s, const double *unkno
     free(u);
 }
 
-saltus_point_kind saltus_halved_tell(saltus_extended *x, saltus_locus_point *at) {
+saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_locus_point *at) {
     const double alike = 1e-7;
-    saltus_sequence half = saltus_sequence_first_half(&at->orbit.sequence), quarter = half;
+    saltus_sequence half = at->orbit.sequence;
     saltus_message ignored;
     double state[SALTUS_STATE_MAX];
-    if (half.periods % 2 == 0 && half.count % 2 == 0 &&
+    saltus_point_kind kind = mirrored ? SALTUS_POINT_CP : SALTUS_POINT_REGULAR, locus = SALTUS_POINT_PD;
+    if (mirrored) {
+        locus = SALTUS_POINT_BP;
+        half.cuts = 2;
+        half.cut[1] = half.base + 0.5 * half.periods;
+    } else {
+        half = saltus_sequence_first_half(&half);
+    }
+    if (!mirrored && half.periods % 2 == 0 && half.count % 2 == 0 &&
         saltus_solution_state_at(&x->orbits, &at->orbit, half.base + 0.5 * half.periods, state, &ignored) ==
             SALTUS_OK &&
-        saltus_system_distance(x->orbits.system, state, at->orbit.state) < alike)
-        quarter = saltus_sequence_first_half(&half);
-    const bool turns = quarter.periods != half.periods;
+        saltus_system_distance(x->orbits.system, state, at->orbit.state) < alike) {
+        half = saltus_sequence_first_half(&half);
+        locus = SALTUS_POINT_NS;
+    }
+    const bool turns = locus == SALTUS_POINT_NS;
     shorter s;
-    saltus_point_kind kind = SALTUS_POINT_REGULAR;
-    if (open_shorter(&s, x, at, &quarter, turns)) {
-        kind = s.kind = turns ? SALTUS_POINT_R4 : name_flip(&s, x->kind);
-        const bool found = kind && !turns && (kind == SALTUS_POINT_GPD ? find_change(&s) : find_zero(&s));
+    if (open_shorter(&s, x, at, &half, locus)) {
+        kind = s.kind = turns ? SALTUS_POINT_R4 : mirrored ? SALTUS_POINT_CP : name_flip(&s, x->kind);
+        const bool by_change = kind == SALTUS_POINT_GPD || kind == SALTUS_POINT_CP;
+        const bool found = kind && !turns && (by_change ? find_change(&s) : find_zero(&s));
         if (found || turns)
             go_through(x, &s, found ? s.at.u : s.on.at.u, at);
-        else if (kind != SALTUS_POINT_GPD)
+        else if (!by_change)
             kind = SALTUS_POINT_REGULAR;
     }
     x->orbits.starved |= s.x.orbits.starved;

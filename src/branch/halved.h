@@ -3,8 +3,9 @@
  *
  * GPD, LP-PD, PD-NS and R2 lie on the curve of flips of the shorter orbits, which is regular there. Each is
  * the zero of a function along it: the flip's criticality, a multiplier minus 1, the squared modulus of a
- * pair minus 1, the product of the null vectors. R4 is where the curve of tori of the shorter orbits has the
- * angle pi/2, which is an unknown there.
+ * pair minus 1, the product of the null vectors. CP, where the folding orbits become their own mirror images,
+ * is the zero of the criticality along the curve of branch points of such orbits. R4 is where the curve of
+ * tori of the shorter orbits has the angle pi/2, which is an unknown there.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BRANCH_HALVED_H
 #define SALTUS_BRANCH_HALVED_H
@@ -14,7 +15,8 @@
 /* The kind of the orbit `at`, known to some digits, at which a curve of folds or tori of orbits of twice the
  * period ends: from the multipliers of its first half or, if the two halves of that are alike too, of a
  * quarter. GPD, LP-PD, PD-NS, R2 or R4: `at` becomes the accurate orbit, traversed as often as before;
- * otherwise REGULAR. Lack of memory is noted in the orbits. */
-saltus_point_kind saltus_halved_tell(saltus_extended *extended, saltus_locus_point *at);
+ * otherwise REGULAR. `mirrored`: where folds end in orbits that are their own mirror images, CP, and `at`
+ * likewise. Lack of memory is noted in the orbits. */
+saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, saltus_locus_point *at);
 
 #endif

@@ -277,7 +277,7 @@ saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *h
         at->at.ahead = ahead;
         status = saltus_locus_see_orbit(x, at, &ignored);
         if (status == SALTUS_OK)
-            *kind = parts == 1 ? SALTUS_POINT_CP : saltus_halved_tell(x, at);
+            *kind = saltus_halved_tell(x, parts == 1, at);
     }
     free(u);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
