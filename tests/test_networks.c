@@ -134,6 +134,21 @@ static void folds_pass_an_impact_half_a_period_away(void **unused) {
     check_networks(networks, 1);
 }
 
+/* On a curve of grazing a branch point shortly after the first point of a step. */
+static void branch_points_are_met_from_near_by(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"duffing",
+                                        "F=0.39632 omega=0.782592 d=1.51594 c=0.242216 r=0.719469",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {0.547814, 1.06116},
+                                        {1.09563, 2.12232},
+                                        1,
+                                        {0.04, 0.02, 0.01},
+                                        5}};
+    check_networks(networks, 1);
+}
+
 /* Between equal stops the curves of an impact's grazing and of its mirror image's are one, which is followed
  * once. */
 static void mirror_images_graze_on_one_curve(void **unused) {
@@ -200,6 +215,7 @@ static void impacts_die_and_are_born_at_once(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
+        cmocka_unit_test(branch_points_are_met_from_near_by),
         cmocka_unit_test(mirror_images_graze_on_one_curve),
         cmocka_unit_test(folds_end_at_symmetric_orbits),
         cmocka_unit_test(folds_end_at_flips),

@@ -146,32 +146,46 @@ static const double near_crossing = 3e-3;
 
 /* A zero at which another curve of the same equations crosses: nearby the equations are singular and Newton's
  * method may end on either curve. The point is interpolated from both sides, from as close as the curves can
- * be told apart. */
+ * be told apart; each place is visited from the nearest one known on its side. */
 static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, int corner, double ahead,
                            saltus_locus_point *out) {
     enum { samples = 6, passes = 4 };
     static const double place[samples] = {-1, 1, -2, 2, -3, 3},
                         apart[passes] = {near_crossing, 1e-3, 2e-4, 1e-4};
     const int m = here->at.unknowns;
-    const double exponent = here->corners[corner].value.exponent;
-    double value[samples], *u = calloc((size_t)(m * (samples + 1)), sizeof *u);
-    saltus_locus_point before = {.corner_count = 0};
+    const double exponent = here->corners[corner].value.exponent,
+                 start = ahead > 5 * near_crossing ? ahead - 4 * near_crossing : 0;
+    double value[samples], from[2] = {start, start}, *u = calloc((size_t)(m * (samples + 1)), sizeof *u);
+    saltus_locus_point side[2] = {{.corner_count = 0}, {.corner_count = 0}};
     saltus_message ignored;
     if (!u)
         x->orbits.starved = true;
-    const double start = fmax(ahead - 4 * near_crossing, 0);
     double *const own = u ? u + m * samples : NULL;
-    bool found = false, good = u && saltus_locus_visit(x, here, start, &before);
-    if (good && start > 0)
-        saltus_curve_bend(&here->at, &before.at);
+    bool found = false, good = u;
+    for (int k = 0; k < 2 && good; k++) {
+        good = saltus_locus_visit(x, here, start, &side[k]);
+        if (good && start > 0)
+            saltus_curve_bend(&here->at, &side[k].at);
+    }
     for (int pass = 0; pass < passes && good; pass++) {
         double next = 0;
         for (int k = 0; k < samples && good; k++) {
-            good = saltus_locus_visit(x, &before, ahead - start + place[k] * apart[pass], out);
+            const double at = ahead + place[k] * apart[pass];
+            good = saltus_locus_visit(x, &side[k % 2], at - from[k % 2], out);
             value[k] = saltus_scaled_in(out->corners[corner].value, exponent);
             good = good && place[k] * value[k] * place[0] * value[0] > 0;
             for (int j = 0; j < m && good; j++)
                 u[j * samples + k] = out->at.u[j];
+            if (k < 2 && good) {
+                const saltus_locus_point last = side[k];
+                if (at - from[k] > 0)
+                    saltus_curve_bend(&last.at, &out->at);
+                else
+                    out->at.bent = false;
+                side[k] = *out;
+                *out = last;
+                from[k] = at;
+            }
         }
         for (int j = 0; j < m && good; j++)
             next += (saltus_curve_interpolate(value, u + j * samples, samples) - here->at.u[j]) *
@@ -188,7 +202,8 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
         found = saltus_equations_evaluate(&x->equations, out->at.u, &ignored) == SALTUS_OK &&
                 saltus_locus_see(x, out, &ignored) == SALTUS_OK;
     }
-    saltus_locus_point_clear(&before);
+    saltus_locus_point_clear(&side[0]);
+    saltus_locus_point_clear(&side[1]);
     free(u);
     return found;
 }
