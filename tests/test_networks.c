@@ -212,6 +212,21 @@ static void impacts_die_and_are_born_at_once(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Without damping the multipliers of an orbit without impacts are on the unit circle all along a curve. */
+static void undamped_pairs_are_on_the_circle(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=0.94388 omega=1.45559 r=0.418359 c=0 sides=both",
+                                        SALTUS_POINT_GR,
+                                        {"omega", "d"},
+                                        {1.01891, 0.47194},
+                                        {2.03783, 1.41582},
+                                        2,
+                                        {0.04, 0.02, 0.01},
+                                        0}};
+    check_networks(networks, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -220,6 +235,7 @@ int main(void) {
         cmocka_unit_test(folds_end_at_symmetric_orbits),
         cmocka_unit_test(folds_end_at_flips),
         cmocka_unit_test(impacts_die_and_are_born_at_once),
+        cmocka_unit_test(undamped_pairs_are_on_the_circle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,7 @@
 
 #include "branch/sequence.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -138,7 +139,8 @@ enum { of_fold, of_flip, of_pair, of_orbit };
  * mu_i mu_j - 1 over all pairs of finite multipliers. The last is zero where a pair is on the unit circle or
  * two real multipliers have the product 1, and as smooth as the equations. False without memory. */
 static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test tests[of_orbit]) {
-    const double on = 1e-6, infinite = 1e6; /* larger: infinite, but for the residual speed at grazing */
+    const double on = 1e-6, nothing = 1e-10,
+                 infinite = 1e6; /* larger: infinite, but for the residual speed at grazing */
     const saltus_equations *e = saltus_shooting_equations(shooting);
     const int c = e->count, row = saltus_shooting_closing_row(shooting);
     saltus_locus_test *pair = &tests[of_pair];
@@ -155,7 +157,7 @@ static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test te
     }
     saltus_dense_lu_close(&lu);
     free(a);
-    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0;
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0, least = INFINITY;
     const int all = room ? saltus_corner_multipliers(shooting, n, re, im) : -1;
     int count = 0;
     for (int i = 0; i < all; i++) {
@@ -166,7 +168,9 @@ static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test te
         keep_close(&pair->single, re[i], im[i]);
         for (int j = 0; j < count; j++) {
             const double real = re[i] * re[j] - im[i] * im[j], imaginary = re[i] * im[j] + im[i] * re[j];
-            size += log(hypot(real - 1, imaginary));
+            const double off = fmax(hypot(real - 1, imaginary), DBL_MIN);
+            size += log(off);
+            least = fmin(least, off / fmax(1, hypot(real, imaginary)));
             angle += atan2(imaginary, real - 1);
             if (imaginary == 0)
                 keep_close(&pair->product, real, 0);
@@ -176,6 +180,9 @@ static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test te
     }
     if (count > 1)
         pair->value = (saltus_scaled){cos(angle) < 0 ? -1 : 1, size};
+    /* Without damping and impacts a pair is on the circle all along the curve. */
+    if (count > 1)
+        pair->quiet = size + log(nothing / least);
     return all >= 0;
 }
 
