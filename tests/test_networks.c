@@ -227,6 +227,22 @@ static void undamped_pairs_are_on_the_circle(void **unused) {
     check_networks(networks, 1);
 }
 
+/* At omega = 1/3 undamped orbits without impacts have any amplitude: there impacts die, but no curve of
+ * grazing begins, as all the orbits that touch the stops are equal. */
+static void families_begin_no_curve(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"impact-oscillator",
+                                        "d=0.663404 omega=0.441134 r=0.435677 c=0 sides=both",
+                                        SALTUS_POINT_GR,
+                                        {"omega", "d"},
+                                        {0.308794, 0.331702},
+                                        {0.617587, 0.995106},
+                                        1,
+                                        {0.04, 0.02, 0.01},
+                                        -1}};
+    check_networks(networks, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -236,6 +252,7 @@ int main(void) {
         cmocka_unit_test(folds_end_at_flips),
         cmocka_unit_test(impacts_die_and_are_born_at_once),
         cmocka_unit_test(undamped_pairs_are_on_the_circle),
+        cmocka_unit_test(families_begin_no_curve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

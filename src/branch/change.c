@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/change.h"
 
+#include "branch/corner.h"
 #include "branch/sequence.h"
 #include "orbit/sequence.h"
 #include "system/state.h"
@@ -99,6 +100,35 @@ static int pick_change(const saltus_solution *at, saltus_breach *picked) {
         if (at->breaches[k].kind == kind && fabs(at->breaches[k].value) < together)
             picked[count++] = at->breaches[k];
     return count;
+}
+
+bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at) {
+    const double slow = 1e-5, close = 1e-4;
+    saltus_sequence less, kept = at->sequence;
+    int order[SALTUS_MARKS_MAX], ones = 0;
+    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *u = NULL;
+    saltus_shooting *shooting = NULL;
+    saltus_message ignored;
+    if (at->sequence.omega > 0)
+        return false;
+    for (int k = at->breach_count - 1; k >= 0; k--) {
+        saltus_breach gone = at->breaches[k];
+        if (gone.kind != SALTUS_BREACH_SPEED || !(fabs(gone.value) < slow))
+            continue;
+        gone.value = 0;
+        saltus_sequence_graze(&kept, &gone, 1, &less, order);
+        kept = less;
+    }
+    saltus_status status = saltus_orbits_shoot(o, &kept, at->parameter, at->state, &shooting, &u, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
+    const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
+    for (int k = 0; k < count; k++)
+        ones += hypot(re[k] - 1, im[k]) < close;
+    saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status);
+    saltus_shooting_free(shooting);
+    free(u);
+    return ones > 1;
 }
 
 saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,

@@ -39,6 +39,10 @@ bool saltus_change_pass(saltus_orbits *orbits, const saltus_sequence *beyond, co
 saltus_status saltus_change_graze(saltus_orbits *orbits, const saltus_solution *at, saltus_sequence *beyond,
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message);
+/* Whether the orbit at a change without its impacts of zero speed is one of a family of orbits at the same
+ * parameters, of which no single one is special: without damping, where the period is that of oscillations
+ * between impacts. */
+bool saltus_change_in_family(saltus_orbits *orbits, const saltus_solution *at);
 /* Why the branch must leap to other orbits. */
 typedef enum saltus_leap {
     SALTUS_LEAP_EVENTS, /* the flow no longer meets the prescribed events */

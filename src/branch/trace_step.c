@@ -323,7 +323,7 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                                           "grazings follow one another ever more closely", message)
                                    : status;
     }
-    if (t->trail->options->locus == SALTUS_POINT_GR && !joins) {
+    if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at)) {
         t->beyond = beyond;
         return find(t, at);
     }
