@@ -121,29 +121,31 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
                              o->origin + o->family.unit[0] * parameter, why.text);
 }
 
-/* One step along curves of special equilibria or orbits, or the begin of those of the other sort that they
- * have come to. */
+/* One step along the curves of special equilibria or orbits of the present phase. */
+static saltus_status step_loci(saltus_branch *b, bool *more, saltus_message *message) {
+    return b->phase == RUN_REST_LOCUS ? saltus_rest_locus_step(b->rest_locus, more, message)
+                                      : saltus_locus_step(b->locus, more, message);
+}
+
+/* The same, or the begin of curves of the other sort that these have come to, which take over all starts. */
 static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *message) {
     const saltus_spec *spec = &b->trace.orbits.family.spec;
     const bool of_rests = b->phase == RUN_REST_LOCUS;
-    saltus_status status = of_rests ? saltus_rest_locus_step(b->rest_locus, more, message)
-                                    : saltus_locus_step(b->locus, more, message);
+    saltus_status status = step_loci(b, more, message);
     saltus_locus_starts *starts =
         of_rests ? saltus_rest_locus_starts(b->rest_locus) : saltus_locus_all_starts(b->locus);
     if (status != SALTUS_OK || *more || !saltus_locus_starts_wait(starts, !of_rests))
         return status;
-    if (of_rests) {
-        saltus_locus_free(b->locus);
-        b->locus = NULL;
-        b->phase = RUN_LOCUS;
-        status = saltus_locus_go_on(spec, &b->trail, starts, &b->locus, message);
-        return status == SALTUS_OK ? saltus_locus_step(b->locus, more, message) : status;
-    }
+    saltus_locus *orbits = NULL;
+    saltus_rest_locus *rests = NULL;
+    status = of_rests ? saltus_locus_go_on(spec, &b->trail, starts, &orbits, message)
+                      : saltus_rest_locus_go_on(spec, &b->trail, starts, &rests, message);
+    saltus_locus_free(b->locus);
     saltus_rest_locus_free(b->rest_locus);
-    b->rest_locus = NULL;
-    b->phase = RUN_REST_LOCUS;
-    status = saltus_rest_locus_go_on(spec, &b->trail, starts, &b->rest_locus, message);
-    return status == SALTUS_OK ? saltus_rest_locus_step(b->rest_locus, more, message) : status;
+    b->locus = orbits;
+    b->rest_locus = rests;
+    b->phase = of_rests ? RUN_LOCUS : RUN_REST_LOCUS;
+    return status == SALTUS_OK ? step_loci(b, more, message) : status;
 }
 
 /* One step of the machine at work: of branches of orbits along the one under way, or the begin of another.
