@@ -243,6 +243,22 @@ static void families_begin_no_curve(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Where the one impact in two periods dies at an orbit of one period at whose grazing an impact's infinite
+ * multiplier is not felt, folds end slowly: the place is told by that orbit's curve of grazing. */
+static void folds_end_where_grazing_is_not_felt(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"duffing",
+                                        "F=0.531242 omega=1.725 d=1.278 c=0.132799 r=0.763278 sides=both",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {1.7, 1.26},
+                                        {1.74, 1.3},
+                                        1,
+                                        {0.4, 0.1, 0.05},
+                                        -1}};
+    check_networks(networks, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -253,6 +269,7 @@ int main(void) {
         cmocka_unit_test(impacts_die_and_are_born_at_once),
         cmocka_unit_test(undamped_pairs_are_on_the_circle),
         cmocka_unit_test(families_begin_no_curve),
+        cmocka_unit_test(folds_end_where_grazing_is_not_felt),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

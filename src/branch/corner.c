@@ -132,6 +132,30 @@ static void keep_close(saltus_close *close, double re, double im) {
     }
 }
 
+/* The determinant of the equations last evaluated at fixed parameters, with `turned` closing rows for an
+ * orbit that closes on minus its beginning: none or all. False without memory. */
+static bool measure_closing(saltus_shooting *shooting, int turned, saltus_scaled *value) {
+    const saltus_equations *e = saltus_shooting_equations(shooting);
+    const int c = e->count, row = saltus_shooting_closing_row(shooting);
+    saltus_dense_lu lu = {.n = 0};
+    double *a = calloc((size_t)(c * c), sizeof *a);
+    const bool room = a && saltus_dense_lu_open(&lu, c);
+    for (int i = 0; i < c && room; i++)
+        memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
+    for (int i = 0; i < turned && room; i++)
+        a[(row + i) * c + i] += 2;
+    if (room)
+        saltus_dense_factor(&lu, a);
+    *value = (saltus_scaled){lu.sign, lu.log_modulus};
+    saltus_dense_lu_close(&lu);
+    free(a);
+    return room;
+}
+
+bool saltus_corner_fold(saltus_shooting *shooting, saltus_scaled *value) {
+    return measure_closing(shooting, 0, value);
+}
+
 enum { of_fold, of_flip, of_pair, of_orbit };
 
 /* The functions of the orbit last evaluated by the shooting, on a curve of grazing, at fixed parameters: the
@@ -141,22 +165,9 @@ enum { of_fold, of_flip, of_pair, of_orbit };
 static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test tests[of_orbit]) {
     const double on = 1e-6, nothing = 1e-10,
                  infinite = 1e6; /* larger: infinite, but for the residual speed at grazing */
-    const saltus_equations *e = saltus_shooting_equations(shooting);
-    const int c = e->count, row = saltus_shooting_closing_row(shooting);
     saltus_locus_test *pair = &tests[of_pair];
-    saltus_dense_lu lu = {.n = 0};
-    double *a = calloc((size_t)(c * c), sizeof *a);
-    const bool room = a && saltus_dense_lu_open(&lu, c);
-    for (int turned = 0; turned < 2 && room; turned++) {
-        for (int i = 0; i < c; i++)
-            memcpy(a + i * c, e->jacobian + i * e->unknowns, (size_t)c * sizeof *a);
-        for (int i = 0; i < n && turned; i++)
-            a[(row + i) * c + i] += 2;
-        saltus_dense_factor(&lu, a);
-        tests[turned ? of_flip : of_fold].value = (saltus_scaled){lu.sign, lu.log_modulus};
-    }
-    saltus_dense_lu_close(&lu);
-    free(a);
+    const bool room = measure_closing(shooting, 0, &tests[of_fold].value) &&
+                      measure_closing(shooting, n, &tests[of_flip].value);
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0, least = INFINITY;
     const int all = room ? saltus_corner_multipliers(shooting, n, re, im) : -1;
     int count = 0;

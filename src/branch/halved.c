@@ -16,22 +16,31 @@ typedef struct shorter {
     saltus_curve_point at;  /* a point ahead of that */
     saltus_point_kind kind; /* the kind of point that is sought */
     double apart;           /* width of the differences for it */
+    double exponent;        /* of the determinant for it */
 } shorter;
 
-/* The function that is zero at the point sought, on the curve of flips `ahead` of s->on. From multipliers:
- * the one closest to 1, minus 1, or the squared modulus, minus 1, of the pair closest to the unit circle. */
+/* The function that is zero at the point sought, on the curve `ahead` of s->on. From multipliers: the one
+ * closest to 1, minus 1, or the squared modulus, minus 1, of the pair closest to the unit circle. */
 static bool test_at(shorter *s, double ahead, double *value) {
-    const bool pair = s->kind == SALTUS_POINT_PD_NS, multipliers = pair || s->kind == SALTUS_POINT_LP_PD;
+    const bool pair = s->kind == SALTUS_POINT_PD_NS, grazes = s->kind == SALTUS_POINT_GR_LP,
+               multipliers = pair || s->kind == SALTUS_POINT_LP_PD;
     saltus_orbits *o = &s->x.orbits;
     double rounding;
     saltus_message ignored;
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK && !grazes)
         *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
-    if (status == SALTUS_OK && multipliers)
+    if (status == SALTUS_OK && (multipliers || grazes))
         status = saltus_equations_evaluate(o->equations, s->at.u, &ignored);
+    saltus_scaled fold;
+    if (status == SALTUS_OK && grazes)
+        status = saltus_corner_fold(o->shooting, &fold) ? SALTUS_OK : SALTUS_NO_MEMORY;
+    if (status == SALTUS_OK && grazes) {
+        s->exponent = isnan(s->exponent) ? fold.exponent : s->exponent;
+        *value = saltus_scaled_in(fold, s->exponent);
+    }
     if (saltus_orbits_noted(o, status) != SALTUS_OK || !multipliers)
         return status == SALTUS_OK;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
@@ -81,15 +90,17 @@ static bool find_change(shorter *s) {
 }
 
 /* s->on becomes a point of a curve of the shorter orbits, or of the symmetric ones, near the orbit of `at`:
- * of flips (PD), of branch points (BP), or that of angle pi/2 on the curve of tori (NS). The caller closes
- * `s` in any case. */
+ * of flips (PD), of branch points (BP), of grazing of a mark (GR), or that of angle pi/2 on the curve of tori
+ * (NS). The caller closes `s` in any case. */
 static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_locus_point *at,
-                         const saltus_sequence *sequence, saltus_point_kind locus) {
+                         const saltus_sequence *sequence, saltus_point_kind locus, int mark) {
     const double sharp = 1e-12, far = 1e-4;
     const bool turns = locus == SALTUS_POINT_NS, mirrored = locus == SALTUS_POINT_BP;
     saltus_message ignored;
-    *s = (shorter){.x = {.kind = locus,
+    *s = (shorter){.exponent = NAN,
+                   .x = {.kind = locus,
                          .orbits = whole->orbits,
+                         .mark = mark,
                          .mirrored = mirrored,
                          .extra = turns || mirrored,
                          .copies = 1 + turns,
@@ -140,24 +151,98 @@ static saltus_point_kind name_flip(shorter *s, saltus_point_kind locus) {
                                  : SALTUS_POINT_REGULAR;
 }
 
-/* `at` becomes the shorter orbit with these unknowns, traversed as often as its own sequence tells. */
-static void go_through(saltus_extended *x, const shorter *s, const double *unknowns, saltus_locus_point *at) {
+/* Move a mark to the time of that of a shorter orbit which is meant; returns which it is, -1: there is none.
+ */
+static int find_mark(const saltus_sequence *once, saltus_mark *mark) {
+    const double near = 1e-3, time = mark->time;
+    double least = near;
+    int found = -1;
+    for (int k = 0; k < once->count; k++) {
+        const double apart = remainder(once->mark[k].time - time, once->periods);
+        if (once->mark[k].face != mark->face || !(fabs(apart) < least))
+            continue;
+        least = fabs(apart);
+        mark->time = time + apart;
+        found = k;
+    }
+    return found;
+}
+
+/* `at` becomes the shorter orbit with these unknowns, traversed as often as its own sequence tells, which has
+ * all its marks or, where some have no speed, only some of them. False if that cannot be. */
+static bool go_through(saltus_extended *x, const shorter *s, const double *unknowns, saltus_locus_point *at) {
     saltus_sequence once, whole = at->orbit.sequence;
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
     double state[SALTUS_STATE_MAX], *u = NULL;
     saltus_shooting_extract(s->x.orbits.shooting, unknowns, &once, state);
+    const bool all = whole.count == once.count * (whole.periods / once.periods);
     for (int k = 0; k < whole.count; k++)
-        whole.mark[k].time = once.mark[k % once.count].time + k / once.count * once.periods;
+        if (all)
+            whole.mark[k].time = once.mark[k % once.count].time + k / once.count * once.periods;
+        else if (find_mark(&once, &whole.mark[k]) < 0)
+            return false;
     saltus_status status = saltus_orbits_shoot(&x->orbits, &whole, unknowns + s->x.orbits.equations->count,
                                                state, &shooting, &u, &ignored);
     if (status == SALTUS_OK) {
         memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
         status = saltus_locus_see_orbit(x, at, &ignored);
     }
-    saltus_orbits_noted(&x->orbits, status);
     saltus_shooting_free(shooting);
     free(u);
+    return saltus_orbits_noted(&x->orbits, status) == SALTUS_OK;
+}
+
+static void close_shorter(saltus_extended *x, shorter *s) {
+    x->orbits.starved |= s->x.orbits.starved;
+    saltus_extended_close(&s->x);
+    saltus_shooting_free(s->x.orbits.shooting);
+    saltus_locus_point_clear(&s->on);
+    saltus_curve_clear(&s->at);
+    free(s->u);
+}
+
+/* The impacts of both halves of an orbit in one: the sequence of an orbit of half the period that has or
+ * touches at all of them. Returns the mark in it that `slow` becomes; -1: there are other events than
+ * impacts. */
+static int lay_together(const saltus_sequence *whole, int slow, saltus_sequence *once) {
+    *once = saltus_sequence_first_half(whole);
+    once->count = 0;
+    for (int k = 0; k < whole->count; k++) {
+        saltus_mark own = whole->mark[k];
+        if (own.kind != SALTUS_IMPACT)
+            return -1;
+        while (own.time >= once->base + once->periods)
+            own.time -= once->periods;
+        int at = once->count;
+        if (find_mark(once, &own) >= 0)
+            continue;
+        for (; at > 0 && once->mark[at - 1].time > own.time; at--)
+            once->mark[at] = once->mark[at - 1];
+        once->mark[at] = own;
+        once->count++;
+    }
+    saltus_mark own = whole->mark[slow];
+    return find_mark(once, &own);
+}
+
+bool saltus_halved_touch(saltus_extended *x, saltus_locus_point *at) {
+    const saltus_breach *touch = NULL;
+    saltus_sequence once;
+    shorter s;
+    for (int k = 0; k < at->orbit.breach_count; k++)
+        if (at->orbit.breaches[k].kind == SALTUS_BREACH_SPEED &&
+            (!touch || at->orbit.breaches[k].value > touch->value))
+            touch = &at->orbit.breaches[k];
+    const saltus_sequence *whole = &at->orbit.sequence;
+    const int mark = touch && whole->periods % 2 == 0 ? lay_together(whole, touch->mark, &once) : -1;
+    if (mark < 0)
+        return false;
+    bool found = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
+    s.kind = SALTUS_POINT_GR_LP;
+    found = found && find_zero(&s) && go_through(x, &s, s.at.u, at);
+    close_shorter(x, &s);
+    return found;
 }
 
 saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_locus_point *at) {
@@ -182,7 +267,7 @@ saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_l
     }
     const bool turns = locus == SALTUS_POINT_NS;
     shorter s;
-    if (open_shorter(&s, x, at, &half, locus)) {
+    if (open_shorter(&s, x, at, &half, locus, 0)) {
         kind = s.kind = turns ? SALTUS_POINT_R4 : mirrored ? SALTUS_POINT_CP : name_flip(&s, x->kind);
         const bool by_change = kind == SALTUS_POINT_GPD || kind == SALTUS_POINT_CP;
         const bool found = kind && !turns && (by_change ? find_change(&s) : find_zero(&s));
@@ -191,11 +276,6 @@ saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_l
         else if (!by_change)
             kind = SALTUS_POINT_REGULAR;
     }
-    x->orbits.starved |= s.x.orbits.starved;
-    saltus_extended_close(&s.x);
-    saltus_shooting_free(s.x.orbits.shooting);
-    saltus_locus_point_clear(&s.on);
-    saltus_curve_clear(&s.at);
-    free(s.u);
+    close_shorter(x, &s);
     return kind;
 }

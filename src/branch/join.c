@@ -95,6 +95,8 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     const double far = 1e-4, clear = 1e-10, trusted = 1e-9;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     const double place = at->at.ahead;
+    if (saltus_halved_touch(x, at))
+        return;
     double spread, least = clear, ahead = place, *u = calloc(2 * (size_t)m, sizeof *u);
     saltus_message ignored;
     saltus_orbits_noted(&x->orbits, u ? SALTUS_OK : SALTUS_NO_MEMORY);
