@@ -205,7 +205,7 @@ static void curves_of_grazing_count_all_impacts(void **unused) {
         saltus_branch_options options =
             branch_along(rows[row].key[0], row ? rows[row].omega : rows[row].d, rows[row].end);
         options.step_max = 0.1;
-        options.points = 60;
+        options.points = 80;
         branch_record record = branch_run_settled(&spec, &options, "chatter/2");
         int k = 1;
         while (k < record.count && record.point[k].kind != SALTUS_POINT_GR)

@@ -98,6 +98,38 @@ static void a_point_ahead_is_on_its_hyperplane(void **state) {
     made_close(&m);
 }
 
+/* Visited again from a point nearby, it is the same point, with less effort; the copy of a point has its
+ * place. */
+static void points_are_visited_again(void **state) {
+    (void)state;
+    made m;
+    saltus_curve_point from = {0}, plain = {0}, again = {0};
+    saltus_message message = {.text = ""};
+    made_open(&m, 2, made_ellipse, 1, 1);
+    double u[2] = {1, 0}, guide[2] = {0, 1};
+    place(&m, u, guide, &from);
+    check_ok(saltus_curve_visit(&m.e, &from, 0.3, &plain, &message), &message);
+    assert_true(saltus_curve_copy(&plain, &again));
+    assert_true(again.u[0] == plain.u[0] && again.tangent[1] == plain.tangent[1] && again.ahead == 0.3);
+    for (double apart = 0.1; apart > 1e-9; apart /= 10)
+        for (int side = -1; side <= 1; side += 2) {
+            const double ahead = 0.3 + side * apart;
+            check_ok(saltus_curve_visit(&m.e, &from, ahead, &plain, &message), &message);
+            made_count(&m, 0, SALTUS_OK);
+            check_ok(saltus_curve_revisit(&m.e, &from, ahead, &again, &message), &message);
+            assert_true(apart > 2e-6 || m.evaluations == 1);
+            assert_true(again.ahead == ahead && !again.bent);
+            check_near(again.u[0], sqrt(1 - ahead * ahead), 1e-14);
+            check_near(again.u[1], ahead, 1e-14);
+            check_near(again.tangent[0], plain.tangent[0], m.e.tolerance);
+        }
+    assert_int_not_equal(saltus_curve_revisit(&m.e, &from, 1.2, &again, &message), SALTUS_OK);
+    saltus_curve_clear(&from);
+    saltus_curve_clear(&plain);
+    saltus_curve_clear(&again);
+    made_close(&m);
+}
+
 /* The length of an ellipse, by many chords. */
 static double ellipse_length(double a, double b) {
     double sum = 0;
@@ -642,6 +674,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_have_tangents),
         cmocka_unit_test(a_point_ahead_is_on_its_hyperplane),
+        cmocka_unit_test(points_are_visited_again),
         cmocka_unit_test(around_an_ellipse),
         cmocka_unit_test(along_helices),
         cmocka_unit_test(steps_follow_the_bend),

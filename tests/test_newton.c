@@ -170,6 +170,29 @@ static void damping_reaches_further(void **state) {
     made_close(&m);
 }
 
+/* A step on a hyperplane that ends in rounding is the last, even if it is the first. */
+static void near_points_take_one_evaluation(void **state) {
+    (void)state;
+    unsigned long long seed = 8;
+    for (int unknowns = 3; unknowns <= made_unknowns_max; unknowns += 2)
+        for (int far = 0; far < 2; far++) {
+            made m;
+            saltus_message message = {.text = ""};
+            double on[made_unknowns_max], normal[made_unknowns_max], u[made_unknowns_max];
+            int iterations;
+            made_open_helix(&m, unknowns, &seed);
+            made_helix_at(unknowns, 0.7, on, normal);
+            for (int j = 0; j < unknowns; j++)
+                u[j] = on[j] + (far ? 1e-4 : 1e-12) * made_random(&seed);
+            made_count(&m, 0, SALTUS_OK);
+            check_ok(saltus_newton(&m.e, u, normal, on, false, &iterations, &message), &message);
+            assert_true(far ? m.evaluations > 1 : m.evaluations == 1);
+            assert_true(iterations >= 1);
+            check_near(made_apart(u, on, unknowns), 0, 1e-14);
+            made_close(&m);
+        }
+}
+
 /* What a history recorded. */
 typedef struct told {
     int count;
@@ -404,6 +427,7 @@ int main(void) {
         cmocka_unit_test(residuals_alone_lead_near),
         cmocka_unit_test(residuals_that_do_not_help),
         cmocka_unit_test(damping_reaches_further),
+        cmocka_unit_test(near_points_take_one_evaluation),
         cmocka_unit_test(convergence_is_quadratic),
         cmocka_unit_test(failures_are_told_apart),
         cmocka_unit_test(failed_evaluations),

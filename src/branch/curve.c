@@ -31,6 +31,16 @@ bool saltus_curve_reserve(saltus_curve_point *point, int unknowns) {
     return true;
 }
 
+bool saltus_curve_copy(const saltus_curve_point *point, saltus_curve_point *copy) {
+    const size_t size = (size_t)point->unknowns * sizeof *point->u;
+    if (!saltus_curve_reserve(copy, point->unknowns))
+        return false;
+    memcpy(copy->u, point->u, size);
+    memcpy(copy->tangent, point->tangent, size);
+    copy->ahead = point->ahead;
+    return true;
+}
+
 void saltus_curve_clear(saltus_curve_point *point) {
     free(point->u);
     free(point->tangent);
@@ -130,15 +140,19 @@ saltus_status saltus_curve_orient(saltus_equations *e, const double *guide, salt
     return status;
 }
 
+/* Unknown j this far ahead, along the tangent and the bend. */
+static double place_ahead(const saltus_curve_point *from, int j, double ahead) {
+    const double straight = fma(ahead, from->tangent[j], from->u[j]);
+    return from->bent ? straight + ahead * ahead * fma(ahead, from->bend[from->unknowns + j], from->bend[j])
+                      : straight;
+}
+
 /* The point straight ahead to to->tangent, which is free until the tangent is known, and the prediction along
  * the bend to to->u. */
 static void predict(const saltus_curve_point *from, double ahead, saltus_curve_point *to) {
-    int m = from->unknowns;
-    for (int j = 0; j < m; j++) {
+    for (int j = 0; j < from->unknowns; j++) {
         to->tangent[j] = fma(ahead, from->tangent[j], from->u[j]);
-        to->u[j] = to->tangent[j];
-        if (from->bent)
-            to->u[j] += ahead * ahead * fma(ahead, from->bend[m + j], from->bend[j]);
+        to->u[j] = place_ahead(from, j, ahead);
     }
     to->ahead = ahead;
 }
@@ -180,6 +194,21 @@ saltus_status saltus_curve_meet(saltus_equations *e, const saltus_curve_point *f
     to->u[k] = value; /* Newton's last step may have left a rounding */
     to->ahead = saltus_dot(to->u, from->tangent, m) - saltus_dot(from->u, from->tangent, m);
     return status;
+}
+
+saltus_status saltus_curve_revisit(saltus_equations *e, const saltus_curve_point *from, double ahead,
+                                   saltus_curve_point *point, saltus_message *message) {
+    const double least = 1e-4; /* in shorter steps rounding would bend the curve */
+    const double rest = (ahead - point->ahead) / saltus_dot(from->tangent, point->tangent, from->unknowns);
+    if (point->ahead > least)
+        saltus_curve_bend(from, point);
+    for (int j = 0; j < from->unknowns; j++) {
+        point->u[j] = place_ahead(point, j, rest);
+        point->tangent[j] = fma(ahead, from->tangent[j], from->u[j]);
+    }
+    point->ahead = ahead;
+    point->bent = false;
+    return correct(e, from, from->tangent, point, message);
 }
 
 /* The point at which unknown k equals `value` although the equations are singular there: extrapolated from

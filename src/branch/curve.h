@@ -38,6 +38,8 @@ typedef struct saltus_curve_point {
 /* False without memory. */
 bool saltus_curve_reserve(saltus_curve_point *point, int unknowns);
 void saltus_curve_clear(saltus_curve_point *point);
+/* Place and tangent of a point. False without memory. */
+bool saltus_curve_copy(const saltus_curve_point *point, saltus_curve_point *copy);
 /* The bend at a point, for predictions ahead: the cubic through it and a point before it on the same curve,
  * with both tangents. */
 void saltus_curve_bend(const saltus_curve_point *before, saltus_curve_point *point);
@@ -53,6 +55,10 @@ saltus_status saltus_curve_orient(saltus_equations *equations, const double *gui
 /* The point at arclength `ahead` from another. Errors: no such point near, SALTUS_NO_MEMORY. */
 saltus_status saltus_curve_visit(saltus_equations *equations, const saltus_curve_point *from, double ahead,
                                  saltus_curve_point *to, saltus_message *message);
+/* The same if `point` is a point of the curve that was visited from there, for points near that one: the
+ * prediction is the cubic through both. */
+saltus_status saltus_curve_revisit(saltus_equations *equations, const saltus_curve_point *from, double ahead,
+                                   saltus_curve_point *point, saltus_message *message);
 /* The point at which unknown k, whose border is near, equals `value`. Errors: as above. */
 saltus_status saltus_curve_meet(saltus_equations *equations, const saltus_curve_point *from, int k,
                                 double value, saltus_curve_point *to, saltus_message *message);

@@ -377,35 +377,61 @@ typedef struct location {
     double target, end; /* end 0: fail where the equations are singular */
     const saltus_solution *from;
     saltus_solution *out;
+    double visited; /* where `out` is; NAN: nowhere yet */
 } location;
+
+/* `out` becomes the point at `ahead`, predicted from the last one that was visited. Near a crossing that one
+ * may lie on the other curve: there all points are predicted from the same one. */
+static saltus_status visit(location *l, double ahead) {
+    const bool crosses = l->test == SALTUS_TEST_CROSSING || l->test == SALTUS_TEST_ONWARD;
+    saltus_message ignored;
+    saltus_orbits *o = l->orbits;
+    saltus_status status = SALTUS_NO_CONVERGENCE;
+    if (l->visited == ahead)
+        return SALTUS_OK;
+    if (isfinite(l->visited) && !crosses) {
+        status = saltus_curve_revisit(o->equations, &l->from->at, ahead, &l->out->at, &ignored);
+        if (status == SALTUS_OK)
+            status = saltus_solution_see(o, l->out, &ignored);
+    }
+    if (status != SALTUS_OK && saltus_orbits_noted(o, status) != SALTUS_NO_MEMORY)
+        status = saltus_solution_visit(o, l->from, ahead, l->out, &ignored);
+    l->visited = status == SALTUS_OK ? ahead : NAN;
+    return status;
+}
 
 static bool test_at(void *context, double ahead, double *value) {
     location *l = context;
     saltus_message ignored;
-    saltus_status status = saltus_solution_visit(l->orbits, l->from, ahead, l->out, &ignored);
+    saltus_status status = visit(l, ahead);
     /* The equations may be singular at this very point. */
     for (int side = -1; side <= 1 && l->end != 0 && status != SALTUS_OK; side += 2)
-        status = saltus_solution_visit(l->orbits, l->from, ahead + side * 1e-5 * l->end, l->out, &ignored);
+        status = visit(l, ahead + side * 1e-5 * l->end);
     if (status == SALTUS_OK && l->test == SALTUS_TEST_PAIR)
         status = saltus_solution_survey(l->orbits, l->out, &ignored);
     *value = saltus_test_value(l->test, l->target, l->out, l->from);
     return status == SALTUS_OK;
 }
 
-saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, double target,
-                                         const saltus_solution *from, const double ends[2],
-                                         const double values[2], saltus_solution *out) {
-    location l = {.orbits = o, .test = test, .target = target, .end = ends[1], .from = from, .out = out};
+/* Locate a zero between two places, given the values there. */
+static saltus_zero locate(location *l, const double ends[2], const double values[2]) {
     saltus_zero zero = {.accuracy = INFINITY};
-    saltus_message ignored;
     double width;
-    if (!saltus_curve_zero_between(o->solver, test_at, &l, ends, values, &zero.ahead, &width) ||
-        saltus_solution_visit(o, from, zero.ahead, out, &ignored) != SALTUS_OK)
+    l->end = ends[1];
+    if (!saltus_curve_zero_between(l->orbits->solver, test_at, l, ends, values, &zero.ahead, &width) ||
+        visit(l, zero.ahead) != SALTUS_OK)
         return zero;
-    double unit = o->family.unit[0], slope = fabs(saltus_solution_heading(out)) * unit;
+    double unit = l->orbits->family.unit[0], slope = fabs(saltus_solution_heading(l->out)) * unit;
     zero.accuracy = slope * width + unit * width * width;
     zero.found = true;
     return zero;
+}
+
+saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, double target,
+                                         const saltus_solution *from, const double ends[2],
+                                         const double values[2], saltus_solution *out) {
+    location l = {.orbits = o, .test = test, .target = target, .from = from, .out = out, .visited = NAN};
+    return locate(&l, ends, values);
 }
 
 saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double target,
@@ -414,7 +440,10 @@ saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double targ
     const double ends[] = {0, to->at.ahead};
     const double values[] = {saltus_test_value(test, target, from, from),
                              saltus_test_value(test, target, to, from)};
-    return saltus_solution_zero_between(o, test, target, from, ends, values, out);
+    location l = {.orbits = o, .test = test, .target = target, .from = from, .out = out, .visited = NAN};
+    if (saltus_curve_copy(&to->at, &out->at))
+        l.visited = to->at.ahead;
+    return locate(&l, ends, values);
 }
 
 saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from,
@@ -422,7 +451,7 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
     enum { passes = 6 };
     const double sharp = 1e-11 * o->family.unit[0];
     const size_t m = (size_t)from->at.unknowns;
-    location l = {.orbits = o, .test = by, .from = from, .out = out};
+    location l = {.orbits = o, .test = by, .from = from, .out = out, .visited = NAN};
     double place, spread, apart = 0.1 * reach, middle = ahead;
     double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL;
     saltus_message ignored;

@@ -509,10 +509,10 @@ static saltus_status look_back(saltus_trace *t, saltus_hopf_ahead *hopf, bool *a
 
 /* `next` becomes the first orbit of the step with a breach of zero, if it is found; *reached as in
  * saltus_curve_step. At grazing itself it is chance whether the flow meets the impact, so the survey is that
- * of an orbit just before. */
+ * of an orbit just before, the nearest one that the flow follows. */
 static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *reached,
                                    saltus_message *message) {
-    const double back = 1e-7;
+    const double least = 1e-7, most = 1e-5;
     saltus_orbits *o = &t->orbits;
     saltus_message ignored;
     *breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
@@ -525,12 +525,18 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
             t->next->parameter[0] = t->range[k];
             *reached = 0;
         }
-    if (t->next->at.ahead <= 10 * back ||
-        saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial, &ignored) != SALTUS_OK)
-        return saltus_solution_survey(o, t->next, message);
-    saltus_status status = saltus_solution_survey(o, t->trial, message);
-    saltus_survey_swap(t->trial, t->next);
-    return status;
+    saltus_status status = SALTUS_OK;
+    bool surveyed = false;
+    for (double back = least; back <= most && status == SALTUS_OK && !(surveyed && t->next->survey.follows);
+         back *= 10) {
+        if (t->next->at.ahead <= 10 * back ||
+            saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial, &ignored) != SALTUS_OK)
+            break;
+        status = saltus_solution_survey(o, t->trial, message);
+        saltus_survey_swap(t->trial, t->next);
+        surveyed = true;
+    }
+    return surveyed ? status : saltus_solution_survey(o, t->next, message);
 }
 
 /* No step could be made, for this reason. If Newton's method was left with a residual that may be rounding,
@@ -598,8 +604,12 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     if (again || status != SALTUS_OK || !trail->following)
         return status;
     const bool breached = t->next->worst.value > 0;
-    status =
-        breached ? cut_at_breach(t, &breach, &reached, message) : saltus_solution_survey(o, t->next, message);
+    status = breached ? cut_at_breach(t, &breach, &reached, &why) : saltus_solution_survey(o, t->next, &why);
+    /* Along a border that the parameter's domain does not contain rounding may lead to it. */
+    if (status == SALTUS_BAD_INPUT)
+        return go_on_lost(t, status, why.text, message);
+    if (status != SALTUS_OK)
+        return saltus_fail(message, status, "%s", why.text);
     if (breached && !breach.found)
         return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, changed, message);
     const saltus_breach_kind kind = t->next->worst.kind;

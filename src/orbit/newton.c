@@ -9,6 +9,9 @@ enum { halvings_max = 8 };
 
 /* A residual far below that of any computed orbit. */
 static const double rounding = 1e-18;
+/* How fast residuals fall per distance to where the Jacobian is known, where nothing tells it: more steeply
+ * than on any curve of orbits. */
+static const double steepest = 1e4;
 
 void saltus_equations_reserve(saltus_equations *e, int unknowns, saltus_arena *arena) {
     size_t m = (size_t)unknowns;
@@ -148,7 +151,8 @@ typedef struct approached {
 } approached;
 
 /* Iterate from u with the Jacobian of the last point, which is nearby. If residuals fall too slowly, u is
- * unchanged. Errors: those that other ways cannot avoid either. */
+ * unchanged. The last point is not measured once the ratio of residuals tells how near it is: the evaluation
+ * that follows does that. Errors: those that other ways cannot avoid either. */
 static saltus_status approach(saltus_equations *e, double *u, const double *normal, const double *anchor,
                               approached *found, saltus_message *message) {
     enum { evaluations_max = 8 };
@@ -174,6 +178,7 @@ static saltus_status approach(saltus_equations *e, double *u, const double *norm
         before = e->size;
         solve_step(e, e->trial, normal, anchor);
         take(e, e->trial);
+        found->near = k > 0 && before * ratio <= 0.5 * within;
         for (int j = 0; j < e->unknowns && k == 0; j++)
             length = hypot(length, e->step[j]);
     }
@@ -183,15 +188,15 @@ static saltus_status approach(saltus_equations *e, double *u, const double *norm
     return SALTUS_OK;
 }
 
-/* Take Newton's step from the point just evaluated, found by residuals alone, if it ends in rounding. */
-static bool finish(saltus_equations *e, double *u, const double *normal, const double *anchor,
-                   const approached *found) {
+/* Take Newton's step from the point just evaluated if it ends in rounding. Residuals fall by `fall` over the
+ * distance between a point and that of the Jacobian. */
+static bool finish(saltus_equations *e, double *u, const double *normal, const double *anchor, double fall) {
     double length = 0;
     if (!(e->size <= e->tolerance) || !find_step(e, u, normal, anchor))
         return false;
     for (int j = 0; j < e->unknowns; j++)
         length = hypot(length, e->step[j]);
-    if (!(e->size * found->fall * length < rounding))
+    if (!(e->size * fall * length < rounding))
         return false;
     take(e, u);
     return true;
@@ -209,8 +214,8 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
         status = saltus_equations_evaluate(e, u, message);
     double best = e->size;
     report(e, 0);
-    if (status == SALTUS_OK && found.near && finish(e, u, normal, anchor, &found)) {
-        *iterations = found.iterations;
+    if (status == SALTUS_OK && normal && finish(e, u, normal, anchor, found.near ? found.fall : steepest)) {
+        *iterations = found.near ? found.iterations : 1;
         return status;
     }
     while (status == SALTUS_OK && *iterations < e->iterations) {
