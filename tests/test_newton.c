@@ -170,6 +170,39 @@ static void damping_reaches_further(void **state) {
     made_close(&m);
 }
 
+/* A long chain of growth before which all is forgotten: from y = 0 the next solution is far away for y2,
+ * although the residual is small, and no damped step to it lowers the residual. */
+static void chain(const made *m, const double *u, double *residual, double *jacobian) {
+    (void)m;
+    const double rows[] = {1, 0, 0, -1, -1e3, 1, 0, 0, 0, -1e3, 1 - 4 * u[2], 0};
+    residual[0] = u[0] - u[3];
+    residual[1] = u[1] - 1e3 * u[0];
+    residual[2] = u[2] - 1e3 * u[1] - 2 * u[2] * u[2];
+    memcpy(jacobian, rows, sizeof rows);
+}
+
+static void growth_hides_no_solution(void **state) {
+    (void)state;
+    made m;
+    int iterations;
+    made_open(&m, 4, chain, 0, 0);
+    for (int bold = 0; bold < 2; bold++) {
+        saltus_message message = {.text = ""};
+        double u[4] = {0, 0, 0, 1e-7};
+        m.e.bold = bold;
+        saltus_status status = saltus_newton(&m.e, u, NULL, NULL, true, &iterations, &message);
+        assert_int_equal(status, bold ? SALTUS_OK : SALTUS_NO_CONVERGENCE);
+        assert_true(bold || (u[0] == 0 && u[2] == 0));
+        check_near(u[2], bold ? (1 - sqrt(1 - 0.8)) / 4 : 0, 1e-12);
+        assert_true(u[3] == 1e-7);
+    }
+    /* Where there is none full steps do not find any. */
+    saltus_message message = {.text = ""};
+    double none[4] = {0, 0, 0, 2e-7};
+    assert_int_not_equal(saltus_newton(&m.e, none, NULL, NULL, true, &iterations, &message), SALTUS_OK);
+    made_close(&m);
+}
+
 /* A step on a hyperplane that ends in rounding is the last, even if it is the first. */
 static void near_points_take_one_evaluation(void **state) {
     (void)state;
@@ -427,6 +460,7 @@ int main(void) {
         cmocka_unit_test(residuals_alone_lead_near),
         cmocka_unit_test(residuals_that_do_not_help),
         cmocka_unit_test(damping_reaches_further),
+        cmocka_unit_test(growth_hides_no_solution),
         cmocka_unit_test(near_points_take_one_evaluation),
         cmocka_unit_test(convergence_is_quadratic),
         cmocka_unit_test(failures_are_told_apart),

@@ -64,7 +64,9 @@ static bool is_small(const saltus_branch_start *start) {
 
 /* `here` becomes the first orbit of a branch; at an equilibrium that is a small cycle. For the first branch
  * of a run, the orbit is cut into more and more segments while Newton's method fails: between prescribed
- * impacts rounding may grow far more than along the motion, on which impacts come earlier or later. */
+ * impacts rounding may grow far more than along the motion, on which impacts come earlier or later. Chatter
+ * lets an orbit close whatever happened before, so that it may be stable although errors grow without
+ * bound up to there: then the guess is far away in spite of its small residual. */
 static saltus_status place_first(saltus_trace *t, const saltus_branch_start *start, saltus_message *why) {
     static const double apart[2][4] = {{1e-3, 1e-4, 1e-2, 1e-5}, {1e-2, 3e-3, 3e-2, 1e-3}};
     saltus_orbits *o = &t->orbits;
@@ -72,6 +74,8 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     saltus_sequence sequence = start->sequence;
     saltus_status status = SALTUS_NO_CONVERGENCE;
     int order[SALTUS_MARKS_MAX];
+    const double visible = 1e-6;
+    double growth = 0;
     if (is_small(start)) {
         const bool hopf = start->origin == SALTUS_POINT_HB;
         for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++)
@@ -79,13 +83,22 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
                                                  : saltus_boundary_cycle(o, start, apart[0][k], here, why));
         return status;
     }
+    o->equations->bold = start->parent < 0;
     status = saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->tangent, here, why);
     for (int cuts = 2;
          start->parent < 0 && cuts <= SALTUS_CUTS_MAX && status != SALTUS_OK && status != SALTUS_NO_MEMORY;
          cuts *= 2) {
         saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, order);
         status = saltus_solution_place(o, &sequence, &start->parameter, start->state, true, here, why);
+        if (status == SALTUS_NO_CONVERGENCE && isfinite(o->equations->size))
+            growth = fmax(growth, saltus_shooting_growth(o->shooting));
     }
+    o->equations->bold = false;
+    if (status == SALTUS_NO_CONVERGENCE && growth * o->options.flow.rtol > visible)
+        return saltus_fail(
+            why, status,
+            "errors of the flow grow %.1g-fold or more along it, so that it is not known where it is",
+            growth);
     return status;
 }
 

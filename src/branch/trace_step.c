@@ -413,6 +413,14 @@ static saltus_status end_at_saddle(saltus_trace *t, const saltus_solution *at, d
     return status == SALTUS_OK && *ended ? saltus_trace_end(t, at, ahead, reason, message) : status;
 }
 
+/* Whether a forced orbit along which the parameter stands still is isolated all the same: all its multipliers
+ * are inside the unit circle, as after chatter, which ends in the same way whatever came before.
+ * Perturbations may grow without bound up to there. */
+static bool is_sensitive(const saltus_solution *s) {
+    return s->sequence.omega == 0 && s->survey.walked && s->survey.multiplier_count > 0 &&
+           s->survey.unstable == 0 && hypot(s->survey.multipliers[0].re, s->survey.multipliers[0].im) < 0.9;
+}
+
 /* End the branch on the step to `next`, and set *ended, where cycles with impacts shrink to an equilibrium on
  * a stop, where two equilibria are born on the cycles, or where the parameter stands still, in a family of
  * orbits or near a saddle. */
@@ -449,9 +457,15 @@ static saltus_status find_end(saltus_trace *t, bool *ended, saltus_message *mess
     if (!(fabs(saltus_solution_heading(t->here)) < still && fabs(saltus_solution_heading(next)) < still))
         return status;
     *ended = saltus_cycle_of_family(next);
-    return *ended ? saltus_trace_end(t, next, next->at.ahead,
-                                     "the orbits of one value of the parameter form a family", message)
-                  : end_at_saddle(t, next, next->at.ahead, false, ended, message);
+    if (!*ended)
+        return end_at_saddle(t, next, next->at.ahead, false, ended, message);
+    if (is_sensitive(next)) {
+        snprintf(reason, sizeof reason, "rounding hides the parameter, on which the orbit depends %.2g-fold",
+                 1 / fabs(saltus_solution_heading(next)));
+        return saltus_trace_end(t, next, next->at.ahead, reason, message);
+    }
+    return saltus_trace_end(t, next, next->at.ahead, "the orbits of one value of the parameter form a family",
+                            message);
 }
 
 /* If all impacts of a cycle lose their speed at once, continue with the cycle without impacts: *done. */

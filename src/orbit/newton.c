@@ -63,6 +63,22 @@ static void report(const saltus_equations *e, int iteration) {
         e->history(e->context, iteration, e->size, e->kind);
 }
 
+/* Whether the next step from the point just evaluated, by the Jacobian before the step to it, is much shorter
+ * than that step, although the residual may have grown (the natural test of Deuflhard, Newton Methods for
+ * Nonlinear Problems, 2004). */
+static bool comes_closer(saltus_equations *e) {
+    const double much = 0.5;
+    double length = 0, next = 0;
+    for (int j = 0; j < e->unknowns; j++) {
+        length = hypot(length, e->step[j]);
+        e->step[j] = j < e->count ? -e->residual[j] : 0;
+    }
+    saltus_dense_resolve(&e->lu, false, 1, e->step);
+    for (int j = 0; j < e->unknowns; j++)
+        next = hypot(next, e->step[j]);
+    return next < much * length;
+}
+
 /* Take a step, halved until the residual falls; undamped, a full step if it can be evaluated. If no step is
  * taken, u is unchanged. Errors: those that a shorter step cannot avoid. */
 static saltus_status take_step(saltus_equations *e, double *u, bool damped, double before, bool *taken,
@@ -76,6 +92,14 @@ static saltus_status take_step(saltus_equations *e, double *u, bool damped, doub
         if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
             return tried;
         *taken = tried == SALTUS_OK && (!damped || e->size < before || before <= e->tolerance);
+    }
+    for (int j = 0; j < e->unknowns && !*taken; j++)
+        e->trial[j] = u[j] + e->step[j];
+    if (!*taken && damped && e->bold) {
+        saltus_status tried = saltus_equations_evaluate(e, e->trial, message);
+        if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
+            return tried;
+        *taken = tried == SALTUS_OK && comes_closer(e);
     }
     memcpy(e->kept, u, (size_t)e->unknowns * sizeof *u);
     if (*taken)

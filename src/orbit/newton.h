@@ -19,6 +19,7 @@ typedef struct saltus_equations {
     double *place;
     bool known;
     bool hasty;       /* iterate with `measure` and the known Jacobian as long as that converges */
+    bool bold;        /* where no damped step lowers the residual, take a full one that halves the distance */
     double size;      /* largest residual; INFINITY after a failed evaluation */
     double tolerance; /* for the residual */
     int iterations;   /* limit */
