@@ -68,6 +68,50 @@ static void chaos_is_asserted_for_its_lifetime(void **unused) {
     }
 }
 
+/* Where periods take very many steps, the rest of the lifetime is watched without measuring: the bound counts
+ * it, the reason tells of it, the exponent is that of a longer measurement, and the evidence is asked for all
+ * the section points. */
+static void dear_lifetimes_are_watched(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const char settings[] = "alpha=0 N=9 omega=42 d=0.03";
+    saltus_classify_options options = saltus_classify_defaults();
+    char told[96];
+    options.transient = 200;
+    saltus_motion motion = classify_with("pipe", settings, &options);
+    const saltus_evidence *e = &motion.evidence;
+    const long long all = 8 * (3 * options.lifetime / 8 + 1), watched = all - e->periods;
+    assert_int_equal(motion.verdict, SALTUS_CHAOTIC);
+    assert_int_equal(e->periods, 8000);
+    snprintf(told, sizeof told, "nor in %lld more, at whose end they still separate: mean lifetime at least",
+             watched);
+    assert_non_null(strstr(motion.reason, told));
+    check_near(e->lifetime_at_least, saltus_lifetime_at_least((double)all, 0), 1e-9 * (double)all);
+    assert_true(e->lifetime_at_least >= (double)options.lifetime && isnan(e->lifetime) && e->left == 0);
+    assert_true(e->zero_one > 0.9 && e->dimension > 5); /* a thousand points are too few for a dimension */
+    saltus_scene scene = scene_of("pipe", settings);
+    saltus_message message = {.text = ""};
+    saltus_system *system = build(&scene.spec);
+    saltus_lyapunov_options how = saltus_lyapunov_defaults();
+    saltus_lyapunov measured;
+    how.exponents = 1;
+    how.members = 8;
+    how.periods = 16000;
+    check_ok(saltus_lyapunov_run(system, motion.state, &how, &measured, &message), &message);
+    check_near(motion.lyapunov, measured.exponents[0],
+               4 * hypot(motion.lyapunov_error, measured.standard_errors[0]));
+    saltus_lyapunov_clear(&measured);
+    saltus_system_free(system);
+    saltus_motion_clear(&motion);
+    /* Cheap periods are all measured. */
+    options.lifetime = 5000;
+    motion = classify_with("pipe", "d=0.035 omega=10", &options);
+    assert_null(strstr(motion.reason, "nor in"));
+    check_near(motion.evidence.lifetime_at_least,
+               saltus_lifetime_at_least((double)motion.evidence.periods, 0), 1e-6);
+    saltus_motion_clear(&motion);
+}
+
 /* The same rule in a sweep. */
 static void rows_are_irregular_until_then(void **unused) {
     (void)unused;
@@ -253,6 +297,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bounds_hold_as_often_as_they_say),
         cmocka_unit_test(chaos_is_asserted_for_its_lifetime),
+        cmocka_unit_test(dear_lifetimes_are_watched),
         cmocka_unit_test(rows_are_irregular_until_then),
         cmocka_unit_test(locked_motions_have_a_period),
         cmocka_unit_test(rounding_decides_long_superstable_periods),

@@ -50,10 +50,12 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     return status;
 }
 
-/* No period so far: judge the motion, and if it should settle, give it the rest of the time. Without forcing
- * periods are counted by the mean time between returns. */
-static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_message *message) {
+/* No period so far: judge the motion, and if it should settle, give it the rest of the time: less where
+ * neighbours separate and periods are dear, each of which then counts more than once. The search so far has
+ * taken `steps`. Without forcing periods are counted by the mean time between returns. */
+static saltus_status judge(saltus_search *s, double steps, saltus_motion *motion, saltus_message *message) {
     const saltus_classify_options *o = s->options;
+    const double dear = fmax(1, steps / (double)s->settling.count / SALTUS_EFFORT_MEASURED);
     const bool forced = saltus_system_forced(s->system);
     saltus_outcome outcome;
     saltus_system *counted = NULL;
@@ -78,8 +80,9 @@ static saltus_status judge(saltus_search *s, saltus_motion *motion, saltus_messa
     if (status != SALTUS_OK || !open)
         return status;
     const bool attracts = !forced || !saltus_system_keeps_volume(s->system);
-    if (attracts && s->settling.count < o->transient)
-        status = saltus_search_run(s, o->transient, motion, message);
+    const double share = outcome == SALTUS_OUTCOME_SHORT ? 1 / dear : 1;
+    if (attracts && (double)s->settling.count < share * (double)o->transient)
+        status = saltus_search_run(s, (long long)(share * (double)o->transient), motion, message);
     if (status != SALTUS_OK || s->found || motion->verdict != SALTUS_UNDECIDED)
         return status;
     saltus_flow_state(s->flow, 0, motion->state);
@@ -128,12 +131,13 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     long long early = options->measure && options->transient > patience * SALTUS_FIRST_BLOCK
                           ? options->transient / patience
                           : options->transient;
+    const double before = own.flow.effort->total;
     status = saltus_search_open(&s, state, motion, message);
     if (status == SALTUS_OK)
         status = saltus_search_run(&s, early, motion, message);
     bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;
     if (open && options->measure)
-        status = judge(&s, motion, message);
+        status = judge(&s, own.flow.effort->total - before, motion, message);
     if (open && saltus_stop_asked(options->flow.stop) && !saltus_verdict_settled(motion->verdict)) {
         /* Results of flows that were stopped prove nothing. */
         saltus_motion_forget_evidence(motion);

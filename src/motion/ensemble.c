@@ -146,15 +146,13 @@ static saltus_status align(saltus_ensemble *e, saltus_message *message) {
     return status;
 }
 
-saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, saltus_message *message) {
-    double initial[SALTUS_STATE_MAX];
-    memcpy(initial, state, (size_t)e->n * sizeof *state);
-    if (e->options->seed)
-        saltus_state_disturb(e->system, saltus_random_rng(&e->random), disturbance, 0, initial);
-    saltus_status status = run_transient(e, initial, message);
+/* Start the members from their states, all but the first disturbed if asked for, and align their tangent
+ * vectors. */
+static saltus_status start(saltus_ensemble *e, bool disturbed, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
     for (int m = 0; m < e->members && status == SALTUS_OK; m++) {
         saltus_member *self = &e->member[m];
-        if (m > 0)
+        if (m > 0 && disturbed)
             saltus_state_disturb(e->system, saltus_random_rng(&e->random), disturbance, 0, self->state);
         status = saltus_flow_start(self->flow, self->lane, (saltus_time){0, 0}, self->state, message);
         if (status == SALTUS_OK)
@@ -164,6 +162,74 @@ saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, sal
         status = align(e, message);
     e->measures = true;
     saltus_ensemble_forget(e);
+    return status;
+}
+
+saltus_status saltus_ensemble_place(saltus_ensemble *e, const double *state, saltus_message *message) {
+    double initial[SALTUS_STATE_MAX];
+    memcpy(initial, state, (size_t)e->n * sizeof *state);
+    if (e->options->seed)
+        saltus_state_disturb(e->system, saltus_random_rng(&e->random), disturbance, 0, initial);
+    saltus_status status = run_transient(e, initial, message);
+    return status == SALTUS_OK ? start(e, true, message) : status;
+}
+
+saltus_status saltus_ensemble_begin(saltus_ensemble *e, const double *states, saltus_message *message) {
+    for (int m = 0; m < e->members; m++)
+        memcpy(e->member[m].state, states + m * e->n, (size_t)e->n * sizeof *states);
+    return start(e, false, message);
+}
+
+/* Run the members from `first` on, as many as there are lanes, for so many periods. The lane of the first of
+ * all stops at each `whole` of them for its next section point. */
+static saltus_status run_lanes(saltus_flow *flow, int first, int lanes, int whole, long long periods,
+                               double *states, double *points, saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
+    const int n = saltus_system_dimension(system);
+    saltus_status status = SALTUS_OK;
+    for (int l = 0; l < lanes && status == SALTUS_OK; l++) {
+        status = saltus_flow_start(flow, l, (saltus_time){0, 0}, states + (first + l) * n, message);
+        saltus_flow_aim(flow, l, (saltus_time){first + l ? periods : whole, 0}, 0);
+    }
+    for (int left = lanes; left > 0 && status == SALTUS_OK;) {
+        saltus_event event;
+        int lane;
+        status = saltus_flow_run(flow, &lane, &event, message);
+        if (status != SALTUS_OK)
+            break;
+        const long long now = saltus_flow_time(flow, lane).cycle;
+        double *state = states + (first + lane) * n;
+        saltus_flow_state(flow, lane, state);
+        if (first + lane == 0)
+            memcpy(points + (now / whole - 1) * n, state, (size_t)n * sizeof *points);
+        if (now < periods)
+            saltus_flow_aim(flow, lane, (saltus_time){now + whole, 0}, 0);
+        else
+            left--;
+        status = saltus_state_bounded(system, state, saltus_flow_contacts(flow, lane), now, message);
+    }
+    return status;
+}
+
+saltus_status saltus_ensemble_ahead(const saltus_ensemble *e, long long samples, double *states,
+                                    double *points, saltus_message *message) {
+    const saltus_system *systems[SALTUS_MEMBERS_MAX];
+    const int whole = e->member[0].growth.whole;
+    saltus_flow_options options = e->options->flow;
+    saltus_status status = SALTUS_OK;
+    options.order = order_for(e->system, &options);
+    for (int m = 0; m < e->members; m++) {
+        systems[m] = e->system;
+        memcpy(states + m * e->n, e->member[m].state, (size_t)e->n * sizeof *states);
+    }
+    for (int first = 0; first < e->members && status == SALTUS_OK; first += e->width) {
+        const int lanes = e->members - first < e->width ? e->members - first : e->width;
+        saltus_flow *flow = NULL;
+        status = saltus_flow_new(systems, lanes, &options, &flow, message);
+        if (status == SALTUS_OK)
+            status = run_lanes(flow, first, lanes, whole, samples * whole, states, points, message);
+        saltus_flow_free(flow);
+    }
     return status;
 }
 

@@ -7,8 +7,10 @@
  * it: a long transient looks chaotic while it lasts. If a contact can wipe out all differences, none may
  * come within twenty times the measured time: after one the motion repeats. The tangent vectors of a
  * trajectory that leaves begin to shrink; the others are followed further, and the times of escape give the
- * lifetime. A negative exponent means that the motion is regular and a period will appear. A zero exponent,
- * known well, belongs to a torus if the section points fill closed curves and have a spectrum of lines.
+ * lifetime. Where periods take many steps, trajectories are followed for the rest of the required time
+ * without tangent vectors, which have to grow at its end. A negative exponent means that the motion is
+ * regular and a period will appear. A zero exponent, known well, belongs to a torus if the section points
+ * fill closed curves and have a spectrum of lines.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "flow/effort.h"
 #include "motion/ensemble.h"
@@ -25,15 +27,17 @@
 
 enum {
     trajectories = 8,
-    spread = 400,    /* periods of the transient; the trajectories start along its second half */
-    first_run = 500, /* samples; each later run doubles the total */
-    chunk = 250,     /* samples between checks for trajectories that have left */
-    least_torus = 1000,
+    spread = 400,      /* periods of the transient; the trajectories start along its second half */
+    first_run = 500,   /* samples; each later run doubles the total */
+    chunk = 250,       /* samples between checks for trajectories that have left */
+    least_long = 1000, /* samples for a torus, and before the lifetime is watched without measuring */
     points_kept = 4096,
     check_periods = 1000, /* within which a trajectory that seems to have left must show its period */
     longest_laminar = 16
 };
 
+/* Where a measured period counts as so many, the rest of the lifetime is watched without measuring. */
+static const double dear = 1.5;
 /* e-folding times in which what comes to an orbit is seen to do so, from the motion's extent */
 static const double approach = 6;
 
@@ -43,12 +47,16 @@ typedef struct judge {
     saltus_motion *motion;
     double *returns, *times; /* without forcing: the first trajectory's returns to the section, their times */
     long long return_count;
-    double before;        /* the question's steps before this measurement */
-    bool searched;        /* stable orbits have been searched for */
-    bool unseen;          /* one was found, so slow that no trajectory would be seen to come to it */
-    bool nowhere, drifts; /* a longer run would tell no more, as the exponent drifts */
-    bool traceless;       /* nothing but impacts changes volumes */
-    bool sticks;          /* a contact that wipes out all differences was met */
+    double before;          /* the question's steps before this measurement */
+    long long watched;      /* periods of all trajectories beyond those measured */
+    double unmeasured;      /* the steps that these took */
+    long long points_ahead; /* of the first trajectory's section points, after those measured */
+    bool looked_ahead;      /* they have been tried */
+    bool searched;          /* stable orbits have been searched for */
+    bool unseen;            /* one was found, so slow that no trajectory would be seen to come to it */
+    bool nowhere, drifts;   /* a longer run would tell no more, as the exponent drifts */
+    bool traceless;         /* nothing but impacts changes volumes */
+    bool sticks;            /* a contact that wipes out all differences was met */
     long long escaped[trajectories]; /* samples of each trajectory until it left; 0: it has not */
     /* Sticking may shrink tangent vectors without any escape: after a check in vain a trajectory is not
      * checked again before its samples have doubled. */
@@ -67,7 +75,7 @@ static saltus_runs runs_of(const judge *j) {
                          .second = saltus_ensemble_part(e, 0.5, 1),
                          .latest = saltus_ensemble_part(e, 0.875, 1).mean,
                          .period = saltus_system_period(e->system),
-                         .watched = saltus_ensemble_periods(e),
+                         .watched = saltus_ensemble_periods(e) + j->watched,
                          .members = trajectories,
                          .lifetime = j->options->lifetime,
                          .lost = j->sticks || saltus_ensemble_lost(e) >= e->n};
@@ -102,7 +110,8 @@ static void tell_exponent(judge *j) {
 /* How many times a measured period counts in what --measure allows. A short run may take what the usual one
  * does. */
 static double dearness(const judge *j) {
-    const double total = j->options->flow.effort->total - j->before, measure = (double)j->options->measure,
+    const double total = j->options->flow.effort->total - j->before - j->unmeasured,
+                 measure = (double)j->options->measure,
                  most = SALTUS_EFFORT_MEASURED * fmax(measure, (double)saltus_classify_defaults().measure);
     return fmax(1, total / (double)saltus_ensemble_periods(&j->ensemble) * measure / most);
 }
@@ -149,7 +158,7 @@ static double periods_watched(const judge *j) {
     double samples = 0;
     for (int m = 0; m < trajectories; m++)
         samples += (double)(j->escaped[m] ? j->escaped[m] : j->ensemble.member[m].samples);
-    return samples * j->ensemble.member[0].growth.whole;
+    return samples * j->ensemble.member[0].growth.whole + (double)j->watched;
 }
 
 /* Measure one more run, checking after each chunk for trajectories that have left. Once one has, stop when
@@ -223,7 +232,7 @@ static saltus_status ask_points(judge *j, saltus_outcome *outcome, saltus_messag
     const saltus_ensemble *e = &j->ensemble;
     const bool forced = saltus_system_forced(e->system);
     const double *points = forced ? e->points : j->returns, *state = e->member[0].state;
-    long long count = points_there(e);
+    long long count = points_there(e) + j->points_ahead;
     if (!forced) {
         saltus_status status =
             saltus_motion_section_points(e->system, &e->options->flow, state, 2 * points_kept, points_kept,
@@ -282,6 +291,48 @@ static saltus_status leads_nowhere(judge *j, bool *nowhere, saltus_message *mess
     return status;
 }
 
+/* If all but the lifetime is shown and periods are dear: follow the trajectories for the rest of it without
+ * tangent vectors, and measure again only at its end. None comes back from a regular motion, so that one that
+ * still grows there has not left; if any does not, the measurement goes on as if it had not been looked at.
+ */
+static saltus_status watch_on(judge *j, saltus_outcome *outcome, saltus_message *message) {
+    const saltus_ensemble *e = &j->ensemble;
+    const saltus_member *first = &e->member[0];
+    const long long most = j->options->measure / trajectories, each = trajectories * first->growth.whole,
+                    needed = 3 * (long long)j->options->lifetime / each + 1 - first->samples;
+    const long long ahead = needed - chunk, fits = e->room - first->samples;
+    /* Without a tangent vector a period counts half. */
+    const double cost = dearness(j), all = cost * ((double)first->samples + 0.5 * (double)needed),
+                 before = j->options->flow.effort->total;
+    if (j->looked_ahead || first->samples < least_long || ahead < chunk || cost < dear || all > (double)most)
+        return SALTUS_OK;
+    double states[trajectories * SALTUS_STATE_MAX];
+    double *points = calloc((size_t)(ahead * e->n), sizeof *points);
+    saltus_ensemble later = {0};
+    bool grow = true;
+    j->looked_ahead = true;
+    saltus_status status = points ? saltus_ensemble_ahead(e, ahead, states, points, message)
+                                  : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for section points");
+    if (status == SALTUS_OK)
+        status = saltus_ensemble_open(&later, e->system, e->options, 0, message);
+    if (status == SALTUS_OK)
+        status = saltus_ensemble_begin(&later, states, message);
+    if (status == SALTUS_OK)
+        status = saltus_ensemble_run(&later, chunk, message);
+    for (int m = 0; m < later.members; m++)
+        grow &= later.member[m].recent > 0;
+    if (status == SALTUS_OK && grow) {
+        j->watched = needed * each;
+        j->points_ahead = ahead < fits ? ahead : fits;
+        memcpy(e->points + first->samples * e->n, points, (size_t)(j->points_ahead * e->n) * sizeof *points);
+        *outcome = SALTUS_OUTCOME_CHAOS;
+    }
+    saltus_ensemble_close(&later);
+    free(points);
+    j->unmeasured += j->options->flow.effort->total - before;
+    return status;
+}
+
 /* Decide by the runs so far. If a stable orbit lies amid the chaos, it is a transient that has not ended
  * yet: go on for as long as allowed, to see when it ends, unless that would not be seen. */
 static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *message) {
@@ -291,9 +342,11 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     if (evidence->left)
         return SALTUS_OK;
     *outcome = saltus_runs_weigh(&runs);
-    if (*outcome == SALTUS_OUTCOME_TORUS && j->ensemble.member[0].samples < least_torus)
+    if (*outcome == SALTUS_OUTCOME_TORUS && j->ensemble.member[0].samples < least_long)
         *outcome = SALTUS_OUTCOME_OPEN;
-    if (*outcome == SALTUS_OUTCOME_TORUS || *outcome == SALTUS_OUTCOME_CHAOS)
+    if (*outcome == SALTUS_OUTCOME_SHORT)
+        status = watch_on(j, outcome, message);
+    if (status == SALTUS_OK && (*outcome == SALTUS_OUTCOME_TORUS || *outcome == SALTUS_OUTCOME_CHAOS))
         status = ask_points(j, outcome, message);
     if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS)
         status = look_for_orbit(j, message);
@@ -303,6 +356,8 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
         *outcome = SALTUS_OUTCOME_REGULAR;
     if (*outcome == SALTUS_OUTCOME_SHORT || evidence->stable_orbit[0])
         *outcome = j->unseen ? SALTUS_OUTCOME_LEFT : SALTUS_OUTCOME_OPEN;
+    if (*outcome != SALTUS_OUTCOME_CHAOS)
+        j->watched = j->points_ahead = 0; /* what is measured from here on covers the same time */
     return status;
 }
 
@@ -419,13 +474,15 @@ static void tell_transient(saltus_motion *m) {
     say(m, "; a longer --transient would show this one do so");
 }
 
-static void tell_chaos(saltus_motion *m, long long without_contact) {
+static void tell_chaos(saltus_motion *m, long long watched, long long without_contact) {
     const saltus_evidence *e = &m->evidence;
     say(m,
         "largest exponent %.4g +- %.1g per unit of time over %lld periods, positive in both halves of "
-        "the run; none of %d trajectories has come to a period or to rest: mean lifetime at least %.0f "
-        "periods (95 %%)",
-        m->lyapunov, m->lyapunov_error, e->periods, e->members, e->lifetime_at_least);
+        "the run; none of %d trajectories has come to a period or to rest",
+        m->lyapunov, m->lyapunov_error, e->periods, e->members);
+    if (watched)
+        say(m, ", nor in %lld more, at whose end they still separate", watched);
+    say(m, ": mean lifetime at least %.0f periods (95 %%)", e->lifetime_at_least);
     if (without_contact)
         say(m, "; lasting contacts that would end it come less than once in %.0f periods",
             saltus_lifetime_at_least((double)without_contact, 0));
@@ -454,7 +511,7 @@ static void tell(judge *j, saltus_outcome outcome) {
     case SALTUS_OUTCOME_CHAOS:
         m->verdict = SALTUS_CHAOTIC;
         find_intermittency(j);
-        tell_chaos(m, saltus_contact_watch(system, e->periods));
+        tell_chaos(m, j->watched, saltus_contact_watch(system, e->periods));
         break;
     case SALTUS_OUTCOME_TORUS:
         m->verdict = SALTUS_QUASIPERIODIC;

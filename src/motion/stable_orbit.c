@@ -37,6 +37,8 @@ enum {
     remembered = 1024,    /* latest points of orbits that have been tried */
     least_tries = 200,    /* tries before the search is given up if fewer than one in ... */
     hopeless = 25,        /* ... this many has led to an orbit; with damping one in ten does */
+    dear_steps = 1000000, /* steps from which on ... */
+    dear_tries = 75,      /* ... so many tries are enough for that */
     most_steps = 20000000 /* of the flow, as efforts count them; pipes of up to six modes take 7 million */
 };
 static const double same_orbit = 1e-5; /* in scales: orbits this near are the same */
@@ -226,8 +228,9 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
 }
 
 static bool is_hopeless(const search *s) {
-    const bool costly = s->flow->effort && s->flow->effort->total - s->before > most_steps;
-    return costly || (s->tries >= least_tries && s->led * hopeless < s->tries);
+    const double taken = s->flow->effort ? s->flow->effort->total - s->before : 0;
+    const int enough = taken > dear_steps ? dear_tries : least_tries;
+    return taken > most_steps || (s->tries >= enough && s->led * hopeless < s->tries);
 }
 
 static saltus_status try_period(search *s, saltus_returns *returns, int p, saltus_motion *motion, bool *found,
