@@ -429,6 +429,27 @@ static void a_made_up_spiral_is_not_left_early(void **unused) {
     saltus_system_free(system);
 }
 
+/* An impact in the very section does not double the period of a row. In resonance without damping
+ * x = cos t + B sin t + (F/2) t sin t between impacts at the section's time, which are all of speed
+ * pi F/(1 + r). */
+static void an_impact_in_the_section_doubles_nothing(void **state) {
+    (void)state;
+    saltus_scene scene = scene_of("impact-oscillator", "c=0 omega=1 F=0.5 d=1");
+    static const double restitutions[] = {0.7, 0.8, 0.85};
+    for (size_t k = 0; k < sizeof restitutions / sizeof restitutions[0]; k++) {
+        const double r = restitutions[k], tight = 1e-13;
+        saltus_sweep_options options = settling_options(1e-10);
+        single s = run_single(&scene, "r", r, &options);
+        const saltus_sweep_row *row = s.result.rows;
+        assert_string_equal(s.label, "1/1");
+        assert_int_equal(row->periods, 1);
+        check_near(row->period, 2 * M_PI, tight);
+        check_near(row->impact_rate, 1, 0);
+        check_near(row->largest_speed, M_PI * 0.5 / (1 + r), 1e-8);
+        close_single(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
@@ -445,6 +466,7 @@ int main(void) {
         cmocka_unit_test(a_rest_is_still),
         cmocka_unit_test(the_distance_left_of_a_series_is_its_rest),
         cmocka_unit_test(a_made_up_spiral_is_not_left_early),
+        cmocka_unit_test(an_impact_in_the_section_doubles_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -189,20 +189,24 @@ static void pass_impacts(const saltus_system *system, const double *point, doubl
     }
 }
 
-int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow) {
-    /* Accuracy of section points of one orbit that Newton's method finds with this flow. */
-    double accuracy = fmax(1e-8, 1e4 * flow->rtol);
-    const int n = saltus_system_dimension(lap->system);
+int saltus_points_least_period(const saltus_system *system, const double *points, int periods,
+                               double accuracy) {
+    const int n = saltus_system_dimension(system);
     double first[SALTUS_STATE_MAX], later[SALTUS_STATE_MAX];
-    pass_impacts(lap->system, lap->points, accuracy, first);
-    for (int p = 1; p <= lap->periods / 2; p++) {
-        if (lap->periods % p)
+    pass_impacts(system, points, accuracy, first);
+    for (int p = 1; p <= periods / 2; p++) {
+        if (periods % p)
             continue;
-        pass_impacts(lap->system, lap->points + (size_t)(p * n), accuracy, later);
-        if (saltus_system_distance(lap->system, later, first) < accuracy)
+        pass_impacts(system, points + (size_t)(p * n), accuracy, later);
+        if (saltus_system_distance(system, later, first) < accuracy)
             return p;
     }
-    return lap->periods;
+    return periods;
+}
+
+int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow) {
+    /* Accuracy of section points of one orbit that Newton's method finds with this flow. */
+    return saltus_points_least_period(lap->system, lap->points, lap->periods, fmax(1e-8, 1e4 * flow->rtol));
 }
 
 bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,

@@ -75,6 +75,9 @@ void saltus_lap_label(const saltus_lap *lap, char label[SALTUS_LABEL_MAX]);
 
 /* The least divisor of the lap's periods after which the orbit closes. */
 int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *flow);
+/* The same for section points in turn, which are accurate to `accuracy`, in the system's scales. */
+int saltus_points_least_period(const saltus_system *system, const double *points, int periods,
+                               double accuracy);
 /* Whether an orbit passes through a state at section phase 0. */
 bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,
                          double distance);

@@ -199,6 +199,20 @@ static void measure(saltus_sweep_trajectory *t) {
                          saltus_sweep_trajectory_information(t).square, &t->row);
 }
 
+/* Where an impact comes in the very section, points of the orbit lie before and after it in turn: iteration
+ * takes this for twice the period. */
+static void take_least_period(saltus_sweep_trajectory *t) {
+    const double accuracy = fmax(1e-8, 100 * t->sweep->options.flow.rtol);
+    const int periods = t->row.periods,
+              least = saltus_points_least_period(t->system, t->proof.orbit, periods, accuracy);
+    if (least == periods || (t->row.impacts > 0 && t->row.impacts * least % periods) ||
+        t->row.sticking * least % periods)
+        return;
+    t->row.periods = least;
+    t->row.impacts = t->row.impacts < 0 ? -1 : t->row.impacts * least / periods;
+    t->row.sticking = t->row.sticking * least / periods;
+}
+
 /* The lap around the orbit is complete. */
 static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
@@ -211,6 +225,8 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     }
     if (t->active == &t->watch)
         measure(t);
+    if (t->row.periods > 1 && saltus_system_forced(t->system))
+        take_least_period(t);
     if (t->row.periods > 0)
         t->row.period = t->row.periods * saltus_system_period(t->system);
     if (!saltus_system_forced(t->system)) { /* back onto the section */
