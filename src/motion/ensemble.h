@@ -53,9 +53,9 @@ void saltus_ensemble_close(saltus_ensemble *ensemble);
 /* Run the transient from a state, place the members along its last half, and align their tangent vectors.
  * Errors: those of the flow. */
 saltus_status saltus_ensemble_place(saltus_ensemble *ensemble, const double *state, saltus_message *message);
-/* Where the members come to after so many samples from here, with no tangent vector, at a third of the cost;
- * the members themselves stay. `states` has room for all of them, one after the other, `points` for the first
- * member's section points on the way, one a sample. Errors: those of the flow, SALTUS_STALLED. */
+/* Where the members come to after so many samples from here, with no tangent vector, at less than half the
+ * cost; the members themselves stay. `states` has room for all of them, one after the other, `points` for the
+ * first member's section points on the way, one a sample. Errors: those of the flow, SALTUS_STALLED. */
 saltus_status saltus_ensemble_ahead(const saltus_ensemble *ensemble, long long samples, double *states,
                                     double *points, saltus_message *message);
 /* Place the members at states as told by saltus_ensemble_ahead of another ensemble of this system, and align
