@@ -705,7 +705,7 @@ static void narrow_axes_have_enough_tics(void **state) {
 static void a_sheet_fits_a_journal(void **state) {
     (void)state;
     static made_up m;
-    const double tallest = 235, mm = 8 * 25.4 / 72 * 3 / 52, letter = 7.2; /* of a unit of the page */
+    const double tallest = 235, mm = 8 * 25.4 / 72 * 3 / 52, type = 7 * 13 / 8.0; /* of a unit of the page */
     saltus_spectra spectra = made_spectra(true);
     saltus_flow_options options = saltus_flow_defaults();
     for (int kind = 0; kind < 3; kind++)
@@ -743,8 +743,7 @@ static void a_sheet_fits_a_journal(void **state) {
                             line = &f.panel[p].mark[k];
                             if (line->kind != 'l' || line->tag < 90)
                                 continue;
-                            double end =
-                                line->place[0][0] * page[0] + letter * saltus_line_letters(line->text);
+                            double end = line->place[0][0] * page[0] + saltus_page_width(line->text, type);
                             assert_true(end < page[0] && (!beside || end < other[0] * page[0]));
                         }
                     }

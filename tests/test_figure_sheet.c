@@ -1,7 +1,7 @@
 /* A motion's page draws its record and verdict. The records are made up, so that every kind of event occurs
  * and the numbers are known.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/caption.h"
+#include "figure/page.h"
 #include "made_record.h"
 
 static bool is_struck(const saltus_trajectory *r, long long row) {
@@ -567,7 +567,7 @@ static void exponents_and_lines_are_those_measured(void **state) {
     figure_says(&f, "over 77 periods by 5 trajectories");
     figure_says(&f, "exponent in the halves of the run 0.500 ± 0.062 and 0.625 ± 0.062;  0–1 test 0.875;  "
                     "correlation dimension 1.250 ± 0.062;  broadband fraction 0.38; ");
-    figure_says(&f, "; 1.625 impacts per {/:Italic T}");
+    figure_says(&f, ";  1.625 impacts per {/:Italic T}");
     figure_free(&f);
     saltus_system_free(system);
 }
@@ -784,7 +784,7 @@ static void a_trajectory_has_its_stops(void **state) {
             for (int k = 0; k < f.panel[p].mark_count && column; k++) {
                 const figure_mark *mark = &f.panel[p].mark[k];
                 assert_true(mark->kind != 'l' ||
-                            mark->place[0][0] * 522 + 8.2 * saltus_line_letters(mark->text) < 560);
+                            mark->place[0][0] * 522 + saltus_page_width(mark->text, 11.5) < 523);
             }
         figure_free(&f);
     }

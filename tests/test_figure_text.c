@@ -268,8 +268,37 @@ static void texts_are_shown_as_they_stand(void **state) {
     }
 }
 
+/* Texts are as wide as DejaVu Sans makes them, whatever markup they have, and are broken into lines that fit
+ * and together are the text. */
+static void lines_are_filled(void **state) {
+    (void)state;
+    assert_float_equal(saltus_line_width("periodic orbits in x"), 9.31, 0.005);
+    assert_float_equal(saltus_line_width("{/:Bold MMMM}"), saltus_line_width("MMMM"), 1e-12);
+    assert_true(saltus_line_width("MMMM") > 3 * saltus_line_width("llll"));
+    assert_float_equal(saltus_line_width("a\\_b"), saltus_line_width("a") + saltus_line_width("b") + 0.5,
+                       1e-9);
+    assert_float_equal(saltus_line_width("{/:Italic ω}_{12}"), 0.84 + 2 * 0.64, 1e-9);
+    static const char text[] =
+        "pipe: {/:Italic N} = 5, {/:Italic α} = 0.005, {/:Italic u}_{0} = 4.5;  stop: "
+        "{/:Italic ξ} = 0.5, {/:Italic d} = 0.035, upper, and some words without commas";
+    for (double width = 6; width < 80; width += 0.7) {
+        const char *rest = text;
+        while (*rest) {
+            const size_t length = saltus_line_piece(rest, width);
+            char piece[sizeof text];
+            snprintf(piece, sizeof piece, "%.*s", (int)length, rest);
+            assert_true(length > 0 && saltus_line_width(piece) <= width);
+            rest += length;
+            rest += strspn(rest, " ");
+        }
+        const char *first = text + saltus_line_piece(text, width);
+        assert_true(!*first || *first == ' ');
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(texts_are_no_commands),
+                                       cmocka_unit_test(lines_are_filled),
                                        cmocka_unit_test(texts_are_shown_as_they_stand)};
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

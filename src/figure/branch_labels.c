@@ -12,9 +12,8 @@
 
 enum { places_max = 400 };
 
-/* Height of a word's line in page units; in such heights the width of a letter, and half the width of a mark.
- */
-static const double word_height = 20.2, letter_width = 0.47, mark_radius = 0.4;
+/* Height of a word's line in page units; in such heights half the width of a mark. */
+static const double word_height = 20.2, mark_radius = 0.4;
 
 /* Places are in word heights, from the panel's lower left corner. */
 typedef struct place {
@@ -71,11 +70,11 @@ static place place_of_visit(const saltus_plot_page *page, int file, int row, int
     return page->swap ? place_at(page, value, point->value[0]) : place_at(page, point->value[0], value);
 }
 
-/* The space of a word, on a white ground if `boxed`. */
-static place word_of(const saltus_plot_page *page, size_t letters, bool boxed) {
-    const double larger = saltus_page_type(page->paper, 10) / 10;
-    return (place){0, 0, 0.5 * larger * letter_width * (double)letters + (boxed ? 0.25 : 0.05),
-                   larger * (boxed ? 0.46 : 0.4)};
+/* The space of a word in type of `size` points, on a white ground if `boxed`. */
+static place word_of(const saltus_plot_page *page, const char *word, double size, bool boxed) {
+    const double type = saltus_page_type(page->paper, size);
+    return (place){0, 0, 0.5 * saltus_page_width(word, type) / word_height + (boxed ? 0.25 : 0.05),
+                   0.1 * saltus_page_type(page->paper, 10) * (boxed ? 0.46 : 0.4)};
 }
 
 static place moved(place word, double x, double y) {
@@ -370,7 +369,7 @@ static void name_point(const saltus_plot_page *page, const saltus_branch_point *
                        places *all) {
     const char *word = saltus_point_word(point->kind);
     naming n = {
-        .point = point, .own = place_of(page, point), .word = word_of(page, strlen(word), page->over_sweep)};
+        .point = point, .own = place_of(page, point), .word = word_of(page, word, 10, page->over_sweep)};
     place found;
     char style[96];
     saltus_line line = {.length = 0};
@@ -460,15 +459,15 @@ static bool named_below(const saltus_plot_page *page, const saltus_branch_file *
 
 /* Find a place for the name of a stretch: on its curve where no other is or, if `led`, anyway; beside it or,
  * if `led`, at the end of a line. */
-static bool find_on_stretch(const saltus_plot_page *page, const places *all, const stretch *s, size_t letters,
-                            bool on_curve, bool led, place *found) {
+static bool find_on_stretch(const saltus_plot_page *page, const places *all, const stretch *s,
+                            const char *text, bool on_curve, bool led, place *found) {
     static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
 
     for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
         const int row = row_at(page, s, parts[k]),
                   visits = page->visits ? page->visits[s->file][row].count : 1;
         for (int n = 0; n < visits && n < 2; n++) {
-            naming name = {.s = s, .word = word_of(page, letters, on_curve || page->over_sweep)};
+            naming name = {.s = s, .word = word_of(page, text, 11, on_curve || page->over_sweep)};
             name.own = place_of_visit(page, s->file, row, outer_visit(page, s->file, row, n > 0));
             name.own.half_width = name.own.half_height = 0.05;
             const place there = moved(name.word, name.own.x, name.own.y);
@@ -504,14 +503,13 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
     saltus_line_plain(&name, f->points[s->first].label);
     if (page->locus)
         saltus_plot_add_differences(page, s->file, &name);
-    const size_t letters = (size_t)saltus_line_letters(name.text);
-    const bool long_enough = s->length >= 2 * word_of(page, letters, true).half_width + 1.2;
+    const bool long_enough = s->length >= 2 * word_of(page, name.text, 11, true).half_width + 1.2;
     if (s->length < 0.8 || (page->locus && !long_enough) || named_below(page, f, row_at(page, s, 0.5)))
         return false;
     const bool on_curve = !led && long_enough &&
-                          (find_on_stretch(page, all, s, letters, true, false, &found) ||
-                           (page->locus && find_on_stretch(page, all, s, letters, true, true, &found)));
-    if (!on_curve && (page->locus || !find_on_stretch(page, all, s, letters, false, led, &found))) {
+                          (find_on_stretch(page, all, s, name.text, true, false, &found) ||
+                           (page->locus && find_on_stretch(page, all, s, name.text, true, true, &found)));
+    if (!on_curve && (page->locus || !find_on_stretch(page, all, s, name.text, false, led, &found))) {
         if (!led && !page->locus && all->unnamed_stretch_count < places_max)
             all->unnamed_stretch[all->unnamed_stretch_count++] = *s;
         return false;
@@ -581,11 +579,11 @@ static void name_regions(const saltus_plot_page *page, places *all) {
         double x = label->value[turned], y = label->value[!turned];
         saltus_line line = {.length = 0};
         place where = place_at(page, x, y);
-        where.half_width = letter_width * (double)strlen(label->text);
+        saltus_line_plain(&line, label->text);
+        where.half_width = 0.5 * saltus_page_width(line.text, 17 * 1.15) / word_height;
         where.half_height = 0.6;
         if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
             continue;
-        saltus_line_plain(&line, label->text);
         put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
         take_place(all, where);
     }

@@ -153,44 +153,66 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
         saltus_line_add(l, ";  no stop");
 }
 
-/* Skip one letter of a text, or an element that only formats it: a brace with its command, an index. Returns
- * whether it is visible. */
-static bool pass_letter(const char **text, int *depth) {
-    const char c = *(*text)++;
+/* Pass one letter of a text, or an element that only formats it: a brace with its command, an index. Returns
+ * the letter's width; 0 if nothing is visible. */
+static double pass_letter(const char **text, int *depth) {
+    /* Advances of the ASCII letters from the blank on, in hundredths. */
+    static const unsigned char ascii[] = {
+        32, 40, 46, 84, 64, 95, 78, 27, 39,  39, 50, 84, 32, 36, 32, 34, 64, 64, 64, 64, 64, 64, 64, 64,
+        64, 64, 34, 34, 84, 84, 84, 53, 100, 68, 69, 70, 77, 63, 58, 77, 75, 29, 29, 66, 56, 86, 75, 79,
+        60, 79, 69, 63, 61, 73, 68, 99, 69,  61, 69, 39, 34, 39, 84, 50, 50, 61, 63, 55, 63, 62, 35, 63,
+        63, 28, 28, 58, 28, 97, 63, 61, 63,  63, 41, 52, 39, 63, 59, 82, 59, 59, 52, 64, 34, 64, 84};
+    static const struct {
+        const char *letter;
+        double width;
+    } others[] = {{"·", 0.32}, {"′", 0.23}, {"∂", 0.52}, {"–", 0.5}, {"ω", 0.84},
+                  {"±", 0.84}, {"×", 0.84}, {"½", 0.97}, {"−", 0.84}};
+    const double two_bytes = 0.66, more_bytes = 1;
+    const char *begin = *text;
+    const unsigned char c = (unsigned char)*(*text)++;
     if (c == '\\' && **text) { /* an escaped letter is itself */
-        ++*text;
-        return true;
+        const unsigned char own = (unsigned char)*(*text)++;
+        return own >= ' ' && own < 0x7f ? 0.01 * ascii[own - ' '] : two_bytes;
     }
     if (c == '{' || c == '}')
         *depth += c == '{' ? 1 : -1;
     if (c == '{' && **text == '/')
-        *text += strcspn(*text, " ") + 1;
-    return !strchr("{}_^", c) && ((unsigned char)c & 0xc0) != 0x80;
+        *text += strcspn(*text, " ") + (strchr(*text, ' ') != NULL);
+    if (strchr("{}_^", c) || (c & 0xc0) == 0x80)
+        return 0;
+    if (c < 0x7f)
+        return c < ' ' ? 0 : 0.01 * ascii[c - ' '];
+    for (size_t k = 0; k < sizeof others / sizeof others[0]; k++)
+        if (strncmp(begin, others[k].letter, strlen(others[k].letter)) == 0)
+            return others[k].width;
+    return c < 0xe0 ? two_bytes : more_bytes;
 }
 
-size_t saltus_line_piece(const char *text, int letters) {
+size_t saltus_line_piece(const char *text, double width) {
     size_t fits = 0, word = 0;
-    int depth = 0, shown = 0;
+    int depth = 0;
+    double shown = 0;
     for (const char *c = text; *c;) {
         const size_t k = (size_t)(c - text);
-        if (!pass_letter(&c, &depth))
-            continue;
+        const double letter = pass_letter(&c, &depth);
         if (text[k] == ' ' && depth == 0) {
             word = k;
-            if (k && shown > letters / 2 && strchr(",;", text[k - 1]))
+            if (k && shown > 0.5 * width && strchr(",;", text[k - 1]))
                 fits = k;
         }
-        if (++shown > letters && (word || depth == 0)) /* a word longer than the line is broken */
-            return fits ? fits : word ? word : k;
+        shown += letter;
+        if (letter > 0 && shown > width && (word || depth == 0)) /* a word longer than the line is broken */
+            return fits ? fits : word ? word : k ? k : (size_t)(c - text);
     }
     return strlen(text);
 }
 
-int saltus_line_letters(const char *text) {
-    int depth = 0, shown = 0;
+double saltus_line_width(const char *text) {
+    int depth = 0;
+    double width = 0;
     while (*text)
-        shown += pass_letter(&text, &depth);
-    return shown;
+        width += pass_letter(&text, &depth);
+    return width;
 }
 
 /* The bytes of the letter at the beginning of a text; 0: they are no UTF-8. */

@@ -38,11 +38,12 @@ void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velo
 void saltus_line_uncertain(saltus_line *line, saltus_uncertain number);
 /* Model, parameters and stops, except the keys (may be NULL) that vary in the figure. */
 void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]);
-/* How many bytes of enhanced text fit into a line of `letters` letters: up to a blank outside braces,
- * preferably after a comma or semicolon in the second half of the line. */
-size_t saltus_line_piece(const char *text, int letters);
-/* Number of visible letters of a text. */
-int saltus_line_letters(const char *text);
+/* The width of enhanced text in DejaVu Sans, in heights of its type; letters of an index count as full ones.
+ */
+double saltus_line_width(const char *text);
+/* How many bytes of enhanced text fit into a line of that width: up to a blank outside braces, preferably
+ * after a comma or semicolon in the second half of the line. */
+size_t saltus_line_piece(const char *text, double width);
 /* The only way for text into a script: write `length` bytes of enhanced text as a string in single quotes.
  * Nothing in the text can end the string or begin a command: quotes are doubled, control characters and bytes
  * that are no UTF-8 are left out, and braces are balanced. */

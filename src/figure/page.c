@@ -8,9 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-/* Pages of a requested size have type of eight points; a letter of the usual size is 52/3 units high. */
+/* Pages of a requested size have type of eight points, where 13 are asked for. */
 static const double smallest_type = 7 * 13 / 8.0;
-static const double tallest = 235; /* of a journal's page, in millimetres */
+static const double type_height = 96 / 72.0; /* units per point of type */
+static const double tallest = 235;           /* of a journal's page, in millimetres */
 static const double mm_per_unit = 8 * 25.4 / 72 / (13 * 96 / 72.0), usual_width = 1600, usual_height = 1200;
 
 saltus_figure_options saltus_figure_defaults(void) {
@@ -137,27 +138,32 @@ void saltus_page_label(const saltus_page *page, const char *text, double x, doub
     fprintf(page->file, " at screen %.6g,%.6g %s\n", x / page->width, y / page->height, style);
 }
 
+double saltus_page_width(const char *text, double size) {
+    return size * type_height * saltus_line_width(text);
+}
+
 /* Lay out the caption from the page's upper edge downwards, and write it if `put`. */
 static void lay_caption(saltus_page *page, bool put) {
+    const double bold = 1.15; /* over regular type */
     const bool narrow = saltus_page_narrow(page);
     const double margin = narrow ? 12 : 48;
     page->top = page->height - 6;
     for (int k = 0; k < page->caption_lines; k++) {
         const bool heading = k == 0;
-        const double usual = heading  ? (narrow ? 118 : 96)
-                             : narrow ? 184
-                                      : 151,
+        const double size = heading  ? bold * (narrow ? 16 : 20)
+                            : narrow ? 11.5
+                                     : 13,
                      step = heading  ? (narrow ? 34 : 42)
                             : narrow ? 26
                                      : 30.6;
-        const int letters = (int)(usual * (page->width - 2 * margin) / (usual_width - 2 * 48));
+        const double width = (page->width - 2 * margin) / (size * type_height);
         char style[64] = "";
         if (heading)
             page->top = page->height - (narrow ? 26 : 39.6);
         else
             snprintf(style, sizeof style, " tc rgb '%s'%s", page->colour[k], narrow ? " font ',11.5'" : "");
         for (const char *text = page->caption[k].text; *text; page->top -= step) {
-            const int length = (int)saltus_line_piece(text, letters);
+            const int length = (int)saltus_line_piece(text, width);
             saltus_line piece = {.length = 0};
             if (heading)
                 saltus_line_add(&piece, "{/=%d:Bold ", narrow ? 16 : 20);
@@ -279,8 +285,8 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
 
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading) {
     bool narrow = saltus_page_narrow(page);
-    const double left = narrow ? 62 : 0, wide = narrow ? 8.2 : 9.5, /* a letter */
-        room = fmin(frame.right + (narrow ? 14 : 90), page->width - 6) - frame.left + left;
+    const double left = narrow ? 62 : 0, size = narrow ? saltus_page_type(page, 11) : 13,
+                 room = fmin(frame.right + (narrow ? 14 : 90), page->width - 6) - frame.left + left;
     saltus_line line = {.length = 0};
     saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
     saltus_line_add(&line, "{/:Bold (%c)}  %s", 'a' + letter, heading);
@@ -290,7 +296,7 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
     int lines = 0;
     for (; *rest && lines < most; lines++) {
         from[lines] = rest;
-        length[lines] = saltus_line_piece(rest, (int)(room / wide));
+        length[lines] = saltus_line_piece(rest, room / (size * type_height));
         rest += length[lines];
         rest += strspn(rest, " ");
     }
@@ -299,7 +305,7 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
         saltus_put_quoted(page->file, from[k], length[k]);
         fprintf(page->file, " at screen %.6g, screen %.6g offset 0,%g left front tc rgb '#202020'",
                 (frame.left - left) / page->width, frame.top / page->height, 1.1 * (lines - k));
-        fprintf(page->file, narrow ? " font ',%.4g'\n" : "\n", saltus_page_type(page, 11));
+        fprintf(page->file, narrow ? " font ',%.4g'\n" : "\n", size);
     }
 }
 
@@ -355,10 +361,10 @@ static void put_log_tics(const saltus_page *page, const char *axis, double lengt
 
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
                       const char *name, saltus_range range) {
-    const double letter = 9.5, usual = 13, over = 36; /* overhang at the ends */
+    const double usual = 13, over = 36; /* overhang at the ends */
     const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
     const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
-                 size = usual * (length + over) / (letter * saltus_line_letters(name));
+                 size = (length + over) / saltus_page_width(name, 1);
     fprintf(page->file, "set %slabel ", axis);
     /* A title that would not even fit in the smallest type has two lines, the second from a wide blank on if
      * there is one. */
@@ -366,8 +372,8 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
     size_t first = all;
     if (page->look.width > 0 && size < smallest_type && *axis == 'y') {
         const char *wide = strstr(name, "  ");
-        const int letters = saltus_line_letters(name), after = wide ? saltus_line_letters(wide + 2) : 0;
-        first = 4 * after > letters ? (size_t)(wide - name) : saltus_line_piece(name, (int)(0.62 * letters));
+        const double whole = saltus_line_width(name), after = wide ? saltus_line_width(wide + 2) : 0;
+        first = 4 * after > whole ? (size_t)(wide - name) : saltus_line_piece(name, 0.62 * whole);
     }
     saltus_put_quoted(page->file, name, first);
     if (first < all) {

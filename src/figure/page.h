@@ -18,7 +18,7 @@ typedef struct saltus_lack {
     int rows;
 } saltus_lack;
 
-/* Lengths on a page are in units such that a letter of the usual size is 17.3 units high on any page. The
+/* Lengths on a page are in units such that type of the usual 13 points is 17.3 units high on any page. The
  * default page has 1600 by 1200 units, a column of a journal is 522 units wide. */
 typedef struct saltus_page {
     FILE *file; /* gnuplot's script */
@@ -85,6 +85,8 @@ bool saltus_page_narrow(const saltus_page *page);
 /* The size of type of about `size` points: on paper, where thirteen are eight points, none is smaller than
  * seven. */
 double saltus_page_type(const saltus_page *page, double size);
+/* The width of enhanced text in type of `size` points, in units. */
+double saltus_page_width(const char *text, double size);
 /* The height available for panels below the caption, on the requested page or on a journal's page. */
 double saltus_page_room(const saltus_page *page);
 
