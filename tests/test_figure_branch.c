@@ -1522,6 +1522,34 @@ static void names_on_curves_are_where_no_other_curve_is(void **state) {
     figure_free(&f);
 }
 
+/* The legend names the strokes that occur and no others, and an end that lies under another mark has none. */
+static void the_legend_names_only_what_occurs(void **state) {
+    (void)state;
+    static const char *const titles[] = {"'stable'", "'unstable'", "'not admissible'"};
+    saltus_plot_options how = saltus_plot_defaults();
+    for (int kind = 0; kind < 3; kind++)
+        for (int joined = 0; joined < 2; joined++) {
+            make_branch();
+            for (int k = 0; k < points; k++) {
+                made.point[k].stable = kind == 0;
+                made.point[k].admissible = kind < 2;
+            }
+            made.point[35].kind = SALTUS_POINT_GR;
+            made.point[89].kind = SALTUS_POINT_EP;
+            if (joined) {
+                made.point[89].value[0] = made.point[35].value[0];
+                set_parameter(&made.point[89].spec, "omega", made.point[89].value[0]);
+            }
+            write_branch("b.h5");
+            figure f = draw(&how);
+            for (int title = 0; title < 3; title++)
+                assert_true((figure_element_of(&f.panel[0], titles[title], 0) != NULL) == (title == kind));
+            assert_true((figure_element_of(&f.panel[0], "'EP  end'", 0) != NULL) == !joined);
+            check_rows_of_legend(&f.panel[0], 8);
+            figure_free(&f);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_are_the_rows_of_the_file),
@@ -1553,6 +1581,7 @@ int main(void) {
         cmocka_unit_test(pages_have_the_size_asked_for),
         cmocka_unit_test(axes_are_laid_out_as_asked),
         cmocka_unit_test(scripts_are_kept),
+        cmocka_unit_test(the_legend_names_only_what_occurs),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

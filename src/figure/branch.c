@@ -60,7 +60,7 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     saltus_page_begin(paper);
     saltus_page_caption(paper);
     page->paper = paper;
-    page->frame = saltus_page_rest(paper, 31.2 + saltus_plot_legend_place(page));
+    page->frame = saltus_page_rest(paper, 20 + saltus_plot_legend_place(page));
     bool sound = saltus_plot_data(page);
     saltus_page_frame(paper, page->frame, SALTUS_PANEL_LEAST);
     const saltus_branch_options *o = &page->files[0].options;

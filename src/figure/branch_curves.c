@@ -28,27 +28,46 @@ static const struct {
     [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
 };
 
-/* What occurs on a page: hues of curves, kinds of marks, and loci that bound no stable orbit. */
+/* What occurs on a page: hues of curves, strokes long enough to be seen, and kinds of marks. */
 typedef struct content {
-    bool hue[SALTUS_HUES], kind[SALTUS_PLOT_MARKS], dots;
+    bool hue[SALTUS_HUES], stroke[SALTUS_STROKES], kind[SALTUS_PLOT_MARKS];
 } content;
 
+/* Strokes of branches and of loci; an empty meaning needs no explanation. */
+typedef struct stroke_look {
+    const char *line, *meaning;
+} stroke_look;
+static const stroke_look strokes[2][SALTUS_STROKES] = {
+    {{"lw 2.6", "stable"}, {"dt (9,6) lw 1.9", "unstable"}, {"dt (2,5) lw 1.3", "not admissible"}},
+    {{"lw 2.6", ""}, {"dt (7,9) lw 1.2", "bounds no stable orbit"}, {"lw 1", ""}}};
+
+/* The distance between two points, as a part of the panel's width or height. */
+static double part_of_panel(const saltus_plot_page *page, const saltus_branch_point *a,
+                            const saltus_branch_point *b) {
+    const double across = saltus_plot_x(page, b) - saltus_plot_x(page, a),
+                 up = saltus_plot_y(page, b) - saltus_plot_y(page, a);
+    return fmax(fabs(across) / (page->x.high - page->x.low), fabs(up) / (page->y.high - page->y.low));
+}
+
 static content find_content(const saltus_plot_page *page) {
-    content c = {.dots = false};
+    const double seen = 0.02; /* of the panel */
+    double length[SALTUS_STROKES] = {0};
+    content c = {.hue = {false}};
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
         for (int k = 0; k < f->point_count; k++) {
             const saltus_branch_point *point = &f->points[k];
             if (k == 0 || point->branch != point[-1].branch)
                 c.hue[saltus_plot_hue(page, i, point->branch)] = true;
-            if (!saltus_plot_shown(page, point))
-                continue;
-            if (saltus_plot_marked(f, point))
+            const bool shown = saltus_plot_shown(page, point);
+            if (shown && saltus_plot_marked(f, point))
                 c.kind[saltus_plot_mark(point->kind)] = true;
-            c.dots = c.dots || (page->locus && k > 0 && point->branch == point[-1].branch &&
-                                saltus_plot_stroke(f, k - 1, k) != SALTUS_STROKE_STABLE);
+            if (k > 0 && point->branch == point[-1].branch && (shown || saltus_plot_shown(page, point - 1)))
+                length[saltus_plot_stroke(f, k - 1, k)] += part_of_panel(page, point - 1, point);
         }
     }
+    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++)
+        c.stroke[stroke] = length[stroke] > seen;
     return c;
 }
 
@@ -57,15 +76,24 @@ static const char *hue_colour(const saltus_plot_page *page, int hue) {
 }
 
 double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows) {
-    const double letter = 9.4, sign = 5.6 * letter, beside = 148;
+    const double letter = 9.9, sign = 5.6 * letter, beside = 148;
     const content c = find_content(page);
     int most = (int)(width / (page->locus || page->count > 1 ? 310 : 190));
     /* gnuplot makes all entries as wide as the longest, in as many columns as fit into the panel. */
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS && width < 1000; kind++)
-        if (c.kind[kind])
-            most = (int)fmin(most, (width - beside) / (letter * (double)strlen(marks[kind].meaning) + sign));
+    size_t longest = 0;
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+        longest =
+            c.kind[kind] && strlen(marks[kind].meaning) > longest ? strlen(marks[kind].meaning) : longest;
+    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
+        const size_t own = strlen(strokes[page->locus][stroke].meaning);
+        longest = c.stroke[stroke] && own > longest ? own : longest;
+    }
+    if (width < 1000)
+        most = (int)fmin(most, (width - beside) / (letter * (double)longest + sign));
     const int columns = most > 1 ? most : 1;
-    int entries = page->locus ? c.dots : page->count == 1 ? 2 : 2 + page->count;
+    int entries = page->locus || page->count == 1 ? 0 : page->count;
+    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++)
+        entries += c.stroke[stroke] && *strokes[page->locus][stroke].meaning;
     for (int hue = 0; hue < SALTUS_HUES; hue++)
         entries += page->locus && c.hue[hue];
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
@@ -85,8 +113,6 @@ double saltus_plot_legend_place(const saltus_plot_page *page) {
 
 /* Curves, the stable ones on top; on a map each has a white rim. Loci also get signs. */
 static void put_curves(const saltus_plot_page *page, const content *c) {
-    static const char *const look[SALTUS_STROKES] = {"lw 2.6", "dt (9,6) lw 1.9", "dt (2,5) lw 1.3"};
-    static const char *const border[SALTUS_STROKES] = {"lw 2.6", "dt (7,9) lw 1.2", "lw 1"};
     for (int stroke = SALTUS_STROKES - 1; stroke >= 0; stroke--)
         for (int hue = 0; hue < SALTUS_HUES; hue++) {
             if (!c->hue[hue])
@@ -96,7 +122,7 @@ static void put_curves(const saltus_plot_page *page, const content *c) {
                         "     $curve_%d_%d using 1:2 with lines lw %s lc rgb '#ffffff' notitle, \\\n", hue,
                         stroke, stroke ? "4" : "5.4");
             fprintf(page->paper->file, "     $curve_%d_%d using 1:2 with lines %s lc rgb '%s' notitle, \\\n",
-                    hue, stroke, (page->locus ? border : look)[stroke], hue_colour(page, hue));
+                    hue, stroke, strokes[page->locus][stroke].line, hue_colour(page, hue));
         }
     /* Where loci lie on each other the lower ones show through as dashes. */
     int highest = 0;
@@ -135,10 +161,11 @@ void saltus_plot_elements(const saltus_plot_page *page) {
                     kind, marks[kind].point_type, marks[kind].size, marks[kind].colour);
     }
     /* Legend of the lines: kinds of special points, or files. */
-    static const char *const line = "     NaN with lines %s lc rgb '%s' title '%s', \\\n";
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
         if (c.hue[hue])
-            fprintf(file, "     NaN with linespoints lw 2.6 pt %d ps %g lc rgb '%s' title '%s', \\\n",
+            fprintf(file, "     NaN with linespoints lw %s pt %d ps %g lc rgb '%s' title '%s', \\\n",
+                    saltus_plot_locus(hue) == SALTUS_POINT_HB ? "1.6"
+                                                              : "2.6", /* a star of thick lines is a blot */
                     marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
                     hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
     for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
@@ -149,11 +176,11 @@ void saltus_plot_elements(const saltus_plot_page *page) {
         saltus_put_quoted(file, name.text, name.length);
         fputs(", \\\n", file);
     }
-    if (c.dots)
-        fprintf(file, line, "dt (7,9) lw 1.2", "#404040", "bounds no stable orbit");
-    if (!page->locus) {
-        fprintf(file, line, "lw 2.6", "#404040", "stable");
-        fprintf(file, line, "dt (9,6) lw 1.9", "#404040", "unstable");
+    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
+        const stroke_look *look = &strokes[page->locus][stroke];
+        if (c.stroke[stroke] && *look->meaning)
+            fprintf(file, "     NaN with lines %s lc rgb '#404040' title '%s', \\\n", look->line,
+                    look->meaning);
     }
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
         if (c.kind[kind])

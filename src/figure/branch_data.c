@@ -353,15 +353,19 @@ static bool ends_early(const saltus_branch_file *f, const saltus_branch_point *p
 }
 
 bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point) {
-    /* A curve that ends at another special point has the mark of that point instead. */
+    /* A curve that ends at another special point, also one of another curve, has that point's mark instead.
+     */
     if (point->kind == SALTUS_POINT_EP) {
-        const double near = 1e-6 * (file->options.high[0] - file->options.low[0]);
+        const saltus_branch_options *o = &file->options;
         for (int k = 0; k < file->point_count; k++) {
             const saltus_branch_point *other = &file->points[k];
+            bool same = true;
+            for (int axis = 0; axis < 2 && *o->key[axis]; axis++)
+                same = same &&
+                       fabs(other->value[axis] - point->value[axis]) < 1e-6 * (o->high[axis] - o->low[axis]);
             if (other->kind != SALTUS_POINT_REGULAR && other->kind != SALTUS_POINT_EP &&
-                (other + 1 == point
-                     ? other->kind >= SALTUS_POINT_CP || fabs(other->value[0] - point->value[0]) < near
-                     : other->kind == SALTUS_POINT_HB && fabs(other->value[0] - point->value[0]) < near))
+                other->kind != point->locus &&
+                (same || (other + 1 == point && other->kind >= SALTUS_POINT_CP)))
                 return false;
         }
         return ends_early(file, point);
