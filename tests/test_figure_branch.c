@@ -2,6 +2,7 @@
  * points with the marks of the legend, n/p on stretches of that motion. The branches are made up, so that
  * every kind of point occurs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "figure/page.h"
 #include "figure_folder.h"
 #include "made_sweep.h"
 
@@ -1550,6 +1551,73 @@ static void the_legend_names_only_what_occurs(void **state) {
         }
 }
 
+/* Every mark has a name or is counted above the panel, but for those at a mark of the same kind. */
+static void marks_without_a_name_are_counted(void **state) {
+    (void)state;
+    static const saltus_point_kind list[] = {SALTUS_POINT_LP, SALTUS_POINT_PD, SALTUS_POINT_GR,
+                                             SALTUS_POINT_NS};
+    const double near = 0.8 * 20.2; /* units */
+    saltus_plot_options how = saltus_plot_defaults();
+    int counted = 0, whole = 0;
+    how.show = SALTUS_SHOW_DISPLACEMENT;
+    for (int apart = 1; apart <= 12; apart++)
+        for (int size = 0; size < 3; size++) {
+            make_branch();
+            for (int k = 2, n = 0; k < points - 1; k += apart, n++)
+                made.point[k].kind = list[n % 4];
+            write_branch("b.h5");
+            how.look.width = size == 0 ? 0 : size == 1 ? 85 : 175;
+            figure f = draw(&how);
+            const figure_panel *panel = &f.panel[0];
+            const double page = size == 0 ? 1600 : how.look.width / (8 * 25.4 / 72 * 3 / 52);
+            double height = 0;
+            assert_true(sscanf(strstr(f.terminal, "size "), "size %*f,%lf", &height) == 1);
+            const char *note = "";
+            for (int m = 0; m < panel->mark_count; m++)
+                if (strncmp(panel->mark[m].text, "unnamed for lack of room:", 25) == 0) {
+                    note = panel->mark[m].text;
+                    assert_true(panel->mark[m].place[0][1] > panel->frame[3]);
+                    assert_true(panel->mark[m].place[0][0] * page - saltus_page_width(note, 9) > 0);
+                }
+            int all = 0, named = 0;
+            for (int kind = 0; kind < 4; kind++) {
+                const char *word = saltus_point_word(list[kind]), *told;
+                char sought[16];
+                int own = 0, count = 0, names = 0;
+                for (int k = 0; k < points; k++) {
+                    bool again = made.point[k].kind != list[kind];
+                    for (int other = 0; other < k && !again; other++)
+                        again = made.point[other].kind == list[kind] &&
+                                hypot((made.point[k].value[0] - made.point[other].value[0]) * page *
+                                          (panel->frame[1] - panel->frame[0]) /
+                                          (panel->range[0][1] - panel->range[0][0]),
+                                      (made.state[k][0] - made.state[other][0]) * height *
+                                          (panel->frame[3] - panel->frame[2]) /
+                                          (panel->range[1][1] - panel->range[1][0])) < near;
+                    own += !again;
+                }
+                for (int m = 0; m < panel->mark_count; m++)
+                    names += panel->mark[m].kind == 'l' && strcmp(panel->mark[m].text, word) == 0;
+                snprintf(sought, sizeof sought, " %s", word);
+                for (told = strstr(note, sought); told && told > note && told[-1] >= '0' && told[-1] <= '9';)
+                    told--;
+                count = told ? atoi(told) : 0;
+                if (strstr(note, " mark")) /* only their sum is told */
+                    assert_true(names <= own);
+                else
+                    assert_int_equal(names + count, own);
+                all += own;
+                named += names;
+            }
+            if (strstr(note, " mark"))
+                assert_int_equal(atoi(strchr(note, ':') + 1), all - named);
+            counted += *note != '\0';
+            whole += *note == '\0';
+            figure_free(&f);
+        }
+    assert_true(counted > 3 && whole > 3);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves_are_the_rows_of_the_file),
@@ -1582,6 +1650,7 @@ int main(void) {
         cmocka_unit_test(axes_are_laid_out_as_asked),
         cmocka_unit_test(scripts_are_kept),
         cmocka_unit_test(the_legend_names_only_what_occurs),
+        cmocka_unit_test(marks_without_a_name_are_counted),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);
 }

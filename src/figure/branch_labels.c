@@ -1,6 +1,6 @@
 /* Text on a bifurcation diagram: n/p along each stretch of a branch, and names of special points. Names do
- * not overlap. Each is beside what it names, nearer than anything else, or has a line to it; one for which
- * there is no such place is left out, as marks and legend tell its kind.
+ * not overlap. Each is beside what it names, nearer than anything else, or has a line to it; those for which
+ * there is no such place are counted above the panel.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
@@ -37,10 +37,10 @@ typedef struct places {
     int count;
     piece *pieces; /* of all curves */
     int piece_count;
-    /* Special points and stretches whose names found no place beside them. */
+    /* Special points and stretches that have no name yet, and the stretches that have one. */
     const saltus_branch_point *unnamed[places_max];
-    stretch unnamed_stretch[places_max];
-    int unnamed_count, unnamed_stretch_count;
+    stretch unnamed_stretch[places_max], named_stretch[places_max];
+    int unnamed_count, unnamed_stretch_count, named_stretch_count;
 } places;
 
 static double wide(const saltus_plot_page *page) {
@@ -213,9 +213,11 @@ static bool named_already(const saltus_plot_page *page, const saltus_branch_poin
 }
 
 /* Whether a name at this place would be nearer to the mark of a point of another kind than to its own, or,
- * with a line to its own, near another. */
-static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted, bool led) {
-    const double same = 0.1, overlapping = 0.4, off = 0.9, clearly = 1.2;
+ * with a line to its own, near another. A line that may cross curves tells more clearly whose name it is. */
+static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted, bool led,
+                     bool across) {
+    const double across_least = saltus_page_narrow(page->paper) ? 0.87 : 1;
+    const double same = 0.1, overlapping = 0.4, off = 0.9, clearly = across ? across_least : 1.2;
     const place own = place_of(page, point);
     for (int i = 0; i < page->count; i++)
         for (int k = 0; k < page->files[i].point_count; k++) {
@@ -249,15 +251,24 @@ static bool touches(place taken, place at) {
     return gap(taken, at) < 0.04;
 }
 
-/* Whether a line from a place to another passes no name and no mark except where it begins, and no curve but
- * those of a stretch. */
-static bool leads(const saltus_plot_page *page, const places *all, place from, place to, const stretch *s) {
-    const double step = 0.2, begin = s ? 0.2 : 0.7, near = 0.12;
+/* A name to be placed: of a special point, or of a stretch at one of its places. */
+typedef struct naming {
+    const saltus_branch_point *point; /* NULL: a stretch */
+    const stretch *s;
+    place own, word;
+    bool across; /* the line to it may cross curves */
+} naming;
+
+/* Whether a line from what is named to a place passes no name and no mark except where it begins, and no
+ * curve but those of its stretch. */
+static bool leads(const saltus_plot_page *page, const places *all, const naming *n, place to) {
+    const double step = 0.2, begin = n->s ? 0.2 : 0.7, near = 0.12;
+    const place from = n->own;
     const double length = apart(from, to);
     for (double way = begin; way < length; way += step) {
         const place at = {from.x + way / length * (to.x - from.x), from.y + way / length * (to.y - from.y), 0,
                           0};
-        if (clearance(page, all, at, near, s, s ? OTHER : EVERY) < near)
+        if (!n->across && clearance(page, all, at, near, n->s, n->s ? OTHER : EVERY) < near)
             return false;
         for (int k = 0; k < all->count; k++)
             if (touches(all->taken[k], at) && !(apart(all->taken[k], from) < 0.5))
@@ -266,17 +277,10 @@ static bool leads(const saltus_plot_page *page, const places *all, place from, p
     return true;
 }
 
-/* A name to be placed: of a special point, or of a stretch at one of its places. */
-typedef struct naming {
-    const saltus_branch_point *point; /* NULL: a stretch */
-    const stretch *s;
-    place own, word;
-} naming;
-
 /* How well a name would stand: the clearance from the curves, negative if it cannot stand there. */
 static double rate(const saltus_plot_page *page, const places *all, const naming *n, place wanted, bool led) {
     const double enough = 0.8, nearer = 0.25;
-    if (!is_free(page, all, wanted) || (n->point && misleads(page, n->point, wanted, led)))
+    if (!is_free(page, all, wanted) || (n->point && misleads(page, n->point, wanted, led, n->across)))
         return -1;
     const double clear = clearance(page, all, wanted, enough, NULL, EVERY);
     if (clear < (led ? 0.2 : 0.08) || !n->s || led)
@@ -348,7 +352,7 @@ static bool find_led(const saltus_plot_page *page, const places *all, const nami
             const double rest = fmin((n->word.half_width + 0.1) / fmax(fabs(cos(angle)), 1e-9),
                                      (n->word.half_height + 0.1) / fmax(fabs(sin(angle)), 1e-9));
             const place to = {wanted.x - rest * cos(angle), wanted.y - rest * sin(angle), 0, 0};
-            if (!leads(page, all, n->own, to, n->s))
+            if (!leads(page, all, n, to))
                 continue;
             best = clear;
             end = to;
@@ -364,29 +368,33 @@ static bool find_led(const saltus_plot_page *page, const places *all, const nami
     return false;
 }
 
-/* Name a special point beside its mark or, if `led`, at the end of a line. */
-static void name_point(const saltus_plot_page *page, const saltus_branch_point *point, bool led,
+/* How a name is joined to what it names: it stands beside it, or there is a line to it, which may have to
+ * cross curves. */
+typedef enum joint { BESIDE, LED, LED_ACROSS } joint;
+
+/* Name a special point; false if there is no place. */
+static bool name_point(const saltus_plot_page *page, const saltus_branch_point *point, joint how,
                        places *all) {
     const char *word = saltus_point_word(point->kind);
-    naming n = {
-        .point = point, .own = place_of(page, point), .word = word_of(page, word, 10, page->over_sweep)};
+    naming n = {.point = point,
+                .own = place_of(page, point),
+                .word = word_of(page, word, 10, page->over_sweep),
+                .across = how == LED_ACROSS};
     place found;
     char style[96];
     saltus_line line = {.length = 0};
     if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
-        return;
+        return true;
     n.own.half_width = n.own.half_height = mark_radius;
-    if (!(led ? find_led : find_beside)(page, all, &n, &found)) {
-        if (!led && all->unnamed_count < places_max)
-            all->unnamed[all->unnamed_count++] = point;
-        return;
-    }
+    if (!(how == BESIDE ? find_beside : find_led)(page, all, &n, &found))
+        return false;
     saltus_line_plain(&line, word);
     snprintf(style, sizeof style, "center front %s font ',%.4g'",
              page->over_sweep ? "boxed tc rgb '#202020'" : "tc rgb '#303030'",
              saltus_page_type(page->paper, 10));
     put_label(page, &line, found, style);
     take_place(all, found);
+    return true;
 }
 
 /* The visit of a row with the largest value, or the smallest; 0 without visits. */
@@ -488,6 +496,27 @@ static bool find_on_stretch(const saltus_plot_page *page, const places *all, con
     return false;
 }
 
+/* Whether a stretch goes on from one that has a name, in the same stroke and of the same motion. */
+static bool goes_on(const saltus_plot_page *page, const places *all, const stretch *s) {
+    const double near = 0.15;
+    const saltus_branch_file *f = &page->files[s->file];
+    for (int k = 0; k < all->named_stretch_count; k++) {
+        const stretch *other = &all->named_stretch[k];
+        if (other->file != s->file || strcmp(f->points[other->first].label, f->points[s->first].label) != 0 ||
+            saltus_plot_stroke(f, other->first, other->first + 1) !=
+                saltus_plot_stroke(f, s->first, s->first + 1))
+            continue;
+        for (int ends = 0; ends < 4; ends++) {
+            const int own = ends % 2 ? s->last : s->first, its = ends / 2 ? other->last : other->first;
+            if (has_place(page, s->file, own) && has_place(page, s->file, its) &&
+                apart(place_of_visit(page, s->file, own, outer_visit(page, s->file, own, false)),
+                      place_of_visit(page, s->file, its, outer_visit(page, s->file, its, false))) < near)
+                return true;
+        }
+    }
+    return false;
+}
+
 /* Put the name of a stretch; if there is no place it is kept for a name with a line. Returns whether there
  * was a place. */
 static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool led, places *all) {
@@ -520,6 +549,8 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
              saltus_page_type(page->paper, 11));
     put_label(page, &name, found, style);
     take_place(all, found);
+    if (all->named_stretch_count < places_max)
+        all->named_stretch[all->named_stretch_count++] = *s;
     return true;
 }
 
@@ -565,8 +596,8 @@ static void name_points(const saltus_plot_page *page, bool marks, places *all) {
                 mark.half_width = mark.half_height = mark_radius;
                 if (marks)
                     take_place(all, mark);
-                else
-                    name_point(page, point, false, all);
+                else if (!name_point(page, point, BESIDE, all) && all->unnamed_count < places_max)
+                    all->unnamed[all->unnamed_count++] = point;
             }
 }
 
@@ -646,9 +677,59 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
     }
 }
 
+/* Try again to name the first `most` points, or stretches, of those without a name; stretches that go on from
+ * one with a name need none. */
+static void name_points_again(const saltus_plot_page *page, joint how, int most, places *all) {
+    const int count = all->unnamed_count;
+    all->unnamed_count = 0;
+    for (int k = 0; k < count; k++)
+        if (k >= most || !name_point(page, all->unnamed[k], how, all))
+            all->unnamed[all->unnamed_count++] = all->unnamed[k];
+}
+
+static void name_stretches_again(const saltus_plot_page *page, int most, places *all) {
+    const int count = all->unnamed_stretch_count;
+    all->unnamed_stretch_count = 0;
+    for (int k = 0; k < count; k++) {
+        const stretch s = all->unnamed_stretch[k];
+        if (!goes_on(page, all, &s) && (k >= most || !name_stretch(page, &s, true, all)))
+            all->unnamed_stretch[all->unnamed_stretch_count++] = s;
+    }
+}
+
+/* Say above the panel how many marks and stretches have no name: the marks by their kinds, if that is short
+ * enough. */
+static void put_note(const saltus_plot_page *page, const places *all) {
+    const double size = 9, type = saltus_page_type(page->paper, size), above = 10;
+    saltus_line line = {.length = 0};
+    char style[64];
+    for (int kinds = 1; kinds >= 0; kinds--) {
+        line.length = 0;
+        saltus_line_add(&line, "unnamed for lack of room:");
+        for (int kind = SALTUS_POINT_LP, first = 1; kind < SALTUS_POINT_KINDS && kinds; kind++) {
+            int count = 0;
+            for (int k = 0; k < all->unnamed_count; k++)
+                count += (int)all->unnamed[k]->kind == kind;
+            if (count)
+                saltus_line_add(&line, "%s %d %s", first ? "" : ",", count, saltus_point_word(kind));
+            first = first && !count;
+        }
+        if (!kinds && all->unnamed_count)
+            saltus_line_add(&line, " %d mark%s", all->unnamed_count, saltus_plural(all->unnamed_count));
+        if (all->unnamed_stretch_count)
+            saltus_line_add(&line, "%s %d piece%s of curve", all->unnamed_count ? "," : "",
+                            all->unnamed_stretch_count, saltus_plural(all->unnamed_stretch_count));
+        if (saltus_page_width(line.text, type) < page->frame.right - 12)
+            break;
+    }
+    snprintf(style, sizeof style, "right front font ',%.4g' tc rgb '#606060'", type);
+    if (all->unnamed_count || all->unnamed_stretch_count)
+        saltus_page_label(page->paper, line.text, page->frame.right, page->frame.top + above, style);
+}
+
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context) {
     const double h = word_height, step = 0.2, rim = 0.2, margin = 0.3; /* in word heights */
-    enum { most_led = 40 };
+    enum { most_led = 40, few = 6 };
     places all = {.count = 0};
     find_pieces(page, &all);
     name_regions(page, &all);
@@ -662,11 +743,15 @@ void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, 
         name_stretches(page, page->locus, &all);
     if (!page->over_map && page->locus)
         name_stretches(page, false, &all);
-    /* Lines only as many as remain readable; an unstable stretch without a place keeps none. */
-    for (int k = 0; k < stable && k < most_led; k++)
-        name_stretch(page, &all.unnamed_stretch[k], true, &all);
-    for (int k = 0; k < all.unnamed_count && k < most_led && !page->over_map; k++)
-        name_point(page, all.unnamed[k], true, &all);
+    /* Lines only as many as remain readable: to stable stretches and to points, but across curves and to
+     * unstable stretches only if they are few. */
+    name_stretches_again(page, stable < most_led ? stable : most_led, &all);
+    if (!page->over_map) {
+        name_points_again(page, LED, most_led, &all);
+        name_points_again(page, LED_ACROSS, all.unnamed_count <= few ? few : 0, &all);
+        name_stretches_again(page, all.unnamed_stretch_count <= few ? few : 0, &all);
+    }
+    put_note(page, &all);
     for (int k = 0; k < all.count && block; k++) {
         const place *p = &all.taken[k];
         block(context,
