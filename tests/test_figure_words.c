@@ -246,7 +246,7 @@ static void leading_multipliers_are_told(void **state) {
          "multipliers 0.3 + 0.4{/:Italic i} (modulus 0.5) largest"},
         {4,
          {{0.5, 0, 0}, {0.25, 0, 0}, {-0.125, 0, 0}, {1e-9, 0, 0}},
-         "multipliers 0.5, 0.25, −0.125, 1e-09 largest"},
+         "multipliers 0.5, 0.25, −0.125, 1·10^{−9} largest"},
         {5,
          {{0.5, 0, 0}, {0.25, 0, 0}, {-0.125, 0, 0}, {0.0625, 0, 0}, {0, 0, 0}},
          "multipliers 0.5, 0.25, −0.125, 0.0625, … largest"},

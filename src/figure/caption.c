@@ -32,10 +32,25 @@ void saltus_line_plain(saltus_line *l, const char *text) {
     }
 }
 
+/* A number as printed by C: with minus signs, and an exponent as a power of ten. */
+static void add_printed(saltus_line *l, const char *number) {
+    for (const char *c = number; *c; c++) {
+        int power = 0;
+        if (*c == 'e' && sscanf(c + 1, "%d", &power) == 1) {
+            saltus_line_add(l, "·10^{%s%d}", power < 0 ? "−" : "", abs(power));
+            return;
+        }
+        if (*c == '-')
+            saltus_line_add(l, "−");
+        else
+            saltus_line_add(l, "%c", *c);
+    }
+}
+
 void saltus_line_number(saltus_line *l, const char *format, double value) {
     char text[64];
-    snprintf(text, sizeof text, format, fabs(value));
-    saltus_line_add(l, "%s%s", value < 0 ? "−" : "", text);
+    snprintf(text, sizeof text, format, value == 0 ? 0 : value); /* no minus before a zero */
+    add_printed(l, text);
 }
 
 /* The index after a letter (k2, F02, kz, mu_m); NULL if it is the rest of a word (gap). */
@@ -310,18 +325,7 @@ void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const cha
 }
 
 void saltus_line_uncertain(saltus_line *line, saltus_uncertain number) {
-    for (int k = 0; k < 2; k++) {
-        saltus_line_add(line, k ? " ± " : "");
-        for (const char *c = k ? number.error : number.value; *c; c++) {
-            int power = 0;
-            if (*c == 'e' && sscanf(c + 1, "%d", &power) == 1) {
-                saltus_line_add(line, "·10^{%s%d}", power < 0 ? "−" : "", abs(power));
-                break;
-            }
-            if (*c == '-')
-                saltus_line_add(line, "−");
-            else
-                saltus_line_add(line, "%c", *c);
-        }
-    }
+    add_printed(line, number.value);
+    saltus_line_add(line, " ± ");
+    add_printed(line, number.error);
 }

@@ -82,12 +82,13 @@ static void add_multipliers(saltus_line *l, const saltus_motion *m) {
         bool pair = saltus_multiplier_pair(m, k);
         saltus_line_add(l, "%s", k ? ",  " : "");
         saltus_line_number(l, "%.4g", f->re);
-        if (f->im != 0)
-            saltus_line_add(l, " %s %.4g{/:Italic i} (modulus %.4g)",
-                            pair        ? "±"
-                            : f->im < 0 ? "−"
-                                        : "+",
-                            fabs(f->im), exp(f->log_modulus));
+        if (f->im != 0) {
+            saltus_line_add(l, " %s ", pair ? "±" : f->im < 0 ? "−" : "+");
+            saltus_line_number(l, "%.4g", fabs(f->im));
+            saltus_line_add(l, "{/:Italic i} (modulus ");
+            saltus_line_number(l, "%.4g", exp(f->log_modulus));
+            saltus_line_add(l, ")");
+        }
         k += pair;
     }
     saltus_line_add(l, "%s", m->multiplier_count > leading ? ", …" : "");

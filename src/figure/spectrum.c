@@ -258,9 +258,12 @@ static void put_caption(const saltus_spectra_source *source, saltus_page *page) 
         if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
             saltus_line_number(&findings, "%.6g", s->mean);
             saltus_line_add(&findings, " throughout");
-        } else
-            saltus_line_add(&findings, "total power %.4g, broadband fraction %.2g", s->variance,
-                            s->broadband);
+        } else {
+            saltus_line_add(&findings, "total power ");
+            saltus_line_number(&findings, "%.4g", s->variance);
+            saltus_line_add(&findings, ", broadband fraction ");
+            saltus_line_number(&findings, "%.2g", s->broadband);
+        }
     }
     saltus_page_scene(page, &head, source->scene->title, source->system);
     saltus_page_words(page, &analysed, "#202020");
