@@ -293,6 +293,10 @@ static void marks_get_smaller_as_they_become_more(void **state) {
                         strtod(strstr(e->style, " ps ") + 4, NULL) == cases[k].size);
             assert_true((strstr(e->style, "'#60") != NULL) == (cases[k].count > 400));
             shown += e->values.count;
+            /* Also where marks are small the legend shows them large. */
+            const figure_element *named = &panel->element[cases[k].size < 1.3 ? 2 + face : face];
+            assert_true(strstr(named->text, "title 'stop 1, ") && strstr(named->style, " ps 1.3"));
+            assert_int_equal(figure_colour(named->style) & 0xffffff, figure_colour(e->style) & 0xffffff);
         }
         assert_int_equal(shown, cases[k].count < 20000 ? cases[k].count : 20000);
         figure_free(&f);
@@ -357,9 +361,12 @@ static void stops_have_their_colours(void **state) {
         /* Of more than eight faces only those that are hit. */
         assert_int_equal(panel->element_count, stops > 4 ? 1 : saltus_system_face_count(system));
         assert_true(panel->key == (stops > 1));
-        for (int a = 0; a < panel->element_count; a++)
+        for (int a = 0; a < panel->element_count; a++) {
+            const figure_element *trajectory = figure_element_of(&f.panel[0], "$orbit", 0);
+            assert_true(figure_colour(panel->element[a].style) != figure_colour(trajectory->style));
             for (int b = 0; b < a; b++)
                 assert_true(figure_colour(panel->element[a].style) != figure_colour(panel->element[b].style));
+        }
         figure_free(&f);
         saltus_system_free(system);
     }

@@ -780,6 +780,23 @@ static void a_trajectory_has_its_stops(void **state) {
             struck += is_struck(&m.record, row);
         assert_int_equal(figure_element_of(history, "$impacts", 0)->values.count, struck);
         assert_true(column ? portrait->frame[2] > history->frame[3] : portrait->frame[1] < history->frame[0]);
+        /* Each side is named beside a dot of its colour, between caption and panels. */
+        for (int side = 0; side < 2; side++) {
+            const figure_mark *name =
+                                  figure_mark_of(portrait, 'l', side ? "stop 1, lower" : "stop 1, upper", 0),
+                              *dot = NULL;
+            assert_non_null(name);
+            for (int k = 0; k < portrait->mark_count; k++)
+                if (portrait->mark[k].kind == 'l' && !*portrait->mark[k].text &&
+                    portrait->mark[k].place[0][1] == name->place[0][1] &&
+                    portrait->mark[k].place[0][0] < name->place[0][0])
+                    dot = &portrait->mark[k];
+            assert_true(dot && name->place[0][1] > portrait->frame[3]);
+            const figure_rows *impacts = &figure_element_of(history, "$impacts", 0)->values;
+            for (int k = 0; k < impacts->count; k++)
+                assert_true((impacts->at[k][1] < 0) != side ||
+                            impacts->at[k][2] == (double)figure_colour(dot->style));
+        }
         for (int p = 0; p < f.panel_count; p++)
             for (int k = 0; k < f.panel[p].mark_count && column; k++) {
                 const figure_mark *mark = &f.panel[p].mark[k];

@@ -107,24 +107,35 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
 }
 
 /* Marks of the impact map: one colour and sign for each side of a stop; once all colours are used they repeat
- * with open signs. */
+ * with open signs. Where the marks are small the legend has larger ones. */
 static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
     const char *separator = "plot ", *value = logarithmic ? "abs($2)" : "$2";
     const char *size = sheet->mapped > 400 ? "0.5" : sheet->mapped > 60 ? "0.8" : "1.3";
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
-        saltus_face face = saltus_system_face(sheet->system, f);
-        unsigned colour;
-        int rank;
-        if (!saltus_sheet_face_look(sheet, f, &colour, &rank))
-            continue;
-        fprintf(sheet->page->file,
-                "%s$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc rgb "
-                "'%s%06x' title 'stop %d, %s%s'",
-                separator, face.side, face.stop + 1, value, (face.side > 0 ? 9 : 11) - rank % 2, size,
-                sheet->mapped > 400 ? "#60" : "#", colour, face.stop + 1, saltus_side_word(face.side),
-                saltus_page_narrow(sheet->page) ? "" : " side");
-        separator = ", \\\n     ";
-    }
+    const bool small = sheet->mapped > 60;
+    for (int part = 0; part < 1 + small; part++)
+        for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
+            const saltus_face face = saltus_system_face(sheet->system, f);
+            unsigned colour;
+            int rank;
+            if (!saltus_sheet_face_look(sheet, f, &colour, &rank))
+                continue;
+            const int sign = (face.side > 0 ? 9 : 11) - rank % 2;
+            fputs(separator, sheet->page->file);
+            separator = ", \\\n     ";
+            if (part == 0)
+                fprintf(sheet->page->file,
+                        "$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc "
+                        "rgb '%s%06x' ",
+                        face.side, face.stop + 1, value, sign, size, sheet->mapped > 400 ? "#60" : "#",
+                        colour);
+            else
+                fprintf(sheet->page->file, "NaN with points pt %d ps 1.3 lc rgb '#%06x' ", sign, colour);
+            if (small && part == 0)
+                fputs("notitle", sheet->page->file);
+            else
+                fprintf(sheet->page->file, "title 'stop %d, %s%s'", face.stop + 1,
+                        saltus_side_word(face.side), saltus_page_narrow(sheet->page) ? "" : " side");
+        }
     fputc('\n', sheet->page->file);
 }
 

@@ -13,8 +13,9 @@ long long saltus_sheet_impacts(const saltus_trajectory *record, long long events
 }
 
 bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *rank) {
-    static const unsigned colours[] = {0xc44e2a, 0x2c5f8a, 0x2f8f6f, 0x8a5aa0,
-                                       0xb08a00, 0x1c1c1c, 0x4aa3c7, 0xa03060};
+    /* None is the blue of the trajectory, in which a jump of the velocity could not be told from motion. */
+    static const unsigned colours[] = {0xc44e2a, 0x1f9e89, 0x8a5aa0, 0xb08a00,
+                                       0x1c1c1c, 0x4aa3c7, 0xa03060, 0x94b447};
     enum { count = sizeof colours / sizeof colours[0] };
     const saltus_trajectory *r = sheet->section ? sheet->section : sheet->record;
     const long long events = sheet->section ? sheet->mapped : sheet->events;

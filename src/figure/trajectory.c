@@ -2,6 +2,31 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "record/trajectory.h"
 #include "figure/sheet.h"
+#include "record/describe.h"
+
+/* Below the caption, which side of which stop has which colour, if there are several. */
+static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
+    const double entry = 130, row = 22, begin = saltus_page_narrow(page) ? 18 : 54,
+                 type = saltus_page_type(page, 11);
+    const int faces = saltus_system_face_count(sheet->system), columns = (int)((page->width - begin) / entry);
+    int count = 0;
+    for (int f = 0; f < faces && faces > 1; f++) {
+        const saltus_face face = saltus_system_face(sheet->system, f);
+        unsigned colour;
+        int rank;
+        char text[64], style[64];
+        if (!saltus_sheet_face_look(sheet, f, &colour, &rank))
+            continue;
+        const double x = begin + count % columns * entry, y = page->top - 2 - count / columns * row;
+        snprintf(style, sizeof style, "point pt 7 ps 0.9 lc rgb '#%06x' front", colour);
+        saltus_page_label(page, "", x, y, style);
+        snprintf(text, sizeof text, "stop %d, %s", face.stop + 1, saltus_side_word(face.side));
+        snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#303030'", type);
+        saltus_page_label(page, text, x + 12, y, style);
+        count++;
+    }
+    page->top -= count ? (count + columns - 1) / columns * row : 0;
+}
 
 saltus_status saltus_plot_trajectory(const char *figure, const char *path, const saltus_figure_options *look,
                                      saltus_message *message) {
@@ -17,8 +42,6 @@ saltus_status saltus_plot_trajectory(const char *figure, const char *path, const
         saltus_sheet sheet = {.page = &page, .system = file.system, .record = &file.record};
         const bool narrow = saltus_page_narrow(&page);
         const int columns = narrow ? 1 : 2, rows = narrow ? 2 : 1;
-        if (page.free_height)
-            page.height = page.width * (narrow ? 1.5 : 0.5);
         saltus_sheet_choose_all(&sheet);
         saltus_line head = {.length = 0};
         saltus_line_plain(&head, file.head.scene);
@@ -26,10 +49,13 @@ saltus_status saltus_plot_trajectory(const char *figure, const char *path, const
                         file.record.time[file.record.samples - 1] - file.record.time[0],
                         saltus_system_forced(file.system) ? "{/:Italic T}" : "units of time");
         saltus_page_scene(&page, &head, file.head.title, file.system);
+        if (page.free_height) /* a narrow page is made higher for its caption when it begins */
+            page.height = page.width * (narrow ? 1.5 : 0.5) + (narrow ? 0 : page.height - page.top);
         saltus_page_begin(&page);
         saltus_sheet_record_data(&sheet);
         fputs("set multiplot\n", page.file);
         saltus_page_caption(&page);
+        put_faces(&sheet, &page);
         saltus_sheet_portrait(&sheet, saltus_page_cell(&page, 0, 1, columns, rows), 0);
         saltus_sheet_history(&sheet, saltus_page_cell(&page, 1, 1, columns, rows), 1);
         fputs("unset multiplot\n", page.file);
