@@ -1187,6 +1187,21 @@ static void special_points_lie_over_maps(void **state) {
         check_names_are_clear(panel);
         figure_free(&f);
     }
+    /* In one column the map keeps its height, however many rows the legend of the curves has. */
+    const saltus_sweep_view bare = {.look = {.width = 85}};
+    const saltus_figure_options column = {.width = 85};
+    check_ok(saltus_plot_sweep(path_in("s.svg", out), path, &bare, &message), &message);
+    figure alone = figure_taken(folder), both = draw_over(names, 2, &column);
+    double high[2];
+    for (int k = 0; k < 2; k++) {
+        const figure *f = k ? &both : &alone;
+        double wide = 0;
+        assert_int_equal(sscanf(strstr(f->terminal, "size "), "size %lf,%lf", &wide, &high[k]), 2);
+        high[k] *= (f->panel[0].frame[3] - f->panel[0].frame[2]) / wide;
+    }
+    assert_true(high[1] > 0.95 * high[0]);
+    figure_free(&alone);
+    figure_free(&both);
     /* Other parameters are refused, and so is a branch of orbits. */
     const char *list[] = {path_in("a.h5", out)};
     const saltus_sweep_view how = {.branches = list, .branch_count = 1};
@@ -1523,6 +1538,27 @@ static void names_on_curves_are_where_no_other_curve_is(void **state) {
     figure_free(&f);
 }
 
+/* A heading that hardly fits keeps its last letter on its line. */
+static void headings_have_one_line(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    how.look.width = 85;
+    for (int letters = 2; letters < 26; letters++) {
+        make_branch();
+        memset(made.scene.name, 'n', (size_t)letters);
+        made.scene.name[letters] = '\0';
+        write_branch("b.h5");
+        figure f = draw(&how);
+        const figure_mark *heading = figure_mark_of(&f.panel[0], 'l', "Bold ", 0),
+                          *rest = figure_mark_of(&f.panel[0], 'l', "Bold ", 1);
+        const double size = strtod(strstr(heading->text, "{/=") + 3, NULL);
+        assert_true(size >= 12.8 && size <= 16);
+        assert_true(12 + 1.15 * saltus_page_width(heading->text, size) < 522);
+        assert_true(!rest || saltus_line_width(rest->text) > 3);
+        figure_free(&f);
+    }
+}
+
 /* The legend names the strokes that occur and no others, and an end that lies under another mark has none. */
 static void the_legend_names_only_what_occurs(void **state) {
     (void)state;
@@ -1650,6 +1686,7 @@ int main(void) {
         cmocka_unit_test(axes_are_laid_out_as_asked),
         cmocka_unit_test(scripts_are_kept),
         cmocka_unit_test(the_legend_names_only_what_occurs),
+        cmocka_unit_test(headings_have_one_line),
         cmocka_unit_test(marks_without_a_name_are_counted),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);

@@ -1341,6 +1341,21 @@ static void check_basins(const char *omega, const char *d, bool shaded) {
     assert_non_null(strstr(panel->label[0], "initial displacement  {/:Italic q}_{1}"));
     assert_non_null(strstr(panel->label[1], "initial velocity  {/:Italic q}′_{1}"));
     assert_non_null(figure_mark_of(panel, 'l', "dots: the orbits at phase 0", 0));
+    /* In one column the notes stand in one line below the legend, on the page. */
+    how.look.width = 85;
+    saltus_message message = {.text = ""};
+    char out[path_size];
+    check_ok(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), &message);
+    figure column = figure_taken(folder);
+    const figure_mark *note = figure_mark_of(&column.panel[0], 'l', "dots: the orbits at phase 0", 0);
+    assert_true(note && (strstr(note->text, "pale: soon settled") != NULL) == shaded);
+    assert_true(note->place[0][0] > 0 && note->place[0][1] > 0);
+    for (int m = 0; m < column.panel[0].mark_count; m++) {
+        const figure_mark *other = &column.panel[0].mark[m];
+        assert_true(other == note || other->kind != 'l' || other->system[0][1] != 's' ||
+                    other->place[0][1] > note->place[0][1]);
+    }
+    figure_free(&column);
     free(point);
     figure_free(&f);
     figure_free(&classes);

@@ -150,13 +150,17 @@ static void lay_caption(saltus_page *page, bool put) {
     page->top = page->height - 6;
     for (int k = 0; k < page->caption_lines; k++) {
         const bool heading = k == 0;
-        const double size = heading  ? bold * (narrow ? 16 : 20)
-                            : narrow ? 11.5
-                                     : 13,
+        const double usual = heading  ? (narrow ? 16 : 20)
+                             : narrow ? 11.5
+                                      : 13,
                      step = heading  ? (narrow ? 34 : 42)
                             : narrow ? 26
-                                     : 30.6;
-        const double width = (page->width - 2 * margin) / (size * type_height);
+                                     : 30.6,
+                     room = page->width - 2 * margin,
+                     fits = floor(room / (bold * saltus_page_width(page->caption[k].text, 1)));
+        /* A heading that is a little too long for one line is set in smaller type. */
+        const double type = heading && fits >= 0.8 * usual ? fmin(usual, fits) : usual;
+        const double width = room / (type * type_height * (heading ? bold : 1));
         char style[64] = "";
         if (heading)
             page->top = page->height - (narrow ? 26 : 39.6);
@@ -166,7 +170,7 @@ static void lay_caption(saltus_page *page, bool put) {
             const int length = (int)saltus_line_piece(text, width);
             saltus_line piece = {.length = 0};
             if (heading)
-                saltus_line_add(&piece, "{/=%d:Bold ", narrow ? 16 : 20);
+                saltus_line_add(&piece, "{/=%.0f:Bold ", type);
             saltus_line_add(&piece, "%.*s%s", length, text, heading ? "}" : "");
             if (put)
                 saltus_page_label(page, piece.text, margin, page->top, style);

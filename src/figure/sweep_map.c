@@ -263,6 +263,9 @@ static void find_places(saltus_sweep_map *map, int most) {
     } while (best >= 0);
 }
 
+/* The height of a line of notes below a legend. */
+static const double note_height = 26;
+
 static void put_note(const saltus_sweep_map *map, double x, double y, const char *text) {
     const saltus_page *paper = &map->page->paper;
     char style[64];
@@ -270,20 +273,22 @@ static void put_note(const saltus_sweep_map *map, double x, double y, const char
     saltus_page_label(paper, text, x, y, style);
 }
 
-/* Notes above the legend on the signs in the map. */
-static void put_heading(const saltus_sweep_map *map, double x, double y) {
-    const double line_height = 24;
+/* What the signs in the map mean, in up to two notes; returns their number. */
+static int find_notes(const saltus_sweep_map *map, const char *notes[2]) {
     const saltus_sweep_page *page = map->page;
+    int count = 0;
     if (page->view == SALTUS_VIEW_CLASS)
-        put_note(map, x, y,
-                 "{/:Italic n}/{/:Italic p}: {/:Italic n} impacts in {/:Italic p} periods {/:Italic T}");
+        notes[count++] =
+            saltus_system_forced(page->system)
+                ? "{/:Italic n}/{/:Italic p}: {/:Italic n} impacts in {/:Italic p} periods {/:Italic T}"
+                : "{/:Italic n}/{/:Italic p}: {/:Italic n} impacts in {/:Italic p} returns to the section";
     else if (page->sweep->basins) {
-        put_note(map, x, y + line_height,
-                 page->sweep->dimension > 2 ? "dots: the orbits at phase 0, projected"
-                                            : "dots: the orbits at phase 0");
+        notes[count++] = page->sweep->dimension > 2 ? "dots: the orbits at phase 0, projected"
+                                                    : "dots: the orbits at phase 0";
         if (map->shaded)
-            put_note(map, x, y, "pale: soon settled");
+            notes[count++] = "pale: soon settled";
     }
+    return count;
 }
 
 /* The legend, most frequent kinds first, beside the map or on a narrow page below it; omitted kinds are
@@ -291,9 +296,12 @@ static void put_heading(const saltus_sweep_map *map, double x, double y) {
 static void put_legend(saltus_sweep_map *map) {
     const double row_height = 32, side = 28, bottom = 60;
     const saltus_sweep_page *page = map->page;
+    const char *notes[2];
+    const int note_count = find_notes(map, notes);
     bool below = map->legend_rows > 0;
     double x = below ? 12 : page->frame.right + side,
-           top = below ? (map->legend_rows - 0.6) * row_height : page->frame.top - 18;
+           top = below ? (map->legend_rows - 0.6) * row_height + (note_count ? note_height : 0)
+                       : page->frame.top - 18;
     double width = (page->paper.width - 12) / 3;
     int most = below ? 3 * map->legend_rows : (int)((top - bottom) / row_height), rest = 0, rows = 0;
     int entries = map->any_several;
@@ -316,13 +324,20 @@ static void put_legend(saltus_sweep_map *map) {
                                map->kinds[k].label, below ? "" : map->kinds[k].figures);
         rows = rank + 1 > rows ? rank + 1 : rows;
     }
-    if (!below)
-        put_heading(map, x, top + 46);
+    /* The notes stand one above the other over the legend, or below it in one line. */
+    saltus_line together = {.length = 0};
+    for (int k = 0; k < note_count; k++) {
+        if (!below)
+            put_note(map, x, top + 46 + 24 * (note_count - 1 - k), notes[k]);
+        saltus_line_add(&together, "%s%s", k ? ";  " : "", notes[k]);
+    }
+    if (below)
+        put_note(map, x, 0.6 * note_height, together.text);
     if (map->any_several) {
         saltus_sweep_put_entry(page, below ? x + rows % 3 * width : x,
                                below ? top - rows / 3 * row_height : top - rows * row_height - row_height / 4,
                                (saltus_paint){0xffffff, 0}, true,
-                               below ? "several" : "more than one attractor", "");
+                               below ? "2+ attractors" : "more than one attractor", "");
         rows++;
     }
     if (rest) {
@@ -400,8 +415,14 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
         entries += map.kinds[k].count > 0;
         map.legend_rows = (entries < 18 ? entries + 2 : 18) / 3;
     }
-    if (paper->free_height)
-        paper->height += 32 * map.legend_rows;
+    const char *notes[2];
+    const double below =
+        32 * map.legend_rows + (map.legend_rows && find_notes(&map, notes) ? note_height : 0);
+    if (paper->free_height) {
+        paper->height += below;
+        if (page->branches)
+            paper->height += saltus_plot_legend_height(page->branches, paper->width, NULL);
+    }
     saltus_sweep_caption(page);
     saltus_page_begin(paper);
     if (sound && basins)
@@ -411,7 +432,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
     page->frame.left = narrow ? 124 : 150;
     page->frame.right = paper->width - (!map.kind ? saltus_sweep_map_bar_room(&map) : narrow ? 24 : 410);
-    page->frame.bottom += narrow ? 32 * map.legend_rows : 2.4;
+    page->frame.bottom += narrow ? below : 2.4;
     if (page->branches) {
         curves = *page->branches;
         curves.paper = paper;
