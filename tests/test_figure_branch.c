@@ -1538,6 +1538,34 @@ static void names_on_curves_are_where_no_other_curve_is(void **state) {
     figure_free(&f);
 }
 
+/* Files that differ in the sides of a stop are told apart by them, equal systems by their order. */
+static void files_are_told_apart(void **state) {
+    (void)state;
+    const char *const names[] = {"a.h5", "b.h5", "c.h5"};
+    saltus_plot_options how = saltus_plot_defaults();
+    for (int equal = 0; equal < 2; equal++) {
+        make_branch();
+        write_branch("a.h5");
+        write_branch("b.h5");
+        for (int k = 0; k < points && !equal; k++)
+            for (int e = 0; e < events_most; e++)
+                made.event[k][e].face = 0;
+        if (!equal)
+            made.scene.spec.stops[0].sides = SALTUS_LOWER;
+        write_branch("c.h5");
+        figure f = draw_files(names, 3, &how);
+        static const char *const words[2][3] = {
+            {", both sides, file 1'", ", both sides, file 2'", ", lower'"},
+            {"made\\_up, file 1'", "made\\_up, file 2'", "made\\_up, file 3'"}};
+        for (int k = 0; k < 3; k++)
+            assert_non_null(figure_element_of(&f.panel[0], words[equal][k], 0));
+        char caption[8000];
+        figure_caption(&f, caption, sizeof caption);
+        assert_true((strstr(caption, "where nothing else is said") != NULL) == !equal);
+        figure_free(&f);
+    }
+}
+
 /* A heading that hardly fits keeps its last letter on its line. */
 static void headings_have_one_line(void **state) {
     (void)state;
@@ -1687,6 +1715,7 @@ int main(void) {
         cmocka_unit_test(scripts_are_kept),
         cmocka_unit_test(the_legend_names_only_what_occurs),
         cmocka_unit_test(headings_have_one_line),
+        cmocka_unit_test(files_are_told_apart),
         cmocka_unit_test(marks_without_a_name_are_counted),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);

@@ -111,7 +111,10 @@ bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes
 /* The rank-th parameter (from 0) in which the files differ, other than those of the axes, as a key of --set;
  * "" if there are fewer. */
 void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]);
-/* Add ", key = value" for each parameter in which the files differ. */
+/* Whether the files differ in the sides of a stop; false beyond the last stop. */
+bool saltus_plot_sides_differ(const saltus_plot_page *page, int stop);
+/* Add ", key = value" for each parameter in which the files differ, and the sides of stops if they do;
+ * branches of equal systems are told apart by the number of their file. */
 void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line);
 
 #endif

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#2f8f6f", "#8a5aa0",
+static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#1f9e89", "#8a5aa0",
                                               "#b08a00", "#555555", "#b0006a"};
 
 /* How special points are marked, and what they are. */

@@ -520,7 +520,7 @@ static bool goes_on(const saltus_plot_page *page, const places *all, const stret
 /* Put the name of a stretch; if there is no place it is kept for a name with a line. Returns whether there
  * was a place. */
 static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool led, places *all) {
-    static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#1f6650", "#634078",
+    static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#136b5c", "#634078",
                                                     "#7a5c00", "#444444", "#7d004b"};
     const saltus_branch_file *f = &page->files[s->file];
     saltus_line name = {.length = 0};
@@ -664,7 +664,31 @@ void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SAL
             memcpy(key, v.key, sizeof v.key);
 }
 
+bool saltus_plot_sides_differ(const saltus_plot_page *page, int stop) {
+    bool differ = false;
+    for (int i = 1; i < page->count && stop < page->files[0].spec.stop_count; i++)
+        differ = differ || page->files[i].spec.stops[stop].sides != page->files[0].spec.stops[stop].sides;
+    return differ;
+}
+
+/* Whether another file has the same scene and values. */
+static bool has_twin(const saltus_plot_page *page, int file) {
+    bool twin = false, differs;
+    for (int i = 0; i < page->count && !twin; i++) {
+        const saltus_spec *own = &page->files[file].spec, *other = &page->files[i].spec;
+        saltus_plot_value a, b;
+        twin = i != file && strcmp(page->files[i].scene, page->files[file].scene) == 0;
+        for (int s = 0; s < own->stop_count; s++)
+            twin = twin && own->stops[s].sides == other->stops[s].sides;
+        for (int k = 0; twin && value_in(page, file, k, &a, &differs) && value_in(page, i, k, &b, &differs);
+             k++)
+            twin = a.on_axis || a.value == b.value;
+    }
+    return twin;
+}
+
 void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line) {
+    const saltus_spec *spec = &page->files[file].spec;
     saltus_plot_value v;
     bool differs;
     for (int k = 0; value_in(page, file, k, &v, &differs); k++) {
@@ -675,6 +699,19 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
         saltus_line_add(line, " = ");
         saltus_line_number(line, "%.6g", v.value);
     }
+    for (int s = 0; s < spec->stop_count; s++) {
+        if (!saltus_plot_sides_differ(page, s))
+            continue;
+        saltus_line_add(line, ", ");
+        if (spec->stop_count > 1)
+            saltus_line_add(line, "stop %d: ", s + 1);
+        saltus_line_add(line, "%s",
+                        spec->stops[s].sides == SALTUS_BOTH
+                            ? "both sides"
+                            : saltus_side_word(spec->stops[s].sides == SALTUS_UPPER ? 1 : -1));
+    }
+    if (!page->locus && has_twin(page, file))
+        saltus_line_add(line, ", file %d", file + 1);
 }
 
 /* Try again to name the first `most` points, or stretches, of those without a name; stretches that go on from
@@ -697,12 +734,15 @@ static void name_stretches_again(const saltus_plot_page *page, int most, places 
     }
 }
 
-/* Say above the panel how many marks and stretches have no name: the marks by their kinds, if that is short
- * enough. */
+/* Say above the panel how many marks, and stretches longer than a name, have none: the marks by their kinds,
+ * if that is short enough. */
 static void put_note(const saltus_plot_page *page, const places *all) {
-    const double size = 9, type = saltus_page_type(page->paper, size), above = 10;
+    const double size = 9, type = saltus_page_type(page->paper, size), above = 10, least = 2;
+    int stretches = 0;
     saltus_line line = {.length = 0};
     char style[64];
+    for (int k = 0; k < all->unnamed_stretch_count; k++)
+        stretches += all->unnamed_stretch[k].length >= least;
     for (int kinds = 1; kinds >= 0; kinds--) {
         line.length = 0;
         saltus_line_add(&line, "unnamed for lack of room:");
@@ -716,14 +756,14 @@ static void put_note(const saltus_plot_page *page, const places *all) {
         }
         if (!kinds && all->unnamed_count)
             saltus_line_add(&line, " %d mark%s", all->unnamed_count, saltus_plural(all->unnamed_count));
-        if (all->unnamed_stretch_count)
-            saltus_line_add(&line, "%s %d piece%s of curve", all->unnamed_count ? "," : "",
-                            all->unnamed_stretch_count, saltus_plural(all->unnamed_stretch_count));
+        if (stretches)
+            saltus_line_add(&line, "%s %d piece%s of curve", all->unnamed_count ? "," : "", stretches,
+                            saltus_plural(stretches));
         if (saltus_page_width(line.text, type) < page->frame.right - 12)
             break;
     }
     snprintf(style, sizeof style, "right front font ',%.4g' tc rgb '#606060'", type);
-    if (all->unnamed_count || all->unnamed_stretch_count)
+    if (all->unnamed_count || stretches)
         saltus_page_label(page->paper, line.text, page->frame.right, page->frame.top + above, style);
 }
 

@@ -17,7 +17,7 @@ static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
         char text[64], style[64];
         if (!saltus_sheet_face_look(sheet, f, &colour, &rank))
             continue;
-        const double x = begin + count % columns * entry, y = page->top - 2 - count / columns * row;
+        const double x = begin + count % columns * entry, y = page->top - 6 - count / columns * row;
         snprintf(style, sizeof style, "point pt 7 ps 0.9 lc rgb '#%06x' front", colour);
         saltus_page_label(page, "", x, y, style);
         snprintf(text, sizeof text, "stop %d, %s", face.stop + 1, saltus_side_word(face.side));
@@ -25,7 +25,7 @@ static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
         saltus_page_label(page, text, x + 12, y, style);
         count++;
     }
-    page->top -= count ? (count + columns - 1) / columns * row : 0;
+    page->top -= count ? 4 + (count + columns - 1) / columns * row : 0;
 }
 
 saltus_status saltus_plot_trajectory(const char *figure, const char *path, const saltus_figure_options *look,
