@@ -603,6 +603,9 @@ static void name_points(const saltus_plot_page *page, bool marks, places *all) {
 
 /* The labels requested by the caller, in larger type than the other names. */
 static void name_regions(const saltus_plot_page *page, places *all) {
+    const double size = saltus_page_narrow(page->paper) ? 12 : 17, bold = 1.15;
+    char style[80];
+    snprintf(style, sizeof style, "center front tc rgb '#101010' font ':Bold,%g'", size);
     const char *first = page->files[0].options.key[0];
     for (int k = 0; k < page->options->label_count; k++) {
         const saltus_plot_label *label = &page->options->labels[k];
@@ -611,11 +614,11 @@ static void name_regions(const saltus_plot_page *page, places *all) {
         saltus_line line = {.length = 0};
         place where = place_at(page, x, y);
         saltus_line_plain(&line, label->text);
-        where.half_width = 0.5 * saltus_page_width(line.text, 17 * 1.15) / word_height;
-        where.half_height = 0.6;
+        where.half_width = 0.5 * saltus_page_width(line.text, bold * size) / word_height;
+        where.half_height = 0.035 * size;
         if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
             continue;
-        put_label(page, &line, where, "center front tc rgb '#101010' font ':Bold,17'");
+        put_label(page, &line, where, style);
         take_place(all, where);
     }
 }
@@ -769,7 +772,8 @@ static void put_note(const saltus_plot_page *page, const places *all) {
 
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context) {
     const double h = word_height, step = 0.2, rim = 0.2, margin = 0.3; /* in word heights */
-    enum { most_led = 40, few = 6 };
+    enum { most_led = 40 };
+    const int few = (int)fmax(6, wide(page) * high(page) / 130); /* the more, the larger the panel */
     places all = {.count = 0};
     find_pieces(page, &all);
     name_regions(page, &all);
