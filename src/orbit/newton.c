@@ -20,7 +20,7 @@ void saltus_equations_reserve(saltus_equations *e, int unknowns, saltus_arena *a
     e->residual = saltus_arena_doubles(arena, m - 1);
     e->jacobian = saltus_arena_doubles(arena, (m - 1) * m);
     e->place = saltus_arena_doubles(arena, m);
-    e->known = false;
+    e->known = e->begun = false;
     e->matrix = saltus_arena_doubles(arena, m * m);
     e->step = saltus_arena_doubles(arena, m);
     e->trial = saltus_arena_doubles(arena, m);
@@ -234,8 +234,9 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
     approached found;
     *iterations = 0;
     saltus_status status = approach(e, u, normal, anchor, &found, message);
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK && (!e->begun || found.near))
         status = saltus_equations_evaluate(e, u, message);
+    e->begun = false;
     double best = e->size;
     report(e, 0);
     if (status == SALTUS_OK && normal && finish(e, u, normal, anchor, found.near ? found.fall : steepest)) {

@@ -18,6 +18,7 @@ typedef struct saltus_equations {
     double *jacobian;    /* [count][unknowns], at `place` if `known` */
     double *place;
     bool known;
+    bool begun;       /* the next iteration starts from the point last evaluated: it need not be again */
     bool hasty;       /* iterate with `measure` and the known Jacobian as long as that converges */
     bool bold;        /* where no damped step lowers the residual, take a full one that halves the distance */
     double size;      /* largest residual; INFINITY after a failed evaluation */

@@ -92,6 +92,7 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_me
         cut_sequence(&cut, segments, growth);
         status = adopt(s, &cut, message);
     }
+    equations->begun = equations->known;
     if (status == SALTUS_OK)
         status = saltus_newton(equations, s->u, NULL, NULL, true, &iterations, message);
     s->iterations += iterations;
