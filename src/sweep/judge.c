@@ -53,6 +53,8 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     saltus_judgement judgement = goes_on;
     saltus_motion motion = {0};
     options.flow.integrator = t->sweep->options.flow.integrator;
+    /* Three digits more than the sweep's are enough. */
+    options.flow.rtol = fmax(options.flow.rtol, 1e-3 * t->sweep->options.flow.rtol);
     options.flow.effort = &t->effort;
     options.transient = polish_periods;
     options.measure = 0;
