@@ -450,6 +450,20 @@ static void an_impact_in_the_section_doubles_nothing(void **state) {
     }
 }
 
+/* Near grazing the disturbance that proves stability may carry a trajectory far from its orbit. In a sweep
+ * with fixed times, where a motion that does not recur is not waited for, it still has time to come back. */
+static void a_disturbed_trajectory_may_come_back(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("fig6", "");
+    saltus_sweep_options options = settling_options(5e-8);
+    options.adaptive = false;
+    options.transient = 300;
+    options.record = 100;
+    single s = run_single(&scene, "omega", 0.5 + 54.5 * 776 / 999, &options);
+    assert_string_equal(s.label, "4/4");
+    close_single(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
@@ -464,6 +478,7 @@ int main(void) {
         cmocka_unit_test(a_jump_begins_anew),
         cmocka_unit_test(one_good_step_is_not_trusted),
         cmocka_unit_test(a_rest_is_still),
+        cmocka_unit_test(a_disturbed_trajectory_may_come_back),
         cmocka_unit_test(the_distance_left_of_a_series_is_its_rest),
         cmocka_unit_test(a_made_up_spiral_is_not_left_early),
         cmocka_unit_test(an_impact_in_the_section_doubles_nothing),

@@ -176,9 +176,12 @@ static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement
     return adaptive ? begin_recording(t) : end_place(t);
 }
 
+/* Section points since the start or the last disturbance, which may carry an orbit near grazing far away. */
 static long long points_seen(const saltus_sweep_trajectory *t) {
     const saltus_proof *p = &t->proof;
-    return saltus_system_forced(t->system) ? p->settling.count : p->visits.settling.count;
+    if (!saltus_system_forced(t->system))
+        return p->visits.settling.count;
+    return p->disturbed ? saltus_sweep_trajectory_cycle(t) - p->disturbed_at : p->settling.count;
 }
 
 /* Judge a settling trajectory at a section point. In a sweep with fixed times a motion that does not recur
