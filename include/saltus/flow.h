@@ -95,8 +95,8 @@ typedef struct saltus_flow_info {
     long long impacts, sticks, releases;
     double log_volume; /* sum of ln r + ln |d(r speed)/d speed| over the impacts, 2 ln r for a constant
                           restitution: their share of the sum rule */
-    double square;     /* integral of the squared observed displacement over time in units of T, exact for the
-                          steps' polynomials; only over times when turning points were watched */
+    double square; /* integral of the squared observed displacement over time in units of T; only over times
+                      when turning points were watched */
 } saltus_flow_info;
 
 typedef struct saltus_flow saltus_flow;

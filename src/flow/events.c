@@ -137,13 +137,15 @@ static bool observer_held(const saltus_lane *self) {
     return left <= 1e-12 * size;
 }
 
-/* Zeros of the observed velocity, rising or falling. */
-static void search_turning(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
+/* The observed velocity over a step, in s = t / step, with the zero at its start set exactly if the lane
+ * `starts_at` one. Returns how many leading coefficients are zero; -1: the velocity is zero throughout. */
+static int velocity_polynomial(const saltus_flow *flow, int lane, double step, bool starts_at, double *c) {
     const saltus_lane *self = &flow->lane[lane];
-    int degree = degree_of(flow, lane) - 1, touch = 0;
-    double c[SALTUS_DEGREE_MAX + 1] = {0}, size = 0, root;
+    const int degree = degree_of(flow, lane) - 1;
+    double size = 0;
+    int touch = 0;
     if (observer_held(self))
-        return;
+        return -1;
     scaled_series(flow, lane, flow->work.gap, self->system->observer.first, 1, 1, degree, step, c);
     for (int k = 0; k <= degree; k++) {
         c[k] *= k + 1;
@@ -152,13 +154,21 @@ static void search_turning(const saltus_flow *flow, int lane, double step, saltu
     /* If contacts fix the observed point only rounding is left. After a turning point, an impact without
      * rebound or a release, the first coefficients are zero up to rounding. */
     if (size <= 1e-12 * self->system->scale[self->system->dof])
-        return;
-    while (touch < 3 && (fabs(c[touch]) <= 1e-13 * size || (touch == 0 && self->turned)))
+        return -1;
+    while (touch < 3 && (fabs(c[touch]) <= 1e-13 * size || (touch == 0 && starts_at)))
         c[touch++] = 0;
-    double sign = c[touch] > 0 ? -1 : 1;
+    return touch;
+}
+
+/* Zeros of the observed velocity, rising or falling. */
+static void search_turning(const saltus_flow *flow, int lane, double step, saltus_first_event *first) {
+    const int degree = degree_of(flow, lane) - 1;
+    double c[SALTUS_DEGREE_MAX + 1] = {0}, root;
+    const int touch = velocity_polynomial(flow, lane, step, flow->lane[lane].turned, c);
+    const double sign = touch >= 0 && c[touch] > 0 ? -1 : 1;
     for (int k = 0; k <= degree; k++)
         c[k] *= sign;
-    if (c[touch] != 0 && first_rise(c, degree, touch, &root))
+    if (touch >= 0 && c[touch] != 0 && first_rise(c, degree, touch, &root))
         propose(first, SALTUS_TURNING, -1, root * step);
 }
 
@@ -265,6 +275,73 @@ static double velocity_term(const saltus_flow *flow, int lane, const double *row
     for (int i = 0; i < flow->dof && !flow->collocated; i++)
         sum = fma(row[i], w->jet.v[saltus_work_place(w, degree_of(flow, lane), 0, i, lane)], sum);
     return sum;
+}
+
+/* Zero of the velocity c in (0, 1], if it is negative at 0 and its derivative is surely positive: by Newton's
+ * method, to the accuracy that a turning point's place needs, where displacements hardly depend on time.
+ * False if it is not sure. */
+static bool quick_rise(const double *c, int degree, double *root) {
+    enum { rounds = 20 };
+    double slowest = c[1], end = c[0] + c[1];
+    for (int k = 2; k <= degree; k++) {
+        slowest += c[k] < 0 ? k * c[k] : 0;
+        end += c[k];
+    }
+    if (!(slowest > 0) || !(c[0] < 0) || !(end > -c[0] * 1e-9))
+        return false;
+    double place = c[0] / (c[0] - end);
+    for (int k = 0; k < rounds; k++) {
+        double value = c[degree], slope = 0;
+        for (int j = degree - 1; j >= 0; j--) {
+            slope = slope * place + value;
+            value = value * place + c[j];
+        }
+        const double next = place - value / slope, moved = fabs(next - place);
+        if (!(next > 0 && next <= 1))
+            return false;
+        place = next;
+        if (moved <= 1e-6 * place) {
+            *root = place;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Of two neighbouring steps' polynomials each may see a turning point where they meet, because the highest
+ * orders of displacement and velocity differ by the tolerance: so near to the end, the next step begins with
+ * the zero. A zero that has been found is divided out, so that the next one is the first again. */
+void saltus_events_turnings(saltus_flow *flow, int lane) {
+    saltus_lane *self = &flow->lane[lane];
+    const double step = flow->work.lane->advance[lane], end = 1 - 10 * flow->options.rtol;
+    const double *series =
+        flow->work.gap + saltus_work_series_place(&flow->work, self->system->observer.first, 0, lane);
+    const bool meets = 1u << self->pending.kind & SALTUS_WATCH_CONTACT;
+    double velocity[SALTUS_DEGREE_MAX + 1], *c = velocity, root = 0;
+    int degree = degree_of(flow, lane) - 1, heading = 1;
+    const int touch = velocity_polynomial(flow, lane, step, self->passing, c);
+    self->passing = false;
+    c += touch > 0 ? touch : 0;
+    degree -= touch;
+    while (touch >= 0 && degree > 0 && root <= end && c[0] != 0) {
+        double displacement = 0;
+        const int sign = c[0] > 0 ? -1 : 1;
+        heading *= sign;
+        for (int k = 0; k <= degree; k++)
+            c[k] *= sign;
+        if (!quick_rise(c, degree, &root) && !first_rise(c, degree, 0, &root))
+            return;
+        if (root >= 1 && meets)
+            return;
+        for (int k = degree_of(flow, lane); k >= 0; k--)
+            displacement = displacement * (root * step) + series[k * flow->lanes];
+        self->target.turning(self->target.context, displacement, heading);
+        self->passing = root > end && !meets;
+        for (int k = degree - 1; k > 0; k--)
+            c[k] += root * c[k + 1];
+        c++;
+        degree--;
+    }
 }
 
 double saltus_events_acceleration(const saltus_flow *flow, int lane, int row, const double *observer,

@@ -114,6 +114,11 @@ static double remaining(const saltus_lane *self) {
 }
 
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch) {
+    saltus_flow_aim_observed(flow, lane, until, watch, NULL, NULL);
+}
+
+void saltus_flow_aim_observed(saltus_flow *flow, int lane, saltus_time until, unsigned watch,
+                              saltus_turning_function *turning, void *context) {
     saltus_lane *self = &flow->lane[lane];
     saltus_status status = saltus_time_check(until, &self->why);
     saltus_quiet_break(flow, lane);
@@ -125,6 +130,9 @@ void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned wa
     }
     self->target.until = saltus_time_after(until, 0);
     self->target.watch = watch;
+    self->target.turning = turning;
+    self->target.context = context;
+    self->step.turns = false;
     /* An observed displacement that is no stop's coordinate has a row of the gap series while watched. */
     bool apart = false;
     for (int l = 0; l < flow->lanes; l++)
@@ -209,35 +217,54 @@ static bool watches_turning(const saltus_lane *self) {
     return self->target.aimed && self->target.watch & SALTUS_WATCH_TURNING;
 }
 
-/* For each row of the gap series in which a lane watches turning points: run `ask` on the row, then let each
- * such lane take its answer. */
-static void observe(saltus_flow *flow, void (*ask)(saltus_work *work, int row),
-                    void (*take)(saltus_flow *flow, int lane)) {
-    for (int row = 0; row < flow->work.stops; row++) {
-        bool asked = false;
-        for (int l = 0; l < flow->lanes; l++) {
-            if (!(flow->turning >> l & 1) || flow->lane[l].system->observer.first != row)
-                continue;
-            if (!asked)
-                ask(&flow->work, row);
-            asked = true;
-            take(flow, l);
-        }
+/* Those of a set of lanes with watched turning points, as bits, whose observed displacement has the same row
+ * of the gap series as that of the first of them. */
+static unsigned lanes_of_one_row(const saltus_flow *flow, unsigned lanes) {
+    const int row = flow->observer[__builtin_ctz(lanes)];
+    unsigned same = 0;
+    for (unsigned left = lanes; left; left &= left - 1) {
+        const int l = __builtin_ctz(left);
+        same |= (unsigned)(flow->observer[l] == row) << l;
+    }
+    return same;
+}
+
+/* Bound the observed velocities of a set of lanes over `advance`. */
+static void bound_velocities(saltus_flow *flow, unsigned lanes) {
+    for (unsigned left = lanes, same; left; left &= ~same) {
+        same = lanes_of_one_row(flow, left);
+        flow->kernel->bound_velocity(&flow->work, flow->observer[__builtin_ctz(same)]);
     }
 }
 
-static void take_turning(saltus_flow *flow, int lane) {
-    saltus_lane *self = &flow->lane[lane];
+/* Find the lanes that may meet a turning point that is an event in the planned step. */
+static void expect_turnings(saltus_flow *flow) {
     saltus_lane_numbers *numbers = flow->work.lane;
-    self->step.turns = !(numbers->turning[lane] < 0) || self->turned;
-    if (self->step.turns)
-        numbers->near[lane] = 1;
+    bound_velocities(flow, flow->turning);
+    for (unsigned left = flow->turning; left; left &= left - 1) {
+        const int l = __builtin_ctz(left);
+        saltus_lane *self = &flow->lane[l];
+        self->step.turns = !(numbers->turning[l] < 0) || self->turned;
+        if (self->step.turns)
+            numbers->near[l] = 1;
+    }
 }
 
-static void take_square(saltus_flow *flow, int lane) {
-    saltus_lane *self = &flow->lane[lane];
-    if (self->failure == SALTUS_OK)
-        self->info.square += flow->work.lane->square[lane] / self->system->period;
+/* Once all lanes' steps are made: pass on the turning points that are no events, and add to the mean squares.
+ */
+static void observe(saltus_flow *flow) {
+    const int pieces = flow->collocated ? 4 : 1;
+    bound_velocities(flow, flow->observed);
+    for (unsigned left = flow->turning | flow->observed; left; left &= left - 1) {
+        const int l = __builtin_ctz(left);
+        saltus_lane *self = &flow->lane[l];
+        if (self->failure != SALTUS_OK)
+            continue;
+        self->info.square += flow->kernel->integrate_square(&flow->work, flow->observer[l], l, pieces) /
+                             flow->work.lane->period[l];
+        if (flow->observed >> l & 1 && (!(flow->work.lane->turning[l] < 0) || self->passing))
+            saltus_events_turnings(flow, l);
+    }
 }
 
 /* Whether a lane may take the planned step. If a period or the whole question would take too many steps, or
@@ -285,8 +312,10 @@ static void prepare(saltus_flow *flow, int lane) {
         self->step.calm &= self->face[f].touch == 0 && !self->face[f].shadow;
     const bool damps = self->step.calm && !flow->radau && !flow->options.columns;
     to->reach[lane] = damps ? to->damped[lane] : to->limit[lane];
-    flow->turning &= ~(1u << lane);
-    flow->turning |= (unsigned)watches_turning(self) << lane;
+    const unsigned bit = 1u << lane, watches = watches_turning(self) ? bit : 0;
+    flow->turning = (flow->turning & ~bit) | (self->target.turning ? 0 : watches);
+    flow->observed = (flow->observed & ~bit) | (self->target.turning ? watches : 0);
+    flow->observer[lane] = self->system->observer.first;
     saltus_quiet_begin(flow, lane);
 }
 
@@ -312,7 +341,7 @@ static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_me
     }
     flow->kernel->plan(w);
     if (flow->turning)
-        observe(flow, flow->kernel->bound_velocity, take_turning);
+        expect_turnings(flow);
     *passed = saltus_quiet_pass(flow);
     for (int l = 0; l < flow->lanes; l++) {
         saltus_lane *self = &flow->lane[l];
@@ -336,8 +365,8 @@ static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_me
         }
     }
     flow->kernel->evaluate(w);
-    if (flow->turning)
-        observe(flow, flow->kernel->integrate_square, take_square);
+    if (flow->turning | flow->observed)
+        observe(flow);
     return SALTUS_OK;
 }
 

@@ -40,12 +40,17 @@ typedef struct saltus_face_state {
     double gap, rate, pull;
 } saltus_face_state;
 
+/* Takes a turning point of the observed displacement: its place, and the sign of the velocity after it. */
+typedef void saltus_turning_function(void *context, double displacement, int heading);
+
 /* What a lane runs to. */
 typedef struct saltus_target {
     saltus_time since, until; /* since: where a coast began */
     unsigned watch;
-    bool aimed;               /* to be advanced by the next saltus_flow_run */
-    bool coasting;            /* events are prescribed: none is searched for */
+    saltus_turning_function *turning; /* takes turning points, which then are no events; NULL: they are */
+    void *context;                    /* its first argument */
+    bool aimed;                       /* to be advanced by the next saltus_flow_run */
+    bool coasting;                    /* events are prescribed: none is searched for */
     saltus_extreme *extremes; /* coasting: collects the largest gaps and the smallest forces; may be NULL */
 } saltus_target;
 
@@ -89,6 +94,7 @@ typedef struct saltus_lane {
     saltus_status failure;
     bool settled;             /* the tangent vectors' transients have died away */
     bool turned;              /* the last step ended at a turning point: the observed velocity is zero */
+    bool passing;             /* the same for a turning point that was no event */
     bool ended;               /* `pending` or `failure` waits to be reported */
     saltus_event pending;     /* event at the step's end; kind SALTUS_STEP: none */
     double last_speed;        /* of the last contact event */
@@ -115,13 +121,15 @@ struct saltus_flow {
     const saltus_kernel *kernel, *narrow;
     int lanes, dimension, dof, extra;
     saltus_lane *lane;
-    saltus_work work;    /* jets of the step of all lanes */
-    unsigned quiet;      /* lanes that the kernel takes on in the next step (quiet.h) */
-    unsigned turning;    /* lanes that watch turning points */
-    bool shortened;      /* some lanes' degrees in `work` are not their own (flight.c) */
-    saltus_fixed fixed;  /* the kernel compiled for this system, if any */
-    saltus_work *probe;  /* one narrow work per lane, for the field at single points */
-    saltus_radau *radau; /* collocation, in flows of one lane; NULL: series only */
+    saltus_work work;               /* jets of the step of all lanes */
+    unsigned quiet;                 /* lanes that the kernel takes on in the next step (quiet.h) */
+    unsigned turning;               /* lanes that watch turning points as events, ... */
+    unsigned observed;              /* ... and those that pass them to a function, ... */
+    int observer[SALTUS_LANES_MAX]; /* ... and the rows of the gap series in which they do */
+    bool shortened;                 /* some lanes' degrees in `work` are not their own (flight.c) */
+    saltus_fixed fixed;             /* the kernel compiled for this system, if any */
+    saltus_work *probe;             /* one narrow work per lane, for the field at single points */
+    saltus_radau *radau;            /* collocation, in flows of one lane; NULL: series only */
     saltus_mixture mixture;
     bool collocated; /* the step being made is one of collocation */
     saltus_parameter_column parameter[SALTUS_DIRECTIONS_MAX];
@@ -144,6 +152,10 @@ static inline double saltus_time_between(saltus_time a, saltus_time b) {
 }
 
 /* flow.c */
+/* saltus_flow_aim with a function that takes the turning points, if they are watched: each step's in order of
+ * time, before the step's event is reported. They end no step, so the motion is that of an unwatched lane. */
+void saltus_flow_aim_observed(saltus_flow *flow, int lane, saltus_time until, unsigned watch,
+                              saltus_turning_function *turning, void *context);
 /* Reset a lane to a time and state without contacts; tangent vectors as at a start. */
 void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const double *state);
 /* Project flow->state and flow->tangents onto the constraints of the held contacts, so that rounding does not
@@ -256,6 +268,8 @@ double saltus_column_observer(const saltus_flow *flow, int column, const double 
 double saltus_events_forecast(const saltus_flow *flow, int lane);
 /* The first event of a lane within `step` of the step just expanded. */
 saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step);
+/* Pass the turning points within the step just made to the lane's function. */
+void saltus_events_turnings(saltus_flow *flow, int lane);
 /* The acceleration of row `row` of the gap series (`observer` . q) at a time since the begin of the step just
  * expanded. */
 double saltus_events_acceleration(const saltus_flow *flow, int lane, int row, const double *observer,

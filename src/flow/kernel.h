@@ -66,7 +66,6 @@ typedef struct saltus_lane_numbers {
     double margin[SALTUS_FACES_MAX][SALTUS_LANES_MAX]; /* negative: the face surely stays open */
     double near[SALTUS_LANES_MAX];                     /* negative: all faces surely stay open */
     double turning[SALTUS_LANES_MAX]; /* negative: an observed velocity surely has no zero in the step */
-    double square[SALTUS_LANES_MAX];  /* integral of an observed displacement's square over `advance` */
 } saltus_lane_numbers;
 
 /* The loaded systems, in the kernel's layout. */
@@ -165,8 +164,9 @@ struct saltus_kernel {
     void (*bound_velocity)(saltus_work *work, int row);
     /* Jets of the lanes' degrees -> states at `advance`. */
     void (*evaluate)(saltus_work *work);
-    /* A row of the gap series and `advance` -> `square`. */
-    void (*integrate_square)(saltus_work *work, int row);
+    /* The integral of the square of a lane's row of the gap series over `advance`; long steps of collocation
+     * need more `pieces` than one. */
+    double (*integrate_square)(const saltus_work *work, int row, int lane, int pieces);
 };
 
 /* The kernel for a model at width 1, or at this machine's SIMD width (lanes = 0), for the best instruction

@@ -23,6 +23,11 @@ static unsigned watched(const saltus_sweep_trajectory *t) {
     return t->active ? SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | section : section;
 }
 
+/* Without forcing turning points may be section points: there they are events. */
+static saltus_turning_function *takes_turnings(const saltus_sweep_trajectory *t) {
+    return t->active && saltus_system_forced(t->system) ? saltus_watch_turning : NULL;
+}
+
 /* Aim the lane at the next section point or orthonormalisation; in an unobserved transient many periods
  * ahead; on an unforced orbit at the end of the lap. */
 static void aim(saltus_sweep_trajectory *t) {
@@ -38,7 +43,7 @@ static void aim(saltus_sweep_trajectory *t) {
         until = (saltus_time){t->stage_end, t->active->begin.phase};
     else
         until = (saltus_time){cycle + periods, 0};
-    saltus_flow_aim(t->flow, t->lane, until, watched(t));
+    saltus_flow_aim_observed(t->flow, t->lane, until, watched(t), takes_turnings(t), t->active);
 }
 
 static void see_section(saltus_sweep_trajectory *t) {
@@ -295,7 +300,7 @@ static saltus_next at_section(saltus_sweep_trajectory *t) {
 /* Pass an event, a reached target included, to whatever observes it. */
 static void pass_event(saltus_sweep_trajectory *t, const saltus_event *event) {
     const bool forced = saltus_system_forced(t->system), reached = event->kind == SALTUS_REACHED;
-    if (!forced || (!reached && event->kind != SALTUS_TURNING))
+    if (!forced || !reached)
         saltus_flow_state(t->flow, t->lane, t->state);
     if (!forced && t->stage != SALTUS_STAGE_ORBIT)
         saltus_sweep_trajectory_take(t, event);

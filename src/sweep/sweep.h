@@ -5,7 +5,7 @@
 
 #include "saltus/sweep.h"
 
-#include "flow/effort.h"
+#include "flow/flow.h"
 #include "motion/growth.h"
 #include "motion/motion.h"
 #include "motion/visits.h"
@@ -63,6 +63,8 @@ void saltus_watch_begin(saltus_watch *watch, const saltus_system *system, unsign
                         saltus_time time, const double *state, bool touching, double square);
 /* Take an event, turning points included; `state` is the present one and must be set at contact events. */
 void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const double *state, bool touching);
+/* Take a turning point of the watch that is the first argument, as a saltus_turning_function. */
+void saltus_watch_turning(void *watch, double displacement, int heading);
 /* Add the returns to the section that an event of the watched lane brings, a reached target included. */
 void saltus_watch_returns(saltus_watch *watch, const saltus_flow *flow, int lane, const saltus_event *event,
                           const double *state);

@@ -88,6 +88,12 @@ void saltus_watch_event(saltus_watch *watch, const saltus_event *event, const do
     }
 }
 
+void saltus_watch_turning(void *watch, double displacement, int heading) {
+    const saltus_event event = {
+        .kind = SALTUS_TURNING, .face = -1, .velocity_before = heading, .displacement = displacement};
+    saltus_watch_event(watch, &event, NULL, false);
+}
+
 void saltus_watch_returns(saltus_watch *watch, const saltus_flow *flow, int lane, const saltus_event *event,
                           const double *now) {
     double state[SALTUS_STATE_MAX];
