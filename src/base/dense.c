@@ -61,13 +61,6 @@ void saltus_dense_lu_close(saltus_dense_lu *lu) {
     *lu = (saltus_dense_lu){0};
 }
 
-double saltus_dot(const double *a, const double *b, int n) {
-    double sum = 0;
-    for (int i = 0; i < n; i++)
-        sum += a[i] * b[i];
-    return sum;
-}
-
 bool saltus_dense_finite(const double *a, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!isfinite(a[i]))

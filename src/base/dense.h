@@ -40,7 +40,12 @@ bool saltus_dense_lu_open(saltus_dense_lu *lu, int n);
 /* Accepts a zeroed factorisation. */
 void saltus_dense_lu_close(saltus_dense_lu *lu);
 /* Dot product, summed in the order of the entries. */
-double saltus_dot(const double *a, const double *b, int n);
+static inline double saltus_dot(const double *a, const double *b, int n) {
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
 /* Whether no entry is infinite or not a number. */
 bool saltus_dense_finite(const double *a, size_t count);
 /* Equilibrate and factor a, which is not changed. sign, log_modulus and reciprocal are always set. False,

@@ -314,9 +314,9 @@ static saltus_event record_impacts(saltus_lane *self, int hit, unsigned reboundi
     saltus_event event = {0};
     self->queued = 0;
     for (int f = 0; f < self->system->face_count; f++) {
-        double speed = saltus_face_normal(self->system, f, velocity);
         if (!(rebounding >> f & 1) && f != hit)
             continue;
+        double speed = saltus_face_normal(self->system, f, velocity);
         if (f == hit)
             event = impact_event(self, f, speed > 0 ? speed : 0);
         else
@@ -324,7 +324,12 @@ static saltus_event record_impacts(saltus_lane *self, int hit, unsigned reboundi
         if (speed > 0) {
             self->info.impacts++;
             const saltus_rebound rebound = saltus_system_rebound(self->system, f, speed);
-            self->info.log_volume += log(rebound.r) + log(fabs(rebound.slope));
+            const double volume = rebound.r * fabs(rebound.slope);
+            if (volume != self->volume || volume == 0) { /* a constant restitution needs but one logarithm */
+                self->volume = volume;
+                self->log_volume = log(rebound.r) + log(fabs(rebound.slope));
+            }
+            self->info.log_volume += self->log_volume;
         }
     }
     return event;

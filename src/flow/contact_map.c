@@ -16,13 +16,12 @@ double saltus_face_normal(const saltus_system *system, int face, const double *v
 static void fill_rows(const saltus_system *system, const saltus_contact_map *map, const double *factor,
                       double *rows) {
     const int n = system->dof, m = map->count;
-    memset(rows, 0, (size_t)(m * n) * sizeof *rows);
     for (int k = 0; k < m; k++)
         for (int j = 0; j < m; j++) {
             saltus_face f = system->faces[map->face[j]];
             double part = map->inverse[k * m + j] * f.side * factor[j];
             for (int i = 0; i < n; i++)
-                rows[k * n + i] += part * system->stop_normal[f.stop][i];
+                rows[k * n + i] = (j ? rows[k * n + i] : 0) + part * system->stop_normal[f.stop][i];
         }
 }
 
@@ -43,7 +42,6 @@ bool saltus_contact_map_build(const saltus_system *system, unsigned faces, unsig
         for (int i = 0; i < n; i++)
             map->push[k * n + i] = f.side * system->stop_impulse[f.stop][i];
     }
-    memset(gram, 0, (size_t)(m * m) * sizeof *gram);
     for (int k = 0; k < m; k++)
         for (int j = 0; j < m; j++)
             gram[k * m + j] = saltus_face_normal(system, map->face[k], map->push + j * n);

@@ -319,13 +319,17 @@ static void prepare(saltus_flow *flow, int lane) {
     saltus_quiet_begin(flow, lane);
 }
 
+/* The lanes of a flow but for some, as bits. */
+static unsigned lanes_but(const saltus_flow *flow, unsigned some) {
+    return ((1u << flow->lanes) - 1) & ~some;
+}
+
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. Of
  * the lanes in *passed the step is concluded. */
 static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_message *message) {
     saltus_work *w = &flow->work;
-    for (int l = 0; l < flow->lanes; l++)
-        if (!(flow->quiet >> l & 1))
-            prepare(flow, l);
+    for (unsigned left = lanes_but(flow, flow->quiet); left; left &= left - 1)
+        prepare(flow, __builtin_ctz(left));
     if (flow->radau) {
         saltus_status status = saltus_flow_mix(flow);
         if (status != SALTUS_OK) {
@@ -343,9 +347,10 @@ static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_me
     if (flow->turning)
         expect_turnings(flow);
     *passed = saltus_quiet_pass(flow);
-    for (int l = 0; l < flow->lanes; l++) {
+    for (unsigned left = lanes_but(flow, *passed); left; left &= left - 1) {
+        const int l = __builtin_ctz(left);
         saltus_lane *self = &flow->lane[l];
-        if (*passed >> l & 1 || !self->target.aimed)
+        if (!self->target.aimed)
             continue;
         saltus_quiet_end(flow, l);
         const double planned = w->lane->advance[l];
@@ -552,9 +557,10 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
             return status;
         }
         /* A failure is kept until the lane's turn comes, so that the others finish their steps. */
-        for (int l = 0; l < flow->lanes; l++) {
+        for (unsigned left = lanes_but(flow, passed); left; left &= left - 1) {
+            const int l = __builtin_ctz(left);
             saltus_lane *self = &flow->lane[l];
-            if (passed >> l & 1 || !self->target.aimed)
+            if (!self->target.aimed)
                 continue;
             if (self->failure == SALTUS_OK)
                 self->failure = conclude(flow, l);

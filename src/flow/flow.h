@@ -92,14 +92,15 @@ typedef struct saltus_lane {
     int degree;       /* of its series, unless an event or the target will end the step early */
     int queued;
     saltus_status failure;
-    bool settled;             /* the tangent vectors' transients have died away */
-    bool turned;              /* the last step ended at a turning point: the observed velocity is zero */
-    bool passing;             /* the same for a turning point that was no event */
-    bool ended;               /* `pending` or `failure` waits to be reported */
-    saltus_event pending;     /* event at the step's end; kind SALTUS_STEP: none */
-    double last_speed;        /* of the last contact event */
-    double *delay;            /* per column: d (event time) / d column of the last event */
-    saltus_pace first, later; /* used while tangent vectors hold transients, and afterwards */
+    bool settled;              /* the tangent vectors' transients have died away */
+    bool turned;               /* the last step ended at a turning point: the observed velocity is zero */
+    bool passing;              /* the same for a turning point that was no event */
+    bool ended;                /* `pending` or `failure` waits to be reported */
+    saltus_event pending;      /* event at the step's end; kind SALTUS_STEP: none */
+    double volume, log_volume; /* of the last impact: its share of the sum rule's product; the logarithm */
+    double last_speed;         /* of the last contact event */
+    double *delay;             /* per column: d (event time) / d column of the last event */
+    saltus_pace first, later;  /* used while tangent vectors hold transients, and afterwards */
     saltus_face_state face[SALTUS_FACES_MAX];
     saltus_contact_map hold;              /* faces in lasting contact */
     saltus_event queue[SALTUS_FACES_MAX]; /* impacts in the same instant as `pending`, still to be reported */
