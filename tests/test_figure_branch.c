@@ -980,6 +980,30 @@ static void branches_lie_over_clouds(void **state) {
         assert_int_equal(count_marks(panel, mark, made.point[70].value[0], height(shows[k], &made.point[70])),
                          1);
         assert_non_null(figure_element_of(panel, "title 'stable'", 0));
+        /* With the axes exchanged all of it is at the same values. */
+        how.look.swap = true;
+        check_ok(saltus_plot_sweep(path_in("s.png", out), path, &how, &message), &message);
+        how.look.swap = false;
+        figure upright = figure_taken(folder);
+        assert_int_equal(upright.panel[0].element_count, panel->element_count);
+        for (int p = 1; p < points; p++) {
+            const saltus_branch_point *a = &made.point[p - 1], *b = &made.point[p];
+            const double from[2] = {height(shows[k], a), a->value[0]},
+                         to[2] = {height(shows[k], b), b->value[0]};
+            int pieces[3];
+            if (a->branch == b->branch) {
+                count_pieces(&upright.panel[0], from, to, pieces);
+                assert_int_equal(pieces[stroke_between(a, b)], 1);
+            }
+        }
+        for (int i = 0; i < 2; i++) {
+            figure_near(upright.panel[0].range[i][0], panel->range[!i][0], 1e-9);
+            figure_near(upright.panel[0].range[i][1], panel->range[!i][1], 1e-9);
+        }
+        assert_int_equal(
+            count_marks(&upright.panel[0], mark, height(shows[k], &made.point[70]), made.point[70].value[0]),
+            1);
+        figure_free(&upright);
         figure_free(&f);
     }
     /* Unsuitable branches over a sweep are refused: another view, system or key. */

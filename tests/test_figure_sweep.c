@@ -812,6 +812,137 @@ static void the_strip_tells_the_motion_at_each_value(void **state) {
     }
 }
 
+/* Very many points become a picture. Orbits of thirty points at every second value, recorded once or fifty
+ * times, between motions that never repeat. */
+enum { dense_count = 16, dense_each = 1500, dense_orbit = 30 };
+
+static double dense_point(long long point, int k) {
+    return point % 2 == 0 ? 0.015 * (k % dense_orbit) + 0.001 * (double)point
+                          : 0.5 * fmod(0.6180339887 * k, 1);
+}
+
+static void fill_dense(made_place *m) {
+    m->row[0] = m->point % 2 ? made_other(SALTUS_CHAOTIC) : made_periodic(1, 20);
+    m->turning_count[0] = m->point == 4 ? dense_orbit : dense_each;
+    for (int k = 0; k < dense_each; k++)
+        m->turning[k] = m->pass == SALTUS_PASS_UP ? dense_point(m->point, k) : -0.2;
+}
+
+/* What is drawn with its axes exchanged is what is drawn without, across for up: numbers and their order, the
+ * axes' names and scales, the strip at the left instead of below. */
+static void check_exchanged(const figure *level, const figure *upright) {
+    assert_int_equal(level->panel_count, 2);
+    assert_int_equal(upright->panel_count, 2);
+    const figure_panel *a = &level->panel[0], *b = &upright->panel[0];
+    const figure_panel *strip = &upright->panel[1];
+    for (int i = 0; i < 2; i++) {
+        assert_string_equal(a->label[!i], b->label[i]); /* the parameter's name is at the strip */
+        assert_string_equal(level->panel[1].label[!i], strip->label[i]);
+        assert_true(a->logarithmic[i] == b->logarithmic[!i]);
+        assert_true(b->range[1][i] == strip->range[1][i] && b->frame[2 + i] == strip->frame[2 + i]);
+        for (int end = 0; end < 2; end++)
+            figure_near(b->range[!i][end], a->range[i][end], 1e-9);
+    }
+    assert_true(strip->frame[1] < b->frame[0] && strip->frame[0] > 0.05);
+    assert_int_equal(a->element_count, b->element_count);
+    for (int e = 0; e < a->element_count; e++) {
+        const figure_rows *rows = &a->element[e].values, *others = &b->element[e].values;
+        const bool bars = strstr(a->element[e].text, "with vectors") != NULL;
+        if (a->element[e].text[0] == '$')
+            assert_int_equal(rows->count, others->count);
+        assert_string_equal(a->element[e].title, b->element[e].title);
+        for (int k = 0; k < rows->count; k++) {
+            assert_true(rows->joined[k] == others->joined[k]);
+            for (int i = 0; i < (bars ? 4 : 2); i++)
+                figure_near(others->at[k][i ^ 1], rows->at[k][i], 1e-12);
+        }
+    }
+    const figure_element *band = figure_element_of(&level->panel[1], "binary", 0),
+                         *column = figure_element_of(strip, "binary", 0);
+    assert_true(column->height > 10 * column->width && band->width > 10 * band->height);
+}
+
+/* The strip's colour of each value, in the middle of its cell and of the band of its pass. */
+static void check_column(const figure *level, const figure *upright, const saltus_sweep_file *file) {
+    const figure_element *band = figure_element_of(&level->panel[1], "binary", 0),
+                         *column = figure_element_of(&upright->panel[1], "binary", 0);
+    const int n = file->axes[0].count, passes = file->pass_count;
+    for (int k = 0; k < n; k++)
+        for (int pass = 0; pass < passes; pass++) {
+            const double along = (k + 0.5) / n, across = (pass + 0.5) / passes;
+            /* Textures are those of the page: any colour within the cell is looked for. */
+            bool same = false;
+            for (int x = -3; x <= 3; x++)
+                for (int y = -3; y <= 3; y++)
+                    same = same || figure_pixel(band, (int)(along * band->width) + x,
+                                                (int)((1 - across) * band->height), NULL) ==
+                                       figure_pixel(column, (int)(across * column->width),
+                                                    (int)(along * column->height) + y, NULL);
+            assert_true(same);
+        }
+    for (int pass = 0; pass < passes && passes > 1; pass++) {
+        const figure_mark *name = figure_mark_of(&upright->panel[1], 'l', pass ? "down" : "up", 0);
+        assert_non_null(name);
+        check_near(name->place[0][0], (pass + 0.5) / passes, 1e-6);
+    }
+}
+
+static void axes_can_be_exchanged(void **state) {
+    (void)state;
+    static const saltus_view views[] = {SALTUS_VIEW_LARGEST, SALTUS_VIEW_LYAPUNOV, SALTUS_VIEW_CLASS,
+                                        SALTUS_VIEW_TURNING, SALTUS_VIEW_TURNING};
+    static const char *const keys[] = {"omega", "largest"};
+    saltus_scene scene = scene_of(0.25, SALTUS_BOTH);
+    char path[path_size];
+    for (int k = 0; k < 5; k++) {
+        const bool dense = k == 3, clouds = k > 2;
+        saltus_axis axis = {
+            .key = "omega", .count = clouds ? dense_count : kinds_made, .low = 0.5, .high = 1.5};
+        saltus_sweep_options options = number_options();
+        options.passes = k < 2 ? 1 : 6;
+        options.keep = clouds ? SALTUS_KEEP_TURNING : options.keep;
+        strcpy(axis.key, k == 4 ? "d" : "omega");
+        axis.low = k == 4 ? 0.05 : axis.low;
+        axis.high = k == 4 ? 0.25 : axis.high;
+        made_write(path_in("s.h5", path), &scene, &axis, 1, &options,
+                   dense    ? fill_dense
+                   : clouds ? fill_near_stops
+                            : fill_kinds,
+                   100);
+        saltus_sweep_file file = made_read(path);
+        saltus_sweep_view how = {.view = views[k],
+                                 .look = {.logarithmic = keys, .logarithmic_count = k ? k == 2 : 2}};
+        figure level = draw("s.h5", &how, "s.png");
+        how.look.swap = true;
+        figure upright = draw("s.h5", &how, "s.png");
+        check_exchanged(&level, &upright);
+        check_column(&level, &upright, &file);
+        if (dense) {
+            /* A point of the cloud is at the same place of its axes. */
+            const figure_element *a = figure_element_of(&level.panel[0], "binary", 1),
+                                 *b = figure_element_of(&upright.panel[0], "binary", 1);
+            const saltus_range up = {level.panel[0].range[1][0], level.panel[0].range[1][1]};
+            for (int point = 0; point < dense_count; point += 2)
+                for (int i = 0; i < dense_orbit; i++) {
+                    const double at = (point + 0.5) / dense_count,
+                                 part = saltus_range_part(up, false, dense_point(point, i));
+                    int opacity[2];
+                    figure_pixel(a, (int)(at * a->width), (int)(part * a->height), &opacity[0]);
+                    figure_pixel(b, (int)(part * b->width), (int)(at * b->height), &opacity[1]);
+                    assert_true(opacity[0] > 40 && opacity[1] > 40);
+                }
+        }
+        if (clouds && !dense) {
+            const figure_mark *name = figure_mark_of(&upright.panel[0], 'l', "−{/:Italic d}", 0);
+            assert_true(name && name->system[0][0] == 'f' && name->system[0][1] == 'g');
+            assert_true(figure_element_of(&upright.panel[0], "filledcurves x1=", 1) != NULL);
+        }
+        figure_free(&level);
+        figure_free(&upright);
+        saltus_sweep_file_clear(&file);
+    }
+}
+
 /* With several starts motions are stacked, each as high as its share. */
 static void fill_shares(made_place *m) {
     for (int s = 0; s < m->seeds; s++)
@@ -876,22 +1007,6 @@ static void logarithmic_tics_are_round(void **state) {
         assert_true(last <= f.panel[0].range[0][1]);
         figure_free(&f);
     }
-}
-
-/* Very many points become a picture. Orbits of thirty points at every second value, recorded once or fifty
- * times, between motions that never repeat. */
-enum { dense_count = 16, dense_each = 1500, dense_orbit = 30 };
-
-static double dense_point(long long point, int k) {
-    return point % 2 == 0 ? 0.015 * (k % dense_orbit) + 0.001 * (double)point
-                          : 0.5 * fmod(0.6180339887 * k, 1);
-}
-
-static void fill_dense(made_place *m) {
-    m->row[0] = m->point % 2 ? made_other(SALTUS_CHAOTIC) : made_periodic(1, 20);
-    m->turning_count[0] = m->point == 4 ? dense_orbit : dense_each;
-    for (int k = 0; k < dense_each; k++)
-        m->turning[k] = m->pass == SALTUS_PASS_UP ? dense_point(m->point, k) : -0.2;
 }
 
 /* Every point is painted, and nothing far from all points; returns the most opaque pixel near each value. */
@@ -1074,9 +1189,9 @@ static void each_motion_has_its_name(void **state) {
     made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_slivers, slivered);
     saltus_sweep_file file = made_read(path);
     for (int size = 80; size <= 180; size += 4)
-        for (int png = 0; png < 2; png++) {
-            saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST, .look = {.width = size}};
-            check_ok(saltus_plot_sweep(path_in(png ? "s.png" : "s.svg", out), path, &how, &message),
+        for (int way = 0; way < 4; way++) { /* in pixels of a screen or finer, the strip level or upright */
+            saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST, .look = {.width = size, .swap = way > 1}};
+            check_ok(saltus_plot_sweep(path_in(way % 2 ? "s.png" : "s.svg", out), path, &how, &message),
                      &message);
             figure f = figure_taken(folder);
             for (long long row = 0; row < file.row_count; row++) {
@@ -1110,6 +1225,7 @@ int main(void) {
         cmocka_unit_test(exponents_stand_on_zero),
         cmocka_unit_test(the_strip_tells_the_motion_at_each_value),
         cmocka_unit_test(each_motion_has_its_name),
+        cmocka_unit_test(axes_can_be_exchanged),
         cmocka_unit_test(shares_of_the_starts_are_heights),
         cmocka_unit_test(logarithmic_tics_are_round),
         cmocka_unit_test(dense_clouds_are_painted_where_the_points_are),

@@ -15,7 +15,7 @@ typedef struct saltus_figure_options {
     bool no_heading;   /* omit the heading and the lines with parameters and method above the panels; default
                           false */
     const char *title; /* replaces the default heading; "": no heading; default NULL: the default heading */
-    bool swap; /* exchange the axes; only for figures of saltus_plot with two parameters or branches; default
+    bool swap; /* exchange the axes: a single parameter is vertical; only for figures of saltus_plot; default
                   false */
     const char *const *logarithmic; /* keys of the logarithmic axes: parameters, or "measure"; only for
                                        figures of saltus_plot */

@@ -85,11 +85,6 @@ static saltus_status check_look(const saltus_sweep_page *page, saltus_message *m
     const saltus_figure_options *look = &page->wish->look;
     const char *view = saltus_view_word(page->view);
     bool two = page->sweep->axis_count > 1;
-    if (look->swap && !two)
-        return saltus_fail(
-            message, SALTUS_BAD_INPUT,
-            "%.200s: the axes of a sweep over one parameter cannot be exchanged: the classes stand along %s",
-            page->path, page->x.key);
     for (int k = 0; k < look->logarithmic_count; k++) {
         const char *key = look->logarithmic[k];
         const saltus_cells *cells = strcmp(key, page->x.key) == 0          ? &page->x
@@ -218,18 +213,21 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
                                                                [SALTUS_VIEW_STROBOSCOPIC] =
                                                                    SALTUS_SHOW_DISPLACEMENT};
     const saltus_plot_options no_labels = {.label_count = 0};
+    const saltus_range any = {-INFINITY, INFINITY};
     const bool two = page->sweep->axis_count > 1;
-    saltus_plot_page curves = {
-        .system = page->system,
-        .options = &no_labels,
-        .locus = two,
-        .over_map = two,
-        .over_sweep = true,
-        .show = shows[page->view],
-        .turning = page->view == SALTUS_VIEW_TURNING,
-        .x = page->x.range,
-        .y = two ? page->y.range : (saltus_range){-INFINITY, INFINITY},
-        .logarithmic = {page->x.logarithmic, two ? page->y.logarithmic : page->logarithmic}};
+    saltus_plot_page curves = {.system = page->system,
+                               .options = &no_labels,
+                               .locus = two,
+                               .over_map = two,
+                               .over_sweep = true,
+                               .show = shows[page->view],
+                               .turning = page->view == SALTUS_VIEW_TURNING,
+                               .swap = page->swap,
+                               .x = any,
+                               .y = two ? page->y.range : any};
+    *(page->swap ? &curves.y : &curves.x) = page->x.range;
+    curves.logarithmic[page->swap] = page->x.logarithmic;
+    curves.logarithmic[!page->swap] = two ? page->y.logarithmic : page->logarithmic;
     int count = page->wish->branch_count, read = 0;
     if (page->sweep->basins)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: nothing is drawn over basins of attraction",
@@ -283,6 +281,7 @@ saltus_status saltus_plot_sweep(const char *figure, const char *path, const salt
                               .path = path,
                               .figure = figure,
                               .view = choose_view(&sweep, view->view),
+                              .swap = view->look.swap && sweep.axis_count == 1,
                               .system = system};
     if (status == SALTUS_OK)
         status = check_view(&page, message);

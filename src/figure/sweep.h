@@ -76,6 +76,7 @@ typedef struct saltus_sweep_page {
     bool logarithmic;  /* `up` is a logarithmic axis */
     bool asked;        /* the caller requested the range `up` */
     bool sides;        /* impact speeds are signed */
+    bool swap;         /* diagrams: the parameter is vertical */
     double *observers; /* rows that map displacements to the observed one: a single row, or one for each value
                           of the axis */
     int observer_count;
@@ -126,9 +127,10 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message);
 /* The classes along the axis as a strip with names, one band per pass, as a complete panel. */
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame);
-/* A legend for the classes shown whose names did not fit into the strip, from `top` downwards; drawn only if
- * `drawn`. *height receives the height of its rows. False if out of memory. */
-bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame strip, double top, bool drawn,
+/* A legend for the classes shown whose names did not fit into a strip as long as `frame`, from `top`
+ * downwards and as wide as that; drawn only if `drawn`. *height receives the height of its rows. False if out
+ * of memory. */
+bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top, bool drawn,
                                    double *height);
 
 #endif

@@ -220,28 +220,38 @@ static bool linked(const saltus_sweep_page *page, bool dense) {
     return !dense && !saltus_view_is_cloud(page->view) && page->sweep->options.seeds == 1;
 }
 
+/* The length of the panel along the parameter. */
+static double length_along(const saltus_sweep_page *page) {
+    return page->swap ? page->frame.top - page->frame.bottom : page->frame.right - page->frame.left;
+}
+
 /* The cloud of a pass as a density. Points fill the width of their cells, or are dots if cells are wider than
  * a few pixels. */
 static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
     const double widest = 4, dot = 2.4, flat = 1.6;
     saltus_tally tally;
-    double width = raster->width, height = raster->height;
+    const double along = page->swap ? raster->height : raster->width,
+                 across = page->swap ? raster->width : raster->height;
     if (!saltus_tally_open(&tally, raster->width, raster->height))
         return false;
     for (int cell = 0; cell < page->x.count; cell++) {
-        double middle = width * saltus_cells_part(&page->x, axis_value(page, cell));
-        double own = width * (saltus_cells_edge(&page->x, cell + 1) - saltus_cells_edge(&page->x, cell));
+        double middle = along * saltus_cells_part(&page->x, axis_value(page, cell));
+        double own = along * (saltus_cells_edge(&page->x, cell + 1) - saltus_cells_edge(&page->x, cell));
         bool apart = own > widest * fineness;
-        double half = 0.5 * (apart ? dot * fineness : fmax(own, fineness));
+        const double wide = apart ? dot * fineness : fmax(own, fineness),
+                     thick = (apart ? dot : flat) * fineness;
         for (int seed = 0; seed < rows_shown(page, cell); seed++) {
             long long row = row_of(page, pass, cell) + seed, count = cloud_count(page, row);
             for (long long k = 0; k < count; k++) {
                 double value = cloud_value(page, row, k);
                 if (page->logarithmic)
                     value = fmax(value, 1e-300);
-                double part = saltus_range_part(page->up, page->logarithmic, value);
-                saltus_tally_add(&tally, middle - half, middle + half, height * part,
-                                 (apart ? dot : flat) * fineness, 1 / (double)count);
+                const double place = across * saltus_range_part(page->up, page->logarithmic, value),
+                             share = 1 / (double)count;
+                if (page->swap)
+                    saltus_tally_add(&tally, place - 0.5 * thick, place + 0.5 * thick, middle, wide, share);
+                else
+                    saltus_tally_add(&tally, middle - 0.5 * wide, middle + 0.5 * wide, place, thick, share);
             }
         }
     }
@@ -294,7 +304,7 @@ static void put_faces(const saltus_sweep_page *page) {
  * where all directions are lost, marked near the lower edge. Rows without an exponent are omitted. */
 static void put_exponents(const saltus_sweep_page *page, bool lost) {
     /* Columns overlap slightly to avoid visible thin gaps. */
-    const double overlap = 0.5 / (page->frame.right - page->frame.left), raised = 0.012;
+    const double overlap = 0.5 / length_along(page), raised = 0.012;
     const saltus_cells *x = &page->x;
     const saltus_range up = page->up;
     for (int cell = 0; cell < x->count; cell++)
@@ -315,6 +325,11 @@ static void put_exponents(const saltus_sweep_page *page, bool lost) {
         }
 }
 
+/* The columns of a block of parameter and measure that are the coordinates of a point. */
+static const char *columns(const saltus_sweep_page *page) {
+    return page->swap ? "2:1" : "1:2";
+}
+
 /* The cloud as elements of the plot command, rasters or points, with the legend of its colours. */
 static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
     const unsigned faint = 0xa0; /* transparency out of 255 */
@@ -322,14 +337,15 @@ static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raste
         int pass = pass_drawn(page, k);
         if (linked(page, dense))
             fprintf(page->paper.file,
-                    "     $links_%d using 1:2 with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n", pass, faint,
-                    (unsigned)look_of(page, pass).colour);
+                    "     $links_%d using %s with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n", pass,
+                    columns(page), faint, (unsigned)look_of(page, pass).colour);
         fputs("     ", page->paper.file);
         if (dense)
             saltus_raster_element(page->paper.file, &rasters[pass], "x2y2");
         else
-            fprintf(page->paper.file, "$cloud_%d using 1:2 with points pt 7 ps %g lc rgb '#%06x' notitle",
-                    pass, points_shown(page) < 2000 ? 0.45 : 0.32, (unsigned)look_of(page, pass).colour);
+            fprintf(page->paper.file, "$cloud_%d using %s with points pt 7 ps %g lc rgb '#%06x' notitle",
+                    pass, columns(page), points_shown(page) < 2000 ? 0.45 : 0.32,
+                    (unsigned)look_of(page, pass).colour);
         fputs(", \\\n", page->paper.file);
     }
     for (int pass = 0; pass < page->sweep->pass_count && page->sweep->pass_count > 1; pass++)
@@ -337,48 +353,78 @@ static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raste
                 (unsigned)look_of(page, pass).colour, look_of(page, pass).name);
 }
 
+/* The exponents as elements of the plot command, below the points: columns from zero, which are drawn only if
+ * each value of the axis has one exponent, a line at zero, standard errors. */
+static void put_exponent_elements(const saltus_sweep_page *page, bool dense) {
+    static const uint32_t positive = 0xf3cfc4, negative = 0xdfe9f3, error_colour = 0xc0392b;
+    const double zero = fmin(fmax(0, page->up.low), page->up.high);
+    const bool swap = page->swap;
+    FILE *file = page->paper.file;
+    const char *line = swap ? "$zero using 1:2" : "0";
+    if (dense) {
+        fprintf(file, "     %s with lines lc rgb '#909090' lw 1.2 notitle, \\\n", line);
+        return;
+    }
+    for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++) {
+        fprintf(file,
+                swap ? "     $exponents using ($4%s0?$4:NaN):1:(%.9g):4:2:3"
+                     : "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4",
+                k ? "<" : ">", zero);
+        fprintf(file, " with boxxyerror fs solid noborder fc rgb '#%06x' notitle, \\\n",
+                (unsigned)(k ? negative : positive));
+    }
+    if (zero == 0)
+        fprintf(file, "     %s with lines lc rgb '#707070' lw 1.2 notitle, \\\n", line);
+    fprintf(file, "     $exponents using %s with vectors nohead lw 1.3 lc rgb '#40%06x' notitle, \\\n",
+            swap ? "5:1:($6-$5):(0)" : "1:5:(0):($6-$5)", (unsigned)error_colour);
+    if (saltus_sweep_any_lost(page))
+        fprintf(file, "     $lost using %s with points pt 11 ps 0.9 lc rgb '#404040' notitle, \\\n",
+                swap ? "4:1" : "1:4");
+}
+
+/* The faces that limit what is shown: each is named at the end of its line, which gnuplot needs before the
+ * plot command, ... */
+static void put_face_names(const saltus_sweep_page *page) {
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        saltus_face face = saltus_system_face(page->system, f);
+        double d = clearance(page, face, page->x.range.high);
+        if (!limits(page, face) || !(d > page->up.low && d < page->up.high))
+            continue;
+        fprintf(page->paper.file, "set label '%s{/:Italic d}' at ", face.side < 0 ? "−" : "");
+        fprintf(page->paper.file,
+                page->swap ? "first %.9g, graph 1 center offset 0,0.6" : "graph 1.008, first %.9g left", d);
+        fputs(" front tc rgb '#606060'\n", page->paper.file);
+    }
+}
+
+/* ... and grey beyond it. */
+static void put_face_elements(const saltus_sweep_page *page) {
+    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
+        const saltus_face face = saltus_system_face(page->system, f);
+        if (!limits(page, face))
+            continue;
+        fprintf(page->paper.file, "     $face_%d using ", f);
+        if (page->swap)
+            fprintf(page->paper.file, "2:1 with filledcurves x1=%.9g",
+                    face.side > 0 ? page->up.high : page->up.low);
+        else
+            fputs("1:2:3 with filledcurves", page->paper.file);
+        fprintf(page->paper.file,
+                " fc rgb '#ececec' notitle, \\\n"
+                "     $face_%d using %s with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
+                f, columns(page));
+    }
+}
+
 static void put_plot(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
     FILE *file = page->paper.file;
     if (dense)
         saltus_sweep_put_raster_ranges(file, rasters[0].width, rasters[0].height);
-    /* Name each face at the end of its line; gnuplot needs labels before the plot command. */
-    for (int f = 0; f < saltus_system_face_count(page->system); f++) {
-        saltus_face face = saltus_system_face(page->system, f);
-        double d = clearance(page, face, page->x.range.high);
-        if (limits(page, face) && d > page->up.low && d < page->up.high)
-            fprintf(file,
-                    "set label '%s{/:Italic d}' at graph 1.008, first %.9g left front tc rgb '#606060'\n",
-                    face.side < 0 ? "−" : "", d);
-    }
+    put_face_names(page);
     fputs("plot \\\n", file);
-    for (int f = 0; f < saltus_system_face_count(page->system); f++)
-        if (limits(page, saltus_system_face(page->system, f)))
-            fprintf(file,
-                    "     $face_%d using 1:2:3 with filledcurves fc rgb '#ececec' notitle, \\\n"
-                    "     $face_%d using 1:2 with lines lc rgb '#9a9a9a' lw 1.2 notitle, \\\n",
-                    f, f);
-    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense) {
-        /* Drawn below the points. */
-        static const uint32_t positive = 0xf3cfc4, negative = 0xdfe9f3, error_colour = 0xc0392b;
-        double zero = fmin(fmax(0, page->up.low), page->up.high);
-        /* Columns are drawn only if each value of the axis has one exponent. */
-        for (int k = 0; k < 2 && saltus_sweep_visits(page->sweep) == 1; k++)
-            fprintf(
-                page->paper.file,
-                "     $exponents using 1:($4%s0?$4:NaN):2:3:(%.9g):4 with boxxyerror fs solid noborder fc "
-                "rgb '#%06x' notitle, \\\n",
-                k ? "<" : ">", zero, (unsigned)(k ? negative : positive));
-        if (zero == 0)
-            fputs("     0 with lines lc rgb '#707070' lw 1.2 notitle, \\\n", page->paper.file);
-        fprintf(
-            page->paper.file,
-            "     $exponents using 1:5:(0):($6-$5) with vectors nohead lw 1.3 lc rgb '#40%06x' notitle, \\\n",
-            (unsigned)error_colour);
-        if (saltus_sweep_any_lost(page))
-            fputs("     $lost using 1:4 with points pt 11 ps 0.9 lc rgb '#404040' notitle, \\\n",
-                  page->paper.file);
-    } else if (page->view == SALTUS_VIEW_LYAPUNOV)
-        fputs("     0 with lines lc rgb '#909090' lw 1.2 notitle, \\\n", file);
+    put_face_elements(page);
+    if (page->view == SALTUS_VIEW_LYAPUNOV)
+        put_exponent_elements(page, dense);
     put_cloud_elements(page, rasters, dense);
     if (page->branches)
         saltus_plot_elements(page->branches);
@@ -399,11 +445,29 @@ static void set_sides(saltus_sweep_page *page) {
     page->frame.right = page->paper.width - (narrow ? 34 : 50);
 }
 
-/* Place the diagram, the strip of classes below it, and the legends needed. */
+/* The height of the legend of classes: below it lies the strip, if that is upright, and the shorter the strip
+ * the fewer names have room in it. */
+static bool legend_height(const saltus_sweep_page *page, saltus_frame frame, double *height) {
+    enum { most = 8 };
+    double last = -1;
+    bool sound = true;
+    *height = 0;
+    for (int k = 0; k < most && sound && *height != last; k++) {
+        saltus_frame rest = frame;
+        last = *height;
+        rest.top -= page->swap ? last : 0;
+        sound = saltus_sweep_put_strip_legend(page, rest, 0, false, height);
+        *height = fmax(*height, last);
+    }
+    return sound;
+}
+
+/* Place the diagram, the strip of classes below it or, if it is upright, to its left, and the legends
+ * needed. */
 static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, saltus_frame *strip) {
-    const double band = 20, apart = 7;
+    const double band = 20, apart = 7, above = page->sweep->pass_count > 1 ? 42 : 6;
     saltus_page *paper = &page->paper;
-    double height = 0;
+    double height = 0, drawn;
     page->frame = saltus_page_rest(paper, 26.4);
     if (page->branches) {
         curves->paper = paper;
@@ -413,13 +477,20 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
         page->frame.top -= 3 + 19 * pass_rows(page);
     }
     set_sides(page);
-    if (!saltus_sweep_put_strip_legend(page, page->frame, page->frame.top + 22, true, &height))
+    const double top = page->frame.top + 22;
+    page->frame.top -= page->swap ? above : 0; /* names of stops and passes */
+    if (!legend_height(page, page->frame, &height))
         return false;
     page->frame.top -= height;
-    *strip = page->frame;
-    strip->top = page->frame.bottom + band * page->sweep->pass_count;
-    page->frame.bottom = strip->top + apart;
-    return true;
+    const saltus_frame whole = *strip = page->frame;
+    if (page->swap) {
+        strip->right = page->frame.left + band * page->sweep->pass_count;
+        page->frame.left = strip->right + apart;
+    } else {
+        strip->top = page->frame.bottom + band * page->sweep->pass_count;
+        page->frame.bottom = strip->top + apart;
+    }
+    return saltus_sweep_put_strip_legend(page, whole, top, true, &drawn);
 }
 
 /* Increase a free page height by that of the legends. */
@@ -427,6 +498,7 @@ static bool choose_height(saltus_sweep_page *page) {
     double height = 0;
     if (!page->paper.free_height)
         return true;
+    page->frame = saltus_page_rest(&page->paper, 0);
     set_sides(page);
     bool sound = saltus_sweep_put_strip_legend(page, page->frame, 0, false, &height);
     page->paper.height +=
@@ -455,7 +527,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         put_links(page);
     if (page->branches) {
         curves = *page->branches;
-        curves.y = page->up;
+        *(page->swap ? &curves.x : &curves.y) = page->up;
     }
     fputs("set multiplot\n", file);
     saltus_page_caption(&page->paper);
@@ -465,6 +537,9 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         page->branches = &curves;
         sound = saltus_plot_data(&curves) && sound;
     }
+    if (page->view == SALTUS_VIEW_LYAPUNOV && page->swap)
+        fprintf(file, "$zero << EOD\n# exponent, parameter\n0 %.12g\n0 %.12g\nEOD\n", page->x.range.low,
+                page->x.range.high);
     if (page->view == SALTUS_VIEW_LYAPUNOV && !dense) {
         fputs("$exponents << EOD\n# parameter, its cell, exponent, less and plus its standard error\n"
               "NaN NaN NaN NaN NaN NaN\n",
@@ -479,10 +554,11 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         sound = sound && paint(page, rasters);
     if (sound) {
         saltus_page_frame(&page->paper, page->frame, SALTUS_PANEL_LEAST);
-        saltus_sweep_put_axis(page, "x", &page->x);
+        saltus_sweep_put_axis(page, page->swap ? "y" : "x", &page->x);
         saltus_sweep_name_measure(page, &name);
-        saltus_page_axis(&page->paper, "y", page->frame, page->logarithmic, name.text, page->up);
-        fputs("unset xlabel\nset format x ''\n", file);
+        saltus_page_axis(&page->paper, page->swap ? "x" : "y", page->frame, page->logarithmic, name.text,
+                         page->up);
+        fputs(page->swap ? "unset ylabel\nset format y ''\n" : "unset xlabel\nset format x ''\n", file);
         if (page->branches)
             saltus_plot_labels(page->branches, NULL, NULL);
         put_plot(page, rasters, dense);

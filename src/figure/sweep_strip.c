@@ -1,4 +1,4 @@
-/* The strip of classes below a diagram, which shows the kind of motion along the axis.
+/* The strip of classes below a diagram, or left of it, which shows the kind of motion along the axis.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep.h"
 
@@ -27,9 +27,10 @@ static int count_classes(const saltus_sweep_page *page, int pass, int width, int
     return total;
 }
 
-/* Pixels across a strip. */
-static int pixels_across(const saltus_sweep_page *page, saltus_frame strip) {
-    return (int)(saltus_sweep_fineness(page) * (strip.right - strip.left));
+/* Pixels along a strip. */
+static int pixels_along(const saltus_sweep_page *page, saltus_frame strip) {
+    const double length = page->swap ? strip.top - strip.bottom : strip.right - strip.left;
+    return (int)fmax(1, saltus_sweep_fineness(page) * length);
 }
 
 /* The class of the next stretch that is wide enough for the name of its class, from *first to before *end;
@@ -57,34 +58,37 @@ static const saltus_sweep_class *next_named(const saltus_sweep_page *page, const
     return NULL;
 }
 
-/* All bands; the first pass is on top. */
+/* All bands; the first pass is on top, or leftmost. */
 static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
-    int passes = page->sweep->pass_count, height = raster->height / passes,
-        fineness = saltus_sweep_fineness(page);
+    const bool swap = page->swap;
+    const int length = swap ? raster->height : raster->width, across = swap ? raster->width : raster->height;
+    int passes = page->sweep->pass_count, height = across / passes, fineness = saltus_sweep_fineness(page);
     int *counts = calloc((size_t)page->classes.count, sizeof *counts),
-        *winners = calloc((size_t)raster->width, sizeof *winners);
+        *winners = calloc((size_t)length, sizeof *winners);
     for (int pass = 0; pass < passes && counts && winners; pass++) {
-        int bottom = (passes - 1 - pass) * height;
-        for (int x = 0; x < raster->width; x++) {
-            int total = count_classes(page, pass, raster->width, x, counts, &winners[x]);
+        int bottom = (swap ? pass : passes - 1 - pass) * height;
+        for (int x = 0; x < length; x++) {
+            int total = count_classes(page, pass, length, x, counts, &winners[x]);
             /* Stack the classes, each with a height proportional to its share. */
             for (int k = 0, y = 0, passed = 0, high = height - (passes > 1); k < page->classes.count && total;
                  k++)
-                for (passed += counts[k]; y < high * passed / total; y++)
+                for (passed += counts[k]; y < high * passed / total; y++) {
+                    const int right = swap ? bottom + y : x, up = swap ? x : bottom + y;
                     saltus_raster_set(
-                        raster, x, bottom + y,
-                        saltus_paint_at(page->classes.list[k].paint, x / fineness, (bottom + y) / fineness),
-                        1);
+                        raster, right, up,
+                        saltus_paint_at(page->classes.list[k].paint, right / fineness, up / fineness), 1);
+                }
         }
         /* Names of the stretches along which one class prevails. */
         const saltus_sweep_class *c;
-        for (int first, end = 0; (c = next_named(page, winners, raster->width, &first, &end)) != NULL;) {
+        for (int first, end = 0; (c = next_named(page, winners, length, &first, &end)) != NULL;) {
+            const double at = 0.5 * (first + end) / length, up = (bottom + 0.5 * height) / across;
             saltus_line name = {.length = 0};
             saltus_line_plain(&name, c->label);
             fputs("set label ", page->paper.file);
             saltus_put_quoted(page->paper.file, name.text, name.length);
-            fprintf(page->paper.file, " at graph %.6f,%.6f center front font ',%.4g' tc rgb '%s'\n",
-                    0.5 * (first + end) / raster->width, (bottom + 0.5 * height) / raster->height,
+            fprintf(page->paper.file, " at graph %.6f,%.6f center %sfront font ',%.4g' tc rgb '%s'\n",
+                    swap ? up : at, swap ? at : up, swap ? "rotate by 90 " : "",
                     saltus_page_type(&page->paper, 10.5),
                     saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
         }
@@ -114,13 +118,13 @@ static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, b
     return sound;
 }
 
-bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame strip, double top, bool drawn,
+bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top, bool drawn,
                                    double *height) {
     const double row = 25, apart = 30, letter = 9.6;
     size_t count = (size_t)page->classes.count + 1;
     bool *occurs = calloc(count, sizeof *occurs), *named = calloc(count, sizeof *named);
-    bool sound = occurs && named && find_named(page, pixels_across(page, strip), occurs, named);
-    double x = strip.left;
+    bool sound = occurs && named && find_named(page, pixels_along(page, frame), occurs, named);
+    double x = frame.left;
     *height = 0;
     for (int k = 0; k < page->classes.count && sound; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
@@ -129,9 +133,9 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame s
             continue;
         saltus_sweep_word_class(page->sweep, c, label);
         double own = apart + letter * (double)strlen(label) + 14;
-        if (x + own > strip.right && x > strip.left)
-            x = strip.left;
-        if (x == strip.left)
+        if (x + own > frame.right && x > frame.left)
+            x = frame.left;
+        if (x == frame.left)
             *height += row;
         if (drawn)
             saltus_sweep_put_entry(page, x, top - *height, c->paint, false, label, "");
@@ -145,20 +149,30 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame s
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
     FILE *file = page->paper.file;
     saltus_raster raster;
-    const int passes = page->sweep->pass_count;
-    if (!saltus_raster_open(&raster, pixels_across(page, frame),
-                            (int)(saltus_sweep_fineness(page) * (frame.top - frame.bottom))))
+    const int passes = page->sweep->pass_count, fineness = saltus_sweep_fineness(page);
+    const double across = page->swap ? frame.right - frame.left : frame.top - frame.bottom;
+    const int along = pixels_along(page, frame), wide = (int)(fineness * across);
+    if (!saltus_raster_open(&raster, page->swap ? wide : along, page->swap ? along : wide))
         return false;
     saltus_page_frame(&page->paper, frame, 0);
-    saltus_sweep_put_axis(page, "x", &page->x);
+    saltus_sweep_put_axis(page, page->swap ? "y" : "x", &page->x);
     saltus_sweep_put_raster_ranges(file, raster.width, raster.height);
-    fputs("set format x '% h'\nunset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\n", file);
+    fputs(page->swap ? "set format y '% h'\nunset xlabel\nset xrange [0:1]\nunset xtics\nunset grid\n"
+                     : "set format x '% h'\nunset ylabel\nset yrange [0:1]\nunset ytics\nunset grid\n",
+          file);
     bool sound = paint(page, &raster);
-    for (int pass = 0; pass < passes; pass++)
-        fprintf(file, "set label '%s' at graph -0.008,%.6f right front font ',%.4g' tc rgb '#404040'\n",
-                passes > 1 ? saltus_pass_word(page->sweep->passes[pass]) : "{/:Italic n}/{/:Italic p}",
-                (passes - 1 - pass + 0.5) / passes, saltus_page_type(&page->paper, 10.5));
-    fputs("set border 1\nplot ", file);
+    for (int pass = 0; pass < passes; pass++) {
+        const double place = (pass + 0.5) / passes;
+        fprintf(file, "set label '%s' at graph ",
+                passes > 1 ? saltus_pass_word(page->sweep->passes[pass]) : "{/:Italic n}/{/:Italic p}");
+        if (page->swap)
+            fprintf(file, "%.6f,1 %s", place,
+                    passes > 1 ? "left rotate by 90 offset 0,0.4" : "center offset 0,0.6");
+        else
+            fprintf(file, "-0.008,%.6f right", 1 - place);
+        fprintf(file, " front font ',%.4g' tc rgb '#404040'\n", saltus_page_type(&page->paper, 10.5));
+    }
+    fprintf(file, "set border %d\nplot ", page->swap ? 2 : 1);
     saltus_raster_element(file, &raster, "x2y2");
     fputs(", NaN notitle\n", file);
     saltus_raster_bytes(file, &raster);
