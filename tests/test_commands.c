@@ -735,8 +735,90 @@ static void what_could_be_decided_is_told(void **state) {
     }
 }
 
+/* Give the verdicts in a file the type of an archive: eleven words. */
+static void forget_newest_verdict(const char *path) {
+    enum { most = 16 };
+    int values[most];
+    hsize_t extent[4];
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT), set = H5Dopen2(file, "rows/verdict", H5P_DEFAULT);
+    hid_t space = H5Dget_space(set), type = H5Dget_type(set), old = H5Tenum_create(H5T_NATIVE_INT);
+    assert_int_equal(H5Sget_simple_extent_dims(space, extent, NULL), 4);
+    assert_true(H5Sget_simple_extent_npoints(space) <= most);
+    assert_int_equal(H5Tget_nmembers(type), 12);
+    assert_true(
+        H5Dread(set, H5Tget_native_type(type, H5T_DIR_DEFAULT), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    for (int v = 0; v < 11; v++)
+        assert_true(H5Tenum_insert(old, saltus_verdict_word((saltus_verdict)v), &v) >= 0);
+    for (hssize_t k = 0; k < H5Sget_simple_extent_npoints(space); k++)
+        values[k] = values[k] == SALTUS_BEYOND ? (int)SALTUS_FAILED : values[k];
+    H5Dclose(set);
+    assert_true(H5Ldelete(file, "rows/verdict", H5P_DEFAULT) >= 0);
+    set = H5Dcreate2(file, "rows/verdict", old, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(set >= 0 && H5Dwrite(set, old, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    H5Dclose(set);
+    H5Tclose(old);
+    H5Tclose(type);
+    H5Sclose(space);
+    H5Fclose(file);
+}
+
+/* A start beyond a stop is no failure of the flow: rows, tables, summaries and refusals tell it apart; if all
+ * starts lie there the exit status is that of classify. In an archive without this verdict such rows have
+ * failed. */
+static void starts_beyond_a_stop_are_told_apart(void **state) {
+    static const char run_it[] = "sweep impact-oscillator --set q1=0.5 --over d=0.1,0.3,1 --quiet -o ";
+    fixture *f = *state;
+    char line[160];
+    for (int k = 0; k < 3; k++) {
+        snprintf(line, sizeof line, "%s%s", run_it, k == 0 ? "s.h5" : k == 1 ? "s.csv" : "j.h5 --json");
+        char *text = told(f, line);
+        assert_non_null(strstr(text, k < 2 ? "\nbeyond a stop               2   66.67 %"
+                                           : "{\"label\": \"beyond a stop\", \"count\": 2, "));
+        assert_true((strstr(text, "\nbeyond a stop: the start lies there") != NULL) == (k < 2));
+        assert_null(strstr(text, "failed"));
+        free(text);
+    }
+    for (int old = 0; old < 2; old++) {
+        const char *const word = old ? "failed" : "beyond a stop";
+        if (old)
+            forget_newest_verdict(path_in(f, "s.h5"));
+        free(told(f, "export s.h5 -o e.csv --force"));
+        size_t length;
+        char *table = read_all(path_in(f, "e.csv"), &length), *rest = table;
+        int rows = 0;
+        for (char *at = strtok_r(rest, "\n", &rest); at; at = strtok_r(NULL, "\n", &rest)) {
+            char name[32] = "", label[32] = "";
+            if (sscanf(at, "0.%*[0-9],reset,0,%31[^,]", name) == 1) {
+                snprintf(label, sizeof label, ",%s", word);
+                assert_string_equal(name, word);
+                assert_string_equal(at + strlen(at) - strlen(label), label);
+                rows++;
+            }
+        }
+        assert_int_equal(rows, 2);
+        free(table);
+        assert_int_equal(run(f, "diagnose impact-oscillator --from s.h5:1 -o d.png"), 2);
+        char *why = said(f, "err");
+        snprintf(line, sizeof line, "s.h5:1: its trajectory has come to nothing (%s)", word);
+        assert_non_null(strstr(why, line));
+        free(why);
+    }
+    assert_int_equal(run(f, "sweep impact-oscillator --set q1=0.5 --over d=0.1,0.3 --quiet -o n.csv"),
+                     run(f, "classify impact-oscillator --set q1=0.5 d=0.1"));
+    assert_int_equal(run(f, "sweep impact-oscillator --set q1=0.5 --over d=0.1,0.3 --quiet -o n.csv --force"),
+                     2);
+    char *why = said(f, "err");
+    assert_non_null(strstr(why, "the displacement 0.5 at stop 1 is beyond its upper side (d = 0.1)"));
+    free(why);
+    char *text =
+        told(f, "basins impact-oscillator --set d=0.1 --over q1=-0.1,0.5 --over v1=0,1 -o n.h5 --quiet");
+    assert_non_null(strstr(text, "\nnone: beyond a stop             2   50.00 %"));
+    free(text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(starts_beyond_a_stop_are_told_apart),
         cmocka_unit_test(help_has_many_names),
         cmocka_unit_test(told_defaults_are_those_of_the_library),
         cmocka_unit_test(a_run_tells_what_its_file_holds),

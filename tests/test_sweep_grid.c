@@ -244,7 +244,7 @@ static void words_and_labels(void **unused) {
     (void)unused;
     static const char *const words[SALTUS_VERDICTS] = {
         "pending",     NULL,        "equilibrium", "held",      "quasi-periodic", "chaotic",
-        "long-period", "undecided", "failed",      "transient", "irregular"};
+        "long-period", "undecided", "failed",      "transient", "irregular",      "beyond a stop"};
     char label[32];
     assert_string_equal(saltus_pass_word(SALTUS_PASS_RESET), "reset");
     assert_string_equal(saltus_pass_word(SALTUS_PASS_UP), "up");
@@ -579,7 +579,7 @@ static void attractors_are_numbered_by_orbits(void **unused) {
                                      : s.result.rows[j].verdict == row->verdict)
                     expected = s.result.rows[j].attractor;
             }
-            if (row->verdict == SALTUS_FAILED)
+            if (saltus_verdict_nothing((saltus_verdict)row->verdict))
                 expected = -1;
             next += expected == next;
             if (row->attractor != expected)

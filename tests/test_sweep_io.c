@@ -1166,7 +1166,7 @@ static void check_number(char **text, double expected) {
 static void check_table(const fixture *f, char *const *lines, int count) {
     static const char *const verdicts[] = {"pending",        "periodic",  "equilibrium", "held",
                                            "quasi-periodic", "chaotic",   "long-period", "undecided",
-                                           "failed",         "transient", "irregular"};
+                                           "failed",         "transient", "irregular",   "beyond a stop"};
     made_up m;
     saltus_axis axes[2];
     full_axes(axes);

@@ -57,10 +57,10 @@ static saltus_status count_others(const saltus_sweep_file *file, sweep_tally *ot
 }
 
 static void print_attractors(const saltus_sweep_file *file, const share *shares, const sweep_tally *none) {
-    printf("%-16s %12s %9s %18s\n", "attractor", "trajectories", "share", "largest multiplier");
+    printf("%-20s %12s %9s %18s\n", "attractor", "trajectories", "share", "largest multiplier");
     for (int k = 0; k < file->attractor_count && k < lines_max; k++) {
         int a = shares[k].attractor;
-        printf("%-16s %12lld %7.2f %% %18.4g\n", file->attractor_label[a], shares[k].count,
+        printf("%-20s %12lld %7.2f %% %18.4g\n", file->attractor_label[a], shares[k].count,
                percent(shares[k].count, file->row_count), file->attractor_multiplier[a]);
     }
     if (file->attractor_count > lines_max)
@@ -68,7 +68,7 @@ static void print_attractors(const saltus_sweep_file *file, const share *shares,
     for (int k = 0; k < none->count; k++) {
         char text[SALTUS_LABEL_MAX + 16];
         snprintf(text, sizeof text, "none: %s", none->classes[k].label);
-        printf("%-16s %12lld %7.2f %%\n", text, none->classes[k].count,
+        printf("%-20s %12lld %7.2f %%\n", text, none->classes[k].count,
                percent(none->classes[k].count, file->row_count));
     }
 }
@@ -98,8 +98,9 @@ static void print_hint(const sweep_order *order, const sweep_report *report) {
     const saltus_sweep_options *o = saltus_sweep_choices(order->sweep);
     bool measured = o->keep & SALTUS_KEEP_LYAPUNOV;
     if (is_met(report, "failed"))
-        puts(
-            "failed: the start lies beyond a stop, or the flow gave up; saltus classify tells it of a point");
+        puts("failed: the flow could not start, or gave up; saltus classify tells it of a point");
+    if (is_met(report, "beyond a stop"))
+        puts("beyond a stop: the start lies there; another one, or another d, would tell");
     if (order->basins)
         return;
     if (is_met(report, "irregular") && !measured)
@@ -210,7 +211,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     return status;
 }
 
-/* If all trajectories failed, report why: the error that classification gives for the first one. */
+/* If no trajectory came to a motion, report why: the error that classification gives for the first one. */
 static saltus_status tell_failure(const saltus_sweep *sweep, const sweep_report *report,
                                   saltus_message *message) {
     saltus_message reason = {.text = ""};
@@ -219,7 +220,9 @@ static saltus_status tell_failure(const saltus_sweep *sweep, const sweep_report 
     saltus_motion motion = {0};
     double state[SALTUS_STATE_MAX];
     saltus_classify_options how = saltus_classify_defaults();
-    if (report->tally.count != 1 || strcmp(report->tally.classes[0].label, "failed") != 0)
+    const bool failed = is_met(report, saltus_verdict_word(SALTUS_FAILED)),
+               beyond = is_met(report, saltus_verdict_word(SALTUS_BEYOND));
+    if ((!failed && !beyond) || report->tally.count > failed + beyond)
         return SALTUS_OK;
     how.flow = saltus_sweep_choices(sweep)->flow;
     how.measure = 0;
@@ -232,7 +235,8 @@ static saltus_status tell_failure(const saltus_sweep *sweep, const sweep_report 
         status = saltus_classify(system, state, &how, &motion, &reason);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
-    return saltus_fail(message, SALTUS_STALLED, "no trajectory could be followed%s%.400s",
+    return saltus_fail(message, failed ? SALTUS_STALLED : SALTUS_BAD_INPUT,
+                       "no trajectory could be followed%s%.400s",
                        status == SALTUS_OK ? "" : "; the first: ", reason.text);
 }
 

@@ -21,10 +21,11 @@ typedef enum saltus_verdict {
                        chaotic set */
     SALTUS_LONG_PERIOD, /* largest exponent negative: a longer period, or a slow approach to an orbit */
     SALTUS_UNDECIDED,   /* no period found, and the measured exponent is not conclusive */
-    SALTUS_FAILED,      /* the flow gave up, or the initial state is not admissible */
+    SALTUS_FAILED,      /* the flow could not start, or gave up */
     SALTUS_TRANSIENT,   /* chaotic so far, but trajectories have escaped, or a stable orbit lies within the
                            chaotic set */
     SALTUS_IRREGULAR,   /* no period found; exponents not measured, or not long enough */
+    SALTUS_BEYOND,      /* a row of a sweep: the scene's initial state lies beyond a stop */
     SALTUS_VERDICTS
 } saltus_verdict;
 
@@ -32,6 +33,8 @@ typedef enum saltus_verdict {
 const char *saltus_verdict_word(saltus_verdict verdict);
 /* Whether it is periodic, an equilibrium or held. */
 bool saltus_verdict_settled(saltus_verdict verdict);
+/* Whether it tells of no motion: pending, failed or beyond a stop. */
+bool saltus_verdict_nothing(saltus_verdict verdict);
 /* The label: "4/4" or "chatter/2" (impacts = -1) for a periodic motion, otherwise the verdict's word. */
 void saltus_verdict_label(saltus_verdict verdict, long long impacts, int periods,
                           char label[SALTUS_LABEL_MAX]);

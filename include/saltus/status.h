@@ -42,7 +42,8 @@ typedef enum saltus_status {
 typedef enum saltus_cause {
     SALTUS_CAUSE_OTHER = 0, /* the status says everything */
     SALTUS_CAUSE_CUT_OFF,   /* a text ends inside an unclosed value */
-    SALTUS_CAUSE_SEVERAL    /* a text goes on after its first complete value */
+    SALTUS_CAUSE_SEVERAL,   /* a text goes on after its first complete value */
+    SALTUS_CAUSE_BEYOND     /* a state lies beyond a stop */
 } saltus_cause;
 
 /* A sentence about a failure and what it refers to, written by the call that failed. Owned by the caller. */

@@ -256,7 +256,8 @@ double saltus_system_poincare_value(const saltus_system *system, const double *s
  * (pre-loads that contradict each other). */
 saltus_status saltus_system_default_state(const saltus_system *system, double *state,
                                           saltus_message *message);
-/* Check that a state is finite and beyond no stop; `message` names the stop and the displacement. */
+/* Check that a state is finite and beyond no stop (SALTUS_CAUSE_BEYOND); `message` names the stop and the
+ * displacement. */
 saltus_status saltus_system_check_state(const saltus_system *system, const double *state,
                                         saltus_message *message);
 /* Trace of the vector field's Jacobian at a state and a phase of the forcing in [0, 1), for the sum rule of

@@ -39,9 +39,7 @@ typedef struct saltus_paint {
 } saltus_paint;
 
 /* The paint of a motion, the same in all figures. It depends only on verdict and n/p (impacts -1: complete
- * chatter): hue and texture show the period, lightness the number of impacts. SALTUS_BEYOND is an additional
- * verdict: the start lies beyond a stop. */
-enum { SALTUS_BEYOND = SALTUS_VERDICTS };
+ * chatter): hue and texture show the period, lightness the number of impacts. */
 saltus_paint saltus_class_paint(int verdict, int impacts, int periods);
 /* The colour of a paint at a place of the page, in units. */
 uint32_t saltus_paint_at(saltus_paint paint, int x, int y);
@@ -93,8 +91,6 @@ bool saltus_view_is_cloud(saltus_view view);
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row);
 /* Whether any row has the exponent -infinity because all directions are lost. */
 bool saltus_sweep_any_lost(const saltus_sweep_page *page);
-/* The verdict of a row; SALTUS_BEYOND if it failed because the scene's start lies beyond a stop. */
-int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row);
 /* The grid point at a cell of each axis of a map, and the fraction of its cell that is shown, from 0 to 1. */
 long long saltus_sweep_point(const saltus_sweep_page *page, int column, int row);
 double saltus_sweep_shown(const saltus_sweep_page *page, int column, int row);
@@ -117,7 +113,7 @@ void saltus_sweep_put_axis(const saltus_sweep_page *page, const char *axis, cons
 void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, saltus_paint paint,
                             bool hatched, const char *text, const char *figures);
 /* The text of a class in a legend. */
-void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]);
+void saltus_sweep_word_class(const saltus_sweep_class *c, char label[64]);
 /* Pixels of a raster per page unit. */
 int saltus_sweep_fineness(const saltus_sweep_page *page);
 

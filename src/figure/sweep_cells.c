@@ -113,53 +113,6 @@ bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *firs
     return true;
 }
 
-/* Whether the scene's start lies beyond a stop at a point of the sweep. */
-static bool starts_beyond(const saltus_sweep_file *sweep, long long point) {
-    double state[SALTUS_SCENE_STATE_MAX] = {0};
-    saltus_spec spec = sweep->spec;
-    saltus_system *system = NULL;
-    bool beyond = false;
-    for (int pass = 0; pass < 2; pass++) {
-        long long left = point;
-        for (int a = 0; a < sweep->axis_count; a++) {
-            double value = sweep->axes[a].list[left % sweep->axes[a].count], old = 0;
-            saltus_direction direction;
-            left /= sweep->axes[a].count;
-            bool parameter =
-                saltus_spec_direction(&spec, sweep->axes[a].key, &direction, &old, NULL) == SALTUS_OK;
-            int entry = system ? saltus_system_state_index(system, sweep->axes[a].key) : -1;
-            if (pass == 0 && parameter)
-                spec = saltus_spec_shifted(&spec, &direction, value - old);
-            else if (pass == 1 && !parameter && entry >= 0)
-                state[entry] = value;
-        }
-        if (pass == 0) {
-            if (saltus_system_new(&spec, &system, NULL) != SALTUS_OK)
-                return false;
-            bool open = sweep->initial_count != saltus_system_dimension(system);
-            for (int i = 0; i < sweep->initial_count; i++)
-                open = open || isnan(sweep->initial[i]);
-            if (open && saltus_system_default_state(system, state, NULL) != SALTUS_OK)
-                break;
-            for (int i = 0; i < sweep->initial_count; i++)
-                if (!isnan(sweep->initial[i]))
-                    state[i] = sweep->initial[i];
-        }
-    }
-    for (int f = 0; f < saltus_system_face_count(system); f++)
-        beyond = beyond || saltus_system_gap(system, f, state) > 0;
-    saltus_system_free(system);
-    return beyond;
-}
-
-int saltus_sweep_verdict(const saltus_sweep_file *sweep, long long row) {
-    int verdict = sweep->rows[row].verdict;
-    long long point = row / sweep->options.seeds % sweep->points;
-    return verdict == SALTUS_FAILED && row % sweep->options.seeds == 0 && starts_beyond(sweep, point)
-               ? (int)SALTUS_BEYOND
-               : verdict;
-}
-
 /* A number that is different for different classes. */
 static uint64_t key_of(int verdict, int impacts, int periods) {
     bool periodic = verdict == SALTUS_PERIODIC;
@@ -192,7 +145,7 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
         [SALTUS_PENDING] = 0xffffff,       [SALTUS_EQUILIBRIUM] = 0x5d7f8c, [SALTUS_HELD] = 0x4b5963,
         [SALTUS_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_CHAOTIC] = 0x17171a,     [SALTUS_LONG_PERIOD] = 0x97939c,
         [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,      [SALTUS_TRANSIENT] = 0x6b6870,
-        [SALTUS_IRREGULAR] = 0xaeb0b4};
+        [SALTUS_IRREGULAR] = 0xaeb0b4,     [SALTUS_BEYOND] = 0xf4f4f4};
     static const struct {
         double hue, lightness; /* for one impact */
         unsigned texture;
@@ -206,10 +159,8 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
                   {205, 0.795, SALTUS_BARS},
                   {120, 0.84, SALTUS_DOTS | SALTUS_BARS}};
     enum { families = sizeof family / sizeof family[0], steps = 6 };
-    if (verdict == SALTUS_BEYOND)
-        return (saltus_paint){0xf4f4f4, SALTUS_POSTS};
     if (verdict != SALTUS_PERIODIC)
-        return (saltus_paint){plain[verdict], 0};
+        return (saltus_paint){plain[verdict], verdict == SALTUS_BEYOND ? SALTUS_POSTS : 0};
     bool own = impacts >= 0 && periods < families;
     int f = impacts < 0 ? 0 : own ? periods : families - 1, count = impacts < 0 ? periods : impacts;
     double hue = own || impacts < 0 ? family[f].hue : fmod(137.5 * periods, 360), chroma = own ? 0.12 : 0.06;
@@ -245,10 +196,7 @@ static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const 
             c->impacts = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].impacts : 0;
             c->periods = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].periods : 0;
             c->paint = saltus_class_paint(c->verdict, c->impacts, c->periods);
-            if (c->verdict == SALTUS_BEYOND)
-                snprintf(c->label, sizeof c->label, "beyond a stop");
-            else
-                saltus_sweep_label(&sweep->rows[row], c->label);
+            saltus_sweep_label(&sweep->rows[row], c->label);
         }
         c->share += 1.0 / (double)sweep->row_count;
     }
@@ -273,7 +221,7 @@ bool saltus_classes_open(saltus_classes *classes, const saltus_sweep_file *sweep
     bool sound = keys && of_rows && classes->of_row;
     for (long long row = 0; row < sweep->row_count && sound; row++)
         keys[row] = of_rows[row] =
-            key_of(saltus_sweep_verdict(sweep, row), sweep->rows[row].impacts, sweep->rows[row].periods);
+            key_of(sweep->rows[row].verdict, sweep->rows[row].impacts, sweep->rows[row].periods);
     if (sound) {
         qsort(keys, count, sizeof *keys, by_key);
         for (size_t k = 0; k < count; k++)
@@ -305,7 +253,7 @@ bool saltus_view_is_cloud(saltus_view view) {
 }
 
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
-    if (row->verdict == SALTUS_PENDING || row->verdict == SALTUS_FAILED)
+    if (saltus_verdict_nothing((saltus_verdict)row->verdict))
         return NAN;
     switch (view) {
     case SALTUS_VIEW_CLASS:

@@ -38,16 +38,12 @@ static void add_shares(saltus_sweep_map *map) {
     }
 }
 
-void saltus_sweep_word_class(const saltus_sweep_file *sweep, const saltus_sweep_class *c, char label[64]) {
+void saltus_sweep_word_class(const saltus_sweep_class *c, char label[64]) {
     static const char *const words[SALTUS_VERDICTS] = {[SALTUS_LONG_PERIOD] = "long period, or slow",
                                                        [SALTUS_HELD] = "held by the stop",
                                                        [SALTUS_EQUILIBRIUM] = "at rest, no contact",
-                                                       [SALTUS_PENDING] = "not computed yet",
-                                                       [SALTUS_FAILED] = "failed"};
-    bool measured = (sweep->options.keep & SALTUS_KEEP_LYAPUNOV) && sweep->options.measure > 0;
-    if (c->verdict == SALTUS_UNDECIDED && !measured)
-        snprintf(label, 64, "no period up to %d", sweep->options.longest);
-    else if (c->verdict < SALTUS_VERDICTS && words[c->verdict])
+                                                       [SALTUS_PENDING] = "not computed yet"};
+    if (words[c->verdict])
         snprintf(label, 64, "%s", words[c->verdict]);
     else
         snprintf(label, 64, "%.31s%s", c->label,
@@ -67,7 +63,7 @@ bool saltus_sweep_map_classes(saltus_sweep_map *map) {
     for (int k = 0; k < page->classes.count; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
         map->kinds[k].paint = c->paint;
-        saltus_sweep_word_class(sweep, c, map->kinds[k].label);
+        saltus_sweep_word_class(c, map->kinds[k].label);
         if (c->verdict == SALTUS_PERIODIC || c->verdict == SALTUS_CHAOTIC ||
             c->verdict == SALTUS_QUASIPERIODIC)
             snprintf(map->kinds[k].name, sizeof map->kinds[k].name, "%s", c->label);
@@ -162,12 +158,13 @@ static void shade_basins(saltus_sweep_map *map) {
 }
 
 bool saltus_sweep_map_basins(saltus_sweep_map *map) {
-    /* Kinds of points without an attractor, listed after the attractors. Other verdicts count as the first
-     * one. */
+    /* Kinds of points without an attractor, listed after the attractors. Other verdicts, of motions whose
+     * attractor is not known, count as the first one. */
     static const struct {
         const char *label;
         int verdict;
-    } plain[] = {{"irregular", SALTUS_IRREGULAR},
+    } plain[] = {{"undecided", SALTUS_UNDECIDED},
+                 {"irregular", SALTUS_IRREGULAR},
                  {"failed", SALTUS_FAILED},
                  {"beyond a stop", SALTUS_BEYOND},
                  {"not computed yet", SALTUS_PENDING}};
@@ -187,7 +184,7 @@ bool saltus_sweep_map_basins(saltus_sweep_map *map) {
         name_kind(&map->kinds[n + k], plain[k].label, saltus_class_paint(plain[k].verdict, 0, 0));
     for (long long p = 0; p < sweep->points; p++) {
         const long long row = saltus_sweep_visit(sweep, p, 0);
-        const int verdict = saltus_sweep_verdict(sweep, row);
+        const int verdict = sweep->rows[row].verdict;
         int k = plain_kinds - 1;
         while (k > 0 && plain[k].verdict != verdict)
             k--;

@@ -58,10 +58,8 @@ static void paint_kind(saltus_sweep_map *map, int x, int y, int fineness) {
 /* Why a point has no number: not computed, failed, beyond a stop, or otherwise undecided. */
 static int without_number(const saltus_sweep_map *map, long long point) {
     const saltus_sweep_file *sweep = map->page->sweep;
-    int verdict = saltus_sweep_verdict(sweep, saltus_sweep_visit(sweep, point, 0));
-    return verdict == SALTUS_BEYOND || verdict == SALTUS_PENDING || verdict == SALTUS_FAILED
-               ? verdict
-               : SALTUS_UNDECIDED;
+    const int verdict = sweep->rows[saltus_sweep_visit(sweep, point, 0)].verdict;
+    return saltus_verdict_nothing((saltus_verdict)verdict) ? verdict : SALTUS_UNDECIDED;
 }
 
 /* Paint a pixel with the mean of the numbers in its cells or, where they have none, with the reason. */

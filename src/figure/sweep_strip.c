@@ -131,7 +131,7 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame f
         char label[64];
         if (!occurs[k] || named[k])
             continue;
-        saltus_sweep_word_class(page->sweep, c, label);
+        saltus_sweep_word_class(c, label);
         double own = apart + letter * (double)strlen(label) + 14;
         if (x + own > frame.right && x > frame.left)
             x = frame.left;

@@ -17,6 +17,7 @@ const saltus_word saltus_verdict_words[] = {{"pending", SALTUS_PENDING},
                                             {"failed", SALTUS_FAILED},
                                             {"transient", SALTUS_TRANSIENT},
                                             {"irregular", SALTUS_IRREGULAR},
+                                            {"beyond a stop", SALTUS_BEYOND},
                                             {NULL, 0}};
 
 const char *saltus_verdict_word(saltus_verdict verdict) {
@@ -25,6 +26,10 @@ const char *saltus_verdict_word(saltus_verdict verdict) {
 
 bool saltus_verdict_settled(saltus_verdict verdict) {
     return verdict == SALTUS_PERIODIC || verdict == SALTUS_EQUILIBRIUM || verdict == SALTUS_HELD;
+}
+
+bool saltus_verdict_nothing(saltus_verdict verdict) {
+    return verdict == SALTUS_PENDING || verdict == SALTUS_FAILED || verdict == SALTUS_BEYOND;
 }
 
 void saltus_verdict_label(saltus_verdict verdict, long long impacts, int periods,

@@ -374,7 +374,7 @@ static saltus_status read_row(const source *s, const volatile sig_atomic_t *stop
         status = saltus_fail(message, SALTUS_BAD_INPUT,
                              "%.300s: holds a sweep of %lld rows; name one of them, as in %.100s:12", s->path,
                              file.row_count, s->path);
-    else if (verdict == SALTUS_FAILED || verdict == SALTUS_PENDING)
+    else if (saltus_verdict_nothing((saltus_verdict)verdict))
         status = refuse(s, message, "its trajectory has come to nothing (%s)",
                         saltus_verdict_word((saltus_verdict)verdict));
     if (status == SALTUS_OK) {

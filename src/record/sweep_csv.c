@@ -23,7 +23,7 @@ static void put_head(const saltus_sweep_file *head, const saltus_cloud_kind *kin
     saltus_sweep_identity_put(file, head, "# ");
     fprintf(file, "# complete: %d\n", head->complete);
     fputs("# nan: nothing was recorded, or the quantity was not asked for\n"
-          "# failed: the start lies beyond a stop, or the flow gave up\n",
+          "# failed: the flow could not start, or gave up; beyond a stop: the scene's start lies there\n",
           file);
     for (int k = 0; k < head->axis_count; k++)
         fprintf(file, "%s,", head->axes[k].key);

@@ -35,7 +35,7 @@ typedef struct prefix {
 } prefix;
 
 static const char magic[8] = "SALTUSJ\n";
-static const uint64_t mark = 0x0102030405060703u; /* the last byte is the format's number */
+static const uint64_t mark = 0x0102030405060704u; /* the last byte is the format's number */
 
 static size_t padded(size_t length) {
     return (length + 7) / 8 * 8;

@@ -68,12 +68,12 @@ static saltus_ending ending_of(const saltus_cell *cell) {
     return (saltus_ending){(saltus_verdict)cell->row.verdict, cell->row.periods, cell->state, cell->orbit};
 }
 
-/* Number the attractors in the order in which seeds first ended on them; -1 for a failed seed. */
+/* Number the attractors in the order in which seeds first ended on them; -1 for a seed without a motion. */
 static void number_attractors(saltus_cell *cells, int seeds, const saltus_system *system) {
     int found = 0;
     for (int s = 0; s < seeds; s++) {
         saltus_ending ending = ending_of(&cells[s]);
-        int attractor = cells[s].row.verdict == SALTUS_FAILED ? -1 : found;
+        int attractor = saltus_verdict_nothing(ending.verdict) ? -1 : found;
         for (int k = 0; k < s && attractor == found; k++) {
             saltus_ending earlier = ending_of(&cells[k]);
             if (saltus_same_attractor(system, &earlier, &ending, SALTUS_SAME_POINT))

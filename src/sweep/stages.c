@@ -89,8 +89,9 @@ static void open_row(saltus_sweep_trajectory *t) {
         t->watch.clouds[k].count = 0;
 }
 
-void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *t) {
+void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *t, saltus_verdict verdict) {
     open_row(t);
+    t->row.verdict = (int)verdict;
     for (int i = 0; i < t->sweep->dimension; i++)
         t->state[i] = NAN;
 }
@@ -99,14 +100,14 @@ void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *t) {
     if (t->stage == SALTUS_STAGE_MEASURING && t->measuring.given)
         return;
     if (t->row.recorded == 0)
-        saltus_sweep_trajectory_refuse(t);
+        saltus_sweep_trajectory_refuse(t, SALTUS_FAILED);
     t->row.verdict = SALTUS_FAILED;
     t->row.settled = saltus_sweep_trajectory_cycle(t);
     t->row.periods = 0;
 }
 
 /* The initial state at a place: the seed's, or, if `carried`, the present one, back within the stops. */
-static saltus_status find_start(saltus_sweep_trajectory *t, bool carried) {
+static saltus_status find_start(saltus_sweep_trajectory *t, bool carried, saltus_message *message) {
     const saltus_sweep *sweep = t->sweep;
     if (carried) {
         saltus_state_admit(t->system, t->state);
@@ -117,13 +118,14 @@ static saltus_status find_start(saltus_sweep_trajectory *t, bool carried) {
         return saltus_state_random(t->system, saltus_random_rng(&t->random), t->state, NULL);
     }
     saltus_scene scene;
-    saltus_status status = saltus_sweep_scene_at(sweep, saltus_sweep_trajectory_point(t), &scene, NULL);
-    return status == SALTUS_OK ? saltus_scene_state(&scene, t->system, t->state, NULL) : status;
+    saltus_status status = saltus_sweep_scene_at(sweep, saltus_sweep_trajectory_point(t), &scene, message);
+    return status == SALTUS_OK ? saltus_scene_state(&scene, t->system, t->state, message) : status;
 }
 
 bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow, int lane) {
     const saltus_sweep_options *o = &t->sweep->options;
-    bool carried = t->place > 0 && t->row.verdict != SALTUS_FAILED;
+    const bool carried = t->place > 0 && !saltus_verdict_nothing((saltus_verdict)t->row.verdict);
+    saltus_message why = {.cause = SALTUS_CAUSE_OTHER};
     t->flow = flow;
     t->lane = lane;
     t->active = NULL;
@@ -134,9 +136,9 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     if (!saltus_system_forced(t->system))
         saltus_visits_reset(&t->proof.visits, t->system);
     open_row(t);
-    saltus_status status = find_start(t, carried);
+    saltus_status status = find_start(t, carried, &why);
     if (status != SALTUS_OK) {
-        saltus_sweep_trajectory_refuse(t);
+        saltus_sweep_trajectory_refuse(t, why.cause == SALTUS_CAUSE_BEYOND ? SALTUS_BEYOND : SALTUS_FAILED);
         t->starved = status == SALTUS_NO_MEMORY;
         return false;
     }

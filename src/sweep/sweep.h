@@ -241,8 +241,8 @@ saltus_next saltus_measuring_add(saltus_sweep_trajectory *trajectory);
 bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
 /* Process an event of its lane; if the trajectory goes on, the lane has been aimed again. */
 saltus_next saltus_sweep_trajectory_follow(saltus_sweep_trajectory *trajectory, const saltus_event *event);
-/* Make a failed row: its place has no system or no initial state. */
-void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *trajectory);
+/* Make a row without a motion, failed or beyond a stop: its place has no system or no initial state. */
+void saltus_sweep_trajectory_refuse(saltus_sweep_trajectory *trajectory, saltus_verdict verdict);
 /* The flow failed: so does the row, unless only the exponent was lacking. */
 void saltus_sweep_trajectory_fail(saltus_sweep_trajectory *trajectory);
 

@@ -275,7 +275,7 @@ static bool go_on(worker *w, saltus_sweep_trajectory *t, int lane) {
         bool under_way = status == SALTUS_OK && saltus_sweep_trajectory_start(t, flow, at);
         t->starved |= status == SALTUS_NO_MEMORY;
         if (status != SALTUS_OK)
-            saltus_sweep_trajectory_refuse(t);
+            saltus_sweep_trajectory_refuse(t, SALTUS_FAILED);
         if (under_way && flow == w->plain.flow)
             return true;
         if (under_way)

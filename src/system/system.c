@@ -375,8 +375,9 @@ saltus_status saltus_system_check_state(const saltus_system *system, const doubl
     for (int f = 0; f < system->face_count; f++) {
         saltus_face face = system->faces[f];
         if (saltus_system_gap_sign(system, f, state) > 0)
-            return saltus_fail(
+            return saltus_fail_at(
                 message, SALTUS_BAD_INPUT,
+                (saltus_fault){.cause = SALTUS_CAUSE_BEYOND, .stop = face.stop + 1},
                 "initial state: the displacement %.6g at stop %d is beyond its %s side (d = %g)",
                 face.side * (saltus_system_gap(system, f, state) + face.d), face.stop + 1,
                 face.side > 0 ? "upper" : "lower", face.d);

@@ -193,7 +193,7 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     motion *m = &f->motions[result->place];
     (void)message;
     motion_clear(m);
-    m->failed = row->verdict == SALTUS_FAILED;
+    m->failed = saltus_verdict_nothing((saltus_verdict)row->verdict);
     memcpy(m->settled, result->states, sizeof m->settled);
     for (long long k = 0; k < result->impact_counts[0]; k++)
         motion_add_impact(m, result->impacts[k].phase, result->impacts[k].speed);

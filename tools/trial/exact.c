@@ -24,12 +24,12 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     const bool settled = row->verdict == SALTUS_PERIODIC || row->verdict == SALTUS_EQUILIBRIUM;
     trial_cell *cell = &h->survey->cells[result->place * trial_starts + h->start];
     (void)message;
-    cell->kind = row->verdict == SALTUS_HELD                                       ? TRIAL_HELD
-                 : row->verdict == SALTUS_FAILED || row->verdict == SALTUS_PENDING ? TRIAL_FAILED
-                 : !settled                                                        ? TRIAL_IRREGULAR
-                 : row->impacts < 0 || row->sticking > 0                           ? TRIAL_CHATTER
-                 : row->impacts                                                    ? TRIAL_IMPACTS
-                                                                                   : TRIAL_FREE;
+    cell->kind = row->verdict == SALTUS_HELD                            ? TRIAL_HELD
+                 : saltus_verdict_nothing((saltus_verdict)row->verdict) ? TRIAL_FAILED
+                 : !settled                                             ? TRIAL_IRREGULAR
+                 : row->impacts < 0 || row->sticking > 0                ? TRIAL_CHATTER
+                 : row->impacts                                         ? TRIAL_IMPACTS
+                                                                        : TRIAL_FREE;
     cell->impacts = row->impacts;
     cell->periods = row->periods;
     cell->chaotic = row->verdict == SALTUS_CHAOTIC;
