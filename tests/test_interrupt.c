@@ -340,8 +340,8 @@ static void ignored_signals_stay_ignored(void **state) {
     }
 }
 
-/* A signal sent at once to a process and to its group counts once; the figure is finished. Seconds later the
- * next signal ends the program even while it cannot react. */
+/* A signal sent at once to a process and to its group counts once; the figure is finished. Half a second
+ * later the next signal ends the program even while it cannot react. */
 static void a_late_second_signal_ends_the_program(void **state) {
     fixture *f = *state;
     begin_late(f);
@@ -634,6 +634,76 @@ static void a_branch_in_parts_is_the_whole_one(void **state) {
     }
 }
 
+/* Whether a line of a file begins with these words. */
+static bool has_line(const fixture *f, const char *name, const char *words) {
+    char *text = said(f, name), *rest = text;
+    bool found = false;
+    for (char *line = strtok_r(rest, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+        found = found || strncmp(line, words, strlen(words)) == 0;
+    free(text);
+    return found;
+}
+
+/* Start a command and stop it as soon as it has got so far that there is a result: after ever longer times.
+ */
+static void stop_midway(const fixture *f, const char *line, const char *result) {
+    for (double pause = 100; pause < patience_ms; pause *= 1.5) {
+        char path[320];
+        remove(path_in(f, result, path));
+        pid_t child = start(f, line, plainly, SIGTERM);
+        pause_ms(pause);
+        kill(child, SIGTERM);
+        const int outcome = end_of(child);
+        if (WIFEXITED(outcome) && WEXITSTATUS(outcome) == 0)
+            fail_msg("%s is done too soon", line);
+        if (size_of(path) > 0)
+            return;
+    }
+    fail_msg("%s has no result", line);
+}
+
+/* What an interrupted run leaves says so: tables, objects, texts and figures, also those made from its file.
+ */
+static void what_is_not_complete_says_so(void **state) {
+    const fixture *f = *state;
+    char path[320];
+    make_gnuplot(f, "true");
+    stop_midway(f, "lyapunov fig7c --precision 1e-8 --periods 1000000000 --json -o l.csv", "l.csv");
+    assert_true(has_line(f, "l.csv", "# complete: 0"));
+    char *text = said(f, "out");
+    assert_non_null(strstr(text, "\"scene\": \"fig7c\", \"complete\": false, "));
+    free(text);
+    stop_midway(f, "lyapunov fig7c --precision 1e-8 --periods 1000000000", "out");
+    text = said(f, "out");
+    assert_non_null(strstr(text, "; interrupted\n"));
+    free(text);
+    stop_midway(f, "classify pipe --set omega=43 d=0.03 --seeds 100000 --json", "out");
+    text = said(f, "out");
+    assert_non_null(strstr(text, "\"complete\": false, \"seeds\": "));
+    free(text);
+    stop_midway(f, "classify pipe --set omega=43 d=0.03 --seeds 100000", "out");
+    text = said(f, "out");
+    assert_non_null(strstr(text, "random initial states (interrupted)\n"));
+    free(text);
+    static const char *const files[][2] = {
+        {"continue impact-oscillator --in omega=0.5:2 --step-max 0.0002 -o p.h5", "p.h5"},
+        {"simulate impact-oscillator --periods 1000000 -o p.h5", "p.h5"},
+        {"sweep impact-oscillator --over omega=0.5:2:100000 -o p.h5", "p.h5"}};
+    for (size_t k = 0; k < sizeof files / sizeof files[0]; k++) {
+        stop_midway(f, files[k][0], files[k][1]);
+        assert_int_equal(end_of(start(f, "export p.h5 -o p.csv --force --quiet", plainly, SIGTERM)), 0);
+        assert_true(has_line(f, "p.csv", "# complete: 0"));
+        end_of(start(f, "plot p.h5 -o p.svg --keep-script p.gp --force", plainly, SIGTERM));
+        text = said(f, "p.gp");
+        assert_non_null(strstr(text, "(interrupted"));
+        free(text);
+        remove(path_in(f, "p.h5", path));
+        remove(path_in(f, "p.h5.journal", path));
+    }
+    stop_midway(f, "simulate impact-oscillator --periods 1000000 -o p.csv --force", "p.csv");
+    assert_true(has_line(f, "p.csv", "# complete: 0"));
+}
+
 int main(void) {
     /* A leak check at the program's end stops it by ptrace, and a signal that arrives just then is never
      * delivered. */
@@ -652,6 +722,7 @@ int main(void) {
         cmocka_unit_test(a_signal_at_the_end_of_a_sweep_ends_paper),
         cmocka_unit_test(a_signal_at_any_moment_leaves_whole_files),
         cmocka_unit_test(a_branch_in_parts_is_the_whole_one),
+        cmocka_unit_test(what_is_not_complete_says_so),
         cmocka_unit_test(a_late_second_signal_ends_the_program),
         cmocka_unit_test(a_long_sweep_is_told_in_lines),
     };

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cli.h"
 
-#include "interrupt.h"
 #include "motion/options.h"
 #include "progress.h"
 
@@ -74,7 +73,7 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
         if (shown)
             progress_line("settling: %lld periods", how.transient);
         status = saltus_lyapunov_run(setup->system, setup->start.state, &how, &result, message);
-        interrupted = interrupt_asked() && !result.precise;
+        interrupted = result.interrupted;
         cli_progress_end(request);
     }
     if (status == SALTUS_OK)

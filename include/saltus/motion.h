@@ -201,7 +201,7 @@ typedef struct saltus_attractors {
     saltus_motion *motions; /* `count` of them, most frequent first */
     int *shares;            /* number of initial states that went to each */
     int count;
-    int seeds;
+    int seeds, asked; /* initial states done, and asked for: more if the search was stopped */
 } saltus_attractors;
 
 /* Classify from `seeds` random admissible initial states: Gaussian with the system's scales (GSL's mt19937

@@ -43,6 +43,11 @@ static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
         saltus_line_add(&head, " and ");
         saltus_line_symbol(&head, o->key[1]);
     }
+    bool complete = true;
+    for (int i = 0; i < page->count; i++)
+        complete = complete && page->files[i].complete;
+    if (!complete)
+        saltus_line_add(&head, "  (interrupted)");
     saltus_plot_difference(page, 0, first);
     saltus_plot_difference(page, 1, second);
     const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *first ? first : NULL};

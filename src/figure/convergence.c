@@ -102,6 +102,8 @@ static void put_caption(saltus_page *page, const saltus_scene *scene, const salt
                     "period: %.4g",
                     l->periods, l->members, l->members == 1 ? "y" : "ies", l->members == 1 ? "" : " together",
                     l->transient, l->impacts_per_period);
+    if (l->interrupted)
+        saltus_line_add(&head, "  (interrupted)");
     if (!l->precise)
         saltus_line_add(&doubt, "the precision asked for, %.3g %%, was not reached", 100 * precision);
     if (!l->agree) {
@@ -159,6 +161,8 @@ saltus_status saltus_write_convergence(const char *path, const saltus_scene *sce
             saltus_number(options->interval, b));
     saltus_put_tolerances(file, system, &options->flow);
     fprintf(file, ", order = %d\n", options->flow.order);
+    if (lyapunov->interrupted)
+        fputs("# complete: 0\n", file);
     if (finite)
         fprintf(file, "# result: exponent = %s, standard_error = %s\n",
                 saltus_number(lyapunov->exponents[0], a),

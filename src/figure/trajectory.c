@@ -48,6 +48,8 @@ saltus_status saltus_plot_trajectory(const char *figure, const char *path, const
         saltus_line_add(&head, ":  trajectory over %.6g %s",
                         file.record.time[file.record.samples - 1] - file.record.time[0],
                         saltus_system_forced(file.system) ? "{/:Italic T}" : "units of time");
+        if (file.record.interrupted)
+            saltus_line_add(&head, "  (interrupted)");
         saltus_page_scene(&page, &head, file.head.title, file.system);
         if (page.free_height) /* a narrow page is made higher for its caption when it begins */
             page.height = page.width * (narrow ? 1.5 : 0.5) + (narrow ? 0 : page.height - page.top);

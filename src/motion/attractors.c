@@ -56,7 +56,7 @@ static void show_part(void *context, double done, double all) {
 saltus_status saltus_attractors_find(const saltus_system *system, int seeds, unsigned long seed,
                                      const saltus_classify_options *options, saltus_attractors *attractors,
                                      saltus_message *message) {
-    *attractors = (saltus_attractors){.seeds = seeds};
+    *attractors = (saltus_attractors){.seeds = seeds, .asked = seeds};
     if (seeds < 1 || seeds > 1000000)
         return saltus_fail(message, SALTUS_BAD_INPUT, "seeds = %d: must be from 1 to 1000000", seeds);
     double state[SALTUS_STATE_MAX];

@@ -137,6 +137,7 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         status = complete_batches(e, message);
     if (status == SALTUS_OK)
         saltus_ensemble_record(e, saltus_ensemble_largest(e), l->history, &l->history_count);
+    l->interrupted = stopped && !l->precise;
     return status;
 }
 

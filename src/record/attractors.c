@@ -9,11 +9,13 @@ void saltus_write_attractors(FILE *file, const saltus_scene *scene, const saltus
                              const saltus_attractors *attractors, bool json) {
     static const char *const mirror[] = {"", "its own mirror image", "one of a mirror pair", ""};
     const int seeds = attractors->seeds;
+    const bool cut = seeds < attractors->asked;
     if (json)
-        fprintf(file, "{\"version\": \"" SALTUS_VERSION "\", \"seeds\": %d, \"attractors\": [", seeds);
+        fprintf(file, "{\"version\": \"" SALTUS_VERSION "\", %s\"seeds\": %d, \"attractors\": [",
+                cut ? "\"complete\": false, " : "", seeds);
     else
-        fprintf(file, "%s: %d attractor%s from %d random initial states\n", scene->name, attractors->count,
-                saltus_plural(attractors->count), seeds);
+        fprintf(file, "%s: %d attractor%s from %d random initial states%s\n", scene->name, attractors->count,
+                saltus_plural(attractors->count), seeds, cut ? " (interrupted)" : "");
     for (int k = 0; k < attractors->count; k++) {
         const saltus_motion *motion = &attractors->motions[k];
         const int share = attractors->shares[k];

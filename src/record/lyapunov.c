@@ -169,8 +169,9 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
                 l->periods);
         return;
     }
-    fprintf(file, "  %-14s%lld periods (%.6g units of time) by all trajectories together (%s)\n", "measured",
-            l->periods, l->time, saltus_integrator_used(system, o->flow.integrator));
+    fprintf(file, "  %-14s%lld periods (%.6g units of time) by all trajectories together (%s)%s\n",
+            "measured", l->periods, l->time, saltus_integrator_used(system, o->flow.integrator),
+            l->interrupted ? "; interrupted" : "");
     fprintf(file, "  %-14s%lld period%s", "transient", l->transient, saltus_plural(l->transient));
     if (l->transient > o->transient)
         fprintf(file, ": %lld as asked for, then until directions and exponent had settled", o->transient);
@@ -225,6 +226,8 @@ void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const sal
     for (int k = 0; k < l->count; k++)
         errors[k] = isfinite(l->exponents[k]) ? l->standard_errors[k] : NAN;
     saltus_json_begin(file, scene);
+    if (l->interrupted)
+        fputs(", \"complete\": false", file);
     saltus_json_member(file, "largest", l->exponents[0]);
     saltus_json_member(file, "standard_error", errors[0]);
     saltus_json_text(file, "sign", saltus_sense_word(saltus_lyapunov_sense(l)));

@@ -224,6 +224,8 @@ static saltus_status write_table(const char *to, const saltus_h5_reader *r, int 
     snprintf(what, sizeof what, "%s %s", saltus_h5_is_locus(r->file) ? "locus" : head->kind,
              tables[which].name);
     saltus_put_table_head(output.file, what, &scene, NULL, &head->spec);
+    if (!head->complete)
+        fputs("# complete: 0\n", output.file);
     put_ranges(output.file, r);
     put_legend(output.file, t, which);
     for (long long k = -1; k < t->count && !ferror(output.file); k++)
