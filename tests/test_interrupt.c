@@ -203,7 +203,7 @@ static void begin_late(fixture *f) {
     begin_slow(f);
     if (f->late_child)
         return;
-    make_gnuplot(f->late, "kill -TERM $PPID; sleep 2.1; kill -TERM $PPID; sleep 0.2");
+    make_gnuplot(f->late, "kill -TERM $PPID; sleep 0.7; kill -TERM $PPID; sleep 0.2");
     assert_int_equal(end_of(start(f->late, "sweep impact-oscillator --over omega=0.9:1.1:3 --quiet -o s.h5",
                                   plainly, SIGTERM)),
                      0);
@@ -704,6 +704,33 @@ static void what_is_not_complete_says_so(void **state) {
     assert_true(has_line(f, "p.csv", "# complete: 0"));
 }
 
+/* Killed while it writes, a command leaves no part of a file: it has had no name. */
+static void a_killed_run_leaves_no_part(void **state) {
+    const fixture *f = *state;
+    char path[320];
+    const int nameless = open(f->folder, O_TMPFILE | O_WRONLY, 0666);
+    if (nameless < 0)
+        skip();
+    close(nameless);
+    for (int k = 0; k < 12; k++) {
+        pid_t child = start(f, "simulate impact-oscillator --periods 300 --samples 1000 -o x.csv --force",
+                            plainly, SIGTERM);
+        pause_ms(20 * k);
+        kill(child, SIGKILL);
+        end_of(child);
+        assert_int_equal(named(f->folder, ".part"), 0);
+    }
+    remove(path_in(f, "x.csv", path));
+    assert_int_equal(end_of(start(f, "simulate impact-oscillator --periods 3 -o x.csv", plainly, SIGTERM)),
+                     0);
+    struct stat facts;
+    const mode_t mask = umask(0);
+    umask(mask);
+    assert_int_equal(stat(path, &facts), 0);
+    assert_int_equal(facts.st_mode & 0777, 0666 & ~mask);
+    assert_int_equal(facts.st_nlink, 1);
+}
+
 int main(void) {
     /* A leak check at the program's end stops it by ptrace, and a signal that arrives just then is never
      * delivered. */
@@ -723,6 +750,7 @@ int main(void) {
         cmocka_unit_test(a_signal_at_any_moment_leaves_whole_files),
         cmocka_unit_test(a_branch_in_parts_is_the_whole_one),
         cmocka_unit_test(what_is_not_complete_says_so),
+        cmocka_unit_test(a_killed_run_leaves_no_part),
         cmocka_unit_test(a_late_second_signal_ends_the_program),
         cmocka_unit_test(a_long_sweep_is_told_in_lines),
     };

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "target.h"
 
+#include "interrupt.h"
+
 #include <errno.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -211,6 +213,8 @@ static int divert(const cli_command *command, cli_request *request, target *out)
                           strerror(errno));
     }
     snprintf(out->path, sizeof out->path, "%s/result%s", out->folder, ending);
+    snprintf(out->journal, sizeof out->journal, "%s.journal", out->path);
+    interrupt_clears((const char *const[INTERRUPT_CLEARED]){out->path, out->journal, out->folder});
     out->descriptor = dup(STDOUT_FILENO);
     dup2(STDERR_FILENO, STDOUT_FILENO);
     /* Where nobody reads any more, the folder must still go before the program does. A caught signal, unlike
@@ -277,11 +281,9 @@ int target_close(target *out, int code) {
     close(out->descriptor);
     const int reason = copy(out->path, &writing);
     unlink(out->path);
-    /* Remove the journal of an interrupted sweep, which nothing can resume. */
-    char journal[sizeof out->path + 16];
-    snprintf(journal, sizeof journal, "%s.journal", out->path);
-    unlink(journal);
+    unlink(out->journal);
     rmdir(out->folder);
+    interrupt_clears(NULL);
     signal(SIGPIPE, out->broken_pipe);
     if (writing && reason == EPIPE && out->broken_pipe == SIG_DFL)
         raise(SIGPIPE);

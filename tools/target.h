@@ -8,6 +8,7 @@
 /* Standard output as destination of a result (`-o -`); unused if zeroed. */
 typedef struct target {
     char folder[64], path[96]; /* temporary place of the result before it is copied */
+    char journal[112];         /* of an interrupted sweep, which nothing can resume */
     int descriptor;            /* the real standard output, kept while the program's messages go to stderr */
     void (*broken_pipe)(int);  /* what a broken pipe did before */
 } target;

@@ -1,5 +1,6 @@
 /* Files that are written completely or not at all.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE /* O_TMPFILE */
 #include "record/output.h"
 
 #include <errno.h>
@@ -38,20 +39,52 @@ FILE *saltus_nameless_file(void) {
     return file;
 }
 
-/* Create a file beside the target under an unused name; permissions follow the umask. */
-static int open_beside(saltus_output *output) {
-    size_t room = strlen(output->path) + 32;
-    output->temporary = malloc(room);
+/* Room for the names of a file that is not complete. */
+static size_t room_of(const saltus_output *output) {
+    return strlen(output->path) + 32;
+}
+
+/* Create a file without a name in the target's folder. Negative where there are none, or where the running
+ * program cannot name its open files (without /proc). */
+static int open_nameless(saltus_output *output) {
     int descriptor = -1;
-    if (!output->temporary)
-        errno = ENOMEM;
-    for (int k = 0; output->temporary && k < 1000; k++) {
-        snprintf(output->temporary, room, "%s.part%ld-%d", output->path, (long)getpid(), k);
-        descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor >= 0 || errno != EEXIST)
+#ifdef O_TMPFILE
+    const char *name = saltus_path_name(output->path);
+    snprintf(output->temporary, room_of(output), "%.*s.", (int)(name - output->path), output->path);
+    descriptor = open(output->temporary, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    snprintf(output->temporary, room_of(output), "/proc/self/fd/%d", descriptor);
+    if (descriptor >= 0 && access(output->temporary, F_OK) != 0) {
+        close(descriptor);
+        descriptor = -1;
+    }
+#endif
+    output->nameless = descriptor >= 0;
+    return descriptor;
+}
+
+/* Take an unused name beside the target: with a new file, or for the one without a name. Returns a descriptor
+ * or zero; negative on failure. */
+static int take_name(saltus_output *output, char *name) {
+    int result = -1;
+    for (int k = 0; k < 1000; k++) {
+        snprintf(name, room_of(output), "%s.part%ld-%d", output->path, (long)getpid(), k);
+        result = output->nameless ? linkat(AT_FDCWD, output->temporary, AT_FDCWD, name, AT_SYMLINK_FOLLOW)
+                                  : open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (result >= 0 || errno != EEXIST)
             break;
     }
-    return descriptor;
+    return result;
+}
+
+/* Create a file beside the target; permissions follow the umask. */
+static int open_beside(saltus_output *output) {
+    output->temporary = malloc(room_of(output));
+    if (!output->temporary) {
+        errno = ENOMEM;
+        return -1;
+    }
+    const int descriptor = open_nameless(output);
+    return descriptor >= 0 ? descriptor : take_name(output, output->temporary);
 }
 
 static void release(saltus_output *output) {
@@ -89,7 +122,7 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
     int reason = errno;
     if (descriptor >= 0) {
         close(descriptor);
-        if (output->temporary)
+        if (output->temporary && !output->nameless)
             unlink(output->temporary);
     }
     release(output);
@@ -101,15 +134,23 @@ saltus_status saltus_output_close(saltus_output *output, saltus_status status, s
     int earlier = sound ? 0 : errno;
     errno = 0;
     sound = fflush(output->file) == 0 && sound;
+    if (output->nameless && status == SALTUS_OK && sound) {
+        char *name = malloc(room_of(output));
+        sound = name && take_name(output, name) == 0;
+        free(sound ? output->temporary : name);
+        output->temporary = sound ? name : output->temporary;
+        output->nameless = !sound;
+    }
     sound = fclose(output->file) == 0 && sound;
     if (status == SALTUS_OK && sound && output->temporary)
         sound = rename(output->temporary, output->path) == 0;
     int reason = earlier ? earlier : errno ? errno : EIO;
-    if ((status != SALTUS_OK || !sound) && output->temporary)
+    if ((status != SALTUS_OK || !sound) && output->temporary && !output->nameless)
         unlink(output->temporary);
     if (status == SALTUS_OK && !sound)
-        status = saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s", output->path,
-                             strerror(reason));
+        status = reason == ENOMEM ? refuse(output->path, reason, message)
+                                  : saltus_fail(message, SALTUS_IO, "%s could not be written completely: %s",
+                                                output->path, strerror(reason));
     release(output);
     return status;
 }

@@ -8,11 +8,13 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* A file being written under a temporary name beside its target and renamed when complete. A target that is
- * not a regular file (a device, a pipe) is written directly. */
+/* A file being written beside its target, which it replaces when complete. Until then it has no name, so that
+ * nothing stays of it however the program ends; on file systems without such files it has a temporary one. A
+ * target that is not a regular file (a device, a pipe) is written directly. */
 typedef struct saltus_output {
     FILE *file;
-    char *path, *temporary; /* temporary: NULL if written directly */
+    char *path, *temporary; /* temporary: by which it can be opened; NULL if written directly */
+    bool nameless;          /* it has no name yet */
 } saltus_output;
 
 /* Errors: SALTUS_IO, SALTUS_NO_MEMORY; nothing is left behind. */
