@@ -9,10 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *saltus_number(double value, char *text) {
-    return saltus_number_of(value, 17, text);
-}
-
 const char *saltus_number_of(double value, int digits, char *text) {
     snprintf(text, SALTUS_NUMBER_MAX, "%.*g", digits, isnan(value) ? NAN : value);
     char *comma = strchr(text, ',');
