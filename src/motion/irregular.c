@@ -38,6 +38,7 @@ enum {
 
 /* Where a measured period counts as so many, the rest of the lifetime is watched without measuring. */
 static const double dear = 1.5;
+static const double least_growth = 0.6; /* of the usual, in the mean of all: on a torus vectors hardly grow */
 /* e-folding times in which what comes to an orbit is seen to do so, from the motion's extent */
 static const double approach = 6;
 
@@ -291,21 +292,28 @@ static saltus_status leads_nowhere(judge *j, bool *nowhere, saltus_message *mess
     return status;
 }
 
-/* If all but the lifetime is shown and periods are dear: follow the trajectories for the rest of it without
- * tangent vectors, and measure again only at its end. None comes back from a regular motion, so that one that
- * still grows there has not left; if any does not, the measurement goes on as if it had not been looked at.
- */
-static saltus_status watch_on(judge *j, saltus_outcome *outcome, saltus_message *message) {
+/* If all but the lifetime is shown and periods are dear: the samples that are lacking, if they can be watched
+ * without measuring; otherwise 0. */
+static long long samples_lacking(const judge *j) {
+    const saltus_member *first = &j->ensemble.member[0];
+    const long long most = j->options->measure / trajectories,
+                    needed = 3 * (long long)j->options->lifetime / (trajectories * first->growth.whole) + 1,
+                    lacking = needed - first->samples;
+    /* Without a tangent vector a period counts half. */
+    const double cost = dearness(j), all = cost * ((double)first->samples + 0.5 * (double)lacking);
+    const bool worth = cost >= dear && first->samples >= least_long && lacking >= 2 * chunk;
+    return worth && !j->looked_ahead && all <= (double)most ? lacking : 0;
+}
+
+/* Follow the trajectories for so many samples without tangent vectors, and measure again only at their end.
+ * None comes back from a regular motion, so that none has left if vectors still grow there as before;
+ * otherwise the measurement goes on as if it had not been looked at. */
+static saltus_status watch_on(judge *j, long long samples, saltus_outcome *outcome, saltus_message *message) {
     const saltus_ensemble *e = &j->ensemble;
     const saltus_member *first = &e->member[0];
-    const long long most = j->options->measure / trajectories, each = trajectories * first->growth.whole,
-                    needed = 3 * (long long)j->options->lifetime / each + 1 - first->samples;
-    const long long ahead = needed - chunk, fits = e->room - first->samples;
-    /* Without a tangent vector a period counts half. */
-    const double cost = dearness(j), all = cost * ((double)first->samples + 0.5 * (double)needed),
-                 before = j->options->flow.effort->total;
-    if (j->looked_ahead || first->samples < least_long || ahead < chunk || cost < dear || all > (double)most)
-        return SALTUS_OK;
+    const long long ahead = samples - chunk, fits = e->room - first->samples;
+    const double before = j->options->flow.effort->total, period = saltus_system_period(e->system),
+                 usual = saltus_ensemble_largest(e).mean * period * (double)(chunk * first->growth.whole);
     double states[trajectories * SALTUS_STATE_MAX];
     double *points = calloc((size_t)(ahead * e->n), sizeof *points);
     saltus_ensemble later = {0};
@@ -319,10 +327,13 @@ static saltus_status watch_on(judge *j, saltus_outcome *outcome, saltus_message 
         status = saltus_ensemble_begin(&later, states, message);
     if (status == SALTUS_OK)
         status = saltus_ensemble_run(&later, chunk, message);
-    for (int m = 0; m < later.members; m++)
+    double together = 0;
+    for (int m = 0; m < later.members; m++) {
         grow &= later.member[m].recent > 0;
-    if (status == SALTUS_OK && grow) {
-        j->watched = needed * each;
+        together += later.member[m].recent / trajectories;
+    }
+    if (status == SALTUS_OK && grow && together > least_growth * usual) {
+        j->watched = samples * trajectories * first->growth.whole;
         j->points_ahead = ahead < fits ? ahead : fits;
         memcpy(e->points + first->samples * e->n, points, (size_t)(j->points_ahead * e->n) * sizeof *points);
         *outcome = SALTUS_OUTCOME_CHAOS;
@@ -344,8 +355,11 @@ static saltus_status decide(judge *j, saltus_outcome *outcome, saltus_message *m
     *outcome = saltus_runs_weigh(&runs);
     if (*outcome == SALTUS_OUTCOME_TORUS && j->ensemble.member[0].samples < least_long)
         *outcome = SALTUS_OUTCOME_OPEN;
-    if (*outcome == SALTUS_OUTCOME_SHORT)
-        status = watch_on(j, outcome, message);
+    const long long lacking = *outcome == SALTUS_OUTCOME_SHORT ? samples_lacking(j) : 0;
+    if (lacking)
+        status = look_for_orbit(j, message);
+    if (status == SALTUS_OK && lacking && !evidence->stable_orbit[0])
+        status = watch_on(j, lacking, outcome, message);
     if (status == SALTUS_OK && (*outcome == SALTUS_OUTCOME_TORUS || *outcome == SALTUS_OUTCOME_CHAOS))
         status = ask_points(j, outcome, message);
     if (status == SALTUS_OK && *outcome == SALTUS_OUTCOME_CHAOS)
