@@ -278,9 +278,9 @@ static void lines_are_filled(void **state) {
     assert_float_equal(saltus_line_width("a\\_b"), saltus_line_width("a") + saltus_line_width("b") + 0.5,
                        1e-9);
     assert_float_equal(saltus_line_width("{/:Italic ω}_{12}"), 0.84 + 2 * 0.64, 1e-9);
-    static const char text[] =
-        "pipe: {/:Italic N} = 5, {/:Italic α} = 0.005, {/:Italic u}_{0} = 4.5;  stop: "
-        "{/:Italic ξ} = 0.5, {/:Italic d} = 0.035, upper, and some words without commas";
+    static const char text[] = "pipe: {/:Italic N} = 5, {/:Italic α} = 0.005, {/:Italic u}_{0} = 4.5;  stop: "
+                               "{/:Italic ξ} = 0.5, {/:Italic d} = 0.035, upper, some words {/:Italic η}(½, "
+                               "{/:Italic τ}) and 0.5 ± 0.25 more";
     for (double width = 6; width < 80; width += 0.7) {
         const char *rest = text;
         while (*rest) {
@@ -288,6 +288,8 @@ static void lines_are_filled(void **state) {
             char piece[sizeof text];
             snprintf(piece, sizeof piece, "%.*s", (int)length, rest);
             assert_true(length > 0 && saltus_line_width(piece) <= width);
+            assert_true((strchr(piece, '(') != NULL) == (strchr(piece, ')') != NULL));
+            assert_true((strstr(piece, "0.5 ±") != NULL) == (strstr(piece, "± 0.25") != NULL));
             rest += length;
             rest += strspn(rest, " ");
         }

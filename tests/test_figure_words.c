@@ -96,6 +96,13 @@ static void evidence_is_told_where_it_is_known(void **state) {
         check_says(&f, "by 5 trajectories 1.625 impacts");
         figure_free(&f);
     }
+    /* Complete chatter has no number of impacts. */
+    saltus_motion endless = chaotic();
+    endless.evidence.zero_one = 0.5;
+    endless.evidence.impacts_per_period = NAN;
+    figure without = draw_motion(system, &endless);
+    check_says(&without, "0–1 test 0.500 shown:");
+    figure_free(&without);
     /* Without measurement no numbers; an orbit needs none. */
     saltus_motion motion = chaotic(), orbit = orbit_of(1);
     orbit.evidence = motion.evidence;

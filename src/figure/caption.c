@@ -203,14 +203,30 @@ static double pass_letter(const char **text, int *depth) {
     return c < 0xe0 ? two_bytes : more_bytes;
 }
 
+/* Where the parenthesis that begins at a text ends, if it is short and stays on one line; else the text. */
+static const char *short_parenthesis(const char *text) {
+    const double most = 4;
+    const char *end = text;
+    int depth = 0;
+    double width = 0;
+    while (*end && *end != ')' && width < most)
+        width += pass_letter(&end, &depth);
+    return *end == ')' ? end : text;
+}
+
 size_t saltus_line_piece(const char *text, double width) {
     size_t fits = 0, word = 0;
     int depth = 0;
     double shown = 0;
+    const char *held = text; /* no line ends before */
     for (const char *c = text; *c;) {
         const size_t k = (size_t)(c - text);
+        if (*c == '(')
+            held = short_parenthesis(c);
         const double letter = pass_letter(&c, &depth);
-        if (text[k] == ' ' && depth == 0) {
+        const bool signed_number =
+            strncmp(c, "±", strlen("±")) == 0 || (k > 1 && strncmp(text + k - 2, "±", 2) == 0);
+        if (text[k] == ' ' && depth == 0 && text + k >= held && !signed_number) {
             word = k;
             if (k && shown > 0.5 * width && strchr(",;", text[k - 1]))
                 fits = k;

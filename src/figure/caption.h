@@ -41,8 +41,9 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
 /* The width of enhanced text in DejaVu Sans, in heights of its type; letters of an index count as full ones.
  */
 double saltus_line_width(const char *text);
-/* How many bytes of enhanced text fit into a line of that width: up to a blank outside braces, preferably
- * after a comma or semicolon in the second half of the line. */
+/* How many bytes of enhanced text fit into a line of that width: up to a blank outside braces and
+ * short parentheses and not beside a ±, preferably after a comma or semicolon in the second half of the line.
+ */
 size_t saltus_line_piece(const char *text, double width);
 /* The only way for text into a script: write `length` bytes of enhanced text as a string in single quotes.
  * Nothing in the text can end the string or begin a command: quotes are doubled, control characters and bytes

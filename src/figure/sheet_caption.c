@@ -65,10 +65,14 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         else
             saltus_line_add(l, "broadband fraction %.1f·10^{−%.0f}", e->broadband / pow(10, power), -power);
     }
-    saltus_line_next(l);
-    if (e->lifetime_at_least > 0)
-        saltus_line_add(l, "mean lifetime at least %.0f {/:Italic T};  ", e->lifetime_at_least);
-    saltus_line_add(l, "%.4g impacts per {/:Italic T}", e->impacts_per_period);
+    if (e->lifetime_at_least > 0) {
+        saltus_line_next(l);
+        saltus_line_add(l, "mean lifetime at least %.0f {/:Italic T}", e->lifetime_at_least);
+    }
+    if (isfinite(e->impacts_per_period)) { /* complete chatter has no number */
+        saltus_line_next(l);
+        saltus_line_add(l, "%.4g impacts per {/:Italic T}", e->impacts_per_period);
+    }
 }
 
 /* The leading multipliers; a complex pair is written once, with its modulus. */
