@@ -342,6 +342,42 @@ static void speeds_choose_their_axis(void **state) {
     saltus_system_free(system);
 }
 
+/* Speeds over many decades have numbers that do not touch. */
+static void decades_have_room_for_their_numbers(void **state) {
+    (void)state;
+    static made_up m;
+    static const happening list[] = {{0.1, SALTUS_IMPACT, 0}, {0.6, SALTUS_IMPACT, 0}};
+    saltus_system *system = between_stops(0.033);
+    saltus_motion motion = orbit_of(1);
+    const saltus_diagnosis diagnosis = {.motion = &motion, .record = &m.record};
+    const saltus_scene scene = scene_of(system);
+    const saltus_flow_options options = saltus_flow_defaults();
+    for (int decades = 4; decades <= 10; decades++) {
+        const saltus_figure_options look = {.width = 85};
+        saltus_message message = {.text = ""};
+        char path[path_size];
+        make_record(&m, system, 1, list, 2);
+        m.events[0].velocity_before = 2;
+        m.events[1].velocity_before = 2 * pow(10, -decades);
+        check_ok(saltus_write_sheet(path_in("d.svg", path), &scene, system, &options, &diagnosis, &look, NULL,
+                                    &message),
+                 &message);
+        figure f = figure_taken(folder);
+        const figure_panel *panel = map_of(&f);
+        double wide = 0, high = 0;
+        assert_int_equal(sscanf(f.terminal, "svg size %lf,%lf", &wide, &high), 2);
+        const double length = (panel->frame[3] - panel->frame[2]) * high,
+                     shown = log10(panel->range[1][1] / panel->range[1][0]);
+        assert_true(panel->logarithmic[1]);
+        /* gnuplot's own tics are one for each decade. */
+        assert_true(panel->tic_count[1] == 0 ? length / shown >= 26 : panel->tic_count[1] >= 2);
+        for (int k = 1; k < panel->tic_count[1]; k++)
+            assert_true(length * log10(panel->tics[1][k] / panel->tics[1][k - 1]) / shown >= 25.9);
+        figure_free(&f);
+    }
+    saltus_system_free(system);
+}
+
 /* Each side of a stop has its own colour. A single face needs no legend. */
 static void stops_have_their_colours(void **state) {
     (void)state;
@@ -799,6 +835,7 @@ int main(void) {
         cmocka_unit_test(the_history_says_what_it_shows),
         cmocka_unit_test(marks_get_smaller_as_they_become_more),
         cmocka_unit_test(speeds_choose_their_axis),
+        cmocka_unit_test(decades_have_room_for_their_numbers),
         cmocka_unit_test(stops_have_their_colours),
         cmocka_unit_test(sides_have_one_colour),
         cmocka_unit_test(the_circle_has_room_about_it),

@@ -624,6 +624,7 @@ static void convergence_tells_its_doubts(void **state) {
                                    .members = k % 2 ? 1 : 5,
                                    .agree = !(k & 2),
                                    .precise = !(k & 1),
+                                   .impacts_per_period = k % 4 == 3 ? INFINITY : 1.5,
                                    .history = history,
                                    .history_count = 2};
         const char *lines[5];
@@ -632,6 +633,7 @@ static void convergence_tells_its_doubts(void **state) {
         lines[3] = k < 4 ? begins[3] : "345 periods measured by ";
         lines[4] = doubts[k % 4];
         figure_check_lines(&f, lines, colours, k % 4 ? 5 : 4);
+        figure_says(&f, k % 4 == 3 ? "complete chatter" : "impacts per period: 1.5");
         figure_says(&f, k % 2 ? "345 periods measured by 1 trajectory after a transient of 67; "
                               : "345 periods measured by 5 trajectories together after a transient of 67; ");
         for (int m = 0; m < f.panel[0].mark_count; m++)

@@ -39,8 +39,8 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
                          saltus_frame frame) {
     const double alike = 0.003;
     saltus_line result = {.length = 0}, time_name = {.length = 0};
-    saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
     if (!isfinite(c->exponent) || c->count == 0) {
+        saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
         if (c->exponent == -INFINITY)
             saltus_line_add(&result, "the largest exponent is −∞: every direction is %s",
                             saltus_lost_words(system));
@@ -57,6 +57,12 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     /* If all tics would show the same number, draw differences from the final value instead. */
     double origin = range.high - range.low < alike * fabs(c->exponent) ? c->exponent : 0;
     range = (saltus_range){range.low - origin, range.high - origin};
+    /* The numbers of small exponents, or differences, are long. */
+    double size = origin == 0 ? 0 : fmax(-range.low, range.high);
+    for (int k = 0; k < c->count && origin == 0; k++)
+        size = fmax(size, fabs(c->history[k].exponent) + c->history[k].standard_error);
+    frame.left += size < 1e-3 ? 40 : 0;
+    saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
     bool narrow = frame.right - frame.left < 600, tight = frame.right - frame.left < 200;
     saltus_line_add(&time_name, "time {/:Italic %s}%s", saltus_notation_of(system)->time,
                     narrow ? " measured" : " measured, all trajectories together");
@@ -97,11 +103,13 @@ static void put_caption(saltus_page *page, const saltus_scene *scene, const salt
         saltus_line_uncertain(&measurement, saltus_uncertain_text(exponent * l->period, error * l->period));
         saltus_line_add(&measurement, " per period {/:Italic T} = %.6g;  ", l->period);
     }
-    saltus_line_add(&measurement,
-                    "%lld periods measured by %d trajector%s%s after a transient of %lld;  impacts per "
-                    "period: %.4g",
+    saltus_line_add(&measurement, "%lld periods measured by %d trajector%s%s after a transient of %lld;  ",
                     l->periods, l->members, l->members == 1 ? "y" : "ies", l->members == 1 ? "" : " together",
-                    l->transient, l->impacts_per_period);
+                    l->transient);
+    if (isfinite(l->impacts_per_period))
+        saltus_line_add(&measurement, "impacts per period: %.4g", l->impacts_per_period);
+    else
+        saltus_line_add(&measurement, "complete chatter");
     if (l->interrupted)
         saltus_line_add(&head, "  (interrupted)");
     if (!l->precise)

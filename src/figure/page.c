@@ -328,14 +328,24 @@ void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least
 }
 
 /* Tics of a logarithmic axis of this length: at 1, 2 and 5 times powers of ten, as far as their numbers fit;
- * over many decades at powers of ten only, over less than one equally spaced. */
+ * over many decades at powers of ten only, as many as fit; over less than one equally spaced. */
 static void put_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range) {
     static const double parts[] = {1, 2, 5};
     const double letter = 9.5, apart = 8, beyond = 20;
     double values[24], ratio = range.high / range.low, width = range.high - range.low;
     int count = 0, put = 0;
     if (ratio > 3000) {
-        fprintf(page->file, "set %stics auto\nset format %s '10^{%%T}'\n", axis, axis);
+        const double needed = *axis == 'x' ? 64 : 26, decades = log10(ratio),
+                     step = ceil(decades * needed / length);
+        fprintf(page->file, "set format %s '10^{%%T}'\nset %stics ", axis, axis);
+        if (step > 1) {
+            fputc('(', page->file);
+            for (double power = step * ceil(log10(range.low) / step); power <= log10(range.high);
+                 power += step)
+                fprintf(page->file, "%s1e%.0f", put++ ? ", " : "", power);
+            fputs(")\n", page->file);
+        } else
+            fputs("auto\n", page->file);
         return;
     }
     if (ratio < 4) { /* less than a decade: tics at 1, 2 and 5 would be too few */

@@ -16,9 +16,9 @@ typedef void panel(const saltus_sheet *sheet, saltus_frame frame, int letter);
 enum { panels_most = 6 };
 
 static void put_axes(const saltus_sheet *sheet, saltus_frame frame, const char *x, saltus_range across,
-                     const char *y, saltus_range up) {
+                     const char *y, saltus_range up, bool logarithmic) {
     saltus_page_axis(sheet->page, "x", frame, false, x, across);
-    saltus_page_axis(sheet->page, "y", frame, false, y, up);
+    saltus_page_axis(sheet->page, "y", frame, logarithmic, y, up);
     if (!saltus_page_narrow(sheet->page))
         fprintf(sheet->page->file, "set xtics %.9g\n",
                 saltus_page_tic_step(across, (frame.right - frame.left) / 100 + 1.5));
@@ -29,7 +29,7 @@ static void put_observed(const saltus_sheet *sheet, saltus_frame frame, saltus_r
     saltus_line displacement = {.length = 0}, velocity = {.length = 0};
     saltus_line_observed(&displacement, sheet->system, false);
     saltus_line_observed(&velocity, sheet->system, true);
-    put_axes(sheet, frame, displacement.text, x, velocity.text, v);
+    put_axes(sheet, frame, displacement.text, x, velocity.text, v, false);
 }
 
 /* Stops of the observed coordinate within its range: a line at the clearance, grey beyond it. `vertical`: the
@@ -80,7 +80,7 @@ void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int let
     saltus_page_panel(sheet->page, frame, letter, saltus_sheet_history_heading(sheet));
     snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}%s", saltus_notation_of(sheet->system)->time,
              sheet->timed ? "/{/:Italic T}" : "");
-    put_axes(sheet, frame, elapsed, time, name.text, sheet->displacement);
+    put_axes(sheet, frame, elapsed, time, name.text, sheet->displacement, false);
     put_stops(sheet, false);
     put_facts(sheet, sheet->history_events);
     saltus_page_draw(sheet->page, "history");
@@ -170,13 +170,12 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     if (logarithmic) {
         saltus_range_floor(&size);
         size = (saltus_range){size.low / 3, size.high * 3};
-        fputs("set logscale y\nset format y '10^{%T}'\n", sheet->page->file);
     }
     snprintf(phase_name, sizeof phase_name, "phase {/:Italic %s}/{/:Italic T} (mod 1)",
              saltus_notation_of(sheet->system)->time);
     put_axes(sheet, frame, phase_name, phase,
              logarithmic ? "impact speed |{/:Bold n·q′}|" : "velocity before impact, {/:Bold n·q′}",
-             logarithmic ? size : signed_range);
+             logarithmic ? size : signed_range, logarithmic);
     if (faces > 1)
         fprintf(sheet->page->file,
                 "set key at graph %s left %s vertical Left reverse samplen 0.5 width -2 font "
@@ -196,7 +195,7 @@ static void put_multipliers(const saltus_sheet *sheet, saltus_frame frame, int l
                                         fabs(sheet->motion->multipliers[k].im)));
     saltus_range imaginary = {-reach, reach}, real = {-reach * aspect, reach * aspect};
     saltus_page_panel(sheet->page, frame, letter, "Floquet multipliers and the unit circle");
-    put_axes(sheet, frame, "real part", real, "imaginary part", imaginary);
+    put_axes(sheet, frame, "real part", real, "imaginary part", imaginary, false);
     saltus_page_draw(sheet->page, "multipliers");
 }
 
@@ -222,7 +221,7 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     saltus_page_panel(sheet->page, frame, letter, heading);
     frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of time */
     saltus_page_frame(sheet->page, frame, SALTUS_PANEL_LEAST);
-    put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range);
+    put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range, false);
     for (int f = 0; f < faces; f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
         double xi = spec->stops[face.stop].xi, d = face.side * face.d,
@@ -280,7 +279,7 @@ static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter
                       !stops  ? "two displacements"
                       : named ? "two displacements; grey: stops"
                               : "both masses; grey: stops");
-    put_axes(sheet, frame, name[0].text, x1, name[1].text, x2);
+    put_axes(sheet, frame, name[0].text, x1, name[1].text, x2, false);
     fputs("set parametric\nset trange [-1:1]\nplot ", sheet->page->file);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
@@ -319,14 +318,9 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
     saltus_spectrum_low_panel(&source, sheet->page, frame, letter, &heading);
 }
 
-/* The panel is lower to make room for the key below the heading, and narrower if the exponents are so small
- * that their numbers are long. */
+/* The panel is lower to make room for the key below the heading. */
 static void put_convergence(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    double size = 0;
-    for (int k = 0; k < sheet->course.count; k++)
-        size = fmax(size, fabs(sheet->course.history[k].exponent) + sheet->course.history[k].standard_error);
     saltus_page_panel(sheet->page, frame, letter, "convergence of the largest exponent");
-    frame.left += size < 1e-3 ? 40 : 0;
     frame.top -= 62;
     saltus_course_panel(sheet->page, sheet->system, &sheet->course, frame);
 }

@@ -280,7 +280,7 @@ static int find_notes(const saltus_sweep_map *map, const char *notes[2]) {
             saltus_system_forced(page->system)
                 ? "{/:Italic n}/{/:Italic p}: {/:Italic n} impacts in {/:Italic p} periods {/:Italic T}"
                 : "{/:Italic n}/{/:Italic p}: {/:Italic n} impacts in {/:Italic p} returns to the section";
-    else if (page->sweep->basins) {
+    else if (page->sweep->basins && page->sweep->attractor_count) {
         notes[count++] = page->sweep->dimension > 2 ? "dots: the orbits at phase 0, projected"
                                                     : "dots: the orbits at phase 0";
         if (map->shaded)
