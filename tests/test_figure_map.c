@@ -578,6 +578,20 @@ static long colour_in(const figure_panel *panel, const char *words) {
     return -1;
 }
 
+/* No two motions of up to eight periods and thirty impacts, or with chatter, look the same. */
+static void each_motion_has_its_own_paint(void **state) {
+    (void)state;
+    enum { impacts = 31, longest = 8, count = impacts * longest, all = count + 12 };
+    saltus_paint paint[all];
+    for (int k = 0; k < all; k++)
+        paint[k] = k < count ? saltus_class_paint(SALTUS_PERIODIC, k % impacts, 1 + k / impacts)
+                             : saltus_class_paint(SALTUS_PERIODIC, -1, 1 + k - count);
+    for (int a = 0; a < all; a++)
+        for (int b = 0; b < a; b++)
+            if (paint[a].colour == paint[b].colour && paint[a].texture == paint[b].texture)
+                fail_msg("motions %d and %d have the same paint", a, b);
+}
+
 /* A motion has the same colour in every map; a part of a map explains what it shows, with shares of that
  * part. */
 static void a_motion_has_one_colour(void **state) {
@@ -1426,6 +1440,7 @@ int main(void) {
         cmocka_unit_test(the_rarest_chaos_keeps_its_entry),
         cmocka_unit_test(motions_look_different_without_red),
         cmocka_unit_test(a_motion_has_one_colour),
+        cmocka_unit_test(each_motion_has_its_own_paint),
         cmocka_unit_test(a_part_explains_what_it_shows),
         cmocka_unit_test(shares_have_two_digits),
         cmocka_unit_test(undecided_is_called_so),

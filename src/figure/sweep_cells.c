@@ -139,7 +139,7 @@ static int index_of(const uint64_t *keys, int count, uint64_t key) {
 }
 
 /* Each period has a hue, with a texture where hues look alike without red. Lightness counts impacts from one
- * to six; larger numbers start again with posts. */
+ * to six; larger numbers start again with other textures. */
 saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
     static const uint32_t plain[SALTUS_VERDICTS] = {
         [SALTUS_PENDING] = 0xffffff,       [SALTUS_EQUILIBRIUM] = 0x5d7f8c, [SALTUS_HELD] = 0x4b5963,
@@ -158,7 +158,9 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
                   {80, 0.795, SALTUS_DOTS},
                   {205, 0.795, SALTUS_BARS},
                   {120, 0.84, SALTUS_DOTS | SALTUS_BARS}};
-    enum { families = sizeof family / sizeof family[0], steps = 6 };
+    static const unsigned again[] = {0, SALTUS_POSTS, SALTUS_POSTS | SALTUS_BARS, SALTUS_POSTS | SALTUS_DOTS,
+                                     SALTUS_POSTS | SALTUS_BARS | SALTUS_DOTS};
+    enum { families = sizeof family / sizeof family[0], steps = 6, rounds = sizeof again / sizeof again[0] };
     if (verdict != SALTUS_PERIODIC)
         return (saltus_paint){plain[verdict], verdict == SALTUS_BEYOND ? SALTUS_POSTS : 0};
     bool own = impacts >= 0 && periods < families;
@@ -168,7 +170,7 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
         return (saltus_paint){saltus_colour(0.94, own ? 0.06 : 0.03, hue), family[f].texture};
     double lightness = family[f].lightness - 0.09 * ((count - 1) % steps);
     return (saltus_paint){saltus_colour(lightness, chroma, hue),
-                          family[f].texture | (count > steps ? (unsigned)SALTUS_POSTS : 0)};
+                          family[f].texture ^ again[(count - 1) / steps % rounds]};
 }
 
 uint32_t saltus_paint_at(saltus_paint paint, int x, int y) {
