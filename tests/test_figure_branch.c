@@ -1267,6 +1267,18 @@ static void dashes_do_not_fill_each_other(void **state) {
         assert_true(pieces[solid] == 1 && pieces[dashed] == 1 && pieces[dotted] == 0);
     }
     figure_free(&f);
+    /* The same where each impact is a curve. */
+    how.show = SALTUS_SHOW_IMPACTS;
+    f = draw(&how);
+    for (int k = 1; k < 30; k++)
+        for (int e = 0; e < 2; e++) {
+            const double from[2] = {made.point[k - 1].value[0], fabs(made.event[k - 1][e].velocity_before)},
+                         to[2] = {made.point[k].value[0], fabs(made.event[k][e].velocity_before)};
+            int pieces[3];
+            count_pieces(&f.panel[0], from, to, pieces);
+            assert_true(pieces[solid] == 1 && pieces[dashed] == 1 && pieces[dotted] == 0);
+        }
+    figure_free(&f);
 }
 
 /* Count the dashed lines that cross a horizontal place. */

@@ -467,21 +467,43 @@ double saltus_plot_distance(const double at[2], const double a[2], const double 
     return hypot(at[0] - a[0] - part * dx, at[1] - a[1] - part * dy);
 }
 
+/* The place on the page of visit v of a row, without visits of the row's point. */
+static void place_visit(const saltus_plot_page *page, int file, int row, int v, double place[2]) {
+    const saltus_branch_point *point = &page->files[file].points[row];
+    if (!page->visits)
+        saltus_plot_place(page, saltus_plot_x(page, point), saltus_plot_y(page, point), place);
+    else if (page->swap)
+        saltus_plot_place(page, page->visits[file][row].list[v].value, point->value[0], place);
+    else
+        saltus_plot_place(page, point->value[0], page->visits[file][row].list[v].value, place);
+}
+
 /* Whether a place of a curve lies on an earlier dashed curve of the same file: the dashes of both would fill
  * each other's gaps and look solid. */
 static bool covered(const saltus_plot_page *page, int file, int branch, const double at[2]) {
     const double near = 2; /* units */
     const saltus_branch_file *f = &page->files[file];
     for (int k = 0; k + 1 < f->point_count; k++) {
+        const saltus_branch_point *p = &f->points[k];
         double a[2], b[2];
-        if (f->points[k].branch >= branch || f->points[k].branch != f->points[k + 1].branch ||
+        if (p[0].branch >= branch || p[0].branch != p[1].branch ||
             saltus_plot_stroke(f, k, k + 1) != SALTUS_STROKE_UNSTABLE)
             continue;
-        saltus_plot_place(page, saltus_plot_x(page, &f->points[k]), saltus_plot_y(page, &f->points[k]), a);
-        saltus_plot_place(page, saltus_plot_x(page, &f->points[k + 1]),
-                          saltus_plot_y(page, &f->points[k + 1]), b);
-        if (saltus_plot_distance(at, a, b) < near)
-            return true;
+        saltus_plot_place(page, p[0].value[0], p[0].value[0], a);
+        saltus_plot_place(page, p[1].value[0], p[1].value[0], b);
+        const double begin = a[page->swap], end = b[page->swap], own = at[page->swap];
+        if (own < fmin(begin, end) - near || own > fmax(begin, end) + near)
+            continue;
+        const int visits = page->visits ? page->visits[file][k].count : 1;
+        for (int v = 0; v < visits; v++) {
+            const int next = page->visits ? saltus_plot_partner(page, file, k, v) : 0;
+            if (next < 0)
+                continue;
+            place_visit(page, file, k, v, a);
+            place_visit(page, file, k + 1, next, b);
+            if (saltus_plot_distance(at, a, b) < near)
+                return true;
+        }
     }
     return false;
 }
@@ -604,6 +626,9 @@ static void put_visits(const saltus_plot_page *page, int file, int first, int la
                 visit = at < last ? saltus_plot_partner(page, file, at, visit) : -1;
                 p[count].drawn = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
             }
+            for (int at = 0; at + 1 < count && stroke == SALTUS_STROKE_UNSTABLE; at++)
+                p[at].drawn = p[at].drawn && put_uncovered(page, file, f->points[first].branch, p[at].value,
+                                                           p[at + 1].value);
             put_curve(page, p, count);
         }
 }
