@@ -1,10 +1,10 @@
 /* Private: the building blocks of HDF5 files, and reading them back.
  *
- * Files are made on disk, because sweeps may exceed the memory, under a temporary name beside their target,
- * so nobody sees a partial file. HDF5's own file driver does not survive a full disk: it retries failed
- * writes when the file is closed, fails, and leaves the library in a state that ends in a crash. The driver
- * here instead notes a failed write, stops writing and does not tell HDF5, so that HDF5 closes normally. Time
- * stamps are off, so equal results give equal files.
+ * Files are made on disk, because sweeps may exceed the memory, and replace their target when complete
+ * (saltus_output), so nobody sees a partial file. HDF5's own file driver does not survive a full disk: it
+ * retries failed writes when the file is closed, fails, and leaves the library in a state that ends in a
+ * crash. The driver here instead notes a failed write, stops writing and does not tell HDF5, so that HDF5
+ * closes normally. Time stamps are off, so equal results give equal files.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_RECORD_HDF5_H
 #define SALTUS_RECORD_HDF5_H

@@ -8,6 +8,7 @@
  * vibrating table F), impact pair (k = c = 0, two-sided stop).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/oscillator.h"
+#include "system/lasting.h"
 #include "system/system.h"
 
 #include <gsl/gsl_math.h>
@@ -129,7 +130,7 @@ static void build(saltus_system *system) {
     c->scalar[oscillator_kz] = p[p_kz];
     c->scalar[oscillator_rate_z] = 1 / p[p_tz];
     c->scalar[oscillator_omega] = p[p_omega];
-    double inverse[2] = {1 / p[p_m], 1 / p[p_m2]}, stiffness = 0, damping = 0,
+    double inverse[2] = {1 / p[p_m], 1 / p[p_m2]}, stiffness = 0, damping = 0, lasting = p[p_omega],
            length = typical_length(system);
     fill_rows(p, system->dof, inverse, c->row);
     for (int i = 0; i < system->dof; i++) {
@@ -139,6 +140,7 @@ static void build(saltus_system *system) {
         system->inverse_mass[i * system->dof + i] = inverse[i];
         stiffness = fmax(stiffness, 2 * system->stiffness[i]);
         damping = fmax(damping, 2 * system->damping[i]);
+        lasting = fmax(lasting, saltus_lasting_rate(2 * system->stiffness[i], 2 * system->damping[i]));
         system->scale[i] = length;
         system->scale[system->dof + i] = length * fmax(p[p_omega], sqrt(system->stiffness[i]));
     }
@@ -148,7 +150,7 @@ static void build(saltus_system *system) {
     system->rate = fmax(fmax(sqrt(stiffness + p[p_kz] / p[p_m]), damping),
                         fmax(p[p_omega], system->extra ? 1 / p[p_tz] : 0));
     system->decay = decay_bound(system);
-    system->stiffness_ratio = damping / (200 * fmax(p[p_omega], sqrt(stiffness)));
+    system->stiffness_ratio = damping / (200 * lasting);
     system->mirror = p[p_F0] == 0 && (!two || p[p_F02] == 0);
     system->mirror_shift = system->forced;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "system/text.h"
 
+#include "system/lasting.h"
 #include "system/system.h"
 #include "system/text_build.h"
 
@@ -225,7 +226,11 @@ static void measure_rates(saltus_system *system, const saltus_equations_graph *g
                                                   : 1);
     system->decay = decay;
     system->rate = fmax(fmax(sqrt(stiffness), damping), g->forced ? system->omega : 1e-3);
-    system->stiffness_ratio = damping / (200 * fmax(g->forced ? system->omega : 0, sqrt(stiffness)));
+    /* The jumps of a relaxation oscillation are as fast as its stiffness, however slow it is between them. */
+    double lasting = g->forced ? system->omega : sqrt(stiffness);
+    for (int i = 0; i < n && g->forced; i++)
+        lasting = fmax(lasting, saltus_lasting_rate(pull[i], drag[i]));
+    system->stiffness_ratio = damping / (200 * lasting);
 }
 
 /* Whether f(-x, t + T/2) = -f(x, t) or, if not `shift`, f(-x, t) = -f(x, t), tested at generic points. */
