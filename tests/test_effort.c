@@ -364,6 +364,29 @@ static void extreme_scenes_are_not_mistaken(void **state) {
     }
 }
 
+/* What an undecided verdict says would tell does so: here as long a transient as it names, where the cycle is
+ * so slow that it has hardly been seen to repeat. */
+static void what_would_tell_tells(void **state) {
+    fixture *f = *state;
+    skip_where_slow();
+    static const int strengths[] = {5000, 7000};
+    for (int k = 0; k < 2; k++) {
+        char line[96];
+        snprintf(line, sizeof line, "classify van-der-pol --set mu=%d", strengths[k]);
+        char *out = told(f, line), *hint = strstr(out, "--transient ");
+        if (strncmp(out, "van-der-pol: undecided", 22) != 0 ||
+            !strstr(out, " returns to the section within ") || !hint)
+            fail_msg("%s: %s", line, out);
+        snprintf(line, sizeof line, "classify van-der-pol --set mu=%d --transient %ld", strengths[k],
+                 strtol(hint + 12, NULL, 10));
+        free(out);
+        out = told(f, line);
+        if (strncmp(out, "van-der-pol: 0/1, stable", 24) != 0)
+            fail_msg("%s: %s", line, out);
+        free(out);
+    }
+}
+
 /* Sweeps and basins fail as classification does only if all of their trajectories fail. */
 static void sweeps_say_why_all_have_failed(void **state) {
     static const struct {
@@ -398,6 +421,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(every_command_names_what_was_too_much, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(orbits_of_extreme_scenes_are_found, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(extreme_scenes_are_not_mistaken, open_fixture, close_fixture),
+        cmocka_unit_test_setup_teardown(what_would_tell_tells, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(branches_end_where_they_take_too_much, open_fixture, close_fixture),
         cmocka_unit_test(a_used_up_effort_ends_all_flows),
         cmocka_unit_test_setup_teardown(sweeps_say_why_all_have_failed, open_fixture, close_fixture)};

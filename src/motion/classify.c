@@ -94,9 +94,13 @@ static saltus_status judge(saltus_search *s, double steps, saltus_motion *motion
     return status;
 }
 
-/* Add to the reason of an unforced motion that nothing attracts, or that the section is not met. */
+/* Add to the reason of an unforced motion that nothing attracts, or that the section is not met, or not often
+ * enough for a period to be seen: then a longer measurement would tell nothing. */
 static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
+    enum { few = 12, enough = 25 }; /* returns */
     const bool settled = saltus_verdict_settled(motion->verdict);
+    const long long returns = s->visits.settling.count;
+    const double unit = saltus_system_period(s->system), passed = (double)s->settling.count * unit;
     const double missed =
         (double)s->settling.count - (s->visits.settling.count > 1 ? saltus_visits_last(&s->visits) : 0);
     char before[sizeof motion->reason];
@@ -112,8 +116,13 @@ static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
     else if (!settled && motion->verdict != SALTUS_CHAOTIC && missed > 0.5 * (double)s->settling.count)
         snprintf(motion->reason, sizeof motion->reason,
                  "the trajectory does not return to its section within %lld units of time; another section "
-                 "(--section) would count its orbit",
-                 (long long)(missed * saltus_system_period(s->system)));
+                 "(--section), a longer --transient or both would count its orbit",
+                 (long long)(missed * unit));
+    else if (!settled && motion->verdict != SALTUS_CHAOTIC && returns > 1 && returns < few)
+        snprintf(motion->reason, sizeof motion->reason,
+                 "only %lld returns to the section within %.6g units of time, too few for a period to show; "
+                 "--transient %.0f would tell",
+                 returns, passed, ceil(enough * (double)s->settling.count / (double)returns));
 }
 
 saltus_status saltus_motion_classify(const saltus_system *system, const double *state,

@@ -485,7 +485,8 @@ static void tell_transient(saltus_motion *m) {
             "; a stable %s orbit lies amid it, on which it ends after %.0f periods or more in the mean, or "
             "beside which chaos goes on",
             e->stable_orbit, e->lifetime_at_least);
-    say(m, "; a longer --transient would show this one do so");
+    say(m, e->left ? "; a longer --transient would show this one do so"
+                   : "; a --transient many times as long would show which");
 }
 
 static void tell_chaos(saltus_motion *m, long long watched, long long without_contact) {

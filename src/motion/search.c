@@ -304,8 +304,8 @@ saltus_status saltus_search_conclude(saltus_search *s, saltus_motion *motion, sa
             snprintf(recurrence, sizeof recurrence, "; closest recurrence %.2g of the state's scale",
                      closest);
         snprintf(motion->reason, sizeof motion->reason,
-                 "no stable orbit of period up to %d T after %lld periods%s%s; a longer --transient or a "
-                 "Lyapunov exponent would decide",
+                 "no stable orbit of period up to %d T after %lld periods%s%s; a longer --transient, or the "
+                 "exponent (--measure), would decide",
                  s->options->longest, s->settling.count, s->stopped ? " (stopped)" : "", recurrence);
     }
     return saltus_motion_rest(s->system, s->flow, motion, message);
