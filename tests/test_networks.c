@@ -259,6 +259,23 @@ static void folds_end_where_grazing_is_not_felt(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Curves of orbits with impacts that follow one another closely have hairpins: no step leads across one to
+ * another piece of the curve. */
+static void no_step_leads_across_a_hairpin(void **unused) {
+    (void)unused;
+    skip_where_slow();
+    static const network networks[] = {{"impact-pair",
+                                        "d=1.35456 omega=1 r=0.816613",
+                                        SALTUS_POINT_GR,
+                                        {"d", "r"},
+                                        {0.812733, 0.566613},
+                                        {2.16729, 0.98},
+                                        2,
+                                        {0.04, 0.01},
+                                        -1}};
+    check_networks(networks, 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(folds_pass_an_impact_half_a_period_away),
@@ -270,6 +287,7 @@ int main(void) {
         cmocka_unit_test(undamped_pairs_are_on_the_circle),
         cmocka_unit_test(families_begin_no_curve),
         cmocka_unit_test(folds_end_where_grazing_is_not_felt),
+        cmocka_unit_test(no_step_leads_across_a_hairpin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

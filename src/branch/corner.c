@@ -284,18 +284,30 @@ bool saltus_corner_misses(const saltus_locus_test *a, const saltus_locus_test *b
     return false;
 }
 
-saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
+/* The sequence of an orbit without the grazing impact that is followed and its mirror image, and where its
+ * marks stood. */
+static saltus_sequence take_out(const saltus_extended *x, const saltus_solution *s,
+                                int order[SALTUS_MARKS_MAX]) {
     saltus_sequence less, kept = s->sequence;
-    int order[SALTUS_MARKS_MAX];
+    int moved[SALTUS_MARKS_MAX];
+    for (int k = 0; k < kept.count; k++)
+        order[k] = k;
     for (int k = s->breach_count - 1; k >= 0; k--) {
         saltus_breach gone = s->breaches[k];
         if (gone.kind != SALTUS_BREACH_SPEED || !is_own(x, s, &gone))
             continue;
         gone.value = 0;
-        saltus_sequence_graze(&kept, &gone, 1, &less, order);
+        saltus_sequence_graze(&kept, &gone, 1, &less, moved);
+        for (int j = 0; j < less.count; j++)
+            order[j] = order[moved[j]];
         kept = less;
     }
     return kept;
+}
+
+saltus_sequence saltus_corner_without(const saltus_extended *x, const saltus_solution *s) {
+    int order[SALTUS_MARKS_MAX];
+    return take_out(x, s, order);
 }
 
 /* Evaluate an orbit with another sequence by a separate shooting, which the caller frees in any case. */
@@ -312,21 +324,40 @@ static saltus_status evaluate_as(const saltus_extended *x, const saltus_sequence
     return status;
 }
 
+/* The same for the sequence without the grazing impact, with the states at all cuts: along long orbits
+ * perturbations grow too much for one segment. */
+static saltus_status evaluate_without(const saltus_extended *x, const saltus_solution *s,
+                                      saltus_shooting **shooting, saltus_message *message) {
+    int order[SALTUS_MARKS_MAX];
+    const saltus_sequence less = take_out(x, s, order);
+    saltus_status status = saltus_shooting_new(&x->orbits.family, &x->orbits.options, shooting, message);
+    if (status == SALTUS_OK)
+        status = saltus_shooting_shape(*shooting, &less, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_equations *e = saltus_shooting_equations(*shooting);
+    double *u = calloc((size_t)e->unknowns, sizeof *u);
+    if (!u)
+        return saltus_branch_no_memory(message);
+    saltus_sequence_carry(&s->sequence, s->at.u, &less, order, x->orbits.n, 2, u);
+    status = saltus_equations_evaluate(e, u, message);
+    free(u);
+    return status;
+}
+
 /* The six functions of an orbit on a curve of grazing, three with the grazing impact and three without; NAN
  * if they cannot be computed. False without memory. */
 static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, saltus_locus_test *corners) {
     static const saltus_point_kind kinds[of_orbit] = {SALTUS_POINT_GR_LP, SALTUS_POINT_GR_PD,
                                                       SALTUS_POINT_GR_NS};
     saltus_locus_test tests[2][of_orbit];
-    saltus_sequence less = saltus_corner_without(x, s);
-    saltus_shooting *shooting;
+    saltus_shooting *shooting = NULL;
     saltus_message ignored;
     for (int without = 0; without < 2; without++)
         for (int k = 0; k < of_orbit; k++)
             tests[without][k] = (saltus_locus_test){
                 .kind = kinds[k], .value = plain(NAN), .without = without, .theta = k == of_pair ? NAN : 0};
-    less.cuts = 1;
-    const saltus_status status = evaluate_as(x, &less, s, &shooting, &ignored);
+    const saltus_status status = evaluate_without(x, s, &shooting, &ignored);
     const bool room = status != SALTUS_NO_MEMORY &&
                       (status != SALTUS_OK || measure_orbit(shooting, x->orbits.n, tests[1])) &&
                       measure_orbit(x->orbits.shooting, x->orbits.n, tests[0]);

@@ -680,7 +680,8 @@ static saltus_status take_step(saltus_locus *l, int *reached, saltus_locus_zeros
                 status = saltus_locus_see(&l->x, &l->next, &why);
             if (status == SALTUS_NO_MEMORY)
                 return saltus_branch_no_memory(message);
-            found = status == SALTUS_OK && is_near(l) && saltus_locus_is_sound(&l->x, &l->next);
+            found = status == SALTUS_OK && is_near(l) && !saltus_locus_strays(&l->here, &l->next) &&
+                    saltus_locus_is_sound(&l->x, &l->next);
         }
         if (!found)
             return give_end(l, message);

@@ -95,18 +95,21 @@ static bool may_hide(const search *s, const sample *end, bool sure) {
 enum { halvings = 5, halvings_most = 28, samples_most = 400 };
 
 /* Append the end of an interval to the samples, preceded by samples in between if functions may have more
- * zeros there than signs tell, or multipliers prove it. False without memory. */
+ * zeros there than signs tell, or multipliers prove it. False without memory, or if the step is so long that
+ * it may lead across a hairpin. */
 static bool append_until(search *s, const sample *end, int depth) {
     const sample *begin = &s->samples[s->count - 1];
-    const double finest = 4e-3, near = 1e-5;
+    const double finest = 4e-3, near = 1e-5, far = 1e-3;
     const double length = end->place - begin->place, middle = begin->place + 0.5 * length;
     const bool grazes = s->x->kind == SALTUS_POINT_GR;
     const bool doubts = (depth < halvings && length > finest && may_hide(s, end, false)) ||
                         (grazes && length > near && may_hide(s, end, true)) ||
                         (grazes && depth < halvings_most &&
                          saltus_corner_misses(begin->corners, end->corners, s->here->corner_count));
-    if (!doubts || s->count >= samples_most || !saltus_locus_visit(s->x, s->here, middle, s->out))
+    if (!doubts || s->count >= samples_most)
         return append(s, end);
+    if (!saltus_locus_visit(s->x, s->here, middle, s->out))
+        return middle > far && saltus_locus_strays(s->here, s->out) ? false : append(s, end);
     const sample between = sample_of(s->out, middle);
     return append_until(s, &between, depth + 1) && append_until(s, end, depth + 1);
 }

@@ -282,11 +282,19 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *p) {
     return s->survey.follows || breach > 0;
 }
 
+bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to) {
+    const double far = 1.08, least = 1e-6;
+    double distance = 0;
+    for (int j = 0; j < to->at.unknowns; j++)
+        distance = hypot(distance, to->at.u[j] - here->at.u[j]);
+    return distance > far * fabs(to->at.ahead) + least;
+}
+
 bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out) {
     saltus_message ignored;
     return saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, &ignored) == SALTUS_OK &&
-           saltus_locus_see(x, out, &ignored) == SALTUS_OK;
+           !saltus_locus_strays(here, out) && saltus_locus_see(x, out, &ignored) == SALTUS_OK;
 }
 
 void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, double theta,

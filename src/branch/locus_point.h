@@ -53,6 +53,9 @@ saltus_status saltus_locus_install(saltus_extended *extended, saltus_locus_point
  * Errors: as above; there is then no such point. */
 saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here,
                                    saltus_locus_point *scratch, saltus_message *message);
+/* Whether a point that was sought some way ahead of another is far aside of the tangent there: across a
+ * hairpin, on another piece of the curve. */
+bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_point *to);
 /* The point at arclength `ahead` from another, evaluated; false if it cannot be found. */
 bool saltus_locus_visit(saltus_extended *extended, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out);
