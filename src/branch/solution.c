@@ -35,7 +35,7 @@ saltus_status saltus_orbits_open(saltus_orbits *o, saltus_message *message) {
     if (status != SALTUS_OK)
         return status;
     o->equations = saltus_shooting_equations(o->shooting);
-    o->collects = o->equations->measure && saltus_cocycle_takes(&o->cocycle, o->system, 1, &o->options.flow);
+    o->collects = saltus_cocycle_takes(&o->cocycle, o->system, 1, &o->options.flow);
     return status;
 }
 

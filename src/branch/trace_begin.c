@@ -74,7 +74,7 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     saltus_sequence sequence = start->sequence;
     saltus_status status = SALTUS_NO_CONVERGENCE;
     int order[SALTUS_MARKS_MAX];
-    const double visible = 1e-6;
+    const double visible = 1e-7; /* in half an orbit; the other half adds to it */
     double growth = 0;
     if (is_small(start)) {
         const bool hopf = start->origin == SALTUS_POINT_HB;

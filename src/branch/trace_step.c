@@ -299,19 +299,35 @@ static bool joins_images(saltus_trace *t, const saltus_solution *at) {
            saltus_solution_half_distance(&t->orbits, t->here, true) > mirrored;
 }
 
+/* The touch by which a grazing orbit is known. Where it joins orbits of half the period, or its own mirror
+ * image, it grazes twice, and rounding decides which is worse: then the impact that dies is named or, of two
+ * alike, the first. */
+static const saltus_breach *find_touch(const saltus_solution *at, bool joins) {
+    const double little = 1e-6, near = 1e-4, periods = at->sequence.periods;
+    const saltus_breach *touch = &at->worst;
+    for (int k = 0; k < at->breach_count && joins; k++) {
+        const saltus_breach *other = &at->breaches[k];
+        const bool pair = fabs(fabs(other->time - touch->time) - 0.5 * periods) < near;
+        if (!pair || !(fabs(other->value) < little))
+            continue;
+        if (other->kind == touch->kind ? fmod(other->time, periods) < fmod(touch->time, periods)
+                                       : other->kind == SALTUS_BREACH_SPEED)
+            touch = other;
+    }
+    return touch;
+}
+
 /* Beyond grazing at `next`, to a point a little further on. */
 static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     saltus_solution *at = t->next;
     saltus_sequence beyond;
     saltus_change change;
-    saltus_notice what = {.kind = SALTUS_POINT_GR,
-                          .ahead = at->at.ahead,
-                          .accuracy = accuracy,
-                          .change = true,
-                          .grazing = &at->worst};
+    saltus_notice what = {
+        .kind = SALTUS_POINT_GR, .ahead = at->at.ahead, .accuracy = accuracy, .change = true};
     const bool images = joins_images(t, at);
     bool completes, joins = images || saltus_solution_half_distance(o, at, false) < 1e-4;
+    what.grazing = find_touch(at, joins);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_status status = saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change, message);
     if (status != SALTUS_OK)
@@ -578,13 +594,14 @@ static double longest_step(const saltus_trace *t, const saltus_solution *s) {
 
 /* A step along the curve, to `next`. Newton's effort sets the next step's length; at the greatest length
  * Jacobians are saved instead. Most such points are regular and surveyed, so their cocycle is collected on
- * the way. */
+ * the way, as it is at all points of small systems, where that costs little. */
 static saltus_status step_ahead(saltus_trace *t, const saltus_curve_bound *bound, int *reached,
                                 saltus_message *message) {
     saltus_orbits *o = &t->orbits;
     const bool steady = t->trail->step >= longest_step(t, t->here);
     o->equations->hasty = steady;
-    saltus_shooting_collect(o->shooting, steady && o->collects ? &o->cocycle : NULL);
+    const bool collects = o->collects && (steady || !o->equations->measure);
+    saltus_shooting_collect(o->shooting, collects ? &o->cocycle : NULL);
     saltus_status status = saltus_curve_step(o->equations, &t->here->at, &t->trail->step, bound, 1,
                                              &t->next->at, reached, message);
     o->equations->hasty = false;
