@@ -1501,6 +1501,7 @@ static void marks_that_say_nothing_are_left_out(void **state) {
         assert_true(panel->mark[k].kind != 'l' || strcmp(panel->mark[k].text, "GR") != 0);
     assert_non_null(figure_element_of(panel, "'HB  Hopf'", 0));
     assert_null(figure_element_of(panel, "'EP  end'", 0));
+    assert_null(figure_element_of(panel, "'GR  grazing'", 0));
     figure_free(&f);
 }
 

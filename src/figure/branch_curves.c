@@ -60,7 +60,9 @@ static content find_content(const saltus_plot_page *page) {
             if (k == 0 || point->branch != point[-1].branch)
                 c.hue[saltus_plot_hue(page, i, point->branch)] = true;
             const bool shown = saltus_plot_shown(page, point);
-            if (shown && saltus_plot_marked(f, point))
+            const double x = saltus_plot_x(page, point), y = saltus_plot_y(page, point);
+            if (shown && x >= page->x.low && x <= page->x.high && y >= page->y.low && y <= page->y.high &&
+                saltus_plot_marked(f, point))
                 c.kind[saltus_plot_mark(point->kind)] = true;
             if (k > 0 && point->branch == point[-1].branch && (shown || saltus_plot_shown(page, point - 1)))
                 length[saltus_plot_stroke(f, k - 1, k)] += part_of_panel(page, point - 1, point);
