@@ -269,7 +269,8 @@ static void densities_are_drawn_with_their_band(void **state) {
             found = found || fabs(mark->place[0][0] - lines[k].frequency) < 1e-8;
         assert_true(found == (marked[k] && lines[k].frequency < end));
     }
-    figure_says(&f, "displacement: total power 2.5, broadband fraction 0.75;  v1: −0.125 throughout");
+    figure_says(
+        &f, "displacement: total power 2.5, broadband fraction 0.75;  {/:Italic x}′_{1}: −0.125 throughout");
     assert_non_null(figure_mark_of(low, 'l', "90 % confidence", 0));
     figure_free(&f);
     /* Nothing moves. */

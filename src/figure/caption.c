@@ -124,8 +124,9 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
         }
         saltus_line_add(l, ", ");
     } else if (count == 0) {
+        saltus_line_add(l, "{/:Italic ");
         saltus_line_plain(l, saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE));
-        saltus_line_add(l, ", ");
+        saltus_line_add(l, "}, ");
     }
     if (!varies(varied, "d", s)) {
         saltus_line_symbol(l, "d");

@@ -193,19 +193,27 @@ static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_
     plot(r, "low", r->low_end, floor, r->end, 0.7);
 }
 
+/* The symbol of a coordinate or its rate. */
+static void add_coordinate(saltus_line *line, const saltus_system *system, saltus_quantity quantity) {
+    if (saltus_model_text(saltus_system_spec(system)->model))
+        saltus_line_state(line, system,
+                          saltus_system_state_index(system, saltus_quantity_name(system, quantity).text));
+    else
+        saltus_line_add(line, "{/:Italic %s}%s_{%d}", saltus_notation_of(system)->coordinate,
+                        quantity.velocity ? "′" : "", quantity.coordinate);
+}
+
 static void put_low(const row *r, saltus_frame frame, int letter) {
     const saltus_spectrum *s = r->s;
     const saltus_system *system = r->source->system;
-    const saltus_notation *n = saltus_notation_of(system);
     saltus_line heading = {.length = 0};
     if (r->quantity.coordinate == 0)
         saltus_line_observed(&heading, system, r->quantity.velocity);
-    else if (saltus_model_text(saltus_system_spec(system)->model))
-        saltus_line_state(&heading, system,
-                          saltus_system_state_index(system, saltus_quantity_name(system, r->quantity).text));
-    else
-        saltus_line_add(&heading, "%s %d, {/:Italic %s}%s_{%d}", n->part, r->quantity.coordinate,
-                        n->coordinate, r->quantity.velocity ? "′" : "", r->quantity.coordinate);
+    else {
+        if (!saltus_model_text(saltus_system_spec(system)->model))
+            saltus_line_add(&heading, "%s %d, ", saltus_notation_of(system)->part, r->quantity.coordinate);
+        add_coordinate(&heading, system, r->quantity);
+    }
     if (s->kind == SALTUS_SPECTRUM_LINES && s->periods > 1)
         saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}/%d; red: of {/:Italic ω}",
                         s->periods);
@@ -252,8 +260,11 @@ static void put_caption(const saltus_spectra_source *source, saltus_page *page) 
     for (int k = 0; k < source->spectra->count; k++) {
         const saltus_spectrum *s = &source->spectra->spectra[k];
         saltus_line_next(&findings);
-        saltus_line_plain(&findings,
-                          saltus_quantity_name(source->system, source->spectra->quantities[k]).text);
+        const saltus_quantity quantity = source->spectra->quantities[k];
+        if (quantity.coordinate == 0)
+            saltus_line_plain(&findings, saltus_quantity_name(source->system, quantity).text);
+        else
+            add_coordinate(&findings, source->system, quantity);
         saltus_line_add(&findings, ": ");
         if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
             saltus_line_number(&findings, "%.6g", s->mean);
