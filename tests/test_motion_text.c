@@ -345,7 +345,7 @@ static void attractors_are_told(void **state) {
         motions[k].multiplier_count = k < 2 ? 4 : 0;
         motions[k].lyapunov = k == 3 ? NAN : 0.0625;
     }
-    saltus_attractors a = {motions, share, 5, 40};
+    saltus_attractors a = {motions, share, 5, 40, 40};
     text_lines lines;
     lines_open(&lines);
     saltus_write_attractors(lines.stream, &m.scene, m.system, &a, false);

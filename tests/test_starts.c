@@ -170,7 +170,7 @@ static void attractors_are_named_by_their_place(void **state) {
     char source[128], *text = NULL;
     size_t length;
     int shares[orbits] = {3, 2, 1};
-    saltus_attractors a = {f->motion, shares, orbits, 6};
+    saltus_attractors a = {f->motion, shares, orbits, 6, 6};
     FILE *stream = open_memstream(&text, &length);
     saltus_write_attractors(stream, &f->scene, f->system, &a, true);
     fclose(stream);
