@@ -363,6 +363,22 @@ static void until_the_walls_meet(void **unused) {
     }
     assert_int_equal(completes, 1);
     check_near(record.point[record.count - 1].value[0], 0, 1e-12);
+    assert_string_equal(record.point[record.count - 1].reason, "end of the parameter's range");
+    branch_forget(&record);
+}
+
+/* The pipe's motion is as large as the room that the stop leaves: without room there is none, but the branch
+ * leads there. */
+static void until_there_is_no_room(void **unused) {
+    (void)unused;
+    saltus_spec spec = pipe_spec(2, 20);
+    add_stop(&spec, 0.02, 0.9, SALTUS_UPPER);
+    saltus_branch_options options = branch_along("d", 0, 0.03);
+    options.direction = -1;
+    branch_record record = branch_run_settled(&spec, &options, "1/1");
+    const saltus_branch_point *last = &record.point[record.count - 1];
+    assert_true(last->value[0] == 0 && fabs(last->state[0]) < 1e-8);
+    assert_string_equal(last->reason, "end of the parameter's range");
     branch_forget(&record);
 }
 
@@ -540,6 +556,7 @@ int main(void) {
         cmocka_unit_test(domains_are_reached),
         cmocka_unit_test(until_nothing_rebounds),
         cmocka_unit_test(until_the_walls_meet),
+        cmocka_unit_test(until_there_is_no_room),
         cmocka_unit_test(domains_without_a_derivative),
         cmocka_unit_test(tori_beside_flips),
         cmocka_unit_test(grazings_close_together),

@@ -21,6 +21,28 @@ static saltus_status end_at_border(saltus_trace *t, saltus_solution *s, double a
     return saltus_trace_end(t, s, ahead, saltus_range_ends, message);
 }
 
+/* End the branch, and set *ended, at a solution so close to a border of the range that rounding hides the
+ * others up to there, as where a stop leaves no room and all motion ends. It gets the exact value of the
+ * border if the parameter may have it. */
+static saltus_status end_by_border(saltus_trace *t, saltus_solution *s, bool *ended,
+                                   saltus_message *message) {
+    const double close = 1e-8;
+    const int side = s->parameter[0] > 0.5 * (t->range[0] + t->range[1]);
+    saltus_system *system = NULL;
+    saltus_message ignored;
+    *ended = fabs(s->parameter[0] - t->range[side]) < close;
+    if (!*ended)
+        return SALTUS_OK;
+    const saltus_spec spec = saltus_family_spec(&t->orbits.family, &t->range[side], s->sequence.omega);
+    const saltus_status status = saltus_system_new(&spec, &system, &ignored);
+    saltus_system_free(system);
+    if (status == SALTUS_NO_MEMORY)
+        return saltus_branch_no_memory(message);
+    if (status == SALTUS_OK)
+        s->value = side ? t->trail->options->high[0] : t->trail->options->low[0];
+    return saltus_trace_end(t, s, s->at.ahead, saltus_range_ends, message);
+}
+
 /* The branch has ended at the last point: drop the starts there, since they lead back along this branch. */
 static void drop_starts(saltus_trace *t) {
     const saltus_branch_point *point = saltus_trail_last(t->trail);
@@ -258,6 +280,12 @@ static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const
         return saltus_trace_end(t, t->here, 0, why, message);
     if (change.at_border)
         return end_at_border(t, t->spare, t->trial->at.ahead, message);
+    if (change.kind == SALTUS_POINT_EP && kind == SALTUS_LEAP_EVENTS) {
+        bool ended;
+        status = end_by_border(t, t->trial, &ended, message);
+        if (ended || status != SALTUS_OK)
+            return status;
+    }
     saltus_notice what = notice_of(&change, t->trial->at.ahead, change.value);
     if (change.kind == SALTUS_POINT_EP)
         what.addition = "; beyond it no orbit of this period was found";
@@ -300,18 +328,14 @@ static bool joins_images(saltus_trace *t, const saltus_solution *at) {
 }
 
 /* The touch by which a grazing orbit is known. Where it joins orbits of half the period, or its own mirror
- * image, it grazes twice, and rounding decides which is worse: then the impact that dies is named or, of two
- * alike, the first. */
+ * image, it grazes twice, and rounding decides which is worse: then it is the first from the section on. */
 static const saltus_breach *find_touch(const saltus_solution *at, bool joins) {
-    const double little = 1e-6, near = 1e-4, periods = at->sequence.periods;
+    const double little = 1e-9, near = 1e-4, periods = at->sequence.periods;
     const saltus_breach *touch = &at->worst;
     for (int k = 0; k < at->breach_count && joins; k++) {
         const saltus_breach *other = &at->breaches[k];
         const bool pair = fabs(fabs(other->time - touch->time) - 0.5 * periods) < near;
-        if (!pair || !(fabs(other->value) < little))
-            continue;
-        if (other->kind == touch->kind ? fmod(other->time, periods) < fmod(touch->time, periods)
-                                       : other->kind == SALTUS_BREACH_SPEED)
+        if (pair && fabs(other->value) < little && fmod(other->time, periods) < fmod(touch->time, periods))
             touch = other;
     }
     return touch;
@@ -638,7 +662,7 @@ saltus_status saltus_trace_advance(saltus_trace *t, saltus_message *message) {
     status = breached ? cut_at_breach(t, &breach, &reached, &why) : saltus_solution_survey(o, t->next, &why);
     /* Along a border that the parameter's domain does not contain rounding may lead to it. */
     if (status == SALTUS_BAD_INPUT)
-        return go_on_lost(t, status, why.text, message);
+        return leap(t, t->next->at.ahead, SALTUS_LEAP_EVENTS, why.text, message);
     if (status != SALTUS_OK)
         return saltus_fail(message, status, "%s", why.text);
     if (breached && !breach.found)
