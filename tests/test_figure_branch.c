@@ -1603,6 +1603,35 @@ static void files_are_told_apart(void **state) {
     }
 }
 
+/* A name too long for the page has several lines in the legend, which has their rows. */
+static void long_names_have_several_lines(void **state) {
+    (void)state;
+    const char *const names[] = {"a.h5", "b.h5"};
+    saltus_plot_options how = saltus_plot_defaults();
+    for (int size = 0; size < 3; size++) {
+        how.look.width = size == 0 ? 85 : size == 1 ? 175 : 0;
+        make_branch();
+        write_branch("a.h5");
+        set_parameter(&made.scene.spec, "c", 0.375123);
+        set_parameter(&made.scene.spec, "k", 1.751234);
+        set_parameter(&made.scene.spec, "F", 1.51236);
+        made.scene.spec.stops[0].r = 0.512345;
+        write_branch("b.h5");
+        figure f = draw_files(names, 2, &how);
+        const figure_panel *panel = &f.panel[0];
+        static const char *const words[] = {"{/:Italic c} = 0.375123", "{/:Italic k} = 1.75123",
+                                            "{/:Italic F} = 1.51236", "{/:Italic r} = 0.512345"};
+        for (int k = 0; k < 4; k++)
+            assert_non_null(figure_element_of(panel, words[k], 0));
+        const double page = size == 2 ? 1600 : how.look.width / (8 * 25.4 / 72 * 3 / 52);
+        for (int e = 0; e < panel->element_count; e++)
+            assert_true(saltus_page_width(panel->element[e].title, 11.375) < page - 60);
+        assert_true((figure_element_of(panel, "nodraw", 0) != NULL) == (size == 0));
+        check_rows_of_legend(panel, 1);
+        figure_free(&f);
+    }
+}
+
 /* A heading that hardly fits keeps its last letter on its line. */
 static void headings_have_one_line(void **state) {
     (void)state;
@@ -1753,6 +1782,7 @@ int main(void) {
         cmocka_unit_test(the_legend_names_only_what_occurs),
         cmocka_unit_test(headings_have_one_line),
         cmocka_unit_test(files_are_told_apart),
+        cmocka_unit_test(long_names_have_several_lines),
         cmocka_unit_test(marks_without_a_name_are_counted),
     };
     return cmocka_run_group_tests(tests, open_folder, close_folder);

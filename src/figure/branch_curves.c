@@ -77,30 +77,58 @@ static const char *hue_colour(const saltus_plot_page *page, int hue) {
     return page->locus ? marks[saltus_plot_locus(hue)].colour : hues[hue];
 }
 
-double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows) {
-    const double letter = 9.9, sign = 5.6 * letter, beside = 148;
-    const content c = find_content(page);
-    int most = (int)(width / (page->locus || page->count > 1 ? 310 : 190));
-    /* gnuplot makes all entries as wide as the longest, in as many columns as fit into the panel. */
-    size_t longest = 0;
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
-        longest =
-            c.kind[kind] && strlen(marks[kind].meaning) > longest ? strlen(marks[kind].meaning) : longest;
-    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
-        const size_t own = strlen(strokes[page->locus][stroke].meaning);
-        longest = c.stroke[stroke] && own > longest ? own : longest;
+enum { name_lines = 6 };
+
+/* Break a file's name in a legend on a page of this width into lines: their lengths in bytes. Returns how
+ * many there are. */
+static int name_file(const saltus_plot_page *page, int file, double width, saltus_line *name,
+                     size_t length[name_lines]) {
+    const double before = 64, em = 15.2; /* the sample and margins; the height of the type */
+    int lines = 0;
+    *name = (saltus_line){.length = 0};
+    saltus_line_plain(name, page->files[file].scene);
+    saltus_plot_add_differences(page, file, name);
+    for (const char *rest = name->text; *rest && lines < name_lines; rest += length[lines++]) {
+        length[lines] = saltus_line_piece(rest, (width - before) / em);
+        length[lines] += strspn(rest + length[lines], " ");
     }
-    if (width < 1000)
-        most = (int)fmin(most, (width - beside) / (letter * (double)longest + sign));
-    const int columns = most > 1 ? most : 1;
-    int entries = page->locus || page->count == 1 ? 0 : page->count;
-    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++)
-        entries += c.stroke[stroke] && *strokes[page->locus][stroke].meaning;
+    return lines;
+}
+
+double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows) {
+    const double letter = 9.9, sign = 5.6 * letter, beside = width < 1000 ? 148 : 187, narrowest = 0.5;
+    const bool files = page->count > 1 && !page->locus;
+    const content c = find_content(page);
+    int most = (int)(width / (page->locus || page->count > 1 ? 310 : 190)), entries = 0;
+    /* gnuplot makes all entries as wide as the longest, in as many columns as fit into the panel. */
+    double longest = 1; /* letters */
+    for (int i = 0; i < page->count && files; i++) {
+        saltus_line name, piece;
+        size_t length[name_lines];
+        const int lines = name_file(page, i, width, &name, length);
+        const char *rest = name.text;
+        for (int k = 0; k < lines; rest += length[k++]) {
+            piece.length = 0;
+            saltus_line_add(&piece, "%.*s", (int)length[k], rest);
+            longest = fmax(longest, saltus_line_width(piece.text) / narrowest);
+        }
+        entries += lines;
+    }
+    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
+        const char *meaning = strokes[page->locus][stroke].meaning;
+        const bool named = c.stroke[stroke] && *meaning;
+        longest = named ? fmax(longest, (double)strlen(meaning)) : longest;
+        entries += named;
+    }
     for (int hue = 0; hue < SALTUS_HUES; hue++)
         entries += page->locus && c.hue[hue];
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++) {
+        longest = c.kind[kind] ? fmax(longest, (double)strlen(marks[kind].meaning)) : longest;
         entries += c.kind[kind];
-    const int own = (entries + columns - 1) / columns;
+    }
+    if (width < 1000 || files)
+        most = (int)fmin(most, (width - beside) / (letter * longest + sign));
+    const int columns = most > 1 ? most : 1, own = (entries + columns - 1) / columns;
     if (rows)
         *rows = own;
     return 10 + 19 * own;
@@ -171,12 +199,18 @@ void saltus_plot_elements(const saltus_plot_page *page) {
                     marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
                     hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
     for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
-        saltus_line name = {.length = 0};
-        saltus_line_plain(&name, page->files[i].scene);
-        saltus_plot_add_differences(page, i, &name);
-        fprintf(file, "     NaN with lines lw 2.6 lc rgb '%s' title ", hues[i % SALTUS_HUES]);
-        saltus_put_quoted(file, name.text, name.length);
-        fputs(", \\\n", file);
+        saltus_line name;
+        size_t length[name_lines];
+        const int lines = name_file(page, i, page->paper->width, &name, length);
+        const char *rest = name.text;
+        for (int k = 0; k < lines; rest += length[k++]) {
+            if (k == 0)
+                fprintf(file, "     NaN with lines lw 2.6 lc rgb '%s' title ", hues[i % SALTUS_HUES]);
+            else
+                fputs("     NaN with lines lt nodraw title ", file);
+            saltus_put_quoted(file, rest, length[k]);
+            fputs(", \\\n", file);
+        }
     }
     for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
         const stroke_look *look = &strokes[page->locus][stroke];
