@@ -49,6 +49,14 @@ static bool find_digits(double value, uint64_t *number, int *power) {
     return scale(m, e - 53, digits - 1 - *power, number) && *number >= least && *number < above;
 }
 
+const char *saltus_number_of(double value, int digits, char *text) {
+    snprintf(text, SALTUS_NUMBER_MAX, "%.*g", digits, isnan(value) ? NAN : value);
+    char *comma = strchr(text, ',');
+    if (comma)
+        *comma = '.';
+    return text;
+}
+
 const char *saltus_number(double value, char *text) {
     uint64_t number;
     int power;

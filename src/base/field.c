@@ -9,14 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *saltus_number_of(double value, int digits, char *text) {
-    snprintf(text, SALTUS_NUMBER_MAX, "%.*g", digits, isnan(value) ? NAN : value);
-    char *comma = strchr(text, ',');
-    if (comma)
-        *comma = '.';
-    return text;
-}
-
 void saltus_put_string(FILE *file, const char *text) {
     fputc('"', file);
     for (const unsigned char *c = (const unsigned char *)text; *c; c++)
