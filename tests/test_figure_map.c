@@ -286,6 +286,48 @@ static void fill_several(made_place *m) {
     }
 }
 
+/* Starts without a motion hide none, and count as no attractor. */
+static void fill_some_without(made_place *m) {
+    for (int s = 0; s < m->seeds; s++) {
+        const bool moves = m->point % 3 != 2 && s > m->point % 3;
+        m->row[s] = moves               ? made_periodic(1, 1)
+                    : m->point % 3 == 1 ? made_other(SALTUS_FAILED)
+                                        : made_other(SALTUS_BEYOND);
+        m->row[s].attractor = moves ? 0 : -1;
+    }
+}
+
+static void starts_without_a_motion_hide_none(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CLASS};
+    saltus_axis axes[2];
+    char path[path_size];
+    options.seeds = 3;
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_some_without, 100);
+    saltus_sweep_file file = made_read(path);
+    figure f = draw(&how, "s.png");
+    const figure_element *e = figure_element_of(&f.panel[0], "binary", 0);
+    long long *point = points_of(&f.panel[0], e, &file);
+    const unsigned moving = saltus_class_paint(SALTUS_PERIODIC, 1, 1).colour;
+    int asked = 0;
+    for (int n = 0; n < e->width * e->height; n += 31) {
+        if (point[n] < 0)
+            continue;
+        assert_true((figure_pixel(e, n % e->width, n / e->width, NULL) == moving) == (point[n] % 3 != 2));
+        asked++;
+    }
+    assert_true(asked > 1000);
+    assert_null(figure_mark_of(&f.panel[0], 'l', "more than one attractor", 0));
+    assert_null(figure_mark_of(&f.panel[0], 'l', "failed", 0));
+    assert_non_null(figure_mark_of(&f.panel[0], 'l', "beyond a stop", 0));
+    free(point);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
 static void the_motion_of_most_starts_is_shown(void **state) {
     (void)state;
     saltus_scene scene = made_scene();
@@ -1435,6 +1477,7 @@ int main(void) {
         cmocka_unit_test(each_cell_has_the_colour_of_its_class),
         cmocka_unit_test(shades_tell_period_and_impacts),
         cmocka_unit_test(the_motion_of_most_starts_is_shown),
+        cmocka_unit_test(starts_without_a_motion_hide_none),
         cmocka_unit_test(passes_that_differ_are_two_attractors),
         cmocka_unit_test(names_stand_in_their_regions),
         cmocka_unit_test(the_rarest_chaos_keeps_its_entry),

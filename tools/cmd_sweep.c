@@ -95,7 +95,7 @@ const cli_command cmd_sweep = {
              "disturbance, which it would not to an unstable orbit. Where iteration is slow or cannot tell "
              "n/p from 2n/2p, Newton's method and the multipliers decide. What has no period up to --longest "
              "after --at-most periods is irregular; with --what lyapunov it is judged by the rules of saltus "
-             "classify, from the one trajectory of the row.\n"
+             "classify, from the one trajectory of the row. A start beyond a stop is told as that.\n"
              "--start carry follows the attractor from point to point, up and down, and keeps both apart, so "
              "that hysteresis shows. --seeds k starts from k initial states at each point and counts the "
              "distinct attractors. What --what does not ask for is not computed.\n"

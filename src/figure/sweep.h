@@ -97,8 +97,8 @@ double saltus_sweep_shown(const saltus_sweep_page *page, int column, int row);
 /* The number of rows of a grid point, passes times seeds, and the k-th of them. */
 int saltus_sweep_visits(const saltus_sweep_file *sweep);
 long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k);
-/* The most frequent class among a point's rows, ignoring pending ones; *several: the point has more than one
- * attractor. */
+/* The most frequent class among a point's rows that tell of a motion or, without any, the first that is not
+ * pending; *several: the point has more than one attractor. */
 int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several);
 
 /* sweep_page.c: texts and legend entries. */
