@@ -278,7 +278,7 @@ static double velocity_term(const saltus_flow *flow, int lane, const double *row
 }
 
 /* Zero of the velocity c in (0, 1], if it is negative at 0 and its derivative is surely positive: by Newton's
- * method, to the accuracy that a turning point's place needs, where displacements hardly depend on time.
+ * method, to about 1e-8, more than a turning point needs, whose displacement hardly depends on its place.
  * False if it is not sure. */
 static bool quick_rise(const double *c, int degree, double *root) {
     enum { rounds = 20 };
@@ -300,7 +300,7 @@ static bool quick_rise(const double *c, int degree, double *root) {
         if (!(next > 0 && next <= 1))
             return false;
         place = next;
-        if (moved <= 1e-6 * place) {
+        if (moved <= 3e-5 * place) {
             *root = place;
             return true;
         }

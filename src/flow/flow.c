@@ -14,7 +14,9 @@
  * While a face stays close, n.q - d loses all digits, so gap and rate are carried from the step's polynomial
  * to the next step.
  * - The earliest event of a step wins; the state is evaluated there, the event is applied, and the flow goes
- * on. Faces reached in the same instant (to rounding) share one impact.
+ * on. Faces reached in the same instant (to rounding) share one impact. Turning points of the observed
+ * displacement are events too, unless a function takes them (saltus_flow_aim_observed): then they end no
+ * step.
  * - Complete chatter, sticking and release: see contact.c. A held face is not searched for impacts, only its
  * force for the fall through zero.
  * - A start on a stop: approaching faces are hit at once, opening ones leave, resting ones hold if pressed
