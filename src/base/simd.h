@@ -125,6 +125,20 @@ static inline saltus_pack saltus_pack_if_less(saltus_pack a, saltus_pack b, salt
 #endif
 }
 
+/* The elements for which a < b, as bits. */
+static inline unsigned saltus_pack_less(saltus_pack a, saltus_pack b) {
+#if defined(__AVX512F__)
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+#elif defined(__AVX2__) && defined(__FMA__)
+    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LT_OQ));
+#else
+    unsigned less = 0;
+    for (int i = 0; i < SALTUS_PACK; i++)
+        less |= (unsigned)(a[i] < b[i]) << i;
+    return less;
+#endif
+}
+
 /* The largest element. */
 static inline double saltus_pack_largest(saltus_pack a) {
 #if defined(__AVX512F__)

@@ -584,19 +584,27 @@ KERNEL_INLINE lane_t gap_margin(const saltus_work *w, int face, lane_t step) {
     return lane_fma(odd, step, start) + lane_fma(even, square, 1e-14 * lane_size(start));
 }
 
+/* A step of Horner's rule for the positive terms and for the others, turned positive. */
+KERNEL_INLINE void split_term(lane_t term, lane_t factor, lane_t *positive, lane_t *others) {
+    const lane_t none = lane_constant(0);
+    *positive = lane_fma(*positive, factor, lane_if_less(none, term, term, none));
+    *others = lane_fma(*others, factor, lane_if_less(none, term, none, -term));
+}
+
 /* A bound on how far a row's velocity moves towards zero and beyond, from its start and all terms against it;
  * not negative if the start is near zero compared with the other terms. */
 static void bound_velocity(saltus_work *w, int row) {
     const lane_t *series = NUMBERS(w->gap) + row * (w->order + 2);
-    const lane_t step = *NUMBERS(w->lane->advance), none = lane_constant(0);
+    const lane_t step = *NUMBERS(w->lane->advance), square = step * step, none = lane_constant(0);
     const lane_t start = lane_size(series[1]),
                  side = lane_if_less(none, series[1], lane_constant(-1), lane_constant(1));
-    lane_t against = none, along = none;
-    for (int k = w->degree_most; k > 1; k--) {
-        const lane_t term = series_term(w, side * series[k] * (double)k, k, 0);
-        against = lane_fma(against, step, lane_if_less(none, term, term, none));
-        along = lane_fma(along, step, lane_if_less(none, term, none, -term));
+    lane_t even = none, odd = none, even_along = none, odd_along = none;
+    for (int k = (w->degree_most + 1) / 2 * 2; k > 2; k -= 2) {
+        split_term(series_term(w, side * series[k] * (double)k, k, 0), square, &even, &even_along);
+        split_term(series_term(w, side * series[k - 1] * (k - 1.0), k - 1, 0), square, &odd, &odd_along);
     }
+    split_term(side * series[2] * 2.0, square, &even, &even_along);
+    const lane_t against = lane_fma(odd, step, even), along = lane_fma(odd_along, step, even_along);
     const lane_t margin = lane_fma(against, step, -start);
     *NUMBERS(w->lane->turning) = lane_if_less(1e-12 * along * step, start, margin + 1e-12 * start, none);
 }
@@ -646,7 +654,7 @@ static void plan(saltus_work *w) {
 }
 
 /* A quiet lane's step meets nothing if it ends before the target and the period do and no face comes near. */
-static void pass(saltus_work *w) {
+static unsigned pass(saltus_work *w, unsigned *quiet) {
     const lane_t one = lane_constant(1), none = lane_constant(0), phase = *NUMBERS(w->lane->phase);
     const lane_t next = phase + *NUMBERS(w->lane->passing), left = *NUMBERS(w->lane->left);
     lane_t passed = lane_if_less(*NUMBERS(w->lane->quiet), none, one, none);
@@ -657,13 +665,16 @@ static void pass(saltus_work *w) {
     const lane_t ahead = *NUMBERS(w->lane->cycles) + (*NUMBERS(w->lane->until) - next);
     const lane_t later = lane_if_less(none, passed, ahead * *NUMBERS(w->lane->period), left),
                  taken = *NUMBERS(w->lane->taken) + passed;
-    *NUMBERS(w->lane->passed) = passed;
     *NUMBERS(w->lane->from) = phase;
     *NUMBERS(w->lane->phase) = lane_if_less(none, passed, next, phase);
     *NUMBERS(w->lane->left) = later;
     *NUMBERS(w->lane->taken) = taken;
     const lane_t far = lane_if_less(*NUMBERS(w->lane->brief), later, -passed, one);
-    *NUMBERS(w->lane->quiet) = lane_if_less(taken, lane_constant(SALTUS_QUIET_STEPS), far, one);
+    const lane_t goes_on = lane_if_less(taken, lane_constant(SALTUS_QUIET_STEPS), far, one);
+    *NUMBERS(w->lane->quiet) = goes_on;
+    const unsigned lanes = lanes_less(none, passed);
+    *quiet = lanes & lanes_less(goes_on, none);
+    return lanes;
 }
 
 /* Even and odd coefficients in two chains, which halves the latency of Horner's rule. */

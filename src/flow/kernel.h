@@ -58,7 +58,6 @@ typedef struct saltus_lane_numbers {
     double brief[SALTUS_LANES_MAX];  /* this near to the target the lane is quiet no longer, ... */
     double taken[SALTUS_LANES_MAX];  /* ... nor after SALTUS_QUIET_STEPS such steps */
     double from[SALTUS_LANES_MAX];   /* phase at the last step's begin */
-    double passed[SALTUS_LANES_MAX]; /* 1: the planned step meets nothing; else 0 */
     /* of the step */
     double step[SALTUS_LANES_MAX];                     /* longest within the tolerance */
     double advance[SALTUS_LANES_MAX];                  /* where to evaluate */
@@ -158,8 +157,9 @@ struct saltus_kernel {
     /* `step` and `left` -> `advance`, `passing`, `margin` and `near`: how far to go, and which lanes may meet
      * a stop. */
     void (*plan)(saltus_work *work);
-    /* Let the planned step's time pass in quiet lanes that meet nothing in it. */
-    void (*pass)(saltus_work *work);
+    /* Let the planned step's time pass in quiet lanes that meet nothing in it: these, as bits, are returned,
+     * and in *quiet those of them whose next step may be left to the kernel too. */
+    unsigned (*pass)(saltus_work *work, unsigned *quiet);
     /* A row of the gap series and `advance` -> `turning`. */
     void (*bound_velocity)(saltus_work *work, int row);
     /* Jets of the lanes' degrees -> states at `advance`. */

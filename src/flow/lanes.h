@@ -12,6 +12,7 @@
  *   lane_alternate   one of two numbers for each order in a pack, by the order's parity
  *   lane_word        the bits of a lane_t
  *   lane_if_less     a < b ? yes : no, lane by lane
+ *   lanes_less       the lanes in which a < b, as bits
  *   row_block        how many packs of a row are worked on at once, in registers
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_LANES_H
@@ -34,6 +35,9 @@ KERNEL_INLINE lane_t lane_value(lane_word bits) {
 }
 KERNEL_INLINE lane_t lane_if_less(lane_t a, lane_t b, lane_t yes, lane_t no) {
     return saltus_pack_if_less(a, b, yes, no);
+}
+KERNEL_INLINE unsigned lanes_less(lane_t a, lane_t b) {
+    return saltus_pack_less(a, b);
 }
 KERNEL_INLINE saltus_pack lane_spread(lane_t s) {
     return s;
@@ -159,6 +163,9 @@ KERNEL_INLINE lane_t lane_value(lane_word bits) {
 }
 KERNEL_INLINE lane_t lane_if_less(lane_t a, lane_t b, lane_t yes, lane_t no) {
     return a < b ? yes : no;
+}
+KERNEL_INLINE unsigned lanes_less(lane_t a, lane_t b) {
+    return a < b;
 }
 KERNEL_INLINE saltus_pack lane_spread(lane_t s) {
     return saltus_pack_splat(s);

@@ -72,17 +72,7 @@ static inline void saltus_quiet_break(saltus_flow *flow, int lane) {
 
 /* The lanes, as bits, whose planned step meets nothing and is concluded. */
 static inline unsigned saltus_quiet_pass(saltus_flow *flow) {
-    const saltus_lane_numbers *numbers = flow->work.lane;
-    unsigned passed = 0, stay = 0;
-    if (flow->lanes == 1)
-        return 0;
-    flow->kernel->pass(&flow->work);
-    for (int l = 0; l < flow->lanes; l++) {
-        passed |= (unsigned)(numbers->passed[l] > 0) << l;
-        stay |= (unsigned)(numbers->quiet[l] < 0) << l;
-    }
-    flow->quiet = passed & stay;
-    return passed;
+    return flow->lanes == 1 ? 0 : flow->kernel->pass(&flow->work, &flow->quiet);
 }
 
 #endif
