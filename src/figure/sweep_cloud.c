@@ -385,14 +385,22 @@ static void put_exponent_elements(const saltus_sweep_page *page, bool dense) {
 /* The faces that limit what is shown: each is named at the end of its line, which gnuplot needs before the
  * plot command, ... */
 static void put_face_names(const saltus_sweep_page *page) {
+    const double least = 40; /* units from the panel's left edge */
     for (int f = 0; f < saltus_system_face_count(page->system); f++) {
         saltus_face face = saltus_system_face(page->system, f);
         double d = clearance(page, face, page->x.range.high);
         if (!limits(page, face) || !(d > page->up.low && d < page->up.high))
             continue;
         fprintf(page->paper.file, "set label '%s{/:Italic d}' at ", face.side < 0 ? "−" : "");
-        fprintf(page->paper.file,
-                page->swap ? "first %.9g, graph 1 center offset 0,0.6" : "graph 1.008, first %.9g left", d);
+        if (page->swap) /* clear of the names above the strip */
+            fprintf(page->paper.file, "first %.9g, graph 1 %s offset 0,0.6", d,
+                    saltus_range_part(page->up, page->logarithmic, d) *
+                                (page->frame.right - page->frame.left) <
+                            least
+                        ? "left"
+                        : "center");
+        else
+            fprintf(page->paper.file, "graph 1.008, first %.9g left", d);
         fputs(" front tc rgb '#606060'\n", page->paper.file);
     }
 }
