@@ -325,6 +325,23 @@ static void put_exponents(const saltus_sweep_page *page, bool lost) {
         }
 }
 
+/* The blocks of exponents, which a density does without, and of the line at zero where that is upright. */
+static void put_exponent_data(const saltus_sweep_page *page, bool dense) {
+    FILE *file = page->paper.file;
+    if (page->swap)
+        fprintf(file, "$zero << EOD\n# exponent, parameter\n0 %.12g\n0 %.12g\nEOD\n", page->x.range.low,
+                page->x.range.high);
+    if (dense)
+        return;
+    fputs("$exponents << EOD\n# parameter, its cell, exponent, less and plus its standard error\n"
+          "NaN NaN NaN NaN NaN NaN\n",
+          file);
+    put_exponents(page, false);
+    fputs("EOD\n$lost << EOD\n# parameter where all directions are lost\nNaN NaN NaN NaN NaN NaN\n", file);
+    put_exponents(page, true);
+    fputs("EOD\n", file);
+}
+
 /* The columns of a block of parameter and measure that are the coordinates of a point. */
 static const char *columns(const saltus_sweep_page *page) {
     return page->swap ? "2:1" : "1:2";
@@ -545,19 +562,8 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         page->branches = &curves;
         sound = saltus_plot_data(&curves) && sound;
     }
-    if (page->view == SALTUS_VIEW_LYAPUNOV && page->swap)
-        fprintf(file, "$zero << EOD\n# exponent, parameter\n0 %.12g\n0 %.12g\nEOD\n", page->x.range.low,
-                page->x.range.high);
-    if (page->view == SALTUS_VIEW_LYAPUNOV && !dense) {
-        fputs("$exponents << EOD\n# parameter, its cell, exponent, less and plus its standard error\n"
-              "NaN NaN NaN NaN NaN NaN\n",
-              file);
-        put_exponents(page, false);
-        fputs("EOD\n$lost << EOD\n# parameter where all directions are lost\nNaN NaN NaN NaN NaN NaN\n",
-              file);
-        put_exponents(page, true);
-        fputs("EOD\n", file);
-    }
+    if (page->view == SALTUS_VIEW_LYAPUNOV)
+        put_exponent_data(page, dense);
     if (dense)
         sound = sound && paint(page, rasters);
     if (sound) {
