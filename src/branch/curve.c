@@ -202,10 +202,14 @@ saltus_status saltus_curve_revisit(saltus_equations *e, const saltus_curve_point
     const double rest = (ahead - point->ahead) / saltus_dot(from->tangent, point->tangent, from->unknowns);
     if (point->ahead > least)
         saltus_curve_bend(from, point);
+    double off = 0; /* of the plane in which the point lies, because the curve bends */
     for (int j = 0; j < from->unknowns; j++) {
         point->u[j] = place_ahead(point, j, rest);
         point->tangent[j] = fma(ahead, from->tangent[j], from->u[j]);
+        off += from->tangent[j] * (point->u[j] - point->tangent[j]);
     }
+    for (int j = 0; j < from->unknowns; j++)
+        point->u[j] -= off * from->tangent[j];
     point->ahead = ahead;
     point->bent = false;
     return correct(e, from, from->tangent, point, message);
