@@ -19,8 +19,9 @@
  * likewise. Lack of memory is noted in the orbits. */
 saltus_point_kind saltus_halved_tell(saltus_extended *extended, bool mirrored, saltus_locus_point *at);
 /* Where a curve of special orbits ends as impacts have lost their speed, at the orbit `at`, known to some
- * digits, that may be a shorter one, at whose grazing the impact's infinite multiplier is not felt. If so `at`
- * becomes that: the zero of the shorter orbits' determinant along their curve of grazing. Otherwise false. */
+ * digits, that may be a shorter one, at whose grazing the impact's infinite multiplier is not felt. If so
+ * `at` becomes that: the zero of the shorter orbits' determinant along their curve of grazing. Otherwise
+ * false. */
 bool saltus_halved_touch(saltus_extended *extended, saltus_locus_point *at);
 
 #endif
