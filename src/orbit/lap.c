@@ -170,23 +170,37 @@ void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_
         snprintf(label, SALTUS_LABEL_MAX, "%lld/%d", impacts, periods);
 }
 
+/* Whether a section point lies just before an impact on a face, whose speed it gives. */
+static bool lies_before(const saltus_system *system, int face, const double *point, double accuracy,
+                        double *speed) {
+    const saltus_face f = system->faces[face];
+    const double *normal = system->stop_normal[f.stop], *scale = saltus_system_scale(system);
+    double reach = 0;
+    for (int i = 0; i < system->dof; i++)
+        reach += fabs(normal[i]) * scale[i];
+    *speed = saltus_dot(normal, point + system->dof, system->dof);
+    return f.side * *speed > 0 && fabs(saltus_system_gap(system, face, point)) < accuracy * reach;
+}
+
+int saltus_point_before_impacts(const saltus_system *system, const double *point, double accuracy) {
+    int count = 0;
+    double speed;
+    for (int f = 0; f < system->face_count; f++)
+        count += lies_before(system, f, point, accuracy, &speed);
+    return count;
+}
+
 /* A section point as it is just after the impacts that it may lie before: which side of an impact in the
  * section the flow ends on, rounding decides. */
 static void pass_impacts(const saltus_system *system, const double *point, double accuracy, double *after) {
-    const int dof = system->dof;
-    const double *scale = saltus_system_scale(system);
+    double speed;
     memcpy(after, point, (size_t)system->dimension * sizeof *after);
-    for (int f = 0; f < system->face_count; f++) {
-        const saltus_face face = system->faces[f];
-        const double *normal = system->stop_normal[face.stop], *impulse = system->stop_impulse[face.stop];
-        double reach = 0;
-        for (int i = 0; i < dof; i++)
-            reach += fabs(normal[i]) * scale[i];
-        const double speed = saltus_dot(normal, after + dof, dof);
-        if (face.side * speed > 0 && fabs(saltus_system_gap(system, f, after)) < accuracy * reach)
-            for (int i = 0; i < dof; i++)
-                after[dof + i] -= (1 + face.r) * speed * impulse[i];
-    }
+    for (int f = 0; f < system->face_count; f++)
+        if (lies_before(system, f, after, accuracy, &speed)) {
+            const double *impulse = system->stop_impulse[system->faces[f].stop];
+            for (int i = 0; i < system->dof; i++)
+                after[system->dof + i] -= (1 + system->faces[f].r) * speed * impulse[i];
+        }
 }
 
 int saltus_points_least_period(const saltus_system *system, const double *points, int periods,

@@ -78,6 +78,9 @@ int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *fl
 /* The same for section points in turn, which are accurate to `accuracy`, in the system's scales. */
 int saltus_points_least_period(const saltus_system *system, const double *points, int periods,
                                double accuracy);
+/* How many impacts in the very section a point lies just before. Rounding decides on which side of them the
+ * flow ends. */
+int saltus_point_before_impacts(const saltus_system *system, const double *point, double accuracy);
 /* Whether an orbit passes through a state at section phase 0. */
 bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,
                          double distance);

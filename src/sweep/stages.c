@@ -166,6 +166,28 @@ static saltus_next end_place(saltus_sweep_trajectory *t) {
     return o->measure > 0 ? SALTUS_NEXT_MEASURE : SALTUS_NEXT_DONE;
 }
 
+/* The accuracy of section points of an orbit that has settled. */
+static double section_accuracy(const saltus_sweep_trajectory *t) {
+    return fmax(1e-8, 100 * t->sweep->options.flow.rtol);
+}
+
+static void begin_lap(saltus_sweep_trajectory *t, saltus_watch *watch, long long periods) {
+    t->proof.before = saltus_point_before_impacts(t->system, t->state, section_accuracy(t));
+    t->proof.laps++;
+    begin_watch(t, watch, periods, !saltus_system_forced(t->system));
+}
+
+/* Whether the lap just gone began on one side of an impact in the very section and ended on the other, so
+ * that it met this impact twice or not at all; another one then begins where it ended. */
+static bool goes_around_again(saltus_sweep_trajectory *t) {
+    enum { laps_most = 8 };
+    const int before = saltus_point_before_impacts(t->system, t->state, section_accuracy(t));
+    if (!saltus_system_forced(t->system) || before == t->proof.before || t->proof.laps >= laps_most)
+        return false;
+    begin_lap(t, t->active, t->row.periods);
+    return true;
+}
+
 /* Act on a verdict: go once around an orbit; record anything else now, or end if it has been recorded. */
 static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement) {
     const bool adaptive = t->sweep->options.adaptive;
@@ -176,7 +198,8 @@ static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement
     if (judgement.verdict == SALTUS_PERIODIC) {
         saltus_sweep_trajectory_settle(t, SALTUS_PERIODIC, judgement.periods);
         t->stage = SALTUS_STAGE_ORBIT;
-        begin_watch(t, adaptive ? &t->watch : &t->round, judgement.periods, !saltus_system_forced(t->system));
+        t->proof.laps = 0;
+        begin_lap(t, adaptive ? &t->watch : &t->round, judgement.periods);
         return SALTUS_NEXT_GO_ON;
     }
     saltus_sweep_trajectory_settle(t, judgement.verdict, 0);
@@ -212,9 +235,8 @@ static void measure(saltus_sweep_trajectory *t) {
 /* Where an impact comes in the very section, points of the orbit lie before and after it in turn: iteration
  * takes this for twice the period. */
 static void take_least_period(saltus_sweep_trajectory *t) {
-    const double accuracy = fmax(1e-8, 100 * t->sweep->options.flow.rtol);
     const int periods = t->row.periods,
-              least = saltus_points_least_period(t->system, t->proof.orbit, periods, accuracy);
+              least = saltus_points_least_period(t->system, t->proof.orbit, periods, section_accuracy(t));
     if (least == periods || (t->row.impacts > 0 && t->row.impacts * least % periods) ||
         t->row.sticking * least % periods)
         return;
@@ -227,6 +249,8 @@ static void take_least_period(saltus_sweep_trajectory *t) {
 static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
     lap->contacts = saltus_flow_contacts(t->flow, t->lane);
+    if (goes_around_again(t))
+        return SALTUS_NEXT_GO_ON;
     t->row.impacts = (int)saltus_lap_impacts(lap);
     t->row.sticking = saltus_lap_sticking(lap);
     if (saltus_lap_held(lap)) {
