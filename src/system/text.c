@@ -173,10 +173,9 @@ typedef struct extra_loop {
 static void measure_rates(saltus_system *system, const saltus_equations_graph *g, const double *reference,
                           double *values) {
     const int n = system->dof, all = n + system->extra, dimension = system->dimension;
-    double state[SALTUS_STATE_MAX], above[SALTUS_STATE_MAX], below[SALTUS_STATE_MAX];
+    double state[SALTUS_STATE_MAX], above[SALTUS_STATE_MAX], below[SALTUS_STATE_MAX], loops = 0;
     double pull[SALTUS_STATE_MAX] = {0}, drag[SALTUS_STATE_MAX] = {0}, decay = 0, stiffness = 0, damping = 0;
     extra_loop loop[SALTUS_STATE_MAX] = {{0}};
-    double loops = 0;
     memcpy(state, reference, (size_t)dimension * sizeof *state);
     for (int j = 0; j < dimension; j++) {
         const double h = 1e-5 * system->scale[j];
