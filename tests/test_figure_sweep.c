@@ -1210,6 +1210,39 @@ static void each_motion_has_its_name(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
+static void fill_of_all_kinds(made_place *m) {
+    const int k = (int)m->point;
+    m->row[0] = k < 900 ? made_periodic(k / 300, 1) : made_periodic(k - 900, 2 + k % 19);
+}
+
+/* Of very many motions the most frequent have entries, and how many have none is said. */
+static void legends_of_many_motions_are_short(void **state) {
+    (void)state;
+    const saltus_axis axis = {.key = "omega", .count = slivered, .low = 0.5, .high = 1.5};
+    saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    saltus_message message = {.text = ""};
+    char path[path_size], out[path_size];
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_of_all_kinds, slivered);
+    for (int size = 80; size <= 120; size += 20) {
+        saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST, .look = {.width = size}};
+        check_ok(saltus_plot_sweep(path_in("s.svg", out), path, &how, &message), &message);
+        figure f = figure_taken(folder);
+        int entries = 0, left_out = 0;
+        for (int m = 0; m < f.panel[0].mark_count; m++) {
+            const char *text = f.panel[0].mark[m].text;
+            int periods = 0, end = 0;
+            if (sscanf(text, "and %d more, none above 0.1 %%%n", &left_out, &end) == 1)
+                assert_int_equal(end, (int)strlen(text));
+            else
+                entries += sscanf(text, "%*d/%d", &periods) == 1 && periods > 1;
+        }
+        assert_true(entries >= 8 && left_out > 0);
+        assert_int_equal(entries + left_out, 100);
+        figure_free(&f);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clouds_are_those_of_the_file),
@@ -1225,6 +1258,7 @@ int main(void) {
         cmocka_unit_test(exponents_stand_on_zero),
         cmocka_unit_test(the_strip_tells_the_motion_at_each_value),
         cmocka_unit_test(each_motion_has_its_name),
+        cmocka_unit_test(legends_of_many_motions_are_short),
         cmocka_unit_test(axes_can_be_exchanged),
         cmocka_unit_test(shares_of_the_starts_are_heights),
         cmocka_unit_test(logarithmic_tics_are_round),

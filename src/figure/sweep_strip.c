@@ -118,13 +118,26 @@ static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, b
     return sound;
 }
 
+/* Say how many classes the legend leaves out, and the largest share of one of them. */
+static void put_left_out(const saltus_sweep_page *page, double x, double y, int count, double share) {
+    char style[64];
+    saltus_line words = {.length = 0};
+    snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#404040'",
+             saltus_page_type(&page->paper, 10.5));
+    saltus_line_add(&words, "and %d more, %s%.2g %%", count, count > 1 ? "none above " : "", 100 * share);
+    saltus_page_label(&page->paper, words.text, x, y + 9, style);
+}
+
+/* The most frequent classes, in a few rows. */
 bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top, bool drawn,
                                    double *height) {
+    enum { rows_most = 8 };
     const double row = 25, apart = 30, letter = 9.6;
     size_t count = (size_t)page->classes.count + 1;
     bool *occurs = calloc(count, sizeof *occurs), *named = calloc(count, sizeof *named);
     bool sound = occurs && named && find_named(page, pixels_along(page, frame), occurs, named);
-    double x = frame.left;
+    double x = frame.left, share = 0;
+    int left_out = 0;
     *height = 0;
     for (int k = 0; k < page->classes.count && sound; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
@@ -135,12 +148,21 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame f
         double own = apart + letter * (double)strlen(label) + 14;
         if (x + own > frame.right && x > frame.left)
             x = frame.left;
+        if (left_out || (x == frame.left && *height == rows_most * row)) {
+            left_out++;
+            share = fmax(share, c->share);
+            continue;
+        }
         if (x == frame.left)
             *height += row;
         if (drawn)
             saltus_sweep_put_entry(page, x, top - *height, c->paint, false, label, "");
         x += own;
     }
+    if (left_out)
+        *height += row;
+    if (left_out && drawn)
+        put_left_out(page, frame.left, top - *height, left_out, share);
     free(occurs);
     free(named);
     return sound;
