@@ -99,16 +99,31 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     return sound;
 }
 
-/* Find the classes that occur in the visible part, and whether each has a name in the strip. */
-static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, bool *named) {
+/* Count the rows of each class in the visible part; returns how many there are in all. */
+static long long count_shown(const saltus_sweep_page *page, int width, long long *shown) {
+    const int seeds = page->sweep->options.seeds;
+    int begin = page->x.count, end = -1;
+    for (int pixel = 0, first, last; pixel < width; pixel++)
+        if (saltus_cells_at(&page->x, width, pixel, &first, &last)) {
+            begin = first < begin ? first : begin;
+            end = last > end ? last : end;
+        }
+    for (int pass = 0; pass < page->sweep->pass_count; pass++)
+        for (int cell = begin; cell <= end; cell++)
+            for (int seed = 0; seed < seeds; seed++)
+                shown[page->classes
+                          .of_row[(pass * page->sweep->points + page->x.order[cell]) * seeds + seed]]++;
+    return end < begin ? 0 : (long long)(end - begin + 1) * page->sweep->pass_count * seeds;
+}
+
+/* Find the classes that have a name in the strip. */
+static bool find_named(const saltus_sweep_page *page, int width, bool *named) {
     int *counts = calloc((size_t)page->classes.count, sizeof *counts),
         *winners = calloc((size_t)width, sizeof *winners);
     const bool sound = counts && winners;
     for (int pass = 0; pass < page->sweep->pass_count && sound; pass++) {
         for (int x = 0; x < width; x++)
-            if (count_classes(page, pass, width, x, counts, &winners[x]))
-                for (int k = 0; k < page->classes.count; k++)
-                    occurs[k] = occurs[k] || counts[k] > 0;
+            count_classes(page, pass, width, x, counts, &winners[x]);
         const saltus_sweep_class *c;
         for (int first, end = 0; (c = next_named(page, winners, width, &first, &end)) != NULL;)
             named[c - page->classes.list] = true;
@@ -118,7 +133,7 @@ static bool find_named(const saltus_sweep_page *page, int width, bool *occurs, b
     return sound;
 }
 
-/* Say how many classes the legend leaves out, and the largest share of one of them. */
+/* Say how many classes the legend leaves out, and the largest share of one of them in the rows shown. */
 static void put_left_out(const saltus_sweep_page *page, double x, double y, int count, double share) {
     char style[64];
     saltus_line words = {.length = 0};
@@ -134,15 +149,18 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame f
     enum { rows_most = 8 };
     const double row = 25, apart = 30, letter = 9.6;
     size_t count = (size_t)page->classes.count + 1;
-    bool *occurs = calloc(count, sizeof *occurs), *named = calloc(count, sizeof *named);
-    bool sound = occurs && named && find_named(page, pixels_along(page, frame), occurs, named);
-    double x = frame.left, share = 0;
+    const int width = pixels_along(page, frame);
+    long long *shown = calloc(count, sizeof *shown), most = 0, rows = 0;
+    bool *named = calloc(count, sizeof *named), sound = shown && named && find_named(page, width, named);
+    double x = frame.left;
     int left_out = 0;
+    if (sound)
+        rows = count_shown(page, width, shown);
     *height = 0;
     for (int k = 0; k < page->classes.count && sound; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
         char label[64];
-        if (!occurs[k] || named[k])
+        if (!shown[k] || named[k])
             continue;
         saltus_sweep_word_class(c, label);
         double own = apart + letter * (double)strlen(label) + 14;
@@ -150,7 +168,7 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame f
             x = frame.left;
         if (left_out || (x == frame.left && *height == rows_most * row)) {
             left_out++;
-            share = fmax(share, c->share);
+            most = shown[k] > most ? shown[k] : most;
             continue;
         }
         if (x == frame.left)
@@ -162,8 +180,8 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame f
     if (left_out)
         *height += row;
     if (left_out && drawn)
-        put_left_out(page, frame.left, top - *height, left_out, share);
-    free(occurs);
+        put_left_out(page, frame.left, top - *height, left_out, (double)most / (double)rows);
+    free(shown);
     free(named);
     return sound;
 }
