@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { digits = 17, most_power = 31 }; /* m < 2^53 and 5^31 < 2^73 */
+enum { digits_all = 17, most_power = 31 }; /* m < 2^53 and 5^31 < 2^73 */
 
 __extension__ typedef unsigned __int128 wide;
 
@@ -41,12 +41,12 @@ static bool find_digits(double value, uint64_t *number, int *power) {
     const uint64_t m = (uint64_t)ldexp(frexp(value, &e), 53);
     /* 10^power <= value, or one less: then there are 18 digits. */
     *power = (int)floor((e - 1) * 0.30102999566398120);
-    if (!scale(m, e - 53, digits - 1 - *power, number))
+    if (!scale(m, e - 53, digits_all - 1 - *power, number))
         return false;
     if (*number < above)
         return *number >= least;
     ++*power;
-    return scale(m, e - 53, digits - 1 - *power, number) && *number >= least && *number < above;
+    return scale(m, e - 53, digits_all - 1 - *power, number) && *number >= least && *number < above;
 }
 
 const char *saltus_number_of(double value, int digits, char *text) {
@@ -60,10 +60,10 @@ const char *saltus_number_of(double value, int digits, char *text) {
 const char *saltus_number(double value, char *text) {
     uint64_t number;
     int power;
-    char all[digits + 1], *at = text;
+    char all[digits_all + 1], *at = text;
     if (!isfinite(value) || value == 0 || !find_digits(fabs(value), &number, &power))
-        return saltus_number_of(value, digits, text);
-    int count = digits;
+        return saltus_number_of(value, digits_all, text);
+    int count = digits_all;
     /* Two halves, whose digits do not wait for each other. */
     uint32_t first = (uint32_t)(number / 1000000000), last = (uint32_t)(number % 1000000000);
     for (int k = 8; k > 0; k--, first /= 10, last /= 10) {
@@ -75,7 +75,7 @@ const char *saltus_number(double value, char *text) {
         count--;
     if (signbit(value))
         *at++ = '-';
-    if (power < -4 || power >= digits) {
+    if (power < -4 || power >= digits_all) {
         *at++ = all[0];
         if (count > 1)
             *at++ = '.';
