@@ -49,6 +49,7 @@ void saltus_settling_close(saltus_settling *s) {
 void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
     const double *scale = saltus_system_scale(system);
     s->count = 0;
+    s->last = -1;
     for (int i = 0; i < s->n; i++)
         s->weight[i] = 1 / scale[i];
     memset(s->streak, 0, ((size_t)s->longest + 1) * sizeof *s->streak);
@@ -71,71 +72,52 @@ static double distance(const saltus_settling *s, const double *a, const double *
     return largest;
 }
 
-void saltus_settling_add(saltus_settling *s, const double *state, long long impacts,
-                         long long contact_events) {
-    int slot = (int)(s->count % s->size);
-    memcpy(s->points + (size_t)slot * (size_t)s->n, state, (size_t)s->n * sizeof *state);
-    s->impacts[slot] = impacts;
-    s->contact[slot] = contact_events;
-    s->count++;
-    for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] =
-            distance(s, state, saltus_settling_point(s, p), recurrence) < recurrence ? s->streak[p] + 1 : 0;
+/* Whether all weighted differences are below `recurrence`. */
+static bool recurs(const saltus_settling *s, const double *a, const double *b) {
+    for (int i = 0; i < s->n; i++)
+        if (!(fabs(a[i] - b[i]) * s->weight[i] < recurrence))
+            return false;
+    return true;
 }
 
-/* Largest distance between points p apart, over `points` points the last of which is `back` periods old. */
-static double recurrence_over(const saltus_settling *s, int p, int points, int back) {
+void saltus_settling_add(saltus_settling *s, const double *state, long long impacts,
+                         long long contact_events) {
+    s->last = s->last + 1 < s->size ? s->last + 1 : 0;
+    memcpy(s->points + (size_t)s->last * (size_t)s->n, state, (size_t)s->n * sizeof *state);
+    s->impacts[s->last] = impacts;
+    s->contact[s->last] = contact_events;
+    s->count++;
+    for (int p = 1; p <= s->longest && p < s->count; p++)
+        s->streak[p] = recurs(s, state, saltus_settling_point(s, p)) ? s->streak[p] + 1 : 0;
+}
+
+/* Largest distance between points p apart, over the last `points` points; INFINITY once it is above `limit`.
+ */
+static double recurrence_over(const saltus_settling *s, int p, int points, double limit) {
     double largest = 0;
-    for (int k = 0; k < points; k++)
-        largest = larger(largest, distance(s, saltus_settling_point(s, back + k),
-                                           saltus_settling_point(s, back + k + p), INFINITY));
+    for (int k = 0; k < points && largest < INFINITY; k++)
+        largest =
+            larger(largest, distance(s, saltus_settling_point(s, k), saltus_settling_point(s, k + p), limit));
     return largest;
 }
 
-/* Entry i, scaled, of a recurrence: the point `back` periods ago minus the one p periods before it. */
-static double recurred(const saltus_settling *s, int p, int back, int i) {
-    return (saltus_settling_point(s, back)[i] - saltus_settling_point(s, back + p)[i]) * s->weight[i];
-}
+/* Recurrences, scaled, of the last cycle (0) and of the two before it (1, 2): their largest entries and
+ * scalar products. */
+typedef struct recurrences {
+    double largest[3], p00, p01, p02, p11, p12, p22;
+} recurrences;
 
-/* Scalar products of the recurrences of the last cycle (0) and of the two before it (1, 2). */
-typedef struct products {
-    double p00, p01, p02, p11, p12, p22;
-} products;
-
-/* Remaining distance if the recurrences spiral: fit each as a times the previous one plus b times the one
- * before that, and sum those to come. 0 if they turn too little to determine a and b, or if the fit does not
- * shrink. */
-static double spiral_left(const saltus_settling *s, int p, const products *r) {
-    double determinant = r->p11 * r->p22 - r->p12 * r->p12, largest = 0;
-    if (!(determinant > least_turn * r->p11 * r->p22))
-        return 0;
-    double a = (r->p01 * r->p22 - r->p02 * r->p12) / determinant,
-           b = (r->p02 * r->p11 - r->p01 * r->p12) / determinant;
-    if (!(fabs(b) < 1 && fabs(a) < 1 - b))
-        return 0;
-    for (int k = 0; k < p; k++)
-        for (int i = 0; i < s->n; i++)
-            largest = larger(largest, fabs((a + b) * recurred(s, p, k, i) + b * recurred(s, p, k + p, i)));
-    return largest / (1 - a - b);
-}
-
-/* Estimated distance to the orbit of period p; INFINITY if `shrinking` is required and the recurrences do
- * not shrink. */
-static double distance_left(const saltus_settling *s, int p, bool shrinking) {
-    double now = recurrence_over(s, p, p, 0), before = recurrence_over(s, p, p, p),
-           first = recurrence_over(s, p, p, 2 * p);
-    if (now <= rounding)
-        return now;
-    double ratio = now / before;
-    if (before > rounding && before / first > ratio)
-        ratio = before / first;
-    if (shrinking && !(ratio < 1))
-        return INFINITY;
-    products r = {0};
-    for (int k = 0; k < p; k++)
+static recurrences compare_cycles(const saltus_settling *s, int p) {
+    recurrences r = {.largest = {0}};
+    for (int k = 0; k < p; k++) {
+        const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
+                     *x2 = saltus_settling_point(s, k + 2 * p), *x3 = saltus_settling_point(s, k + 3 * p);
         for (int i = 0; i < s->n; i++) {
-            double r0 = recurred(s, p, k, i), r1 = recurred(s, p, k + p, i),
-                   r2 = recurred(s, p, k + 2 * p, i);
+            const double r0 = (x0[i] - x1[i]) * s->weight[i], r1 = (x1[i] - x2[i]) * s->weight[i],
+                         r2 = (x2[i] - x3[i]) * s->weight[i];
+            r.largest[0] = larger(r.largest[0], fabs(r0));
+            r.largest[1] = larger(r.largest[1], fabs(r1));
+            r.largest[2] = larger(r.largest[2], fabs(r2));
             r.p00 += r0 * r0;
             r.p01 += r0 * r1;
             r.p02 += r0 * r2;
@@ -143,6 +125,44 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
             r.p12 += r1 * r2;
             r.p22 += r2 * r2;
         }
+    }
+    return r;
+}
+
+/* Remaining distance if the recurrences spiral: fit each as a times the previous one plus b times the one
+ * before that, and sum those to come. 0 if they turn too little to determine a and b, or if the fit does not
+ * shrink. */
+static double spiral_left(const saltus_settling *s, int p, const recurrences *r) {
+    double determinant = r->p11 * r->p22 - r->p12 * r->p12, largest = 0;
+    if (!(determinant > least_turn * r->p11 * r->p22))
+        return 0;
+    double a = (r->p01 * r->p22 - r->p02 * r->p12) / determinant,
+           b = (r->p02 * r->p11 - r->p01 * r->p12) / determinant;
+    if (!(fabs(b) < 1 && fabs(a) < 1 - b))
+        return 0;
+    for (int k = 0; k < p; k++) {
+        const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
+                     *x2 = saltus_settling_point(s, k + 2 * p);
+        for (int i = 0; i < s->n; i++) {
+            const double r0 = (x0[i] - x1[i]) * s->weight[i], r1 = (x1[i] - x2[i]) * s->weight[i];
+            largest = larger(largest, fabs((a + b) * r0 + b * r1));
+        }
+    }
+    return largest / (1 - a - b);
+}
+
+/* Estimated distance to the orbit of period p; INFINITY if `shrinking` is required and the recurrences do
+ * not shrink. */
+static double distance_left(const saltus_settling *s, int p, bool shrinking) {
+    const recurrences r = compare_cycles(s, p);
+    const double now = r.largest[0], before = r.largest[1], first = r.largest[2];
+    if (now <= rounding)
+        return now;
+    double ratio = now / before;
+    if (before > rounding && before / first > ratio)
+        ratio = before / first;
+    if (shrinking && !(ratio < 1))
+        return INFINITY;
     double cosine = r.p00 > 0 && r.p11 > 0 ? r.p01 / sqrt(r.p00) / sqrt(r.p11) : 1,
            across = 1 - 2 * ratio * cosine + ratio * ratio;
     return fmax(now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30)), spiral_left(s, p, &r));
@@ -150,7 +170,7 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
 
 /* Growth of a counter over p periods that ended `back` periods ago. */
 static long long difference_over(const saltus_settling *s, const long long *counter, int p, int back) {
-    return counter[(s->count - 1 - back) % s->size] - counter[(s->count - 1 - back - p) % s->size];
+    return counter[saltus_settling_place(s, back)] - counter[saltus_settling_place(s, back + p)];
 }
 
 static bool reached(const saltus_settling *s, int p, double limit) {
@@ -163,14 +183,14 @@ static bool reached(const saltus_settling *s, int p, double limit) {
             return false;
     return difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
            difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p) &&
-           recurrence_over(s, p, p, 0) <= worth_a_look * limit && distance_left(s, p, true) <= limit;
+           recurrence_over(s, p, p, worth_a_look * limit) < INFINITY && distance_left(s, p, true) <= limit;
 }
 
 /* Proper divisors of a period: +1 none of them recurs, 0 one of them is near its orbit too, -1 doubt. */
 static int parts_say(const saltus_settling *s, int p, double limit) {
     int verdict = 1;
     for (int part = 1; part <= p / 2; part++)
-        if (p % part == 0 && recurrence_over(s, part, p, 0) < recurrence) {
+        if (p % part == 0 && recurrence_over(s, part, p, recurrence) < recurrence) {
             if (distance_left(s, part, false) > slower * limit)
                 return -1;
             verdict = 0;
@@ -198,13 +218,13 @@ long long saltus_settling_contacts(const saltus_settling *s, int period) {
 }
 
 double saltus_settling_recurrence(const saltus_settling *s, int period) {
-    return recurrence_over(s, period, period, 0);
+    return recurrence_over(s, period, period, INFINITY);
 }
 
 double saltus_settling_closest(const saltus_settling *s) {
     double closest = INFINITY;
     for (int p = 1; p <= s->longest && 2 * p + 2 < s->count; p++)
-        closest = fmin(closest, recurrence_over(s, p, p + 2, 0));
+        closest = fmin(closest, recurrence_over(s, p, p + 2, INFINITY));
     return closest;
 }
 
@@ -216,6 +236,6 @@ int saltus_settling_candidate(const saltus_settling *s) {
 }
 
 bool saltus_settling_rests(const saltus_settling *s) {
-    return s->count > 4 && recurrence_over(s, 1, 3, 0) <= at_rest &&
+    return s->count > 4 && recurrence_over(s, 1, 3, at_rest) < INFINITY &&
            difference_over(s, s->impacts, 3, 0) == 0 && difference_over(s, s->contact, 3, 0) == 0;
 }

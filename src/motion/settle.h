@@ -8,6 +8,7 @@
 typedef struct saltus_settling {
     int n, longest, size;
     long long count;              /* points seen */
+    int last;                     /* place of the last one in the ring buffer: (count - 1) % size */
     double *points;               /* ring buffer of the last `size` points, n numbers each */
     double *weight;               /* 1 / scale */
     long long *impacts, *contact; /* per point: counts of impacts and of other contact events so far */
@@ -32,9 +33,14 @@ long long saltus_settling_contacts(const saltus_settling *settling, int period);
 /* How closely the trajectory recurs at best: for each p the largest distance between points p apart over the
  * last p + 2 points, minimised over p; INFINITY while there are too few points. */
 double saltus_settling_closest(const saltus_settling *settling);
-/* The point `back` periods before the last one; inlined because it is called most. */
+/* The place in the ring buffer of the point `back` < size periods before the last one, and that point;
+ * inlined because they are called most. */
+static inline int saltus_settling_place(const saltus_settling *settling, int back) {
+    const int place = settling->last - back;
+    return place < 0 ? place + settling->size : place;
+}
 static inline const double *saltus_settling_point(const saltus_settling *settling, int back) {
-    return settling->points + (size_t)((settling->count - 1 - back) % settling->size) * (size_t)settling->n;
+    return settling->points + (size_t)saltus_settling_place(settling, back) * (size_t)settling->n;
 }
 /* Largest distance between points a period apart, over the last period. */
 double saltus_settling_recurrence(const saltus_settling *settling, int period);

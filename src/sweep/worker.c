@@ -143,10 +143,14 @@ static void close_worker(worker *w) {
     leave_job(&w->job);
 }
 
-/* Idle a lane: it then holds the sweep's own system, which outlives all others. */
-static void rest_lane(const worker *w, lane_set *side, int lane) {
+/* Let a lane's trajectory go. The lane must be given another system before that trajectory goes on. */
+static void leave_lane(lane_set *side, int lane) {
     side->at[lane] = NULL;
     side->live--;
+}
+
+/* Idle a lane: it then holds the sweep's own system, which outlives all others. */
+static void rest_lane(const worker *w, const lane_set *side, int lane) {
     saltus_flow_retune(side->flow, lane, w->sweep->system, NULL);
 }
 
@@ -287,7 +291,7 @@ static bool go_on(worker *w, saltus_sweep_trajectory *t, int lane) {
     return false;
 }
 
-/* Give an idle lane of the first flow the next trajectory, if there is one. */
+/* Give an idle lane of the first flow the next trajectory, if there is one; otherwise the lane rests. */
 static void fill_lane(worker *w, int lane) {
     saltus_sweep_trajectory *t = NULL;
     bool under_way = false;
@@ -297,7 +301,7 @@ static void fill_lane(worker *w, int lane) {
         w->plain.at[lane] = t;
         w->plain.live++;
     } else
-        saltus_flow_retune(w->plain.flow, lane, w->sweep->system, NULL);
+        rest_lane(w, &w->plain, lane);
 }
 
 /* Run the first flow to an event, and refill the lane if it becomes free. */
@@ -311,17 +315,17 @@ static void run_plain(worker *w) {
         if (measure_in(t, there->flow, other)) {
             there->at[other] = t;
             there->live++;
-            rest_lane(w, here, lane);
+            leave_lane(here, lane);
             fill_lane(w, lane);
             return;
         }
-        saltus_flow_retune(there->flow, other, w->sweep->system, NULL);
+        rest_lane(w, there, other);
     }
     if (next == SALTUS_NEXT_GO_ON)
         return;
     finish_place(w, t);
     if (!go_on(w, t, lane)) {
-        rest_lane(w, here, lane);
+        leave_lane(here, lane);
         fill_lane(w, lane);
     }
 }
@@ -337,6 +341,7 @@ static void run_tangent(worker *w) {
     if (next == SALTUS_NEXT_GO_ON)
         return;
     finish_place(w, t);
+    leave_lane(here, lane);
     rest_lane(w, here, lane);
     if (t->place < t->job->length)
         w->queue[w->waiting++] = t;
