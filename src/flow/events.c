@@ -308,6 +308,19 @@ static bool quick_rise(const double *c, int degree, double *root) {
     return false;
 }
 
+/* Whether no displacement within a step leaves a range, by its start and all terms to either side. */
+static bool stays_within(const double *series, int stride, int degree, double step, double low, double high) {
+    double factor = 1, up = 0, down = 0;
+    for (int k = 1; k <= degree; k++) {
+        factor *= step;
+        const double term = series[k * stride] * factor;
+        up += term > 0 ? term : 0;
+        down += term < 0 ? term : 0;
+    }
+    const double rounding = 1e-14 * (fabs(series[0]) + up - down);
+    return series[0] + up + rounding < high && series[0] + down - rounding > low;
+}
+
 /* Of two neighbouring steps' polynomials each may see a turning point where they meet, because the highest
  * orders of displacement and velocity differ by the tolerance: so near to the end, the next step begins with
  * the zero. A zero that has been found is divided out, so that the next one is the first again. */
@@ -317,8 +330,13 @@ void saltus_events_turnings(saltus_flow *flow, int lane) {
     const double *series =
         flow->work.gap + saltus_work_series_place(&flow->work, self->system->observer.first, 0, lane);
     const bool meets = 1u << self->pending.kind & SALTUS_WATCH_CONTACT;
+    const saltus_turnings *t = &self->target.turnings;
     double velocity[SALTUS_DEGREE_MAX + 1], *c = velocity, root = 0;
     int degree = degree_of(flow, lane) - 1, heading = 1;
+    if (t->low && stays_within(series, flow->lanes, degree + 1, step, *t->low, *t->high)) {
+        self->passing = false;
+        return;
+    }
     const int touch = velocity_polynomial(flow, lane, step, self->passing, c);
     self->passing = false;
     c += touch > 0 ? touch : 0;
@@ -335,7 +353,7 @@ void saltus_events_turnings(saltus_flow *flow, int lane) {
             return;
         for (int k = degree_of(flow, lane); k >= 0; k--)
             displacement = displacement * (root * step) + series[k * flow->lanes];
-        self->target.turning(self->target.context, displacement, heading);
+        t->take(t->context, displacement, heading);
         self->passing = root > end && !meets;
         for (int k = degree - 1; k > 0; k--)
             c[k] += root * c[k + 1];

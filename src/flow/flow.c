@@ -116,11 +116,11 @@ static double remaining(const saltus_lane *self) {
 }
 
 void saltus_flow_aim(saltus_flow *flow, int lane, saltus_time until, unsigned watch) {
-    saltus_flow_aim_observed(flow, lane, until, watch, NULL, NULL);
+    saltus_flow_aim_observed(flow, lane, until, watch, (saltus_turnings){.take = NULL});
 }
 
 void saltus_flow_aim_observed(saltus_flow *flow, int lane, saltus_time until, unsigned watch,
-                              saltus_turning_function *turning, void *context) {
+                              saltus_turnings turnings) {
     saltus_lane *self = &flow->lane[lane];
     saltus_status status = saltus_time_check(until, &self->why);
     saltus_quiet_break(flow, lane);
@@ -132,8 +132,7 @@ void saltus_flow_aim_observed(saltus_flow *flow, int lane, saltus_time until, un
     }
     self->target.until = saltus_time_after(until, 0);
     self->target.watch = watch;
-    self->target.turning = turning;
-    self->target.context = context;
+    self->target.turnings = turnings;
     self->step.turns = false;
     /* An observed displacement that is no stop's coordinate has a row of the gap series while watched. */
     bool apart = false;
@@ -315,8 +314,8 @@ static void prepare(saltus_flow *flow, int lane) {
     const bool damps = self->step.calm && !flow->radau && !flow->options.columns;
     to->reach[lane] = damps ? to->damped[lane] : to->limit[lane];
     const unsigned bit = 1u << lane, watches = watches_turning(self) ? bit : 0;
-    flow->turning = (flow->turning & ~bit) | (self->target.turning ? 0 : watches);
-    flow->observed = (flow->observed & ~bit) | (self->target.turning ? watches : 0);
+    flow->turning = (flow->turning & ~bit) | (self->target.turnings.take ? 0 : watches);
+    flow->observed = (flow->observed & ~bit) | (self->target.turnings.take ? watches : 0);
     flow->observer[lane] = self->system->observer.first;
     saltus_quiet_begin(flow, lane);
 }

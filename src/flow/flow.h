@@ -43,14 +43,20 @@ typedef struct saltus_face_state {
 /* Takes a turning point of the observed displacement: its place, and the sign of the velocity after it. */
 typedef void saltus_turning_function(void *context, double displacement, int heading);
 
+/* What takes a lane's turning points, which then are no events. */
+typedef struct saltus_turnings {
+    saltus_turning_function *take; /* NULL: turning points are events */
+    void *context;                 /* its first argument */
+    const double *low, *high;      /* those between these two may be left out; NULL: none */
+} saltus_turnings;
+
 /* What a lane runs to. */
 typedef struct saltus_target {
     saltus_time since, until; /* since: where a coast began */
     unsigned watch;
-    saltus_turning_function *turning; /* takes turning points, which then are no events; NULL: they are */
-    void *context;                    /* its first argument */
-    bool aimed;                       /* to be advanced by the next saltus_flow_run */
-    bool coasting;                    /* events are prescribed: none is searched for */
+    saltus_turnings turnings;
+    bool aimed;               /* to be advanced by the next saltus_flow_run */
+    bool coasting;            /* events are prescribed: none is searched for */
     saltus_extreme *extremes; /* coasting: collects the largest gaps and the smallest forces; may be NULL */
 } saltus_target;
 
@@ -156,7 +162,7 @@ static inline double saltus_time_between(saltus_time a, saltus_time b) {
 /* saltus_flow_aim with a function that takes the turning points, if they are watched: each step's in order of
  * time, before the step's event is reported. They end no step, so the motion is that of an unwatched lane. */
 void saltus_flow_aim_observed(saltus_flow *flow, int lane, saltus_time until, unsigned watch,
-                              saltus_turning_function *turning, void *context);
+                              saltus_turnings turnings);
 /* Reset a lane to a time and state without contacts; tangent vectors as at a start. */
 void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const double *state);
 /* Project flow->state and flow->tangents onto the constraints of the held contacts, so that rounding does not

@@ -17,15 +17,27 @@ static bool stage_ends(const saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_cycle(t) >= t->stage_end;
 }
 
-/* Events to watch in the present stage. */
+/* Events to watch in the present stage: of a lap after the recording contacts alone count. */
 static unsigned watched(const saltus_sweep_trajectory *t) {
-    const unsigned section = saltus_system_forced(t->system) ? 0 : saltus_crossings_watch(t->system);
-    return t->active ? SALTUS_WATCH_CONTACT | SALTUS_WATCH_TURNING | section : section;
+    const bool forced = saltus_system_forced(t->system);
+    const unsigned turnings = forced && t->active == &t->round ? 0 : SALTUS_WATCH_TURNING,
+                   section = forced ? 0 : saltus_crossings_watch(t->system);
+    return t->active ? SALTUS_WATCH_CONTACT | turnings | section : section;
 }
 
-/* Without forcing turning points may be section points: there they are events. */
-static saltus_turning_function *takes_turnings(const saltus_sweep_trajectory *t) {
-    return t->active && saltus_system_forced(t->system) ? saltus_watch_turning : NULL;
+/* Without forcing turning points may be section points: there they are events. Where they are not kept, only
+ * those count that extend the range of displacements. */
+static saltus_turnings take_turnings(const saltus_sweep_trajectory *t) {
+    saltus_turnings turnings = {.take = NULL};
+    if (!t->active || !saltus_system_forced(t->system))
+        return turnings;
+    turnings.take = saltus_watch_turning;
+    turnings.context = t->active;
+    if (!(t->active->keep & SALTUS_KEEP_TURNING)) {
+        turnings.low = &t->active->lap.smallest;
+        turnings.high = &t->active->lap.largest;
+    }
+    return turnings;
 }
 
 /* Aim the lane at the next section point or orthonormalisation; in an unobserved transient many periods
@@ -43,7 +55,7 @@ static void aim(saltus_sweep_trajectory *t) {
         until = (saltus_time){t->stage_end, t->active->begin.phase};
     else
         until = (saltus_time){cycle + periods, 0};
-    saltus_flow_aim_observed(t->flow, t->lane, until, watched(t), takes_turnings(t), t->active);
+    saltus_flow_aim_observed(t->flow, t->lane, until, watched(t), take_turnings(t));
 }
 
 static void see_section(saltus_sweep_trajectory *t) {
