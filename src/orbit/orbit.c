@@ -6,6 +6,9 @@
  * found this way is accepted if the flow follows it. The two formulations alternate. If tangent vectors grow
  * strongly, the orbit is cut into segments (multiple shooting).
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "orbit/orbit.h"
+
+#include "base/dense.h"
 #include "orbit/multipliers.h"
 #include "orbit/sequence.h"
 #include "system/system.h"
@@ -257,9 +260,50 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
                                      passing);
 }
 
-saltus_status saltus_orbit_find(const saltus_system *system, int periods, const double *guess,
-                                const saltus_orbit_options *options, saltus_orbit *orbit,
-                                saltus_message *message) {
+/* Fill in the leading multiplier alone, from the last Jacobian of Newton's method, if it is *known there: an
+ * orbit in one piece, the modulus not so near to 1 that errors might decide on stability. */
+static saltus_status tell_leading(const search *s, saltus_orbit *orbit, bool *known,
+                                  saltus_message *message) {
+    static const double most_growth = 1e4, clear = 1e-3;
+    const saltus_equations *e = saltus_shooting_equations(s->shooting);
+    const saltus_sequence *sequence = saltus_shooting_sequence(s->shooting);
+    const int n = s->n;
+    double real[SALTUS_STATE_MAX], imaginary[SALTUS_STATE_MAX];
+    saltus_multiplier leading = {0, 0, -INFINITY};
+    *known = false;
+    if (!e->known || sequence->count || sequence->cuts > 1 || sequence->omega > 0 ||
+        !(saltus_shooting_growth(s->shooting) < most_growth))
+        return SALTUS_OK;
+    double *matrix = malloc((size_t)(n * n) * sizeof *matrix);
+    orbit->multipliers = malloc(sizeof *orbit->multipliers);
+    if (!matrix || !orbit->multipliers) {
+        free(matrix);
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the multipliers");
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            matrix[i * n + j] = e->jacobian[i * e->unknowns + j] + (i == j);
+    const bool found = saltus_dense_eigenvalues(matrix, n, real, imaginary);
+    for (int i = 0; i < n && found; i++) {
+        const double logarithm = log(hypot(real[i], imaginary[i]));
+        if (logarithm > leading.log_modulus)
+            leading = (saltus_multiplier){real[i], imaginary[i], logarithm};
+    }
+    free(matrix);
+    *known = found && fabs(leading.log_modulus) > clear;
+    if (*known) {
+        *orbit->multipliers = leading;
+        orbit->multiplier_count = 1;
+    } else {
+        free(orbit->multipliers);
+        orbit->multipliers = NULL;
+    }
+    return SALTUS_OK;
+}
+
+saltus_status saltus_orbit_search(const saltus_system *system, int periods, const double *guess,
+                                  const saltus_orbit_options *options, saltus_multipliers_wanted wanted,
+                                  saltus_orbit *orbit, saltus_message *message) {
     int n = saltus_system_dimension(system);
     search s = {.options = options, .n = n, .periods = periods, .lap.keeps_events = true};
     *orbit = (saltus_orbit){0};
@@ -281,7 +325,11 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
     if (status == SALTUS_OK) {
         memcpy(orbit->state, s.state, (size_t)n * sizeof *s.state);
         orbit->omega = saltus_spec_omega(saltus_system_spec(saltus_flow_system(s.flow, 0)));
-        status = saltus_orbit_multipliers(saltus_flow_system(s.flow, 0), options, orbit, message);
+        bool known = wanted == SALTUS_MULTIPLIERS_NONE;
+        if (wanted == SALTUS_MULTIPLIERS_LEADING)
+            status = tell_leading(&s, orbit, &known, message);
+        if (status == SALTUS_OK && !known)
+            status = saltus_orbit_multipliers(saltus_flow_system(s.flow, 0), options, orbit, message);
     }
     saltus_shooting_free(s.shooting);
     saltus_flow_free(s.flow);
@@ -291,6 +339,12 @@ saltus_status saltus_orbit_find(const saltus_system *system, int periods, const 
     if (status != SALTUS_OK)
         saltus_orbit_clear(orbit);
     return status;
+}
+
+saltus_status saltus_orbit_find(const saltus_system *system, int periods, const double *guess,
+                                const saltus_orbit_options *options, saltus_orbit *orbit,
+                                saltus_message *message) {
+    return saltus_orbit_search(system, periods, guess, options, SALTUS_MULTIPLIERS_ALL, orbit, message);
 }
 
 void saltus_orbit_clear(saltus_orbit *orbit) {

@@ -3,6 +3,8 @@
 #include "orbit/returns.h"
 
 #include "base/memory.h"
+#include "orbit/multipliers.h"
+#include "orbit/orbit.h"
 #include "system/state.h"
 
 #include <math.h>
@@ -152,8 +154,9 @@ bool saltus_returns_next(saltus_returns *r, int periods, saltus_return *closest)
 saltus_status saltus_return_polish(saltus_flow *flow, int periods, const double *guess,
                                    const saltus_orbit_options *options, saltus_orbit *orbit, saltus_lap *lap,
                                    saltus_message *message) {
+    const saltus_system *system = saltus_flow_system(flow, 0);
     saltus_status status =
-        saltus_orbit_find(saltus_flow_system(flow, 0), periods, guess, options, orbit, message);
+        saltus_orbit_search(system, periods, guess, options, SALTUS_MULTIPLIERS_NONE, orbit, message);
     if (status == SALTUS_OK)
         status = saltus_lap_around(lap, flow, orbit->state, periods, message);
     int least = status == SALTUS_OK ? saltus_lap_least_period(lap, &options->flow) : periods;
@@ -161,7 +164,11 @@ saltus_status saltus_return_polish(saltus_flow *flow, int periods, const double 
         saltus_orbit longer = *orbit;
         status = saltus_return_polish(flow, least, longer.state, options, orbit, lap, message);
         saltus_orbit_clear(&longer);
-    } else if (status != SALTUS_OK)
+        return status;
+    }
+    if (status == SALTUS_OK)
+        status = saltus_orbit_multipliers(system, options, orbit, message);
+    if (status != SALTUS_OK)
         saltus_orbit_clear(orbit);
     return status;
 }

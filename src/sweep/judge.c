@@ -60,7 +60,8 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     options.measure = 0;
     options.longest = t->sweep->options.longest;
     saltus_status status =
-        period ? saltus_motion_polish(t->system, period, t->state, same_orbit, &options, &motion, NULL)
+        period ? saltus_motion_polish(t->system, period, t->state, same_orbit, SALTUS_MULTIPLIERS_LEADING,
+                                      &options, &motion, NULL)
                : saltus_motion_find_period(t->system, t->state, &options, false, &motion, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
     if (status == SALTUS_OK && saltus_verdict_settled(motion.verdict)) {
