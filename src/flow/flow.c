@@ -125,12 +125,15 @@ void saltus_flow_aim_observed(saltus_flow *flow, int lane, saltus_time until, un
     saltus_status status = saltus_time_check(until, &self->why);
     saltus_quiet_break(flow, lane);
     self->target.aimed = true;
+    flow->due |= 1u << lane;
     if (status != SALTUS_OK) { /* reported by the next run */
         self->failure = status;
         self->ended = true;
         return;
     }
     self->target.until = saltus_time_after(until, 0);
+    if (!self->ended && !self->queued && remaining(self) > 0)
+        flow->due &= ~(1u << lane);
     self->target.watch = watch;
     self->target.turnings = turnings;
     self->step.turns = false;
@@ -543,9 +546,11 @@ static bool next_queued(saltus_flow *flow, int *lane, saltus_event *event) {
 }
 
 saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event, saltus_message *message) {
-    if (next_queued(flow, lane, event))
+    if (flow->due && next_queued(flow, lane, event))
         return SALTUS_OK;
-    int ready = waiting_lane(flow);
+    int ready = flow->due ? waiting_lane(flow) : -1;
+    if (ready < 0)
+        flow->due = 0;
     while (ready < 0) {
         unsigned passed = 0;
         *lane = 0;
@@ -566,9 +571,10 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
             if (self->failure == SALTUS_OK)
                 self->failure = conclude(flow, l);
             self->ended = self->failure != SALTUS_OK || finished(self);
-            if (self->ended && ready < 0)
-                ready = l;
+            flow->due |= (unsigned)self->ended << l;
         }
+        if (flow->due)
+            ready = __builtin_ctz(flow->due);
     }
     saltus_lane *self = &flow->lane[ready];
     saltus_status failure = self->failure;
@@ -576,6 +582,7 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
         self->pending = plain_event(SALTUS_REACHED, self->now);
     self->target.aimed = self->ended = false;
     self->failure = SALTUS_OK;
+    flow->due &= ~(1u << ready);
     *lane = ready;
     *event = self->pending;
     return failure == SALTUS_OK ? failure : saltus_fail(message, failure, "%s", self->why.text);

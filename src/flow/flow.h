@@ -130,6 +130,7 @@ struct saltus_flow {
     saltus_lane *lane;
     saltus_work work;               /* jets of the step of all lanes */
     unsigned quiet;                 /* lanes that the kernel takes on in the next step (quiet.h) */
+    unsigned due;                   /* of the aimed lanes, no others have anything to report */
     unsigned turning;               /* lanes that watch turning points as events, ... */
     unsigned observed;              /* ... and those that pass them to a function, ... */
     int observer[SALTUS_LANES_MAX]; /* ... and the rows of the gap series in which they do */
