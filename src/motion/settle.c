@@ -101,23 +101,38 @@ static double recurrence_over(const saltus_settling *s, int p, int points, doubl
     return largest;
 }
 
-/* Recurrences, scaled, of the last cycle (0) and of the two before it (1, 2): their largest entries and
- * scalar products. */
-typedef struct recurrences {
-    double largest[3], p00, p01, p02, p11, p12, p22;
-} recurrences;
+/* Scaled entry i of how much a point differs from another. */
+static double recurred(const saltus_settling *s, const double *now, const double *before, int i) {
+    return (now[i] - before[i]) * s->weight[i];
+}
 
-static recurrences compare_cycles(const saltus_settling *s, int p) {
-    recurrences r = {.largest = {0}};
+/* Largest entries of the recurrences of the last cycle (0) and of the two before it (1, 2). */
+static void compare_cycles(const saltus_settling *s, int p, double largest[3]) {
+    largest[0] = largest[1] = largest[2] = 0;
     for (int k = 0; k < p; k++) {
         const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
                      *x2 = saltus_settling_point(s, k + 2 * p), *x3 = saltus_settling_point(s, k + 3 * p);
         for (int i = 0; i < s->n; i++) {
-            const double r0 = (x0[i] - x1[i]) * s->weight[i], r1 = (x1[i] - x2[i]) * s->weight[i],
-                         r2 = (x2[i] - x3[i]) * s->weight[i];
-            r.largest[0] = larger(r.largest[0], fabs(r0));
-            r.largest[1] = larger(r.largest[1], fabs(r1));
-            r.largest[2] = larger(r.largest[2], fabs(r2));
+            largest[0] = larger(largest[0], fabs(recurred(s, x0, x1, i)));
+            largest[1] = larger(largest[1], fabs(recurred(s, x1, x2, i)));
+            largest[2] = larger(largest[2], fabs(recurred(s, x2, x3, i)));
+        }
+    }
+}
+
+/* Scalar products of the same recurrences. */
+typedef struct products {
+    double p00, p01, p02, p11, p12, p22;
+} products;
+
+static products multiply_cycles(const saltus_settling *s, int p) {
+    products r = {0};
+    for (int k = 0; k < p; k++) {
+        const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
+                     *x2 = saltus_settling_point(s, k + 2 * p), *x3 = saltus_settling_point(s, k + 3 * p);
+        for (int i = 0; i < s->n; i++) {
+            const double r0 = recurred(s, x0, x1, i), r1 = recurred(s, x1, x2, i),
+                         r2 = recurred(s, x2, x3, i);
             r.p00 += r0 * r0;
             r.p01 += r0 * r1;
             r.p02 += r0 * r2;
@@ -132,7 +147,7 @@ static recurrences compare_cycles(const saltus_settling *s, int p) {
 /* Remaining distance if the recurrences spiral: fit each as a times the previous one plus b times the one
  * before that, and sum those to come. 0 if they turn too little to determine a and b, or if the fit does not
  * shrink. */
-static double spiral_left(const saltus_settling *s, int p, const recurrences *r) {
+static double spiral_left(const saltus_settling *s, int p, const products *r) {
     double determinant = r->p11 * r->p22 - r->p12 * r->p12, largest = 0;
     if (!(determinant > least_turn * r->p11 * r->p22))
         return 0;
@@ -144,18 +159,19 @@ static double spiral_left(const saltus_settling *s, int p, const recurrences *r)
         const double *x0 = saltus_settling_point(s, k), *x1 = saltus_settling_point(s, k + p),
                      *x2 = saltus_settling_point(s, k + 2 * p);
         for (int i = 0; i < s->n; i++) {
-            const double r0 = (x0[i] - x1[i]) * s->weight[i], r1 = (x1[i] - x2[i]) * s->weight[i];
+            const double r0 = recurred(s, x0, x1, i), r1 = recurred(s, x1, x2, i);
             largest = larger(largest, fabs((a + b) * r0 + b * r1));
         }
     }
     return largest / (1 - a - b);
 }
 
-/* Estimated distance to the orbit of period p; INFINITY if `shrinking` is required and the recurrences do
- * not shrink. */
-static double distance_left(const saltus_settling *s, int p, bool shrinking) {
-    const recurrences r = compare_cycles(s, p);
-    const double now = r.largest[0], before = r.largest[1], first = r.largest[2];
+/* Estimated distance to the orbit of period p; INFINITY if `shrinking` is required and the recurrences do not
+ * shrink, or if it is surely above `limit`. */
+static double distance_left(const saltus_settling *s, int p, bool shrinking, double limit) {
+    double largest[3];
+    compare_cycles(s, p, largest);
+    const double now = largest[0], before = largest[1], first = largest[2];
     if (now <= rounding)
         return now;
     double ratio = now / before;
@@ -163,9 +179,14 @@ static double distance_left(const saltus_settling *s, int p, bool shrinking) {
         ratio = before / first;
     if (shrinking && !(ratio < 1))
         return INFINITY;
+    const double reached = now * fmax(ratio, least_ratio);
+    /* Twice: for rounding. */
+    if (reached > 2 * limit * (1 + ratio))
+        return INFINITY;
+    const products r = multiply_cycles(s, p);
     double cosine = r.p00 > 0 && r.p11 > 0 ? r.p01 / sqrt(r.p00) / sqrt(r.p11) : 1,
            across = 1 - 2 * ratio * cosine + ratio * ratio;
-    return fmax(now * fmax(ratio, least_ratio) / sqrt(fmax(across, 1e-30)), spiral_left(s, p, &r));
+    return fmax(reached / sqrt(fmax(across, 1e-30)), spiral_left(s, p, &r));
 }
 
 /* Growth of a counter over p periods that ended `back` periods ago. */
@@ -183,7 +204,8 @@ static bool reached(const saltus_settling *s, int p, double limit) {
             return false;
     return difference_over(s, s->impacts, p, 0) == difference_over(s, s->impacts, p, p) &&
            difference_over(s, s->contact, p, 0) == difference_over(s, s->contact, p, p) &&
-           recurrence_over(s, p, p, worth_a_look * limit) < INFINITY && distance_left(s, p, true) <= limit;
+           recurrence_over(s, p, p, worth_a_look * limit) < INFINITY &&
+           distance_left(s, p, true, limit) <= limit;
 }
 
 /* Proper divisors of a period: +1 none of them recurs, 0 one of them is near its orbit too, -1 doubt. */
@@ -191,7 +213,7 @@ static int parts_say(const saltus_settling *s, int p, double limit) {
     int verdict = 1;
     for (int part = 1; part <= p / 2; part++)
         if (p % part == 0 && recurrence_over(s, part, p, recurrence) < recurrence) {
-            if (distance_left(s, part, false) > slower * limit)
+            if (distance_left(s, part, false, slower * limit) > slower * limit)
                 return -1;
             verdict = 0;
         }

@@ -58,9 +58,8 @@ static void aim(saltus_sweep_trajectory *t) {
     saltus_flow_aim_observed(t->flow, t->lane, until, watched(t), take_turnings(t));
 }
 
-static void see_section(saltus_sweep_trajectory *t) {
-    saltus_flow_info info = saltus_sweep_trajectory_information(t);
-    saltus_settling_add(&t->proof.settling, t->state, info.impacts, info.sticks + info.releases);
+static void see_section(saltus_sweep_trajectory *t, const saltus_flow_info *done) {
+    saltus_settling_add(&t->proof.settling, t->state, done->impacts, done->sticks + done->releases);
 }
 
 static void begin_watch(saltus_sweep_trajectory *t, saltus_watch *watch, long long periods, bool counts) {
@@ -163,7 +162,8 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
         t->stage_end = o->transient;
     } else if (begin_recording(t) != SALTUS_NEXT_GO_ON)
         return false;
-    see_section(t);
+    const saltus_flow_info done = saltus_sweep_trajectory_information(t);
+    see_section(t, &done);
     aim(t);
     return true;
 }
@@ -294,26 +294,26 @@ static saltus_next recorded(saltus_sweep_trajectory *t) {
 /* Whether to give up, as a classification would: unbounded state, excessive pre-load, far too many steps.
  * saltus_state_bounded checks the load only after eight periods, where an unobserved transient does not
  * stop. */
-static bool gives_up(const saltus_sweep_trajectory *t) {
+static bool gives_up(const saltus_sweep_trajectory *t, long long steps) {
     const long long cycle = saltus_sweep_trajectory_cycle(t);
     const unsigned contacts = saltus_flow_contacts(t->flow, t->lane);
     return saltus_state_bounded(t->system, t->state, contacts, cycle, NULL) != SALTUS_OK ||
            (t->stage == SALTUS_STAGE_TRANSIENT &&
             saltus_state_load(t->system, t->state, contacts, NULL) != SALTUS_OK) ||
-           t->effort.spent > SALTUS_EFFORT_MOST ||
-           saltus_sweep_trajectory_information(t).steps - SALTUS_EFFORT_USUAL * cycle > SALTUS_EFFORT_MOST;
+           t->effort.spent > SALTUS_EFFORT_MOST || steps - SALTUS_EFFORT_USUAL * cycle > SALTUS_EFFORT_MOST;
 }
 
 /* Process a section point, according to the stage. */
 static saltus_next at_section(saltus_sweep_trajectory *t) {
     const bool ends = stage_ends(t);
+    const saltus_flow_info done = saltus_sweep_trajectory_information(t);
     saltus_flow_state(t->flow, t->lane, t->state);
-    if (gives_up(t)) {
+    if (gives_up(t, done.steps)) {
         saltus_sweep_trajectory_fail(t);
         return SALTUS_NEXT_DONE;
     }
     if (t->stage != SALTUS_STAGE_ORBIT && t->stage != SALTUS_STAGE_TRANSIENT)
-        see_section(t);
+        see_section(t, &done);
     if (t->active && !ends)
         saltus_watch_section(t->active, t->state);
     switch (t->stage) {
