@@ -9,6 +9,8 @@
 
 #include "base/memory.h"
 #include "flow/isolate.h"
+#include "orbit/multipliers.h"
+#include "orbit/orbit.h"
 #include "system/state.h"
 #include "system/system.h"
 
@@ -476,7 +478,8 @@ saltus_status saltus_cycle_polish(const saltus_system *system, const double *gue
     int part = 1;
     shooting.free_period = true;
     *clocked = NULL;
-    saltus_status status = saltus_orbit_find(system, 1, guess, &shooting, orbit, message);
+    saltus_status status =
+        saltus_orbit_search(system, 1, guess, &shooting, SALTUS_MULTIPLIERS_NONE, orbit, message);
     if (status == SALTUS_OK)
         status = saltus_system_clocked(system, orbit->omega, clocked, message);
     if (status == SALTUS_OK)
@@ -490,8 +493,11 @@ saltus_status saltus_cycle_polish(const saltus_system *system, const double *gue
     if (status == SALTUS_OK)
         part = lap->periods / saltus_lap_least_period(lap, &options->flow);
     saltus_flow_free(flow);
-    if (status == SALTUS_OK && part == 1)
-        return status;
+    if (status == SALTUS_OK && part == 1) {
+        status = saltus_orbit_multipliers(*clocked, &shooting, orbit, message);
+        if (status == SALTUS_OK)
+            return status;
+    }
     saltus_orbit longer = *orbit;
     saltus_system *slower = *clocked;
     *orbit = (saltus_orbit){0};
