@@ -3,6 +3,7 @@
  * failures with their reasons.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "closed_orbits.h"
+#include "orbit/orbit.h"
 #include "reference.h"
 
 #include <gsl/gsl_eigen.h>
@@ -101,6 +102,38 @@ static void quadratic_convergence(void **unused) {
         free(r.text);
     }
     gsl_rng_free(random);
+}
+
+/* The orbit does not depend on which multipliers are wanted. Near 1 all are computed, and with a single
+ * segment only where no tangent vector grows too much. */
+static void multipliers_as_wanted(void **unused) {
+    (void)unused;
+    saltus_message message = {.text = ""};
+    int alone = 0;
+    for (int f = 0; f < name_count; f++) {
+        reference r = read_reference(names[f]);
+        saltus_system *system = build(&r.spec);
+        saltus_orbit_options options = saltus_orbit_defaults();
+        saltus_orbit leading, none, all = find(system, r.periods, r.states[0], &options);
+        check_ok(saltus_orbit_search(system, r.periods, r.states[0], &options, SALTUS_MULTIPLIERS_LEADING,
+                                     &leading, &message),
+                 &message);
+        check_ok(saltus_orbit_search(system, r.periods, r.states[0], &options, SALTUS_MULTIPLIERS_NONE, &none,
+                                     &message),
+                 &message);
+        assert_memory_equal(leading.state, all.state, (size_t)r.n * sizeof *all.state);
+        assert_memory_equal(none.state, all.state, (size_t)r.n * sizeof *all.state);
+        assert_int_equal(none.multiplier_count, 0);
+        assert_true(leading.multiplier_count == 1 || leading.multiplier_count == r.n);
+        check_near(leading.multipliers[0].log_modulus, all.multipliers[0].log_modulus, 1e-7);
+        alone += leading.multiplier_count == 1;
+        saltus_orbit_clear(&leading);
+        saltus_orbit_clear(&none);
+        saltus_orbit_clear(&all);
+        saltus_system_free(system);
+        free(r.text);
+    }
+    assert_true(alone > 0);
 }
 
 /* A search with other options; its orbit is followed to phase 0 and compared there. */
@@ -687,6 +720,7 @@ static void forced_periods_are_known(void **unused) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quadratic_convergence),
+        cmocka_unit_test(multipliers_as_wanted),
         cmocka_unit_test(same_orbit_any_way),
         cmocka_unit_test(sticking_orbit),
         cmocka_unit_test(near_grazing),

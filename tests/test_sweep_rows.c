@@ -307,6 +307,26 @@ static void fixed_rows_equal_a_recount_too(void **unused) {
     }
 }
 
+/* Turning points that are not kept need not be computed, but for those that extend the range. */
+static void rows_do_not_depend_on_what_is_kept(void **unused) {
+    (void)unused;
+    for (size_t k = 0; k < 2 * sizeof motions / sizeof motions[0]; k++) {
+        const motion_case *c = &motions[k / 2];
+        saltus_scene scene = motion_scene(c);
+        saltus_sweep_options all = everything();
+        all.adaptive = k % 2;
+        all.transient = all.adaptive ? 400 : 60;
+        all.record = 40;
+        saltus_sweep_options none = all;
+        none.keep = 0;
+        single kept = run_single(&scene, c->key, c->value, &all),
+               bare = run_single(&scene, c->key, c->value, &none);
+        assert_memory_equal(kept.result.rows, bare.result.rows, sizeof *kept.result.rows);
+        close_single(&kept);
+        close_single(&bare);
+    }
+}
+
 /* A motion without a certain period is recorded after its transient: the time from the scene's initial state
  * to the first section point recorded, with all impacts on the way counted. */
 static void the_way_to_the_verdict_is_counted(void **unused) {
@@ -427,6 +447,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_equal_a_recount),
         cmocka_unit_test(fixed_rows_equal_a_recount_too),
+        cmocka_unit_test(rows_do_not_depend_on_what_is_kept),
         cmocka_unit_test(the_way_to_the_verdict_is_counted),
         cmocka_unit_test(a_start_on_the_orbit_counts_the_orbit),
         cmocka_unit_test(a_row_can_be_computed_again),
