@@ -128,6 +128,8 @@ static saltus_status find_start(saltus_sweep_trajectory *t, bool carried, saltus
         saltus_sweep_trajectory_seed(t, t->seed);
         return saltus_state_random(t->system, saltus_random_rng(&t->random), t->state, NULL);
     }
+    if (!sweep->moves_start)
+        return saltus_scene_state(&sweep->scene, t->system, t->state, message);
     saltus_scene scene;
     saltus_status status = saltus_sweep_scene_at(sweep, saltus_sweep_trajectory_point(t), &scene, message);
     return status == SALTUS_OK ? saltus_scene_state(&scene, t->system, t->state, message) : status;
