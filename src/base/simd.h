@@ -67,6 +67,17 @@ static inline saltus_pack saltus_pack_splat(double a) {
 #endif
 }
 
+/* even, odd, even, odd, ... */
+static inline saltus_pack saltus_pack_alternate(double even, double odd) {
+#if defined(__AVX512F__)
+    return (saltus_pack)_mm512_mask_blend_pd(0xaa, _mm512_set1_pd(even), _mm512_set1_pd(odd));
+#elif defined(__AVX2__) && defined(__FMA__)
+    return (saltus_pack)_mm256_blend_pd(_mm256_set1_pd(even), _mm256_set1_pd(odd), 0xa);
+#else
+    return (saltus_pack){even, odd};
+#endif
+}
+
 /* A pair of neighbours, swapped and repeated: elements 2 pair + 1, 2 pair, 2 pair + 1, ... */
 static inline saltus_pack saltus_pack_swapped_pair(saltus_pack a, int pair) {
 #if defined(__AVX512F__)
@@ -87,8 +98,10 @@ static inline saltus_pack saltus_pack_swapped_pair(saltus_pack a, int pair) {
 /* The sum of the elements, in every element. Elements half a pack apart are added first, neighbours last. */
 static inline saltus_pack saltus_pack_sum(saltus_pack a) {
 #if defined(__AVX512F__)
-    a += (saltus_pack)_mm512_shuffle_f64x2((__m512d)a, (__m512d)a, 0x4e);
-    a += (saltus_pack)_mm512_permutex_pd((__m512d)a, 0x4e);
+    saltus_pack half = (saltus_pack)_mm512_shuffle_f64x2((__m512d)a, (__m512d)a, 0x4e);
+    saltus_pack pair = (saltus_pack)_mm512_permutex_pd((__m512d)a, 0x4e);
+    saltus_pack both = (saltus_pack)_mm512_shuffle_f64x2((__m512d)a, (__m512d)a, 0x1b);
+    a = (a + half) + (pair + both);
     a += (saltus_pack)_mm512_permute_pd((__m512d)a, 0x55);
 #elif defined(__AVX2__) && defined(__FMA__)
     a += (saltus_pack)_mm256_permute4x64_pd((__m256d)a, 0x4e);
@@ -97,6 +110,27 @@ static inline saltus_pack saltus_pack_sum(saltus_pack a) {
     a += (saltus_pack){a[1], a[0]};
 #endif
     return a;
+}
+
+/* The sums of the elements of as many packs as a pack has elements, rounded like saltus_pack_sum. */
+static inline saltus_pack saltus_pack_sums(const saltus_pack *a) {
+#if defined(__AVX512F__)
+    __m512d quarter[4], half[2];
+    for (int k = 0; k < 4; k++) {
+        const __m512d x = (__m512d)a[k / 2 + 4 * (k % 2)], y = (__m512d)a[k / 2 + 4 * (k % 2) + 2];
+        quarter[k] = _mm512_shuffle_f64x2(x, y, 0x44) + _mm512_shuffle_f64x2(x, y, 0xee);
+    }
+    for (int k = 0; k < 2; k++) {
+        const __m512d x = quarter[2 * k], y = quarter[2 * k + 1];
+        half[k] = _mm512_shuffle_f64x2(x, y, 0x88) + _mm512_shuffle_f64x2(x, y, 0xdd);
+    }
+    return (saltus_pack)(_mm512_unpacklo_pd(half[0], half[1]) + _mm512_unpackhi_pd(half[0], half[1]));
+#else
+    saltus_pack sums;
+    for (int i = 0; i < SALTUS_PACK; i++)
+        sums[i] = saltus_pack_sum(a[i])[0];
+    return sums;
+#endif
 }
 
 /* The larger of a and |b|, element by element; a is not negative. */

@@ -88,7 +88,7 @@ saltus_status saltus_work_open(saltus_work *work, const saltus_kernel *kernel, c
 
 void saltus_work_forget(saltus_work *work) {
     work->loaded.terms = 0;
-    work->loaded.forcing_orders = work->vary.orders = 0;
+    work->forcing.most = work->vary.orders = 0;
     work->vary.tilts = false;
     memset(work->model.drive, 0, work->model.drive_size * sizeof *work->model.drive);
 }

@@ -175,7 +175,7 @@ bool saltus_fixed_ask(saltus_fixed *fixed, const saltus_system *system) {
 
 void saltus_fixed_expand(saltus_fixed *fixed, const saltus_kernel *kernel, const saltus_system *system,
                          saltus_work *work, int from, int to) {
-    if (!fixed->function && ++fixed->steps == steps_between) {
+    if (fixed->compiled && !fixed->function && ++fixed->steps == steps_between) {
         fixed->steps = 0;
         saltus_fixed_ask(fixed, system);
     }

@@ -150,9 +150,9 @@ static void load(saltus_work *w, int lane, const saltus_system *system, int degr
     for (int s = 0; s < w->stops; s++)
         load_row(w, to->normal + s * w->row, lane, system->stop_normal[s]);
     to->terms |= c->terms;
-    to->faces = system->face_count;
-    for (int f = 0; f < to->faces; f++) {
-        to->face[f] = system->faces[f];
+    w->faces.count = system->face_count;
+    for (int f = 0; f < w->faces.count; f++) {
+        w->faces.face[f] = system->faces[f];
         w->lane->clearance[f][lane] = system->faces[f].d;
     }
     w->lane->degree[lane] = degree;
@@ -164,13 +164,13 @@ static void load(saltus_work *w, int lane, const saltus_system *system, int degr
     w->lane->before[lane] = damping.before;
     w->lane->period[lane] = system->period;
     w->lane->omega_unit[lane] = system->scale[n] / system->scale[0];
-    to->lane_orders[lane] = count_orders(w, lane, system);
+    w->forcing.lane[lane] = count_orders(w, lane, system);
     for (int l = 0; l < LANES; l++)
-        most = to->lane_orders[l] > most ? to->lane_orders[l] : most;
+        most = w->forcing.lane[l] > most ? w->forcing.lane[l] : most;
     /* The drives must be zero at orders that no longer matter, because these are not computed any more. */
-    if (most < to->forcing_orders)
+    if (most < w->forcing.most)
         memset(w->model.drive, 0, w->model.drive_size * sizeof *w->model.drive);
-    to->forcing_orders = most;
+    w->forcing.most = most;
     model_load(w, lane, system);
 }
 
@@ -185,7 +185,7 @@ static void vary(saltus_work *w, int lane, int direction, const saltus_variation
                      c->slot);
     w->loaded.terms |= c->terms;
     w->vary.tilts |= variation->tilts;
-    w->vary.orders = w->loaded.forcing_orders + 1;
+    w->vary.orders = w->forcing.most + 1;
 }
 
 enum { sign_shift = 63, exponent_shift = 52, exponent_bias = 1023 }; /* of a double's bits */
@@ -291,6 +291,8 @@ KERNEL_INLINE void expand_order(frame f, int k, int c) {
     model_place(f, k + 1, c, next, displacement);
 }
 
+/* The gaps' coefficients first .. last, of one trajectory as many at once as a pack holds; the last ones may
+ * be formed twice. */
 KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int first, int last) {
     for (int stop = 0; stop < w->stops; stop++) {
         const saltus_pack *normal = PACKS(w->loaded.normal) + stop * f.packs;
@@ -298,7 +300,17 @@ KERNEL_INLINE void gap_series(frame f, const saltus_work *w, int first, int last
         saltus_pack row[ROW_PACKS_MAX];
         for (int p = 0; p < f.packs; p++)
             row[p] = normal[p];
-        for (int k = first; k <= last; k++)
+        int k = first;
+        for (; LANES == 1 && f.packs == 1 && k <= last && last - first + 1 >= SALTUS_PACK; k += SALTUS_PACK) {
+            saltus_pack product[SALTUS_PACK];
+            if (k > last + 1 - SALTUS_PACK)
+                k = last + 1 - SALTUS_PACK;
+            for (int i = 0; i < SALTUS_PACK; i++)
+                product[i] = row[0] * *JET(f.q, k + i, 0);
+            product[0] = saltus_pack_sums(product);
+            memcpy(gap + k, product, sizeof *product);
+        }
+        for (; k <= last; k++)
             gap[k] = lane_of(row_dot(row, JET(f.q, k, 0), f.dof, f.packs));
     }
 }
@@ -312,7 +324,7 @@ KERNEL_INLINE frame make_frame(const saltus_work *w, unsigned terms, int packs, 
                .directions = directions,
                .dof = SALTUS_WIDE ? packs : w->dof,
                .extra = terms & SALTUS_TERM_EXTRA ? w->extra : 0,
-               .forcing = terms & SALTUS_TERM_FORCED ? w->loaded.forcing_orders : 0,
+               .forcing = terms & SALTUS_TERM_FORCED ? w->forcing.most : 0,
                .orders = w->order + 2,
                .order_span = w->order_span,
                .q = PACKS(w->jet.q),
@@ -439,7 +451,71 @@ static void expand_any(const saltus_work *w, int from, int to) {
     }
 FOR_ROWS(EXPAND_ROWS)
 
+#ifdef MODEL_ALONE
+
+/* One trajectory waits for each order's result. In straight code, with all sizes constant and no array
+ * accessed through two of these pointers, the newest coefficients stay in registers. */
+enum { orders_alone = 20 };
+KERNEL_INLINE void expand_straight(const saltus_work *w, int to, int dof, saltus_pack *restrict q,
+                                   saltus_pack *restrict v, double *restrict series, double *restrict drive,
+                                   double *restrict ahead) {
+    frame f = make_frame(w, model_alone_terms(dof), 1, 1, 0, 0, 0);
+    f.dof = dof;
+    f.forcing = orders_alone;
+    f.q = q;
+    f.v = v;
+    f.model.series = series;
+    f.model.drive = drive;
+    f.model.ahead = ahead;
+    begin_jets(f, w, to > w->degree_most ? to : w->degree_most);
+#pragma GCC unroll 20
+    for (int k = 0; k < orders_alone; k++) {
+        if (k == to)
+            break;
+        expand_order(f, k, 0);
+    }
+    gap_series(f, w, 0, to);
+}
+
+#define EXPAND_ALONE(n)                                                                                      \
+    static __attribute__((noinline)) void expand_alone_##n(                                                  \
+        const saltus_work *w, int to, saltus_pack *restrict q, saltus_pack *restrict v,                      \
+        double *restrict series, double *restrict drive, double *restrict ahead) {                           \
+        expand_straight(w, to, n, q, v, series, drive, ahead);                                               \
+    }
+MODEL_ALONE(EXPAND_ALONE)
+
+/* Whether this was done by code for a lone trajectory. */
+static bool expand_alone(const saltus_work *w, int from, int to) {
+    if (w->columns || w->hold.count || from || to > orders_alone || w->degree_most > orders_alone ||
+        w->loaded.terms != model_alone_terms(w->dof))
+        return false;
+#define CASE_ALONE(n)                                                                                        \
+    case n:                                                                                                  \
+        expand_alone_##n(w, to, PACKS(w->jet.q), PACKS(w->jet.v), w->model.series, w->model.drive,           \
+                         w->model.ahead);                                                                    \
+        return true;
+    switch (w->dof) {
+        MODEL_ALONE(CASE_ALONE)
+    default:
+        return false;
+    }
+}
+
+#else
+
+static bool expand_alone(const saltus_work *w, int from, int to) {
+    (void)w;
+    (void)from;
+    (void)to;
+    return false;
+}
+
+#endif
+
 static void expand(saltus_work *w, int from, int to) {
+    if (expand_alone(w, from, to))
+        return;
 #define CASE(n)                                                                                              \
     case n:                                                                                                  \
         expand_##n(w, from, to);                                                                             \
@@ -466,18 +542,39 @@ KERNEL_INLINE lane_t approximate_root(lane_t x, double inverse) {
     return lane_fma(scale * fraction, rest, scale);
 }
 
+/* What a work is made of, as constants where one trajectory is alone. */
+typedef struct shape {
+    int packs, columns, extra, contacts, degree_least, degree_most;
+} shape;
+
+KERNEL_INLINE shape shape_of(const saltus_work *w) {
+    return (shape){.packs = row_packs(w->dof),
+                   .columns = w->columns,
+                   .extra = w->extra,
+                   .contacts = w->hold.count,
+                   .degree_least = LANES == 1 ? w->degree_most : w->degree_least,
+                   .degree_most = w->degree_most};
+}
+
+KERNEL_INLINE bool is_alone(const saltus_work *w) {
+    return LANES == 1 && row_packs(w->dof) == 1 && w->columns == 0 && w->extra == 0 && w->hold.count == 0;
+}
+
+KERNEL_INLINE shape shape_alone(const saltus_work *w) {
+    return (shape){.packs = 1, .degree_least = w->degree_most, .degree_most = w->degree_most};
+}
+
 /* Norm of a column at one order: max of |q_k|, |v_k| / omega_unit, |e_k|. */
-KERNEL_INLINE lane_t column_norm(const saltus_work *w, int k, int c) {
-    const saltus_pack *q = PACKS(w->jet.q + saltus_work_place(w, k, c, 0, 0)),
-                      *v = PACKS(w->jet.v + saltus_work_place(w, k, c, 0, 0));
-    const lane_t *e = NUMBERS(w->jet.e + saltus_work_extra_place(w, k, c, 0, 0));
-    const int packs = row_packs(w->dof);
+KERNEL_INLINE lane_t column_norm(const saltus_work *w, shape f, int k, int c) {
+    const long row = (long)k * (1 + f.columns) + c;
+    const saltus_pack *q = PACKS(w->jet.q) + row * f.packs, *v = PACKS(w->jet.v) + row * f.packs;
+    const lane_t *e = NUMBERS(w->jet.e) + row * f.extra;
     saltus_pack displacement = {0}, velocity = {0};
-    for (int p = 0; p < packs; p++) {
+    for (int p = 0; p < f.packs; p++) {
         displacement = saltus_pack_max_size(displacement, q[p]);
         velocity = saltus_pack_max_size(velocity, v[p]);
     }
-    for (int i = 0; i < w->extra; i++)
+    for (int i = 0; i < f.extra; i++)
         displacement = saltus_pack_max_size(displacement, lane_spread(e[i]));
     const lane_t slowness = 1.0 / *NUMBERS(w->lane->omega_unit);
     return lane_largest(saltus_pack_max_size(displacement, velocity * lane_spread(slowness)));
@@ -500,18 +597,17 @@ KERNEL_INLINE lane_t coefficient_step(lane_t room, int k, lane_t limit) {
 }
 
 /* Zero if all displacements and velocities of the state are finite, otherwise not a number. */
-KERNEL_INLINE lane_t finite_sum(const saltus_work *w) {
+KERNEL_INLINE lane_t finite_sum(const saltus_work *w, shape f) {
     const saltus_pack *q = PACKS(w->jet.q), *v = PACKS(w->jet.v);
-    const int packs = row_packs(w->dof);
     saltus_pack sum = {0};
-    for (int p = 0; p < packs; p++)
+    for (int p = 0; p < f.packs; p++)
         sum += (q[p] - q[p]) + (v[p] - v[p]);
     return lane_total(sum);
 }
 
 /* `step` if order k is one of the last two of the lane's series, else the limit. */
-KERNEL_INLINE lane_t step_of_last(const saltus_work *w, lane_t step, int k, lane_t limit) {
-    if (w->degree_least == w->degree_most)
+KERNEL_INLINE lane_t step_of_last(const saltus_work *w, shape f, lane_t step, int k, lane_t limit) {
+    if (f.degree_least == f.degree_most)
         return step;
     const lane_t off = lane_size(*NUMBERS(w->lane->degree) - (k + 0.5));
     return lane_if_less(off, lane_constant(1), step, limit);
@@ -523,17 +619,18 @@ static const double sure = 0.85;
 /* The step at which the last two coefficients of every column fall below the tolerance (Jorba & Zou, section
  * 3), and with held contacts also those of their forces: if contacts fix everything that could move, only
  * these show how far the series reach. */
-static void measure(saltus_work *w) {
-    const int steady = w->columns - w->directions, first = w->degree_least - 1;
+KERNEL_INLINE void measure_shape(saltus_work *w, shape f) {
+    const int steady = f.columns - w->directions, first = f.degree_least - 1,
+              count = f.degree_most - first + 1;
     const lane_t limit = *NUMBERS(w->lane->limit);
     const lane_t reach = *NUMBERS(w->lane->reach), most = lane_if_less(limit, reach, reach / sure, limit);
     const saltus_tolerance allowed = w->tolerance;
     lane_t step = most, least[SALTUS_ORDER_MAX + 1];
-    for (int k = first; k <= w->degree_most; k++)
+    for (int k = 0; k < count; k++)
         least[k] = lane_constant(untold);
-    for (int c = 0; c <= w->columns; c++) {
-        const lane_t change = limit * column_norm(w, 1, c);
-        lane_t size = column_norm(w, 0, c);
+    for (int c = 0; c <= f.columns; c++) {
+        const lane_t change = limit * column_norm(w, f, 1, c);
+        lane_t size = column_norm(w, f, 0, c);
         /* A parameter column starts at zero, so its growth within a step counts as size too. A state at rest
          * in the origin has no size either: a millionth of that growth replaces it, too little to matter for
          * any other state. */
@@ -542,22 +639,30 @@ static void measure(saltus_work *w) {
         else
             size = lane_if_less(size, 1e-6 * change, 1e-6 * change, size);
         const lane_t tolerance = c ? allowed.tangent * size : allowed.absolute + allowed.relative * size;
-        for (int k = first; k <= w->degree_most; k++)
-            least[k] = lane_smaller(least[k], coefficient_room(column_norm(w, k, c), tolerance));
+        for (int k = 0; k < count; k++)
+            least[k] = lane_smaller(least[k], coefficient_room(column_norm(w, f, first + k, c), tolerance));
     }
-    for (int k = first; k <= w->degree_most; k++)
-        step = lane_smaller(step, step_of_last(w, coefficient_step(least[k], k, most), k, most));
-    for (int m = 0; m < w->hold.count; m++) {
+    for (int k = 0; k < count; k++)
+        step = lane_smaller(step,
+                            step_of_last(w, f, coefficient_step(least[k], first + k, most), first + k, most));
+    for (int m = 0; m < f.contacts; m++) {
         const lane_t *force = NUMBERS(w->hold.force) + m * (w->order + 2);
         const lane_t size = lane_size(force[0]) + limit * (lane_size(force[1]) + limit * lane_size(force[2]));
-        for (int k = w->degree_least - 3; k <= w->degree_most - 2; k++) {
+        for (int k = f.degree_least - 3; k <= f.degree_most - 2; k++) {
             const lane_t room = coefficient_room(lane_size(force[k]), allowed.relative * size);
             const lane_t own = coefficient_step(room, k, most);
-            step = lane_smaller(step, step_of_last(w, own, k + 2, most));
+            step = lane_smaller(step, step_of_last(w, f, own, k + 2, most));
         }
     }
     step = lane_if_less(limit, sure * step, sure * step, lane_smaller(step, limit));
-    *NUMBERS(w->lane->step) = lane_if_less(finite_sum(w), lane_constant(1), step, lane_constant(0));
+    *NUMBERS(w->lane->step) = lane_if_less(finite_sum(w, f), lane_constant(1), step, lane_constant(0));
+}
+
+static void measure(saltus_work *w) {
+    if (is_alone(w))
+        measure_shape(w, shape_alone(w));
+    else
+        measure_shape(w, shape_of(w));
 }
 
 /* The coefficient of order k if the lane's series has one, else `beyond`. */
@@ -570,9 +675,9 @@ KERNEL_INLINE lane_t series_term(const saltus_work *w, lane_t coefficient, int k
 /* A bound on a gap over the step: its start plus all positive terms, in two chains of Horner's rule. Most
  * faces in most steps need no closer look. */
 KERNEL_INLINE lane_t gap_margin(const saltus_work *w, int face, lane_t step) {
-    const lane_t *gap = NUMBERS(w->gap) + w->loaded.face[face].stop * (w->order + 2);
+    const lane_t *gap = NUMBERS(w->gap) + w->faces.face[face].stop * (w->order + 2);
     const lane_t square = step * step, none = lane_constant(0);
-    const double side = w->loaded.face[face].side;
+    const double side = w->faces.face[face].side;
     const lane_t start = side * gap[0] - *NUMBERS(w->lane->clearance[face]);
     lane_t odd = none, even = none;
     for (int k = (w->degree_most + 1) / 2 * 2; k > 0; k -= 2) {
@@ -644,7 +749,7 @@ static void plan(saltus_work *w) {
         far |= w->lane->limit[l] < w->lane->advance[l] && w->lane->limit[l] < w->lane->reach[l];
     if (far)
         damp(w);
-    for (int f = 0; f < w->loaded.faces; f++) {
+    for (int f = 0; f < w->faces.count; f++) {
         const lane_t margin = gap_margin(w, f, advance);
         *NUMBERS(w->lane->margin[f]) = margin;
         near = lane_if_less(margin, lane_constant(0), near, lane_constant(1));

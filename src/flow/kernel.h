@@ -70,19 +70,27 @@ typedef struct saltus_lane_numbers {
 /* The loaded systems, in the kernel's layout. */
 typedef struct saltus_loaded {
     unsigned terms;
-    int lane_orders[SALTUS_LANES_MAX]; /* orders of the forcing's series that matter */
-    int forcing_orders;                /* their maximum */
-    int faces;
-    saltus_face face[SALTUS_FACES_MAX]; /* stops and sides, common to all lanes */
-    double *normal;                     /* [stop][row] */
-    double *scalar;                     /* [scalar][lane] */
-    double *rows;                       /* [coefficient row][row] */
+    double *normal; /* [stop][row] */
+    double *scalar; /* [scalar][lane] */
+    double *rows;   /* [coefficient row][row] */
     double *coupling[SALTUS_COUPLINGS_MAX];
     double *table;                    /* model's constants per order: [table][order][lane] */
     const saltus_tape *tape;          /* of systems from text, otherwise NULL; equal in all lanes */
     double *weights;                  /* the tape's numbers: [weight][lane] */
     saltus_operation_function *value; /* evaluates the tape's functions */
 } saltus_loaded;
+
+/* Stops and sides, common to all lanes. */
+typedef struct saltus_work_faces {
+    int count;
+    saltus_face face[SALTUS_FACES_MAX];
+} saltus_work_faces;
+
+/* Orders of the forcing's series that matter. */
+typedef struct saltus_forcing_orders {
+    int lane[SALTUS_LANES_MAX];
+    int most;
+} saltus_forcing_orders;
 
 /* The model's intermediate series. */
 typedef struct saltus_model_series {
@@ -127,6 +135,8 @@ typedef struct saltus_work {
     int degree_least, degree_most; /* over the lanes */
     int stops;                     /* rows of the gap series */
     saltus_loaded loaded;
+    saltus_forcing_orders forcing;
+    saltus_work_faces faces;
     saltus_holding hold;
     saltus_varied vary;
     /* The step. */

@@ -204,10 +204,7 @@ KERNEL_INLINE void set_row_element(saltus_pack *row, int i, lane_t value) {
 /* Packs begin at even orders. */
 KERNEL_INLINE saltus_pack lane_alternate(lane_t even, lane_t odd, int order) {
     (void)order;
-    saltus_pack all;
-    for (int i = 0; i < SALTUS_PACK; i++)
-        all[i] = i % 2 ? odd : even;
-    return all;
+    return saltus_pack_alternate(even, odd);
 }
 
 KERNEL_INLINE saltus_pack row_sum(const saltus_pack *row, int n, int packs) {

@@ -26,6 +26,17 @@ KERNEL_INLINE unsigned model_common_terms(int rows) {
     return SALTUS_TERM_FORCED | SALTUS_TERM_CUBIC | (SALTUS_WIDE && rows == 1 ? 0 : SALTUS_TERM_COUPLED);
 }
 
+/* Modes of a lone trajectory with straight code of its own, if it has the common terms and the forcing
+ * matters at all orders. */
+#if !SALTUS_WIDE && SALTUS_PACK == 8
+#define MODEL_ALONE(X) X(1) X(2) X(3) X(4) X(5) X(6) X(7) X(8)
+#elif !SALTUS_WIDE && SALTUS_PACK == 4
+#define MODEL_ALONE(X) X(1) X(2) X(3) X(4)
+#endif
+KERNEL_INLINE unsigned model_alone_terms(int modes) {
+    return SALTUS_TERM_FORCED | SALTUS_TERM_CUBIC | (modes > 1 ? SALTUS_TERM_COUPLED : 0);
+}
+
 /* 2 sqrt(beta) u, sqrt(beta) u' and the part -u^2 - sqrt(beta) u' / 2 of W. */
 enum { drive_velocity, drive_gradient, drive_tension, model_drives };
 enum { table_velocity, table_gradient, table_tension, table_tension2, model_tables };
@@ -51,7 +62,7 @@ static void model_load(saltus_work *w, int lane, const saltus_system *system) {
     for (int k = 0; k < w->order_span; k++) {
         double *t = w->loaded.table + (size_t)k * (size_t)w->lanes + lane;
         size_t stride = (size_t)w->order_span * (size_t)w->lanes;
-        double matters = c->terms & SALTUS_TERM_FORCED && k <= w->loaded.lane_orders[lane];
+        double matters = c->terms & SALTUS_TERM_FORCED && k <= w->forcing.lane[lane];
         double sine = k & 2 ? -matters : matters, cosine = (k + 1) & 2 ? -matters : matters;
         t[table_velocity * stride] = 2 * root_beta * u0 * sigma * single * sine;
         t[table_gradient * stride] = root_beta * u0 * sigma * system->omega * single * cosine;
@@ -295,27 +306,28 @@ KERNEL_INLINE saltus_pack model_tension(frame f, int k, int c, double inverse, s
     return saltus_pack_fma(damping, next, known * inverse);
 }
 
-/* Subtract the terms with W's last two coefficients, in a tangent vector also those of the trajectory's W. */
-KERNEL_INLINE void model_pull(frame f, int k, int c, double inverse, saltus_pack last, saltus_pack *next) {
+/* The terms with W's last two coefficients, but for the trajectory's last one; in a tangent vector also those
+ * of the trajectory's W. */
+KERNEL_INLINE void model_pull(frame f, int k, int c, double inverse, saltus_pack *pull) {
     const bool cubic = f.terms & SALTUS_TERM_CUBIC;
     const lane_t *tension = cubic ? SERIES(series_tension, 0, 0) : DRIVE(drive_tension, 0);
-    if (c > 0 || !cubic) {
-        const saltus_pack now = lane_spread(tension[k]) * inverse;
-        for (int p = 0; p < f.packs; p++)
-            next[p] = saltus_pack_fnma(now, AHEAD(ahead_start, c)[p], next[p]);
-    }
+    for (int p = 0; p < f.packs; p++)
+        pull[p] = (saltus_pack){0};
     if (k > 0) {
         const saltus_pack before = lane_spread(tension[k - 1]) * inverse;
         for (int p = 0; p < f.packs; p++)
-            next[p] = saltus_pack_fnma(before, AHEAD(ahead_second, c)[p], next[p]);
+            pull[p] = before * AHEAD(ahead_second, c)[p];
+    }
+    if (c > 0 || !cubic) {
+        const saltus_pack now = lane_spread(tension[k]) * inverse;
+        for (int p = 0; p < f.packs; p++)
+            pull[p] = saltus_pack_fma(now, AHEAD(ahead_start, c)[p], pull[p]);
     }
     if (k > 0 && c > 0 && cubic) {
         const saltus_pack before = lane_spread(*SERIES(series_tension, k - 1, c)) * inverse;
         for (int p = 0; p < f.packs; p++)
-            next[p] = saltus_pack_fnma(before, AHEAD(ahead_second, 0)[p], next[p]);
+            pull[p] = saltus_pack_fma(before, AHEAD(ahead_second, 0)[p], pull[p]);
     }
-    for (int p = 0; p < f.packs && cubic; p++)
-        next[p] = saltus_pack_fnma(last, AHEAD(ahead_start, 0)[p], next[p]);
 }
 
 /* v_{k+1} = (coefficient k of q'') / (k + 1) for the trajectory (c = 0) or a tangent vector. */
@@ -339,14 +351,18 @@ KERNEL_INLINE void model_order(frame f, int k, int c, double inverse, saltus_pac
     }
     if (coupled)
         row_couple(next, f.loaded.coupling[pipe_gyroscopic], moving.now, f.dof, f.packs);
-    for (int p = 0; p < f.packs; p++)
-        next[p] *= -inverse;
     if (k == 0)
         for (int p = 0; p < f.packs; p++)
             AHEAD(ahead_second, c)[p] = ROW(pipe_lambda2)[p] * JET(f.q, 1, c)[p];
     if (cubic)
         last = model_tension(f, k, c, inverse, inner.now);
-    model_pull(f, k, c, inverse, last, next);
+    saltus_pack pull[ROW_PACKS_MAX];
+    model_pull(f, k, c, inverse, pull);
+    for (int p = 0; p < f.packs; p++) {
+        next[p] = saltus_pack_fma(saltus_pack_splat(-inverse), next[p], -pull[p]);
+        if (cubic)
+            next[p] = saltus_pack_fnma(last, AHEAD(ahead_start, 0)[p], next[p]);
+    }
     if (k == 0 && c == 0) {
         const saltus_pack tension =
             lane_spread(cubic ? *SERIES(series_tension, 0, 0) : *DRIVE(drive_tension, 0));
