@@ -138,7 +138,7 @@ static int period_of_points(const saltus_system *system, long long impacts, long
     saltus_settling settling;
     long long impacts_so_far = 0, contacts_so_far = 0;
     assert_true(saltus_settling_open(&settling, 2, saltus_sweep_defaults().longest));
-    saltus_settling_reset(&settling, system);
+    saltus_settling_reset(&settling, system, 0);
     for (int k = 0; k < 200; k++) {
         double away = 1e-3 * pow(0.5, k);
         impacts_so_far += k % 2 ? impacts : 2;
@@ -177,7 +177,7 @@ typedef struct series {
 static series open_series(const saltus_system *system) {
     series s = {.scale = saltus_system_scale(system)};
     assert_true(saltus_settling_open(&s.settling, 2, saltus_sweep_defaults().longest));
-    saltus_settling_reset(&s.settling, system);
+    saltus_settling_reset(&s.settling, system, 0);
     return s;
 }
 
@@ -284,7 +284,7 @@ static void a_period_is_seen_often_enough(void **unused) {
     saltus_system *system = build(&spec);
     series s = open_series(system);
     for (int period = 1; period <= 20; period++) {
-        saltus_settling_reset(&s.settling, system);
+        saltus_settling_reset(&s.settling, system, 0);
         for (int count = 1; count <= 4 * period + 4; count++) {
             bool doubt;
             s.impacts += count % period == 0;

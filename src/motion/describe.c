@@ -30,7 +30,7 @@ static saltus_status find_mirror(const saltus_system *system, saltus_flow *flow,
         return SALTUS_OK;
     saltus_time half = {cycle ? 0 : motion->periods / 2, cycle || shift ? 0.5 : 0};
     saltus_status status = saltus_mirror_image(flow, motion->state, half, image, message);
-    if (status == SALTUS_OK && saltus_system_distance(system, image, motion->state) < same_image)
+    if (status == SALTUS_OK && saltus_orbit_passes(system, motion->state, 1, image, same_image))
         motion->mirror = SALTUS_MIRROR_SELF;
     return status;
 }
@@ -125,7 +125,7 @@ saltus_status saltus_motion_polish(const saltus_system *system, int periods, con
     *motion = (saltus_motion){0};
     saltus_status status = saltus_orbit_search(system, periods, state, &shooting, wanted, &orbit, NULL);
     if (status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.multiplier_count) &&
-        saltus_system_distance(system, orbit.state, state) < near)
+        saltus_orbit_passes(system, orbit.state, 1, state, near))
         status = saltus_motion_describe(system, &orbit, options, motion, NULL);
     saltus_orbit_clear(&orbit);
     return status == SALTUS_NO_MEMORY ? saltus_fail(message, status, "no memory for an orbit") : SALTUS_OK;

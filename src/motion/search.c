@@ -144,7 +144,7 @@ saltus_status saltus_search_open(saltus_search *s, const double *state, saltus_m
           (saltus_system_forced(s->system) || saltus_visits_open(&s->visits, n, longest))))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory to classify");
     if (status == SALTUS_OK) {
-        saltus_settling_reset(&s->settling, s->system);
+        saltus_settling_reset(&s->settling, s->system, options->rtol);
         if (!saltus_system_forced(s->system))
             saltus_visits_reset(&s->visits, s->system);
         status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, state, message);
@@ -228,8 +228,7 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
     if (p == 0)
         return SALTUS_OK;
     shooting.tolerance *= coarseness(s);
-    const double recurrence = saltus_settling_recurrence(&s->settling, p),
-                 *last = saltus_settling_point(&s->settling, 0);
+    const double recurrence = saltus_settling_recurrence(&s->settling, p);
     const bool costly = p * impacts > most_impacts;
     if (costly && (s->limited || recurrence > all_but_reached || s->settling.count < s->next_costly))
         return SALTUS_OK;
@@ -243,7 +242,9 @@ static saltus_status try_period(saltus_search *s, saltus_message *message) {
                   all = {.spent = effort ? effort->spent : 0, .total = effort ? effort->total : 0};
     if (effort)
         shooting.flow.effort = &all;
-    saltus_status status = saltus_return_polish(s->beside, p, last, &shooting, &s->orbit, &s->lap, message);
+    double state[SALTUS_STATE_MAX];
+    saltus_flow_state(s->flow, 0, state);
+    saltus_status status = saltus_return_polish(s->beside, p, state, &shooting, &s->orbit, &s->lap, message);
     if (effort) {
         effort->spent = all.spent;
         effort->total = all.total;

@@ -12,6 +12,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "motion/settle.h"
 
+#include "orbit/lap.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,6 +27,7 @@ static const double least_ratio = 0.01; /* no faster shrinking per cycle is assu
 static const double worth_a_look = 200; /* ... so a recurrence above 200 limits leaves more than the limit */
 static const double least_turn = 1e-6;  /* squared sine of the angle between recurrences that turn */
 static const double at_rest = 1e-9;
+static const double beside_impact = 1e-5; /* points nearer to an impact in the section lie after it */
 
 bool saltus_settling_open(saltus_settling *s, int dimension, int longest) {
     int size = 4 * longest + 8;
@@ -46,8 +49,10 @@ void saltus_settling_close(saltus_settling *s) {
     *s = (saltus_settling){0};
 }
 
-void saltus_settling_reset(saltus_settling *s, const saltus_system *system) {
+void saltus_settling_reset(saltus_settling *s, const saltus_system *system, double rtol) {
     const double *scale = saltus_system_scale(system);
+    s->system = system;
+    s->reach = saltus_system_forced(system) ? fmax(beside_impact, 100 * rtol) : 0;
     s->count = 0;
     s->last = -1;
     for (int i = 0; i < s->n; i++)
@@ -83,12 +88,15 @@ static bool recurs(const saltus_settling *s, const double *a, const double *b) {
 void saltus_settling_add(saltus_settling *s, const double *state, long long impacts,
                          long long contact_events) {
     s->last = s->last + 1 < s->size ? s->last + 1 : 0;
-    memcpy(s->points + (size_t)s->last * (size_t)s->n, state, (size_t)s->n * sizeof *state);
+    double *point = s->points + (size_t)s->last * (size_t)s->n;
+    memcpy(point, state, (size_t)s->n * sizeof *state);
+    if (s->reach > 0)
+        impacts += saltus_section_point(s->system, point, s->reach, point, NULL);
     s->impacts[s->last] = impacts;
     s->contact[s->last] = contact_events;
     s->count++;
     for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] = recurs(s, state, saltus_settling_point(s, p)) ? s->streak[p] + 1 : 0;
+        s->streak[p] = recurs(s, point, saltus_settling_point(s, p)) ? s->streak[p] + 1 : 0;
 }
 
 /* Largest distance between points p apart, over the last `points` points; INFINITY once it is above `limit`.

@@ -6,6 +6,8 @@
 #include "saltus/system.h"
 
 typedef struct saltus_settling {
+    const saltus_system *system; /* not used if reach = 0 */
+    double reach; /* of section points to the impacts that they lie after (saltus_section_point) */
     int n, longest, size;
     long long count;              /* points seen */
     int last;                     /* place of the last one in the ring buffer: (count - 1) % size */
@@ -18,8 +20,10 @@ typedef struct saltus_settling {
 /* For states of `dimension` numbers and periods up to `longest`. False without memory. */
 bool saltus_settling_open(saltus_settling *settling, int dimension, int longest);
 void saltus_settling_close(saltus_settling *settling);
-void saltus_settling_reset(saltus_settling *settling, const saltus_system *system);
-/* Add the next section point, with the counts of impacts and of other contact events so far. */
+/* Forget all points. The flow's relative tolerance tells how near to an impact one lies after it. */
+void saltus_settling_reset(saltus_settling *settling, const saltus_system *system, double rtol);
+/* Add the next state at section phase 0, kept as its section point, or without forcing a return, with the
+ * counts of impacts and of other contact events so far. */
 void saltus_settling_add(saltus_settling *settling, const double *state, long long impacts,
                          long long contact_events);
 /* The least period whose orbit has been reached to within `limit`, or 0. *doubt: the orbit's true period may

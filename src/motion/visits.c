@@ -20,7 +20,7 @@ void saltus_visits_close(saltus_visits *v) {
 }
 
 void saltus_visits_reset(saltus_visits *v, const saltus_system *system) {
-    saltus_settling_reset(&v->settling, system);
+    saltus_settling_reset(&v->settling, system, 0);
     v->returns = (saltus_crossings){0};
 }
 

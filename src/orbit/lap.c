@@ -3,6 +3,7 @@
 #include "orbit/lap.h"
 
 #include "base/dense.h"
+#include "flow/flow.h"
 #include "system/system.h"
 
 #include <math.h>
@@ -118,16 +119,26 @@ saltus_status saltus_state_carry(saltus_flow *flow, saltus_time from, saltus_tim
 saltus_status saltus_lap_around(saltus_lap *lap, saltus_flow *flow, const double *state, int periods,
                                 saltus_message *message) {
     const saltus_system *system = saltus_flow_system(flow, 0);
-    int n = saltus_system_dimension(system);
+    const double reach = saltus_system_forced(system) ? saltus_section_reach(flow->options.rtol) : 0;
+    const int n = saltus_system_dimension(system);
+    saltus_event passed[SALTUS_FACES_MAX];
     if (!saltus_lap_reserve(lap, periods, n))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for an orbit of %d periods", periods);
-    saltus_lap_begin(lap, system, state);
+    saltus_section_point(system, state, reach, lap->points, NULL);
+    saltus_lap_begin(lap, system, lap->points);
     lap->periods = periods;
-    memcpy(lap->points, state, (size_t)n * sizeof *state);
-    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+    saltus_status status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, lap->points, message);
     for (int k = 1; k <= periods && status == SALTUS_OK; k++) {
+        double *point = k < periods ? lap->points + (size_t)(k * n) : lap->end;
         status = saltus_lap_run(lap, flow, (saltus_time){k, 0}, true, message);
-        saltus_flow_state(flow, 0, k < periods ? lap->points + (size_t)(k * n) : lap->end);
+        saltus_flow_state(flow, 0, point);
+        const int count = saltus_section_point(system, point, reach, point, passed);
+        /* Where the orbit closes these are the impacts that its first point lies after. */
+        for (int i = 0; i < count && k == periods && status == SALTUS_OK; i++) {
+            passed[i].time.cycle += periods;
+            if (!saltus_lap_add(lap, &passed[i], point))
+                status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the events of an orbit");
+        }
     }
     return status;
 }
@@ -170,51 +181,47 @@ void saltus_orbit_label(long long impacts, int periods, char label[SALTUS_LABEL_
         snprintf(label, SALTUS_LABEL_MAX, "%lld/%d", impacts, periods);
 }
 
-/* Whether a section point lies just before an impact on a face, whose speed it gives. */
-static bool lies_before(const saltus_system *system, int face, const double *point, double accuracy,
-                        double *speed) {
-    const saltus_face f = system->faces[face];
-    const double *normal = system->stop_normal[f.stop], *scale = saltus_system_scale(system);
-    double reach = 0;
-    for (int i = 0; i < system->dof; i++)
-        reach += fabs(normal[i]) * scale[i];
-    *speed = saltus_dot(normal, point + system->dof, system->dof);
-    return f.side * *speed > 0 && fabs(saltus_system_gap(system, face, point)) < accuracy * reach;
+double saltus_section_reach(double rtol) {
+    return fmax(1e-8, 100 * rtol);
 }
 
-int saltus_point_before_impacts(const saltus_system *system, const double *point, double accuracy) {
+int saltus_section_point(const saltus_system *system, const double *state, double reach, double *after,
+                         saltus_event *passed) {
+    const double *scale = saltus_system_scale(system);
     int count = 0;
-    double speed;
-    for (int f = 0; f < system->face_count; f++)
-        count += lies_before(system, f, point, accuracy, &speed);
-    return count;
-}
-
-/* A section point as it is just after the impacts that it may lie before: which side of an impact in the
- * section the flow ends on, rounding decides. */
-static void pass_impacts(const saltus_system *system, const double *point, double accuracy, double *after) {
-    double speed;
-    memcpy(after, point, (size_t)system->dimension * sizeof *after);
-    for (int f = 0; f < system->face_count; f++)
-        if (lies_before(system, f, after, accuracy, &speed)) {
-            const double *impulse = system->stop_impulse[system->faces[f].stop];
-            for (int i = 0; i < system->dof; i++)
-                after[system->dof + i] -= (1 + system->faces[f].r) * speed * impulse[i];
+    if (after != state)
+        memcpy(after, state, (size_t)system->dimension * sizeof *after);
+    for (int k = 0; k < system->face_count && reach > 0; k++) {
+        const saltus_face face = system->faces[k];
+        const double *normal = system->stop_normal[face.stop], *impulse = system->stop_impulse[face.stop],
+                     speed = saltus_dot(normal, after + system->dof, system->dof),
+                     gap = saltus_system_gap(system, k, after);
+        double length = 0, speed_scale = 0;
+        for (int i = 0; i < system->dof; i++) {
+            length += fabs(normal[i]) * scale[i];
+            speed_scale += fabs(normal[i]) * scale[system->dof + i];
         }
+        /* In a contact that holds, or at a touch, the speed is nothing but rounding. */
+        if (!(face.side * speed > reach * speed_scale && fabs(gap) < reach * length))
+            continue;
+        const double rebound = -saltus_system_restitution(system, k, fabs(speed)) * speed;
+        for (int i = 0; i < system->dof; i++)
+            after[system->dof + i] += (rebound - speed) * impulse[i];
+        if (passed)
+            passed[count] = (saltus_event){
+                SALTUS_IMPACT, k,       saltus_time_of(fmax(-gap / fabs(speed), 0) / system->period),
+                speed,         rebound, face.side * (gap + face.d)};
+        count++;
+    }
+    return count;
 }
 
 int saltus_points_least_period(const saltus_system *system, const double *points, int periods,
                                double accuracy) {
     const int n = saltus_system_dimension(system);
-    double first[SALTUS_STATE_MAX], later[SALTUS_STATE_MAX];
-    pass_impacts(system, points, accuracy, first);
-    for (int p = 1; p <= periods / 2; p++) {
-        if (periods % p)
-            continue;
-        pass_impacts(system, points + (size_t)(p * n), accuracy, later);
-        if (saltus_system_distance(system, later, first) < accuracy)
+    for (int p = 1; p <= periods / 2; p++)
+        if (periods % p == 0 && saltus_system_distance(system, points + (size_t)(p * n), points) < accuracy)
             return p;
-    }
     return periods;
 }
 
@@ -225,9 +232,12 @@ int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *fl
 
 bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,
                          double distance) {
-    int n = saltus_system_dimension(system);
+    const int n = saltus_system_dimension(system);
+    double after[SALTUS_STATE_MAX];
+    saltus_section_point(system, state, distance, after, NULL);
     for (int k = 0; k < periods; k++)
-        if (saltus_system_distance(system, points + (size_t)(k * n), state) < distance)
+        if (saltus_system_distance(system, points + (size_t)(k * n), state) < distance ||
+            saltus_system_distance(system, points + (size_t)(k * n), after) < distance)
             return true;
     return false;
 }

@@ -78,10 +78,15 @@ int saltus_lap_least_period(const saltus_lap *lap, const saltus_flow_options *fl
 /* The same for section points in turn, which are accurate to `accuracy`, in the system's scales. */
 int saltus_points_least_period(const saltus_system *system, const double *points, int periods,
                                double accuracy);
-/* How many impacts in the very section a point lies just before. Rounding decides on which side of them the
- * flow ends. */
-int saltus_point_before_impacts(const saltus_system *system, const double *point, double accuracy);
-/* Whether an orbit passes through a state at section phase 0. */
+/* The section point of a state at section phase 0. Rounding decides on which side of impacts in the very
+ * section the flow ends: a point lies after them. `after`, which may be `state`, is the state moved past the
+ * impacts that it is within `reach` of, relative to the system's scales. Returns their number; `passed`
+ * (SALTUS_FACES_MAX, or NULL) receives them, with times from the state on. */
+int saltus_section_point(const saltus_system *system, const double *state, double reach, double *after,
+                         saltus_event *passed);
+/* The reach for points of an orbit that is found with a flow of this tolerance. */
+double saltus_section_reach(double rtol);
+/* Whether an orbit with these section points passes through a state at section phase 0. */
 bool saltus_orbit_passes(const saltus_system *system, const double *points, int periods, const double *state,
                          double distance);
 /* Mirror image of the state that a state at section phase 0 reaches after the time `later`; `image` may be

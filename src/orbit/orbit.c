@@ -9,6 +9,7 @@
 #include "orbit/orbit.h"
 
 #include "base/dense.h"
+#include "flow/flow.h"
 #include "orbit/multipliers.h"
 #include "orbit/sequence.h"
 #include "system/system.h"
@@ -116,16 +117,12 @@ static saltus_status solve(search *s, const saltus_sequence *sequence, saltus_me
         size);
 }
 
-/* Move the state from the sequence's base to a phase. */
-static saltus_status to_section(search *s, double phase, saltus_message *message) {
-    double base = s->sequence.base, whole = floor(base), ahead = phase - (base - whole);
-    if (ahead == 0)
-        return SALTUS_OK;
-    saltus_time start = {(long long)whole, base - whole};
-    saltus_time until = {start.cycle + (ahead < 0), phase};
-    /* The base lies within the orbit: go to the section point at a whole number of orbits. */
-    until.cycle += (s->periods - until.cycle % s->periods) % s->periods;
-    return saltus_state_carry(s->flow, start, until, s->state, message);
+/* Move the state from the sequence's base on to a time within the orbit. */
+static saltus_status to_time(search *s, double time, saltus_message *message) {
+    const double base = s->sequence.base;
+    const saltus_time start = {(long long)base, base - floor(base)},
+                      until = {(long long)time + (time < base ? s->periods : 0), time - floor(time)};
+    return time == base ? SALTUS_OK : saltus_state_carry(s->flow, start, until, s->state, message);
 }
 
 /* Solve for a sequence from the state at its base; accept the orbit if the event-driven flow follows it. If
@@ -155,7 +152,7 @@ static int find_passing(search *s, const double *guess) {
     saltus_sequence met = {.periods = s->periods, .base = s->options->phase, .driven = true};
     memcpy(s->state, guess, bytes);
     s->sequence = met;
-    if (to_section(s, 0, &ignored) != SALTUS_OK ||
+    if (to_time(s, 0, &ignored) != SALTUS_OK ||
         saltus_sequence_make(s->flow, s->periods, false, s->state, &s->lap, &met, &ignored) != SALTUS_OK)
         return -1;
     memcpy(start, s->state, bytes);
@@ -186,27 +183,32 @@ static saltus_status meet(search *s, saltus_sequence *met, saltus_message *messa
     return status;
 }
 
-/* Move a state just after an impact to the middle of the flight up to the next event: from the impact itself,
- * rounding would decide whether the flow meets it again after one orbit. */
-static saltus_status leave_stop(search *s, saltus_message *message) {
-    const double touching = 1e-9;
+/* Move a state beside an impact to the middle of the flight up to the next event, in the time *later, in
+ * periods: from the impact itself, rounding would decide whether the flow meets it again after one orbit. */
+static saltus_status leave_stop(search *s, double phase, double *later, saltus_message *message) {
+    static const double touching = 1e-9, own = 1e-6; /* sooner it is the impact itself */
     const saltus_system *system = saltus_flow_system(s->flow, 0);
     const double length = saltus_system_scale(system)[0];
-    const int watched = SALTUS_WATCH_CONTACT;
-    saltus_event event = {.kind = SALTUS_REACHED};
+    const saltus_time start = {0, phase};
+    saltus_event event = {.kind = SALTUS_REACHED, .time = start};
     unsigned touches = 0;
+    *later = 0;
     for (int f = 0; f < saltus_system_face_count(system); f++)
         if (fabs(saltus_system_gap(system, f, s->state)) < touching * length)
             touches |= 1u << f;
     if (!touches)
         return SALTUS_OK;
-    saltus_status status = saltus_flow_start(s->flow, 0, (saltus_time){0, 0}, s->state, message);
+    saltus_status status = saltus_flow_start(s->flow, 0, start, s->state, message);
     if (status != SALTUS_OK || !(touches & ~saltus_flow_contacts(s->flow, 0)))
         return status;
-    status = saltus_flow_advance(s->flow, (saltus_time){1, 0}, watched, &event, message);
-    const saltus_time half = saltus_time_of(0.5 * saltus_time_periods(event.time));
-    return status == SALTUS_OK ? saltus_state_carry(s->flow, (saltus_time){0, 0}, half, s->state, message)
-                               : status;
+    do
+        status = saltus_flow_advance(s->flow, (saltus_time){1, phase}, SALTUS_WATCH_CONTACT, &event, message);
+    while (status == SALTUS_OK && event.kind != SALTUS_REACHED &&
+           saltus_time_between(start, event.time) < own);
+    *later = 0.5 * saltus_time_between(start, event.time);
+    return status == SALTUS_OK
+               ? saltus_state_carry(s->flow, start, saltus_time_after(start, *later), s->state, message)
+               : status;
 }
 
 /* Alternate between the two formulations, each from the result of the other. If an orbit was found that
@@ -215,13 +217,16 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
     const double phase = s->options->free_period ? 0 : s->options->phase;
     saltus_sequence driven = {.periods = s->periods, .base = phase, .driven = true};
     saltus_message plain = {.text = ""}, ignored;
-    saltus_status first = SALTUS_OK;
+    double later;
     int passing = -1;
     memcpy(s->state, guess, (size_t)s->n * sizeof *guess);
-    if (s->options->free_period) {
+    saltus_status first = leave_stop(s, phase, &later, message);
+    if (first != SALTUS_OK)
+        return first;
+    if (!s->options->free_period)
+        driven.base = fmod(phase + later, s->periods);
+    else {
         first = saltus_shooting_shape(s->shooting, &driven, message);
-        if (first == SALTUS_OK)
-            first = leave_stop(s, message);
         if (first == SALTUS_OK)
             first = meet(s, &driven, message);
         if (first != SALTUS_OK)
@@ -235,21 +240,21 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
         int events = -1;
         saltus_status status = solve(s, &driven, turn ? &ignored : &plain);
         if (status == SALTUS_OK)
-            return status;
+            return s->options->free_period ? status : to_time(s, phase, message);
         if (turn == 0)
             first = status;
         if (first == SALTUS_NO_MEMORY || first == SALTUS_BAD_INPUT ||
             saltus_system_face_count(saltus_flow_system(s->flow, 0)) == 0)
             break;
-        status = to_section(s, 0, &ignored);
+        status = to_time(s, 0, &ignored);
         if (status == SALTUS_OK)
             status = meet(s, &met, &ignored);
         if (status == SALTUS_OK)
             status = solve_sequence(s, &met, &events);
         if (status == SALTUS_OK)
-            return to_section(s, phase, message);
+            return to_time(s, phase, message);
         passing = passing < 0 ? events : passing;
-        if (!(s->residual < INFINITY) || to_section(s, phase, &ignored) != SALTUS_OK)
+        if (!(s->residual < INFINITY) || to_time(s, driven.base, &ignored) != SALTUS_OK)
             break;
     }
     if (passing < 0 && first != SALTUS_NO_MEMORY && first != SALTUS_BAD_INPUT && !s->options->free_period)
@@ -323,7 +328,9 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
     if (status == SALTUS_OK && !orbit->state)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK) {
-        memcpy(orbit->state, s.state, (size_t)n * sizeof *s.state);
+        saltus_section_point(system, s.state,
+                             options->free_period ? 0 : saltus_section_reach(options->flow.rtol),
+                             orbit->state, NULL);
         orbit->omega = saltus_spec_omega(saltus_system_spec(saltus_flow_system(s.flow, 0)));
         bool known = wanted == SALTUS_MULTIPLIERS_NONE;
         if (wanted == SALTUS_MULTIPLIERS_LEADING)

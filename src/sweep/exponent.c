@@ -43,7 +43,7 @@ static double by_shooting(saltus_sweep_trajectory *t, int periods) {
     saltus_orbit orbit = {0};
     shooting.flow.integrator = t->sweep->options.flow.integrator;
     saltus_status status = saltus_orbit_find(t->system, periods, t->state, &shooting, &orbit, NULL);
-    bool own = status == SALTUS_OK && saltus_system_distance(t->system, orbit.state, t->state) < own_orbit;
+    bool own = status == SALTUS_OK && saltus_orbit_passes(t->system, orbit.state, 1, t->state, own_orbit);
     double logarithm = own ? orbit.multipliers[0].log_modulus : NAN;
     t->starved |= status == SALTUS_NO_MEMORY;
     saltus_orbit_clear(&orbit);

@@ -186,7 +186,7 @@ static saltus_judgement prove(saltus_sweep_trajectory *t, int period, saltus_ver
         return (saltus_judgement){verdict, period, 0};
     double moved[SALTUS_STATE_MAX];
     size_t size = (size_t)t->sweep->dimension * sizeof *moved;
-    memcpy(p->undisturbed, t->state, size);
+    memcpy(p->undisturbed, saltus_settling_point(&p->settling, 0), size);
     memcpy(moved, t->state, size);
     p->disturbed_at = saltus_sweep_trajectory_cycle(t);
     p->disturbed = true;

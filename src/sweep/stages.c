@@ -145,7 +145,7 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     t->before = (saltus_flow_info){0};
     t->effort = (saltus_effort){.period = saltus_system_period(t->system)};
     t->proof.disturbed = false;
-    saltus_settling_reset(&t->proof.settling, t->system);
+    saltus_settling_reset(&t->proof.settling, t->system, o->flow.rtol);
     if (!saltus_system_forced(t->system))
         saltus_visits_reset(&t->proof.visits, t->system);
     open_row(t);
@@ -180,26 +180,21 @@ static saltus_next end_place(saltus_sweep_trajectory *t) {
     return o->measure > 0 ? SALTUS_NEXT_MEASURE : SALTUS_NEXT_DONE;
 }
 
-/* The accuracy of section points of an orbit that has settled. */
-static double section_accuracy(const saltus_sweep_trajectory *t) {
-    return fmax(1e-8, 100 * t->sweep->options.flow.rtol);
-}
-
-static void begin_lap(saltus_sweep_trajectory *t, saltus_watch *watch, long long periods) {
-    t->proof.before = saltus_point_before_impacts(t->system, t->state, section_accuracy(t));
-    t->proof.laps++;
-    begin_watch(t, watch, periods, !saltus_system_forced(t->system));
-}
-
-/* Whether the lap just gone began on one side of an impact in the very section and ended on the other, so
- * that it met this impact twice or not at all; another one then begins where it ended. */
-static bool goes_around_again(saltus_sweep_trajectory *t) {
-    enum { laps_most = 8 };
-    const int before = saltus_point_before_impacts(t->system, t->state, section_accuracy(t));
-    if (!saltus_system_forced(t->system) || before == t->proof.before || t->proof.laps >= laps_most)
-        return false;
-    begin_lap(t, t->active, t->row.periods);
-    return true;
+/* Go once around the orbit of a row. With forcing it begins after the impacts in the very section, if there
+ * are any, and ends after them. */
+static saltus_next begin_lap(saltus_sweep_trajectory *t) {
+    const bool forced = saltus_system_forced(t->system);
+    double after[SALTUS_STATE_MAX];
+    if (forced &&
+        saltus_section_point(t->system, t->state, saltus_section_reach(t->sweep->options.flow.rtol), after,
+                             NULL) &&
+        !saltus_sweep_trajectory_continue(t, after)) {
+        saltus_sweep_trajectory_fail(t);
+        return SALTUS_NEXT_DONE;
+    }
+    t->stage = SALTUS_STAGE_ORBIT;
+    begin_watch(t, t->sweep->options.adaptive ? &t->watch : &t->round, t->row.periods, !forced);
+    return SALTUS_NEXT_GO_ON;
 }
 
 /* Act on a verdict: go once around an orbit; record anything else now, or end if it has been recorded. */
@@ -211,10 +206,7 @@ static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement
     }
     if (judgement.verdict == SALTUS_PERIODIC) {
         saltus_sweep_trajectory_settle(t, SALTUS_PERIODIC, judgement.periods);
-        t->stage = SALTUS_STAGE_ORBIT;
-        t->proof.laps = 0;
-        begin_lap(t, adaptive ? &t->watch : &t->round, judgement.periods);
-        return SALTUS_NEXT_GO_ON;
+        return begin_lap(t);
     }
     saltus_sweep_trajectory_settle(t, judgement.verdict, 0);
     return adaptive ? begin_recording(t) : end_place(t);
@@ -246,25 +238,20 @@ static void measure(saltus_sweep_trajectory *t) {
                          saltus_sweep_trajectory_information(t).square, &t->row);
 }
 
-/* Where an impact comes in the very section, points of the orbit lie before and after it in turn: iteration
- * takes this for twice the period. */
-static void take_least_period(saltus_sweep_trajectory *t) {
-    const int periods = t->row.periods,
-              least = saltus_points_least_period(t->system, t->proof.orbit, periods, section_accuracy(t));
-    if (least == periods || (t->row.impacts > 0 && t->row.impacts * least % periods) ||
-        t->row.sticking * least % periods)
-        return;
-    t->row.periods = least;
-    t->row.impacts = t->row.impacts < 0 ? -1 : t->row.impacts * least / periods;
-    t->row.sticking = t->row.sticking * least / periods;
-}
-
 /* The lap around the orbit is complete. */
 static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     saltus_lap *lap = &t->active->lap;
+    saltus_event passed[SALTUS_FACES_MAX];
     lap->contacts = saltus_flow_contacts(t->flow, t->lane);
-    if (goes_around_again(t))
-        return SALTUS_NEXT_GO_ON;
+    const int count =
+        saltus_system_forced(t->system)
+            ? saltus_section_point(t->system, t->state, saltus_section_reach(t->sweep->options.flow.rtol),
+                                   t->state, passed)
+            : 0;
+    for (int k = 0; k < count; k++) {
+        passed[k].time.cycle += saltus_sweep_trajectory_cycle(t);
+        saltus_watch_event(t->active, &passed[k], t->state, lap->contacts != 0);
+    }
     t->row.impacts = (int)saltus_lap_impacts(lap);
     t->row.sticking = saltus_lap_sticking(lap);
     if (saltus_lap_held(lap)) {
@@ -273,8 +260,6 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     }
     if (t->active == &t->watch)
         measure(t);
-    if (t->row.periods > 1 && saltus_system_forced(t->system))
-        take_least_period(t);
     if (t->row.periods > 0)
         t->row.period = t->row.periods * saltus_system_period(t->system);
     if (!saltus_system_forced(t->system)) { /* back onto the section */

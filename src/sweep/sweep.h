@@ -129,8 +129,6 @@ typedef struct saltus_proof {
     bool disturbed;         /* it has been disturbed, to prove stability, ... */
     double *undisturbed;    /* ... from this state ... */
     long long disturbed_at; /* ... at this cycle */
-    int laps;               /* around the orbit, of which the last ... */
-    int before;             /* ... begins just before so many impacts in the section */
     int recurring;          /* the period that roughly recurs, ... */
     long long waited;       /* ... and the periods since it began to */
     double trend[2];        /* its recurrence at the last look and at the one before */
