@@ -194,8 +194,8 @@ static void json_tells_all(void **state) {
                "\"impacts_per_period\": 1.5, \"sticks_per_period\": 0.25, \"period\": 2, \"time\": 8000");
     check_says(json, "\"periods\": 4000, \"transient\": 1000, \"halves\": [0.5, 1]");
     check_says(json, "\"half_errors\": [0.0625, 0.0625], \"independent\": 321, \"members\": 2");
-    check_says(json,
-               "\"member_exponents\": [0.6875, 0.8125], \"agree\": true, \"precise\": true, \"state\": [0, ");
+    check_says(json, "\"member_exponents\": [0.6875, 0.8125], \"agree\": true, \"precise\": true, \"slow\": "
+                     "false, \"state\": [0, ");
     check_says(json, "\"precision\": 0.1");
     check_says(json, "\"d\": 0.035");
     const char *at = find_key(json, "state");

@@ -106,7 +106,11 @@ const cli_command cmd_lyapunov = {
         "Tangent vectors pass impacts by saltation matrices, and chatter, sticking and release by their "
         "limit maps. Directions lost in a lasting contact have exponent -infinity, and are named so. The "
         "standard error comes of an autoregressive fit to batches, for regular motion of how far the sums "
-        "swing; the run ends when the precision asked for is reached and its halves and trajectories agree.",
+        "swing; the run ends when the precision asked for is reached and its halves and trajectories agree, "
+        "or, "
+        "after a sixteenth of --periods, where the error hardly falls (by less than to 0.6 while the run "
+        "grows "
+        "eightfold): neighbours then separate in bursts, between quiet stretches of all lengths.",
     .examples = CLI_EXAMPLES({"lyapunov pipe --all", "all exponents, the sum rule and the dimension"},
                              {"lyapunov near-grazing --precision 0.05 -o convergence.png",
                               "the largest one to 5 %, and how it converged"}),

@@ -65,7 +65,8 @@ typedef struct saltus_lyapunov {
     double *member_exponents; /* largest exponent of each trajectory */
     bool agree;               /* the members' scatter fits their standard errors, or is below the precision */
     bool precise;             /* the requested precision was reached */
-    bool interrupted;         /* the run was stopped before that: the result is of what was measured so far */
+    bool slow;        /* the run ended as its error hardly falls with time: neighbours separate in bursts */
+    bool interrupted; /* the run was stopped before that: the result is of what was measured so far */
     saltus_lyapunov_progress *history;
     int history_count;
 } saltus_lyapunov;

@@ -6,6 +6,7 @@
 #include "base/progress.h"
 #include "flow/effort.h"
 #include "motion/ensemble.h"
+#include "motion/evidence.h"
 #include "motion/options.h"
 #include "saltus/motion.h"
 
@@ -13,10 +14,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { least_samples = 200, shortest_chunk = 25, longest_chunk = 5000, chunks_per_run = 20 };
+enum {
+    least_samples = 200,
+    shortest_chunk = 25,
+    longest_chunk = 5000,
+    chunks_per_run = 20,
+    doublings = 3,   /* of a run, over which its standard error should fall to a third */
+    worth_a_try = 16 /* a run may last this part of the periods before it must show that its error falls */
+};
 static const double precise_enough = 1e-6; /* standard error per period */
 static const double halves_apart = 4;      /* standard errors between a run's halves: it drifts above, ... */
 static const double halves_agree = 3;      /* ... and may end below */
+static const double falls = 0.6; /* an error above this part of that three doublings before does not fall */
 
 static saltus_status check(const saltus_system *system, const saltus_lyapunov_options *o,
                            saltus_message *message) {
@@ -89,7 +98,9 @@ static saltus_status complete_batches(saltus_ensemble *e, saltus_message *messag
 }
 
 /* Measure until the largest exponent is as precise as required. A run that still drifts is discarded as
- * transient; the new measurement lasts at least as long. Dear periods count more than once. */
+ * transient; the new measurement lasts at least as long. Dear periods count more than once. Where neighbours
+ * separate in bursts between quiet stretches of all lengths, the error hardly falls as the run grows: the
+ * run ends when two looks in turn have shown that. */
 static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_message *message) {
     const saltus_lyapunov_options *o = e->options;
     /* A short run may take what the usual one does. */
@@ -99,7 +110,9 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
               each = (long long)e->member[0].growth.whole * e->members; /* periods per sample */
     saltus_status status = SALTUS_OK;
     bool stopped = false;
-    while (status == SALTUS_OK && !stopped && !l->precise) {
+    double errors_seen[64]; /* at looks, each after twice the time of the one before */
+    int looks = 0;
+    while (status == SALTUS_OK && !stopped && !l->precise && !l->slow) {
         long long done = e->member[0].samples, left = (o->periods - spent) / each,
                   chunk = done / chunks_per_run;
         chunk = chunk < shortest_chunk ? shortest_chunk : chunk > longest_chunk ? longest_chunk : chunk;
@@ -124,13 +137,19 @@ static saltus_status measure(saltus_ensemble *e, saltus_lyapunov *l, saltus_mess
         if (look && errors > halves_apart && (o->periods - spent) / each >= done) {
             saltus_ensemble_forget(e);
             least = next_look = done;
-            l->history_count = 0;
+            l->history_count = looks = 0;
         } else if (is_precise(e, &now, least)) {
             /* The precision must also hold with complete batches, which are the result. */
             status = complete_batches(e, message);
             spent += (e->member[0].samples - done) * each;
             now = saltus_ensemble_largest(e);
             l->precise = status == SALTUS_OK && is_precise(e, &now, least);
+        } else if (look) {
+            errors_seen[looks++] = now.standard_error;
+            l->slow = spent > o->periods / worth_a_try && looks > doublings + 1 &&
+                      now.mean > SALTUS_SIGNIFICANT * now.standard_error &&
+                      errors_seen[looks - 1] > falls * errors_seen[looks - 1 - doublings] &&
+                      errors_seen[looks - 2] > falls * errors_seen[looks - 2 - doublings];
         }
     }
     if (status == SALTUS_OK)

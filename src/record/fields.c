@@ -350,6 +350,7 @@ static const saltus_field exponent_fields[] = {
               -1 - SALTUS_COUNT_MEMBERS, .indirect = true),
     EXPONENTS(agree, "agree", "1", "their scatter fits their standard errors", SALTUS_FLAG),
     EXPONENTS(precise, "precise", "1", "the precision asked for was reached", SALTUS_FLAG),
+    EXPONENTS(slow, "slow", "1", "the run ended because its error hardly falls with time", SALTUS_FLAG),
     EXPONENTS(state, "state", "1", "of the first trajectory at the end", SALTUS_REAL, OF_DIMENSION,
               .indirect = true),
 };

@@ -151,9 +151,8 @@ static void put_agreement(FILE *file, const saltus_lyapunov *l) {
     if (l->members > 1 && !l->agree)
         fprintf(file,
                 "  %-14sthey do not measure the same motion: there are coexisting attractors, or the "
-                "transient is "
-                "longer\n",
-                "");
+                "transient is longer%s\n",
+                "", l->slow ? ", or quiet stretches are as long as the run" : "");
 }
 
 static void put_measured(FILE *file, const saltus_system *system, const saltus_lyapunov_options *o,
@@ -193,6 +192,12 @@ static void put_precision(FILE *file, const saltus_lyapunov_options *o, const sa
         fprintf(file, "reached: the standard error is %.1e per period\n", error * l->period);
     else
         fprintf(file, "reached: the standard error is %.2g %% of the exponent\n", 100 * part);
+    if (l->slow)
+        fprintf(
+            file,
+            "  %-14sthe run ends here, as its error has hardly fallen since it was eight times as short: "
+            "neighbours separate in bursts, between quiet stretches of all lengths; more --periods go on\n",
+            "");
 }
 
 void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
