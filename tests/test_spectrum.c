@@ -1668,6 +1668,49 @@ static void failing_allocations(void **unused) {
     assert_true(refused > 20);
 }
 
+/* Quantities that a text observes, of the forced oscillator x = A cos(t - phi): a sum of displacements, a
+ * square, a power with its mean, a function of time alone. */
+static void observed_quantities_have_spectra(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {c: 0.2, k: 3, F: 0.5, omega: 1}\n"
+                               "  motion: {x: -c*x' - k*x + F*cos(omega*t)}\n"
+                               "  forcing: omega\n"
+                               "  observe: {double: 2*x, square: x^2, power: x'*F*cos(omega*t)}\n"
+                               "stop: {coordinate: x, d: 1, r: 0.8}\n";
+    const double A = 0.5 / hypot(2, 0.2), lag = atan2(0.2, 2);
+    const struct {
+        const char *word;
+        double mean, frequency, amplitude;
+    } rows[] = {{"double", 0, 1, 2 * A},
+                {"square", A * A / 2, 2, A * A / 2},
+                {"power", 0.25 * A * sin(lag), 2, 0.25 * A}};
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    check_ok(saltus_scene_parse(text, strlen(text), "my.yaml", &scene, &message), &message);
+    saltus_system *system = build(&scene.spec);
+    const double state[] = {A * cos(lag), A * sin(lag)};
+    for (size_t k = 0; k < sizeof rows / sizeof rows[0]; k++) {
+        saltus_spectrum_options options = saltus_spectrum_defaults();
+        saltus_spectra spectra;
+        options.quantity_count = 1;
+        check_ok(saltus_quantity_parse(system, rows[k].word, &options.quantities[0], &message), &message);
+        assert_string_equal(saltus_quantity_name(system, options.quantities[0]).text, rows[k].word);
+        check_ok(saltus_spectra_run(system, state, 1, &options, &spectra, &message), &message);
+        const saltus_spectrum *s = &spectra.spectra[0];
+        check_near(s->mean, rows[k].mean, 1e-11);
+        for (int l = 0; l < s->line_count; l++)
+            check_near(s->lines[l].amplitude,
+                       s->lines[l].frequency == rows[k].frequency ? rows[k].amplitude : 0, 1e-11);
+        saltus_spectra_clear(&spectra);
+    }
+    saltus_quantity quantity;
+    assert_int_equal(saltus_quantity_parse(system, "sum", &quantity, &message), SALTUS_BAD_INPUT);
+    assert_non_null(strstr(message.text, "one of x, x', double, square, power"));
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(known_lines_are_found),
@@ -1714,6 +1757,7 @@ int main(void) {
         cmocka_unit_test(quantities_have_names),
         cmocka_unit_test(unsuitable_wishes),
         cmocka_unit_test(defaults_are_those_told),
+        cmocka_unit_test(observed_quantities_have_spectra),
         cmocka_unit_test(failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -9,8 +9,8 @@
 
 static const cli_option of = CLI_OPTION(
     "--of", CLI_LIST, "what",
-    "displacement, velocity, q3, v2 or a name of the state; at most two, such as q1,q2 (default the "
-    "first two)");
+    "displacement, velocity, q3, v2, a name of the state or one that the scene observes; at most two, such "
+    "as q1,q2 (default the first two)");
 
 static saltus_status analyse(const cli_request *request, cli_setup *setup, const char **cut,
                              saltus_message *message) {
@@ -81,7 +81,8 @@ const cli_command cmd_spectrum = {
     .notes = "Spectra of periodic motion are taken over whole orbits, so that the lines at multiples of "
              "omega/p are exact; other motion gets Welch's density with a confidence band, the lines that "
              "stand out and the broadband fraction. Velocities are the lines and densities of the "
-             "displacement, differentiated, so that their jumps do not alias. The highest trustworthy "
+             "displacement, differentiated, so that their jumps do not alias; those of a quantity that the "
+             "scene observes are of its samples. The highest trustworthy "
              "frequency is stated and what lies above is greyed.",
     .examples =
         CLI_EXAMPLES({"spectrum pipe", "the strongest lines of displacement and velocity"},

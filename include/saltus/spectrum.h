@@ -14,12 +14,13 @@ enum { SALTUS_QUANTITIES_MAX = 2 };
 /* Which quantity of a motion is analysed. */
 typedef struct saltus_quantity {
     int coordinate; /* 0: the observed displacement (saltus_system_observer); k: the k-th displacement, and
-                       after the last displacement the extra states */
+                       after the last displacement the extra states; -k: the k-th quantity that a text
+                       observes, of which samples jump where it does */
     bool velocity;  /* its rate instead; displacements only */
 } saltus_quantity;
 
-/* Read "displacement", "velocity" or the name of an entry of the state: "q3", "v2". Errors:
- * SALTUS_BAD_INPUT. */
+/* Read "displacement", "velocity", the name of an entry of the state, "q3", "v2", or of a quantity that a
+ * text observes. Errors: SALTUS_BAD_INPUT. */
 saltus_status saltus_quantity_parse(const saltus_system *system, const char *word, saltus_quantity *quantity,
                                     saltus_message *message);
 /* The word that saltus_quantity_parse reads back as the quantity. */

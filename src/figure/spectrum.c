@@ -207,7 +207,9 @@ static void put_low(const row *r, saltus_frame frame, int letter) {
     const saltus_spectrum *s = r->s;
     const saltus_system *system = r->source->system;
     saltus_line heading = {.length = 0};
-    if (r->quantity.coordinate == 0)
+    if (r->quantity.coordinate < 0)
+        saltus_line_plain(&heading, saltus_quantity_name(system, r->quantity).text);
+    else if (r->quantity.coordinate == 0)
         saltus_line_observed(&heading, system, r->quantity.velocity);
     else {
         if (!saltus_model_text(saltus_system_spec(system)->model))
@@ -261,7 +263,7 @@ static void put_caption(const saltus_spectra_source *source, saltus_page *page) 
         const saltus_spectrum *s = &source->spectra->spectra[k];
         saltus_line_next(&findings);
         const saltus_quantity quantity = source->spectra->quantities[k];
-        if (quantity.coordinate == 0)
+        if (quantity.coordinate <= 0)
             saltus_line_plain(&findings, saltus_quantity_name(source->system, quantity).text);
         else
             add_coordinate(&findings, source->system, quantity);

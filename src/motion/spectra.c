@@ -8,6 +8,7 @@
 #include "system/system.h"
 
 #include <gsl/gsl_integration.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,10 +31,11 @@ enum {
 static const double reach_of_lines = 32, reach_of_density = 16; /* times omega */
 static const double rounding = 1e-12, rest_rounding = 1e-8;     /* of the scale of a quantity */
 
-/* A first-order state, or a weighted sum of positions or of velocities. */
+/* A first-order state, a weighted sum of positions or of velocities, or any quantity that a text observes. */
 typedef struct observable {
     bool velocity;
-    int entry; /* index in the state of a first-order state; -1: a sum */
+    int entry; /* index in the state of a first-order state; -1: another quantity */
+    int text;  /* index among those that the text observes, if it is no sum of positions; -1: another one */
     double weight[SALTUS_STATE_MAX];
     double scale;
 } observable;
@@ -45,6 +47,7 @@ typedef struct sampler {
     double period;
     int dof, quantities;
     observable quantity[SALTUS_QUANTITIES_MAX];
+    double *observed; /* room for all that the text observes */
 } sampler;
 
 /* The samples of all quantities. */
@@ -66,10 +69,22 @@ saltus_status saltus_quantity_parse(const saltus_system *system, const char *wor
     *quantity = (saltus_quantity){0, strcmp(word, "velocity") == 0};
     if (quantity->velocity || strcmp(word, "displacement") == 0)
         return SALTUS_OK;
-    int entry = saltus_system_state_index(system, word);
-    if (entry < 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.40s: must be displacement, velocity, or one of %s",
-                           word, saltus_system_list_names(system, saltus_system_dimension(system), names));
+    const int observed = saltus_system_observable_count(system);
+    int entry = saltus_system_state_index(system, word), length = 0;
+    for (int k = 0; k < observed && entry < 0; k++)
+        if (strcmp(word, saltus_system_observable_name(system, k)) == 0) {
+            quantity->coordinate = -1 - k;
+            return SALTUS_OK;
+        }
+    if (entry < 0) {
+        char also[200] = "";
+        for (int k = 0; k < observed && length < (int)sizeof also; k++)
+            length += snprintf(also + length, sizeof also - (size_t)length, ", %s",
+                               saltus_system_observable_name(system, k));
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.40s: must be displacement, velocity, or one of %s%s",
+                           word, saltus_system_list_names(system, saltus_system_dimension(system), names),
+                           also);
+    }
     *quantity = (saltus_quantity){(entry < dof ? entry : entry - dof) + 1, entry >= dof && entry < 2 * dof};
     return SALTUS_OK;
 }
@@ -84,7 +99,10 @@ saltus_state_name saltus_quantity_name(const saltus_system *system, saltus_quant
     if (quantity.coordinate > 0)
         return saltus_system_state_name(system, entry_of(system, quantity));
     saltus_state_name name;
-    snprintf(name.text, sizeof name.text, "%s", quantity.velocity ? "velocity" : "displacement");
+    snprintf(name.text, sizeof name.text, "%s",
+             quantity.coordinate < 0 ? saltus_system_observable_name(system, -1 - quantity.coordinate)
+             : quantity.velocity     ? "velocity"
+                                     : "displacement");
     return name;
 }
 
@@ -94,18 +112,34 @@ void saltus_spectra_clear(saltus_spectra *spectra) {
     *spectra = (saltus_spectra){0};
 }
 
+/* The k-th quantity that the text observes. Its size is not known: at a state of the usual size. */
+static void take_observed(const sampler *s, const saltus_system *system, int k, observable *quantity) {
+    if (system->spec.model->observable_row(system, k, quantity->weight))
+        return;
+    memset(quantity->weight, 0, sizeof quantity->weight);
+    saltus_system_observe(system, saltus_system_scale(system), 0, s->observed);
+    quantity->text = k;
+    quantity->scale = isfinite(s->observed[k]) ? fabs(s->observed[k]) : 0;
+}
+
 static saltus_status open_sampler(sampler *s, const saltus_system *system,
                                   const saltus_spectrum_options *options, saltus_message *message) {
     const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
     const int dof = saltus_system_dof(system);
     *s = (sampler){.quantities = options->quantity_count, .dof = dof, .period = saltus_system_period(system)};
+    s->observed = malloc((size_t)(saltus_system_observable_count(system) + 1) * sizeof *s->observed);
+    if (!s->observed)
+        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a spectrum");
     for (int k = 0; k < s->quantities; k++) {
         const saltus_quantity *wanted = &options->quantities[k];
         observable *quantity = &s->quantity[k];
         quantity->velocity = wanted->velocity;
         quantity->entry = wanted->coordinate > dof ? entry_of(system, *wanted) : -1;
+        quantity->text = -1;
         if (quantity->entry >= 0)
             quantity->scale = scale[quantity->entry];
+        else if (wanted->coordinate < 0)
+            take_observed(s, system, -1 - wanted->coordinate, quantity);
         else if (wanted->coordinate > 0)
             quantity->weight[wanted->coordinate - 1] = 1;
         else
@@ -120,6 +154,7 @@ static saltus_status open_sampler(sampler *s, const saltus_system *system,
 }
 
 static void close_sampler(sampler *s) {
+    free(s->observed);
     saltus_flow_free(s->flow);
     saltus_flow_free(s->probe);
     if (s->table)
@@ -140,8 +175,12 @@ static double weigh(const sampler *s, int k, const double *numbers) {
     return value;
 }
 
-static double quantity_of(const sampler *s, int k, const double *state) {
+static double quantity_of(const sampler *s, int k, double phase, const double *state) {
     const observable *quantity = &s->quantity[k];
+    if (quantity->text >= 0) {
+        saltus_system_observe(saltus_flow_system(s->flow, 0), state, phase, s->observed);
+        return s->observed[quantity->text];
+    }
     return quantity->entry >= 0 ? state[quantity->entry]
                                 : weigh(s, k, quantity->velocity ? state + s->dof : state);
 }
@@ -149,7 +188,7 @@ static double quantity_of(const sampler *s, int k, const double *state) {
 static void take_sample(const sampler *s, recording *r, long long number, const double *state) {
     for (int k = 0; k < s->quantities; k++) {
         double *sample = r->samples + 2 * k * r->count + number;
-        *sample = quantity_of(s, k, state);
+        *sample = quantity_of(s, k, (double)(number % r->per_period) / r->per_period, state);
         if (s->quantity[k].velocity)
             sample[r->count] = weigh(s, k, state) / s->period;
     }
@@ -158,14 +197,15 @@ static void take_sample(const sampler *s, recording *r, long long number, const 
 /* Add the flow's last step to the integrals. Steps end at events, so the integrand is smooth and jumps,
  * which disturb samples, do no harm here. */
 static void integrate(const sampler *s, recording *r) {
-    const double length = saltus_flow_step_length(s->flow, 0);
+    const double length = saltus_flow_step_length(s->flow, 0), end = saltus_flow_time(s->flow, 0).phase;
     r->time += length;
     for (size_t point = 0; point < step_points; point++) {
         double at, weight, state[SALTUS_STATE_MAX];
         gsl_integration_glfixed_point(0, length, point, &at, &weight, s->table);
         saltus_flow_dense(s->flow, 0, at, state);
+        const double phase = end - (length - at) / s->period;
         for (int k = 0; k < s->quantities; k++) {
-            double value = quantity_of(s, k, state) - r->begin[k];
+            double value = quantity_of(s, k, phase - floor(phase), state) - r->begin[k];
             saltus_sum_add(&r->integral[k], weight * value);
             saltus_sum_add(&r->square[k], weight * value * value);
         }
@@ -193,6 +233,8 @@ static saltus_status take_corner(const sampler *s, recording *r, unsigned contac
     }
     for (int k = 0; k < s->quantities; k++) {
         const int entry = s->quantity[k].entry;
+        if (s->quantity[k].text >= 0)
+            continue;
         const double unit = s->quantity[k].velocity ? 1 : s->period;
         saltus_corner *corner = saltus_list_add(&r->corners[k], sizeof *corner);
         if (!corner)
@@ -217,7 +259,7 @@ static saltus_status sample_stretch(const sampler *s, recording *r, const double
         return status;
     saltus_flow_state(s->flow, 0, now);
     for (int k = 0; k < s->quantities && next == 0; k++)
-        r->begin[k] = quantity_of(s, k, now);
+        r->begin[k] = quantity_of(s, k, 0, now);
     take_sample(s, r, next++, now);
     long long steps = saltus_flow_information(s->flow, 0).steps;
     while (event.kind != SALTUS_REACHED) {
@@ -318,9 +360,11 @@ static saltus_status check_options(const saltus_system *system, int periods, con
                            SALTUS_QUANTITIES_MAX);
     const int most = saltus_system_dimension(system) - saltus_system_dof(system);
     for (int k = 0; k < o->quantity_count; k++)
-        if (o->quantities[k].coordinate < 0 || o->quantities[k].coordinate > most)
-            return saltus_fail(message, SALTUS_BAD_INPUT, "coordinate %d: must be 0 to %d",
-                               o->quantities[k].coordinate, most);
+        if (o->quantities[k].coordinate < -saltus_system_observable_count(system) ||
+            o->quantities[k].coordinate > most ||
+            (o->quantities[k].coordinate < 0 && o->quantities[k].velocity))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "coordinate %d: must be %d to %d",
+                               o->quantities[k].coordinate, -saltus_system_observable_count(system), most);
     if (o->per_period % 4)
         return saltus_fail(message, SALTUS_BAD_INPUT, "per_period = %d: must be a multiple of 4",
                            o->per_period);

@@ -21,8 +21,8 @@ static const saltus_spectrum *moving(const saltus_spectra *spectra) {
 void saltus_spectra_method(const saltus_spectra *spectra, char *text, size_t room) {
     const saltus_spectrum *s = moving(spectra);
     if (s && s->kind == SALTUS_SPECTRUM_LINES)
-        snprintf(text, room, "%d orbits of %d T, %d samples a period", s->orbits, s->periods,
-                 spectra->per_period);
+        snprintf(text, room, "%d orbit%s of %d T, %d samples a period", s->orbits, saltus_plural(s->orbits),
+                 s->periods, spectra->per_period);
     else if (s)
         snprintf(
             text, room,
