@@ -381,6 +381,68 @@ static void short_runs_do_without(void **unused) {
     assert_true(begun);
 }
 
+/* Many systems at once: no more compilers than processors are at work, the others wait, and all come. The
+ * substitute here notes how many it meets. */
+static void compilers_take_turns(void **unused) {
+    (void)unused;
+    enum { systems = 20 };
+    char compiler[80], log[80], line[80], text[600];
+    saltus_system *system[systems];
+    saltus_flow *flow[systems];
+    if (!has_compiler())
+        skip();
+    snprintf(compiler, sizeof compiler, "%s/compiler", cache);
+    snprintf(log, sizeof log, "%s/log", cache);
+    FILE *script = fopen(compiler, "w");
+    assert_non_null(script);
+    fprintf(script,
+            "#!/bin/sh\nmkdir %s/at.$$\nls -d %s/at.* | wc -l >>%s\nsleep 0.1\ncc \"$@\"\nstatus=$?\n"
+            "rmdir %s/at.$$\nexit $status\n",
+            cache, cache, log, cache);
+    assert_int_equal(fclose(script), 0);
+    assert_int_equal(chmod(compiler, 0700), 0);
+    setenv("SALTUS_COMPILE", compiler, 1);
+    for (int k = 0; k < systems; k++) {
+        int used = snprintf(text, sizeof text, "model:\n  parameters: {F: 0.8, omega: 1}\n  motion: {x: -x");
+        for (int term = 0; term <= k; term++) /* another source for each */
+            used += snprintf(text + used, sizeof text - (size_t)used, " - sin(%d*x)", term + 2);
+        snprintf(text + used, sizeof text - (size_t)used, " + F*cos(omega*t)}\n  forcing: omega\n");
+        const way own = {"many", text, false, false, 0};
+        system[k] = system_of(&own);
+        flow[k] = open_way(&own, system[k]);
+    }
+    int ready = 0;
+    double longest = 0;
+    for (int turn = 0; turn < 12000 && ready < systems; turn++, pause_briefly()) {
+        ready = 0;
+        for (int k = 0; k < systems; k++) {
+            const double begin = milliseconds();
+            ready += saltus_fixed_ask(&flow[k]->fixed, system[k]);
+            longest = fmax(longest, milliseconds() - begin);
+        }
+    }
+    for (int k = 0; k < systems; k++) {
+        saltus_flow_free(flow[k]);
+        saltus_system_free(system[k]);
+    }
+    unsetenv("SALTUS_COMPILE");
+    unlink(compiler);
+    assert_int_equal(ready, systems);
+    FILE *noted = fopen(log, "r");
+    int runs = 0, most = 0;
+    assert_non_null(noted);
+    for (; fgets(line, sizeof line, noted); runs++)
+        most = atoi(line) > most ? atoi(line) : most;
+    fclose(noted);
+    unlink(log);
+    assert_int_equal(runs, systems);
+    assert_true(most <= sysconf(_SC_NPROCESSORS_ONLN));
+    assert_true(longest < 500);
+    for (int k = 0; k < 400 && folder_files(kept, false) > systems; k++)
+        pause_briefly();
+    assert_int_equal(folder_files(kept, true), systems);
+}
+
 /* Without a compiler, or with one that fails, runs go on as before and leave no file. */
 static void no_compiler(void **unused) {
     (void)unused;
@@ -435,9 +497,12 @@ static int remove_cache(void **unused) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_compiler),           cmocka_unit_test(same_bits),
-        cmocka_unit_test(foreign_files),         cmocka_unit_test(no_folder),
-        cmocka_unit_test(short_runs_do_without), cmocka_unit_test(the_folder_stays_small)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(compilers_take_turns),
+                                       cmocka_unit_test(no_compiler),
+                                       cmocka_unit_test(same_bits),
+                                       cmocka_unit_test(foreign_files),
+                                       cmocka_unit_test(no_folder),
+                                       cmocka_unit_test(short_runs_do_without),
+                                       cmocka_unit_test(the_folder_stays_small)};
     return cmocka_run_group_tests(tests, make_cache, remove_cache);
 }

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -194,23 +195,59 @@ static int keep_source(const toolchain *w, const char *source) {
     return file;
 }
 
+/* A compiler's place among those at work: a locked file. The process that runs the compiler inherits the lock
+ * and keeps it for as long as it lives. */
+typedef struct turn {
+    int file; /* -1: there is none */
+    char path[path_max + name_max];
+} turn;
+
+/* Take a place if one is free: there is one for each processor, for all processes of the user together. Where
+ * files cannot be locked, no place is needed. False: the compiler has to wait. */
+static bool take_turn(const toolchain *w, turn *t) {
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    struct stat s;
+    for (long k = 0; k < (processors > 1 ? processors : 1); k++) {
+        snprintf(t->path, sizeof t->path, "%s/busy.%ld", w->folder, k);
+        t->file = open(t->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, S_IRUSR | S_IWUSR);
+        const bool locked = t->file >= 0 && flock(t->file, LOCK_EX | LOCK_NB) == 0;
+        if (t->file < 0 || (!locked && errno != EWOULDBLOCK && errno != EINTR))
+            return true;
+        /* The one before may have removed it meanwhile: then it is no place any more. */
+        if (locked && fstat(t->file, &s) == 0 && s.st_nlink > 0)
+            return true;
+        close(t->file);
+    }
+    return false;
+}
+
+/* Give a place back that no compiler has got. */
+static void leave_turn(const turn *t) {
+    if (t->file < 0)
+        return;
+    unlink(t->path);
+    close(t->file);
+}
+
 /* Runs in a process of its own: call the compiler and move its output into place. It shares only the end of a
- * pipe with the run: other open files would stay open, and locked, as long as it lives. Between fork and exec
- * only async-signal-safe functions may be called. */
-static void run_compiler(char *const *words, int source, const char *made, const char *path, int outcome) {
+ * pipe and its turn's lock with the run: other open files would stay open, and locked, as long as it lives.
+ * Between fork and exec only async-signal-safe functions may be called. */
+static void run_compiler(char *const *words, int source, const char *made, const char *path, int outcome,
+                         const turn *t) {
     sigset_t none;
-    /* Move both away from the descriptors 0 and 3, which they get below. */
-    source = fcntl(source, F_DUPFD, 4);
-    outcome = fcntl(outcome, F_DUPFD, 4);
+    /* Move all away from the descriptors 0, 3 and 4, which they get below. */
+    source = fcntl(source, F_DUPFD, 5);
+    outcome = fcntl(outcome, F_DUPFD, 5);
+    const int lock = t->file >= 0 ? fcntl(t->file, F_DUPFD, 5) : -1;
     setsid();
     sigemptyset(&none);
     pthread_sigmask(SIG_SETMASK, &none, NULL);
     umask(S_IRWXG | S_IRWXO);
     int nothing = open("/dev/null", O_RDWR);
     if (nothing < 0 || dup2(nothing, 1) < 0 || dup2(nothing, 2) < 0 || dup2(source, 0) < 0 ||
-        dup2(outcome, 3) < 0)
+        dup2(outcome, 3) < 0 || (lock >= 0 && dup2(lock, 4) < 0))
         _exit(1);
-    for (int k = 4; k < descriptors_max; k++)
+    for (int k = lock >= 0 ? 5 : 4; k < descriptors_max; k++)
         close(k);
     pid_t compiler = fork();
     if (compiler == 0) {
@@ -219,6 +256,7 @@ static void run_compiler(char *const *words, int source, const char *made, const
         setrlimit(RLIMIT_AS, &memory);
         setpriority(PRIO_PROCESS, 0, niceness);
         close(3);
+        close(4);
         execv(words[0], words);
         _exit(127);
     }
@@ -228,6 +266,8 @@ static void run_compiler(char *const *words, int source, const char *made, const
     bool done = compiler > 0 && status == 0 && rename(made, path) == 0;
     if (!done)
         unlink(made);
+    if (lock >= 0)
+        unlink(t->path);
     ssize_t told = write(3, done ? "+" : "-", 1);
     _exit(told == 1 ? 0 : 1);
 }
@@ -249,7 +289,7 @@ static void make_words(char *words[words_max], char *compiler, char *flags, char
 
 /* Start the compiler; returns the pipe end that will tell its outcome, or -1. A double fork hides its process
  * from whoever waits for children of this program. Signals wait until it has a session of its own. */
-static int start(toolchain *w, const char *flags, const char *source, const char *path) {
+static int start(toolchain *w, const char *flags, const char *source, const char *path, const turn *t) {
     char made[path_max + name_max], own[256], *words[words_max];
     int told[2], file = keep_source(w, source);
     struct timespec now;
@@ -273,7 +313,7 @@ static int start(toolchain *w, const char *flags, const char *source, const char
     pid_t between = fork();
     if (between == 0) {
         if (fork() == 0)
-            run_compiler(words, file, made, path, told[1]);
+            run_compiler(words, file, made, path, told[1], t);
         _exit(0);
     }
     pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -316,12 +356,23 @@ static progress advance(saltus_compiled *c, progress now, saltus_compile_source 
     /* Another process may have compiled it meanwhile. */
     if (load(c))
         return progress_ready;
-    char *source = open_toolchain(&w) ? NULL : make(from, &c->shape);
+    if (open_toolchain(&w))
+        return progress_over;
+    turn own;
+    if (!take_turn(&w, &own)) {
+        c->since = time;
+        return now;
+    }
+    char *source = make(from, &c->shape);
     if (source) {
         saltus_kept_trim(w.folder);
-        c->outcome = start(&w, c->shape.flags, source, c->path);
+        c->outcome = start(&w, c->shape.flags, source, c->path, &own);
     }
     free(source);
+    if (c->outcome < 0)
+        leave_turn(&own);
+    else if (own.file >= 0)
+        close(own.file);
     return c->outcome >= 0 ? progress_runs : progress_over;
 }
 

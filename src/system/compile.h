@@ -2,8 +2,10 @@
  *
  * Compiled functions are kept in a folder that only the user can write to, $XDG_CACHE_HOME/saltus or
  * ~/.cache/saltus, named by the source, the compiler and its options. A separate process runs the compiler
- * and moves the file into place; it ends by itself whatever becomes of the run. Functions not used for long
- * are removed before (kept.h). If anything is missing, there is no function and the caller can do without.
+ * and moves the file into place; it ends by itself whatever becomes of the run. No more compilers are at work
+ * at once than there are processors: others wait for their turn, while the run goes on. Functions not used
+ * for long are removed before (kept.h). If anything is missing, there is no function and the caller can do
+ * without.
  *
  * The environment variable SALTUS_COMPILE names the compiler (default: cc); 0 switches compiling off.
  * SPDX-License-Identifier: GPL-3.0-or-later */

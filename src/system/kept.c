@@ -28,9 +28,10 @@ static bool is_function(const char *name) {
     return is_key(name) && length > 3 && strcmp(name + length - 3, ".so") == 0;
 }
 
-/* Temporary files: a compiler's unfinished output, and its source. */
+/* Temporary files: a compiler's unfinished output, its source, its turn. */
 static bool is_passing(const char *name) {
-    return (is_key(name) && strstr(name, ".so.")) || strncmp(name, "source.", 7) == 0;
+    return (is_key(name) && strstr(name, ".so.")) || strncmp(name, "source.", 7) == 0 ||
+           strncmp(name, "busy.", 5) == 0;
 }
 
 static int latest_first(const void *a, const void *b) {
