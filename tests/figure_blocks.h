@@ -16,7 +16,7 @@ enum {
     FIGURE_COLUMNS = 6,
     FIGURE_BLOCKS = 80,
     FIGURE_MARKS = 600,
-    FIGURE_ELEMENTS = 80,
+    FIGURE_ELEMENTS = 120,
     FIGURE_PANELS = 8,
     FIGURE_VARIABLES = 60,
     FIGURE_LINE = 6000,
@@ -756,6 +756,24 @@ static inline void figure_check_tics(const figure_panel *panel) {
     }
 }
 
+/* The number at the last tic across ends on the page: a digit cut off makes another number. */
+static inline void figure_check_last_tic(const figure *f, const figure_panel *panel) {
+    const double letter = 8.5, *range = panel->range[0], step = panel->tic[0];
+    const int count = panel->tic_count[0];
+    const char *size = strstr(f->terminal, "svg size ");
+    if (!size || panel->format[0][0] == '\'' || (!count && !(step > 0)))
+        return;
+    const double page = strtod(size + strlen("svg size "), NULL),
+                 last = count ? panel->tics[0][count - 1] : step * floor(range[1] / step + 1e-9);
+    const double part = panel->logarithmic[0] ? log(last / range[0]) / log(range[1] / range[0])
+                                              : (last - range[0]) / (range[1] - range[0]);
+    char number[32];
+    snprintf(number, sizeof number, "%g", fabs(last) < 1e-9 * fabs(step) ? 0 : last);
+    assert_true((panel->frame[0] + part * (panel->frame[1] - panel->frame[0])) * page +
+                    0.5 * letter * (double)strlen(number) <
+                page);
+}
+
 /* Panels are on the page, beneath its caption, and none lies on another. */
 static inline void figure_check_page(const figure *f) {
     double caption = 1;
@@ -769,6 +787,7 @@ static inline void figure_check_page(const figure *f) {
         const double *a = f->panel[p].frame;
         figure_check_tics(&f->panel[p]);
         assert_true(a[0] > 0 && a[0] < a[1] && a[1] < 1 && a[2] > 0 && a[2] < a[3] && a[3] < caption);
+        figure_check_last_tic(f, &f->panel[p]);
         for (int o = 0; o < p; o++) {
             const double *b = f->panel[o].frame;
             assert_true(a[1] <= b[0] || b[1] <= a[0] || a[3] <= b[2] || b[3] <= a[2]);

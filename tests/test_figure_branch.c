@@ -2,7 +2,7 @@
  * points with the marks of the legend, n/p on stretches of that motion. The branches are made up, so that
  * every kind of point occurs.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/page.h"
+#include "figure/branch.h"
 #include "figure_folder.h"
 #include "made_sweep.h"
 
@@ -309,13 +309,13 @@ static void impacts_are_curves_of_their_own(void **state) {
 
 static const struct {
     const char *word, *meaning;
-} kinds[SALTUS_POINT_CP + 1] = {
+} kinds[SALTUS_POINT_CP] = {
     [SALTUS_POINT_LP] = {"LP", "fold"},         [SALTUS_POINT_PD] = {"PD", "flip"},
     [SALTUS_POINT_NS] = {"NS", "torus"},        [SALTUS_POINT_BP] = {"BP", "branch point"},
     [SALTUS_POINT_GR] = {"GR", "grazing"},      [SALTUS_POINT_CH] = {"CH", "chatter"},
     [SALTUS_POINT_ST] = {"ST", "sticking"},     [SALTUS_POINT_UZ] = {"UZ", "wanted"},
     [SALTUS_POINT_EP] = {"EP", "end"},          [SALTUS_POINT_HB] = {"HB", "Hopf"},
-    [SALTUS_POINT_BE] = {"BE", "meets a stop"}, [SALTUS_POINT_CP] = {"co", "codimension two"},
+    [SALTUS_POINT_BE] = {"BE", "meets a stop"},
 };
 
 /* The legend's mark of a kind, as "pt N", or none. */
@@ -342,13 +342,49 @@ static int count_marks(const figure_panel *panel, const char *mark, double x, do
     return count;
 }
 
+/* A mark as its signs, "pt N " for each: in the legend, where those of codimension two are labels ... */
+static void look_of(const figure_panel *panel, int kind, char look[40]) {
+    look[0] = '\0';
+    if (kind < SALTUS_POINT_CP) {
+        char mark[16];
+        assert_true(mark_of(panel, kind, mark));
+        sprintf(look, "%s", strstr(mark, "pt "));
+        return;
+    }
+    const figure_mark *name = NULL;
+    for (int m = 0; m < panel->mark_count && !name; m++)
+        if (panel->mark[m].system[0][0] == 's' &&
+            strcmp(panel->mark[m].text, saltus_point_word((saltus_point_kind)kind)) == 0)
+            name = &panel->mark[m];
+    assert_true(name && name->place[0][1] > panel->frame[3]);
+    for (int m = 0; m < panel->mark_count; m++) {
+        const figure_mark *sign = &panel->mark[m];
+        const double before = name->place[0][0] - sign->place[0][0];
+        const char *type = strstr(sign->style, "pt ");
+        if (sign->kind == 'l' && type && sign->place[0][1] == name->place[0][1] && before > 0 &&
+            before < 0.02)
+            sprintf(look + strlen(look), "%.*s ", (int)strcspn(type + 3, " ") + 3, type);
+    }
+}
+
+/* ... and at a place of the panel. */
+static void look_at(const figure_panel *panel, double x, double y, char look[40]) {
+    look[0] = '\0';
+    for (int e = 0; e < panel->element_count; e++) {
+        const char *style = panel->element[e].style, *type = strstr(style, "pt ");
+        for (int k = 0; k < panel->element[e].values.count && type && !strstr(style, "#ffffff"); k++)
+            if (hypot(panel->element[e].values.at[k][0] - x, panel->element[e].values.at[k][1] - y) < 1e-7)
+                sprintf(look + strlen(look), "%.*s ", (int)strcspn(type + 3, " ") + 3, type);
+    }
+}
+
 /* Every kind of special point is at its row's place, with the legend's mark; ends on the border of the range
  * have none. */
 static void special_points_are_marked_at_their_rows(void **state) {
     (void)state;
     for (int show = SALTUS_SHOW_SPEED; show <= SALTUS_SHOW_IMPACTS; show++) {
         saltus_plot_options how = saltus_plot_defaults();
-        char used[SALTUS_POINT_CP + 1][16];
+        char used[SALTUS_POINT_KINDS][40], look[40];
         how.show = (saltus_show)show;
         make_branch();
         for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_EP; kind++)
@@ -363,17 +399,16 @@ static void special_points_are_marked_at_their_rows(void **state) {
         write_branch("b.h5");
         figure f = draw(&how);
         const figure_panel *panel = &f.panel[0];
-        for (int kind = SALTUS_POINT_LP; kind <= SALTUS_POINT_CP; kind++) {
-            assert_true(mark_of(panel, kind, used[kind]));
-            for (int j = SALTUS_POINT_LP; j < kind; j++)
+        used[SALTUS_POINT_REGULAR][0] = '\0';
+        for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++) {
+            look_of(panel, kind, used[kind]);
+            for (int j = SALTUS_POINT_REGULAR; j < kind; j++)
                 assert_string_not_equal(used[kind], used[j]);
-            for (int k = 0; k < points; k++) {
-                const saltus_branch_point *p = &made.point[k];
-                double y = height(how.show, p);
-                int count = count_marks(panel, used[kind], p->value[0], y);
-                int drawn_as = p->kind > SALTUS_POINT_CP ? (int)SALTUS_POINT_CP : (int)p->kind;
-                assert_int_equal(count, drawn_as == kind && k != 60);
-            }
+        }
+        for (int k = 0; k < points; k++) {
+            const saltus_branch_point *p = &made.point[k];
+            look_at(panel, p->value[0], height(how.show, p), look);
+            assert_string_equal(look, used[k == 60 ? SALTUS_POINT_REGULAR : p->kind]);
         }
         figure_free(&f);
     }
@@ -825,6 +860,47 @@ static void planes_turn_and_clip(void **state) {
     }
 }
 
+/* A requested name that would lie on a curve is moved beside it, by a few heights of its type at most, or
+ * where there is no such place has a white ground. */
+static void requested_names_are_legible(void **state) {
+    (void)state;
+    saltus_plot_options how = saltus_plot_defaults();
+    saltus_plot_label label = {{"omega", "d"}, {0, 0}, "Here"};
+    how.labels = &label;
+    how.label_count = 1;
+    make_locus(SALTUS_POINT_LP);
+    write_branch("b.h5");
+    for (int k = 3; k < 27; k += 4)
+        for (int size = 0; size < 2; size++) {
+            how.look.width = size ? 85 : 0;
+            label.value[0] = 0.5 * (made.point[k].value[0] + made.point[k + 1].value[0]);
+            label.value[1] = 0.5 * (made.point[k].value[1] + made.point[k + 1].value[1]);
+            figure f = draw(&how);
+            const figure_panel *panel = &f.panel[0];
+            const figure_mark *name = figure_mark_of(panel, 'l', "Here", 0);
+            const double page = size ? 522 : 1600;
+            double at[2], height = 0;
+            assert_non_null(name);
+            assert_true(sscanf(strstr(f.terminal, "size "), "size %*f,%lf", &height) == 1);
+            place_of(panel, name, at);
+            const double unit[2] = {
+                page * (panel->frame[1] - panel->frame[0]) / (panel->range[0][1] - panel->range[0][0]),
+                height * (panel->frame[3] - panel->frame[2]) / (panel->range[1][1] - panel->range[1][0])};
+            double away = hypot((at[0] - label.value[0]) * unit[0], (at[1] - label.value[1]) * unit[1]),
+                   least = INFINITY;
+            for (int p = 0; p + 1 < 30; p++) {
+                double ends[2][2];
+                for (int end = 0; end < 2; end++)
+                    for (int axis = 0; axis < 2; axis++)
+                        ends[end][axis] = (made.point[p + end].value[axis] - at[axis]) * unit[axis];
+                least = fmin(least, saltus_plot_distance((const double[2]){0, 0}, ends[0], ends[1]));
+            }
+            assert_true(away < 4.5 * 20.2);
+            assert_true(least > 6 || strstr(name->style, "boxed"));
+            figure_free(&f);
+        }
+}
+
 /* All requested names are written, except beyond the page's edges; the curves' own share with them the room
  * for four hundred. */
 static void no_more_than_four_hundred_names(void **state) {
@@ -1225,6 +1301,22 @@ static void special_points_lie_over_maps(void **state) {
     }
     assert_true(high[1] > 0.95 * high[0]);
     figure_free(&alone);
+    figure_free(&both);
+    /* In two columns the legend of the curves is above the panel, which is narrow beside that of the map:
+     * gnuplot makes as many columns as its entries have room in the panel. */
+    const saltus_figure_options columns = {.width = 175};
+    make_locus(SALTUS_POINT_PD);
+    for (int k = 0; k < points; k++) /* bounds no stable orbit, as its entry says at length */
+        made.multiplier[k][1] = (saltus_multiplier){1.5, 0, log(1.5)};
+    write_branch("a.h5");
+    both = draw_over(names, 2, &columns);
+    const figure_panel *over = &both.panel[0];
+    size_t longest = 1;
+    for (int e = 0; e < over->element_count; e++)
+        longest = strlen(over->element[e].title) > longest ? strlen(over->element[e].title) : longest;
+    const int in_a_row = (int)((over->frame[1] - over->frame[0]) * 1075 / (9.9 * (double)longest + 55));
+    assert_true(in_a_row >= 1 && in_a_row < figure_titles(over) &&
+                over->key_rows * in_a_row >= figure_titles(over));
     figure_free(&both);
     /* Other parameters are refused, and so is a branch of orbits. */
     const char *list[] = {path_in("a.h5", out)};
@@ -1704,7 +1796,7 @@ static void marks_without_a_name_are_counted(void **state) {
             assert_true(sscanf(strstr(f.terminal, "size "), "size %*f,%lf", &height) == 1);
             const char *note = "";
             for (int m = 0; m < panel->mark_count; m++)
-                if (strncmp(panel->mark[m].text, "unnamed for lack of room:", 25) == 0) {
+                if (strncmp(panel->mark[m].text, "no room to name:", 16) == 0) {
                     note = panel->mark[m].text;
                     assert_true(panel->mark[m].place[0][1] > panel->frame[3]);
                     assert_true(panel->mark[m].place[0][0] * page - saltus_page_width(note, 9) > 0);
@@ -1770,6 +1862,7 @@ int main(void) {
         cmocka_unit_test(tips_have_their_names_beyond_them),
         cmocka_unit_test(other_structures_have_other_pages),
         cmocka_unit_test(no_more_than_four_hundred_names),
+        cmocka_unit_test(requested_names_are_legible),
         cmocka_unit_test(kinds_of_loci_have_their_own_colours),
         cmocka_unit_test(branches_lie_over_clouds),
         cmocka_unit_test(special_points_lie_over_maps),

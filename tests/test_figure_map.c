@@ -552,8 +552,8 @@ static void the_rarest_chaos_keeps_its_entry(void **state) {
     }
 }
 
-/* A motion's look depends on its n/p alone, and those with one texture are distinguishable, also without
- * seeing red. */
+/* A motion's look depends on its verdict and n/p alone, and those with one texture are distinguishable, also
+ * without seeing red. */
 static void without_red(const double colour[3], double seen[3]) {
     seen[0] = seen[1] = 0.11238 * colour[0] + 0.88762 * colour[1];
     seen[2] = fmax(0, 0.00401 * (colour[0] - colour[1]) + colour[2]);
@@ -577,10 +577,15 @@ static void seen_of(unsigned colour, bool red, double lab[3]) {
 
 static void motions_look_different_without_red(void **state) {
     (void)state;
-    enum { most = 7, longest = 8, count = most * longest };
+    enum { most = 7, longest = 8, periodic = most * longest };
+    static const saltus_verdict other[] = {SALTUS_EQUILIBRIUM, SALTUS_HELD,      SALTUS_QUASIPERIODIC,
+                                           SALTUS_CHAOTIC,     SALTUS_FAILED,    SALTUS_LONG_PERIOD,
+                                           SALTUS_UNDECIDED,   SALTUS_TRANSIENT, SALTUS_IRREGULAR};
+    enum { count = periodic + sizeof other / sizeof other[0] };
     saltus_paint paint[count];
     for (int k = 0; k < count; k++)
-        paint[k] = saltus_class_paint(SALTUS_PERIODIC, k % most, 1 + k / most);
+        paint[k] = k < periodic ? saltus_class_paint(SALTUS_PERIODIC, k % most, 1 + k / most)
+                                : saltus_class_paint(other[k - periodic], 0, 0);
     for (int red = 0; red < 2; red++)
         for (int a = 0; a < count; a++)
             for (int b = 0; b < a; b++) {
@@ -590,8 +595,8 @@ static void motions_look_different_without_red(void **state) {
                 double apart =
                     sqrt(pow(one[0] - other[0], 2) + pow(one[1] - other[1], 2) + pow(one[2] - other[2], 2));
                 if (paint[a].texture == paint[b].texture && apart < 0.035)
-                    fail_msg("%d/%d and %d/%d are %.3f apart", a % most, 1 + a / most, b % most, 1 + b / most,
-                             apart);
+                    fail_msg("%d/%d and %d/%d (from 9 on other verdicts) are %.3f apart", a % most,
+                             1 + a / most, b % most, 1 + b / most, apart);
             }
     /* The texture is visible: pixels of another colour, but few of them. */
     for (int k = 0; k < count; k++) {
@@ -1003,8 +1008,10 @@ static void check_numbers(const figure *f, const saltus_sweep_file *file, saltus
         if (point[n] < 0)
             continue;
         unsigned own = figure_pixel(e, n % e->width, n / e->width, NULL);
-        assert_true(!there[point[n]] || colour[point[n]] == own);
-        colour[point[n]] = own;
+        const bool failed = file->rows[point[n]].verdict == SALTUS_FAILED; /* has a texture */
+        assert_true(!there[point[n]] || colour[point[n]] == own || failed);
+        if (!failed || n == 0 || entry_of(panel, own, &(const char *){NULL}))
+            colour[point[n]] = own;
         there[point[n]] = true;
     }
     free(point);
@@ -1148,6 +1155,35 @@ static void cut_ranges_say_so(void **state) {
         figure_free(&f);
     }
     saltus_sweep_file_clear(&file);
+}
+
+/* In one column a long name of the bar has two lines, for which there is room beside its numbers. */
+static void names_of_bars_stay_on_the_page(void **state) {
+    (void)state;
+    const double letter = 9.8, bar_and_tics = 15, line = 22;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_axis axes[2];
+    char path[path_size], out[path_size];
+    options.keep = SALTUS_KEEP_LYAPUNOV;
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_numbers, 100);
+    for (int long_name = 0; long_name < 2; long_name++) {
+        const saltus_sweep_view how = {.view = long_name ? SALTUS_VIEW_LYAPUNOV : SALTUS_VIEW_SETTLED,
+                                       .look = {.width = 85}};
+        saltus_message message = {.text = ""};
+        check_ok(saltus_plot_sweep(path_in("s.svg", out), path, &how, &message), &message);
+        figure f = figure_taken(folder);
+        const char *title = figure_command(&f, "set y2label", 0);
+        const bool two_lines = strstr(title, ".\"\\n\".") != NULL;
+        const double *range = f.panel[1].range[3];
+        const size_t letters = saltus_page_tic_letters(
+            (saltus_range){range[0], range[1]}, saltus_page_tic_step((saltus_range){range[0], range[1]}, 5));
+        assert_true(two_lines == long_name);
+        assert_true((1 - f.panel[1].frame[1]) * 522 >
+                    bar_and_tics + letter * (double)letters + line * (1 + two_lines));
+        figure_free(&f);
+    }
 }
 
 /* Single numbers far from all others do not stretch the colours; nearer ones do. */
@@ -1491,6 +1527,7 @@ int main(void) {
         cmocka_unit_test(colours_read_back_from_the_bar),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
         cmocka_unit_test(cut_ranges_say_so),
+        cmocka_unit_test(names_of_bars_stay_on_the_page),
         cmocka_unit_test(nothing_is_the_begin_of_a_range),
         cmocka_unit_test(far_numbers_do_not_stretch_the_colours),
         cmocka_unit_test(a_pixel_shows_what_most_of_its_cells_are),

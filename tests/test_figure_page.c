@@ -208,7 +208,7 @@ static void tics_leave_room_for_their_numbers(void **state) {
     saltus_system_free(system);
 }
 
-/* Headings agree with the drawing: that of the history names dots and bars only if there are any. */
+/* Headings agree with the drawing: that of the history names marks and bars only if there are any. */
 static void the_history_says_what_it_shows(void **state) {
     (void)state;
     static made_up m;
@@ -216,10 +216,10 @@ static void the_history_says_what_it_shows(void **state) {
                                          {{0.3, SALTUS_STICK, 0}, {0.6, SALTUS_RELEASE, 0}},
                                          {{0.3, SALTUS_IMPACT, 0}, {0.6, SALTUS_IMPACT, 1}}};
     static const char *const words[2][4] = {
-        {"time history; bars: contact", "time history; dots: impacts, bars: contact",
-         "time history; dots: impacts", "time history"},
-        {"time history; bars: contact", "one orbit; dots: impacts, bar: contact", "one orbit; dots: impacts",
-         "one orbit"}};
+        {"time history; bars: contact", "time history; marks: impacts, bars: contact",
+         "time history; marks: impacts", "time history"},
+        {"time history; bars: contact", "one orbit; marks: impacts, bar: contact",
+         "one orbit; marks: impacts", "one orbit"}};
     saltus_system *system = between_stops(0.033);
     for (int k = 0; k < 8; k++) {
         bool settled = k & 1;
@@ -233,7 +233,7 @@ static void the_history_says_what_it_shows(void **state) {
         int own = (int)(panel - f.panel);
         const char *said = heading_of(panel, own)->text;
         assert_string_equal(said + strlen(said) - strlen(heading), heading);
-        assert_true((figure_element_of(panel, "$impacts", 0) != NULL) == (strstr(said, "dots") != NULL));
+        assert_true((figure_element_of(panel, "$impacts", 0) != NULL) == (strstr(said, "marks") != NULL));
         assert_true((figure_element_of(panel, "$contacts", 0) != NULL) == (strstr(said, "bar") != NULL));
         figure_free(&f);
     }
@@ -408,7 +408,7 @@ static void stops_have_their_colours(void **state) {
     }
 }
 
-/* An impact has the colour of its side in portrait, history and map. */
+/* An impact has the colour of its side in portrait, history and map, and in the latter two its sign. */
 static void sides_have_one_colour(void **state) {
     (void)state;
     static made_up m;
@@ -427,7 +427,10 @@ static void sides_have_one_colour(void **state) {
         assert_true(e->values.count == (b ? 4 : 8) && strstr(e->style, "lc rgb variable"));
         for (int k = 0; k < e->values.count; k++) {
             const bool lower = b ? e->values.at[k][1] < 0 : e->values.at[k][0] < 0;
-            assert_true(e->values.at[k][2] == colour[lower]);
+            char sign[40];
+            snprintf(sign, sizeof sign, " pt %g ", e->values.at[k][2]);
+            assert_true(e->values.at[k][2 + b] == colour[lower]);
+            assert_true(!b || (strstr(e->style, "pt variable") && strstr(map->element[lower].style, sign)));
         }
     }
     assert_true(colour[0] != colour[1]);

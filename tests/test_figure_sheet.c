@@ -189,8 +189,8 @@ static void contacts_are_drawn_from_stick_to_release(void **state) {
                                             {{0.9, 1.2, 0.033}},
                                             {{0.4, 0.9, 0.033}},
                                             {{0, 0.7, 0.033}, {0, 0.9, -0.033}}};
-    static const char *const headings[] = {"dots: impacts, bar: contact", "dots: impacts, bar: contact",
-                                           "dots: impacts, bar: contact", "dots: impacts, bar: contact",
+    static const char *const headings[] = {"marks: impacts, bar: contact", "marks: impacts, bar: contact",
+                                           "marks: impacts, bar: contact", "marks: impacts, bar: contact",
                                            "bars: contact"};
     saltus_system *system = between_stops(0.033);
     saltus_motion motion = orbit_of(2);
@@ -333,7 +333,7 @@ static void the_section_is_of_the_long_record(void **state) {
         check_face(map, system, &lasting.record, 3, face, false);
     check_trajectory(figure_element_of(figure_panel_of(&f, "phase portrait"), "$orbit", 0), &shown.record,
                      shown.record.samples);
-    check_history(figure_panel_of(&f, "time history; dots: impacts"), &shown.record, 20, NULL, 0);
+    check_history(figure_panel_of(&f, "time history; marks: impacts"), &shown.record, 20, NULL, 0);
     figure_says(&f, "exponent 0.1 ± 0.2 and 0.3 ± 0.4 so far ");
     figure_says(&f, "shown: 22 periods, section 9");
     assert_null(figure_find(&f, "$multipliers"));
@@ -766,7 +766,7 @@ static void a_trajectory_has_its_stops(void **state) {
         check_ok(saltus_plot_trajectory(path_in("run.svg", picture), data, &look, &message), &message);
         figure f = figure_taken(folder);
         const figure_panel *portrait = figure_panel_of(&f, "phase portrait"),
-                           *history = figure_panel_of(&f, "time history; dots: impacts");
+                           *history = figure_panel_of(&f, "time history; marks: impacts");
         check_trajectory(figure_element_of(portrait, "$orbit", 0), &m.record, m.record.samples);
         check_jumps(figure_element_of(portrait, "$jumps", 0), &m.record, m.record.samples);
         assert_int_equal(figure_element_of(portrait, "$strobe", 0)->values.count, m.record.strobes);
@@ -780,7 +780,7 @@ static void a_trajectory_has_its_stops(void **state) {
             struck += is_struck(&m.record, row);
         assert_int_equal(figure_element_of(history, "$impacts", 0)->values.count, struck);
         assert_true(column ? portrait->frame[2] > history->frame[3] : portrait->frame[1] < history->frame[0]);
-        /* Each side is named beside a dot of its colour, between caption and panels. */
+        /* Each side is named beside its sign in its colour, between caption and panels. */
         for (int side = 0; side < 2; side++) {
             const figure_mark *name =
                                   figure_mark_of(portrait, 'l', side ? "stop 1, lower" : "stop 1, upper", 0),
@@ -795,7 +795,7 @@ static void a_trajectory_has_its_stops(void **state) {
             const figure_rows *impacts = &figure_element_of(history, "$impacts", 0)->values;
             for (int k = 0; k < impacts->count; k++)
                 assert_true((impacts->at[k][1] < 0) != side ||
-                            impacts->at[k][2] == (double)figure_colour(dot->style));
+                            impacts->at[k][3] == (double)figure_colour(dot->style));
         }
         for (int p = 0; p < f.panel_count; p++)
             for (int k = 0; k < f.panel[p].mark_count && column; k++) {

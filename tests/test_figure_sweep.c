@@ -352,6 +352,33 @@ static void stops_are_where_the_clearance_says(void **state) {
     }
 }
 
+/* A stop that leaves the panel before the end of the axis is named where it leaves it. */
+static void stops_that_leave_the_panel_are_named(void **state) {
+    (void)state;
+    saltus_scene scene = scene_of(0.25, SALTUS_BOTH);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    const saltus_axis axis = {.key = "d", .count = 4, .low = 0.05, .high = 0.25};
+    saltus_plot_part part = {"turning", -0.15, 0.15};
+    char path[path_size];
+    options.keep = SALTUS_KEEP_TURNING;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_near_stops, 100);
+    for (int swap = 0; swap < 2; swap++) {
+        const saltus_sweep_view how = {
+            .view = SALTUS_VIEW_TURNING, .parts = &part, .part_count = 1, .look = {.swap = swap}};
+        figure f = draw("s.h5", &how, "s.svg");
+        const double *along = f.panel[0].range[swap];
+        for (int lower = 0; lower < 2; lower++) {
+            const figure_mark *name = NULL;
+            for (int i = 0; !name || strcmp(name->text, lower ? "−{/:Italic d}" : "{/:Italic d}") != 0; i++)
+                assert_non_null(name = figure_mark_of(&f.panel[0], 'l', "{/:Italic d}", i));
+            assert_true(name->system[0][swap] == 'g' && name->system[0][!swap] == 'g');
+            check_near(name->place[0][swap], (0.15 - along[0]) / (along[1] - along[0]), 0.01);
+            assert_true(lower ? name->place[0][!swap] < 0.05 : name->place[0][!swap] > 0.99);
+        }
+        figure_free(&f);
+    }
+}
+
 /* A stop less than a tenth of the points' range beyond them is shown too; everything has a margin of a
  * twentieth. */
 static void fill_a_tenth(made_place *m) {
@@ -1068,6 +1095,27 @@ static void dense_clouds_are_painted_where_the_points_are(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
+/* On a small page fewer points can be told apart: there a cloud becomes a density earlier. */
+static void small_pages_hold_fewer_points(void **state) {
+    (void)state;
+    const saltus_axis axis = {.key = "omega", .count = 5, .low = 0.5, .high = 1.5};
+    const saltus_scene scene = scene_of(1, SALTUS_UPPER);
+    saltus_sweep_options options = number_options();
+    char path[path_size];
+    options.keep = SALTUS_KEEP_TURNING;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_dense, 100);
+    for (int column = 0; column < 2; column++) {
+        const saltus_sweep_view how = {.view = SALTUS_VIEW_TURNING, .look = {.width = column ? 85 : 0}};
+        saltus_message message = {.text = ""};
+        char out[path_size];
+        check_ok(saltus_plot_sweep(path_in("s.svg", out), path, &how, &message), &message);
+        figure f = figure_taken(folder);
+        assert_true((figure_element_of(&f.panel[0], "$cloud", 0) != NULL) == !column);
+        assert_true((figure_element_of(&f.panel[0], "binary", 0) != NULL) == column);
+        figure_free(&f);
+    }
+}
+
 /* By default clouds are drawn if there are any, otherwise the largest displacement. */
 static void views_are_chosen_by_what_there_is(void **state) {
     (void)state;
@@ -1214,6 +1262,31 @@ static void each_motion_has_its_name(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
+static int gap; /* values of another motion amid the axis */
+
+static void fill_gap(made_place *m) {
+    const int k = (int)m->point - slivered / 2;
+    m->row[0] = k >= 0 && k < gap ? made_other(SALTUS_UNDECIDED) : made_periodic(1, 1);
+}
+
+/* Of two windows of one motion that only a sliver of another divides one has the name, the wider. */
+static void neighbours_have_one_name(void **state) {
+    (void)state;
+    const saltus_sweep_view how = {.view = SALTUS_VIEW_LARGEST};
+    char path[path_size];
+    static const int gaps[] = {1, 3, 8, 20, 60};
+    for (int k = 0; k < 5; k++) {
+        gap = gaps[k];
+        make_slivered(fill_gap, path);
+        figure f = draw("s.h5", &how, "s.png");
+        const figure_mark *name = figure_mark_of(&f.panel[1], 'l', "1/1", 0);
+        assert_non_null(name);
+        assert_true(name->place[0][0] < 0.5);
+        assert_true((figure_mark_of(&f.panel[1], 'l', "1/1", 1) != NULL) == (gap >= 20));
+        figure_free(&f);
+    }
+}
+
 static void fill_of_all_kinds(made_place *m) {
     const int k = (int)m->point;
     m->row[0] = k < 900 ? made_periodic(k / 300, 1) : made_periodic(k - 900, 2 + k % 19);
@@ -1258,6 +1331,7 @@ int main(void) {
         cmocka_unit_test(impacts_on_two_sides_keep_their_signs),
         cmocka_unit_test(sections_of_a_moving_stop_are_observed_at_it),
         cmocka_unit_test(stops_are_where_the_clearance_says),
+        cmocka_unit_test(stops_that_leave_the_panel_are_named),
         cmocka_unit_test(stops_near_the_points_widen_the_range),
         cmocka_unit_test(wishes_for_branches_are_refused),
         cmocka_unit_test(numbers_are_those_of_the_rows),
@@ -1266,11 +1340,13 @@ int main(void) {
         cmocka_unit_test(exponents_stand_on_zero),
         cmocka_unit_test(the_strip_tells_the_motion_at_each_value),
         cmocka_unit_test(each_motion_has_its_name),
+        cmocka_unit_test(neighbours_have_one_name),
         cmocka_unit_test(legends_of_many_motions_are_short),
         cmocka_unit_test(axes_can_be_exchanged),
         cmocka_unit_test(shares_of_the_starts_are_heights),
         cmocka_unit_test(logarithmic_tics_are_round),
         cmocka_unit_test(dense_clouds_are_painted_where_the_points_are),
+        cmocka_unit_test(small_pages_hold_fewer_points),
         cmocka_unit_test(views_are_chosen_by_what_there_is),
         cmocka_unit_test(views_that_cannot_be_shown_are_named),
     };

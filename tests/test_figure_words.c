@@ -365,7 +365,7 @@ static void spectra_are_headed_by_their_lines(void **state) {
         double forced; /* decibels of the line at omega */
         const char *said;
     } cases[] = {{SALTUS_SPECTRUM_LINES, 1, 2, 0, ": multiples of {/:Italic ω}"},
-                 {SALTUS_SPECTRUM_LINES, 2, 2, -99, "; red: multiples of {/:Italic ω}"},
+                 {SALTUS_SPECTRUM_LINES, 2, 2, -99, "; red squares: multiples of {/:Italic ω}"},
                  {SALTUS_SPECTRUM_LINES, 2, 2, -101, ": multiples of {/:Italic ω}/2"},
                  {SALTUS_SPECTRUM_LINES, 2, 1, 0, ": multiples of {/:Italic ω}/2"},
                  {SALTUS_SPECTRUM_WELCH, 0, 2, -20, "; 87.5 % band; ▾ lines"},

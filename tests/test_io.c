@@ -545,9 +545,9 @@ static void sheets_of_orbits_have_their_panels(void **state) {
     check_ok(saltus_motion_spectra(f->system, &f->motion, &options, &spectra, &message), &message);
     saltus_diagnosis diagnosis = {.motion = &f->motion, .record = &f->record, .spectra = &spectra};
     char *script = script_of(f, f->system, &diagnosis);
-    check_script(script, (const char *const[]){"phase portrait", "one orbit; dots: impacts", "impacts",
+    check_script(script, (const char *const[]){"phase portrait", "one orbit; marks: impacts", "impacts",
                                                "shapes", "displacement", "Floquet", NULL});
-    assert_non_null(strstr(script, "red: multiples of"));
+    assert_non_null(strstr(script, "red squares: multiples of"));
     assert_non_null(strstr(script, "largest exponent ln|"));
     assert_null(strstr(script, "$convergence"));
     free(script);
@@ -594,7 +594,7 @@ static void sheets_of_chaos_have_their_panels(void **state) {
     const saltus_diagnosis diagnosis = {
         .motion = &chaos, .record = &f->record, .section = &f->record, .spectra = &spectra};
     char *script = script_of(f, f->system, &diagnosis);
-    check_script(script, (const char *const[]){"phase portrait", "time history; dots: impacts",
+    check_script(script, (const char *const[]){"phase portrait", "time history; marks: impacts",
                                                "stroboscopic section, 4 points", "impacts of 4",
                                                "displacement", "convergence", NULL});
     assert_non_null(strstr(script, "largest exponent 0.750 ± 0.010 per unit of time"));

@@ -62,13 +62,15 @@ static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
 }
 
 static bool write_script(saltus_plot_page *page, saltus_page *paper) {
+    page->paper = paper;
+    page->frame = saltus_page_rest(paper, 20);
+    const double wide = page->frame.right - page->frame.left;
     if (paper->free_height)
-        paper->height += saltus_plot_legend_height(page, paper->width, NULL);
+        paper->height += saltus_plot_legend(page, wide, false);
     put_caption(page, paper);
     saltus_page_begin(paper);
     saltus_page_caption(paper);
-    page->paper = paper;
-    page->frame = saltus_page_rest(paper, 20 + saltus_plot_legend_place(page));
+    page->frame = saltus_page_rest(paper, 20 + saltus_plot_legend(page, wide, true));
     bool sound = saltus_plot_data(page);
     saltus_page_frame(paper, page->frame, SALTUS_PANEL_LEAST);
     const saltus_branch_options *o = &page->files[0].options;

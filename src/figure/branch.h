@@ -84,16 +84,11 @@ int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
 /* The kind of special point whose locus has this hue. */
 saltus_point_kind saltus_plot_locus(int hue);
 
-/* The kind whose mark is used for a kind: points of codimension two share one mark and are named. */
-enum { SALTUS_PLOT_MARKS = SALTUS_POINT_CP + 1 };
-saltus_point_kind saltus_plot_mark(saltus_point_kind kind);
-
 /* branch_curves.c: elements of an open plot command: curves, marks, and their legend entries. */
 void saltus_plot_elements(const saltus_plot_page *page);
-/* The height of a legend's rows on a page of this width, and their number (`rows` may be NULL). */
-double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows);
-/* Place a legend below the caption; returns the height of its rows. */
-double saltus_plot_legend_place(const saltus_plot_page *page);
+/* The legend below the caption, for a panel of this width: the height of its rows, which are written only if
+ * `put`. */
+double saltus_plot_legend(const saltus_plot_page *page, double width, bool put);
 /* branch_data.c: the datablocks $curve_HUE_STROKE, $marks_KIND and, for loci, $signs_HUE. */
 bool saltus_plot_data(const saltus_plot_page *page);
 /* branch_labels.c: names of regions, n/p along the branches and names of special points, as gnuplot labels.

@@ -5,15 +5,20 @@
 #include <math.h>
 #include <string.h>
 
+enum { DOT = 7, PLUS = 1, CROSS = 2 }; /* gnuplot's signs */
+static const double inner_size = 0.4;
+
 static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#1f9e89", "#8a5aa0",
                                               "#b08a00", "#555555", "#b0006a"};
 
-/* How special points are marked, and what they are. */
+/* How special points are marked, and what they are. Those of codimension two have open marks, which differ in
+ * shape and in the sign `inner` amid them (0: none), so that each is known without its name. */
 static const struct {
     int point_type;
     double size;
     const char *colour, *meaning;
-} marks[SALTUS_PLOT_MARKS] = {
+    int inner;
+} marks[SALTUS_POINT_KINDS] = {
     [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold"},
     [SALTUS_POINT_PD] = {13, 1.5, "#7b1fa2", "PD  flip"},
     [SALTUS_POINT_NS] = {9, 1.4, "#0077a8", "NS  torus"},
@@ -25,12 +30,27 @@ static const struct {
     [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
     [SALTUS_POINT_HB] = {3, 1.5, "#b00020", "HB  Hopf"},
     [SALTUS_POINT_BE] = {10, 1.4, "#00696b", "BE  equilibrium meets a stop"},
-    [SALTUS_POINT_CP] = {12, 1.4, "#1c1c1c", "codimension two, as named"},
+    [SALTUS_POINT_GR_LP] = {12, 1.8, "#1c1c1c", "GR-LP"},
+    [SALTUS_POINT_GR_PD] = {12, 1.8, "#1c1c1c", "GR-PD", DOT},
+    [SALTUS_POINT_GR_NS] = {12, 1.8, "#1c1c1c", "GR-NS", PLUS},
+    [SALTUS_POINT_GR_GR] = {12, 1.8, "#1c1c1c", "GR-GR", CROSS},
+    [SALTUS_POINT_R1] = {14, 1.6, "#1c1c1c", "R1"},
+    [SALTUS_POINT_R2] = {14, 1.6, "#1c1c1c", "R2", DOT},
+    [SALTUS_POINT_R3] = {14, 1.6, "#1c1c1c", "R3", PLUS},
+    [SALTUS_POINT_R4] = {14, 1.6, "#1c1c1c", "R4", CROSS},
+    [SALTUS_POINT_CP] = {8, 1.7, "#1c1c1c", "CP"},
+    [SALTUS_POINT_BT] = {8, 1.7, "#1c1c1c", "BT", DOT},
+    [SALTUS_POINT_GH] = {8, 1.7, "#1c1c1c", "GH", PLUS},
+    [SALTUS_POINT_GR_BP] = {8, 1.7, "#1c1c1c", "GR-BP", CROSS},
+    [SALTUS_POINT_CH_GR] = {4, 1.4, "#1c1c1c", "CH-GR", DOT},
+    [SALTUS_POINT_GPD] = {4, 1.4, "#1c1c1c", "GPD", PLUS},
+    [SALTUS_POINT_LP_PD] = {4, 1.4, "#1c1c1c", "LP-PD", CROSS},
+    [SALTUS_POINT_PD_NS] = {6, 1.4, "#1c1c1c", "PD-NS", DOT},
 };
 
 /* What occurs on a page: hues of curves, strokes long enough to be seen, and kinds of marks. */
 typedef struct content {
-    bool hue[SALTUS_HUES], stroke[SALTUS_STROKES], kind[SALTUS_PLOT_MARKS];
+    bool hue[SALTUS_HUES], stroke[SALTUS_STROKES], kind[SALTUS_POINT_KINDS];
 } content;
 
 /* Strokes of branches and of loci; an empty meaning needs no explanation. */
@@ -63,7 +83,7 @@ static content find_content(const saltus_plot_page *page) {
             const double x = saltus_plot_x(page, point), y = saltus_plot_y(page, point);
             if (shown && x >= page->x.low && x <= page->x.high && y >= page->y.low && y <= page->y.high &&
                 saltus_plot_marked(f, point))
-                c.kind[saltus_plot_mark(point->kind)] = true;
+                c.kind[point->kind] = true;
             if (k > 0 && point->branch == point[-1].branch && (shown || saltus_plot_shown(page, point - 1)))
                 length[saltus_plot_stroke(f, k - 1, k)] += part_of_panel(page, point - 1, point);
         }
@@ -95,17 +115,48 @@ static int name_file(const saltus_plot_page *page, int file, double width, saltu
     return lines;
 }
 
-double saltus_plot_legend_height(const saltus_plot_page *page, double width, int *rows) {
-    const double letter = 9.9, sign = 5.6 * letter, beside = width < 1000 ? 148 : 187, narrowest = 0.5;
+/* Lay the marks of codimension two out in rows of this width below `top`, and write them if `put`; returns
+ * how many rows there are. */
+static int lay_pairs(const saltus_plot_page *page, const content *c, double width, double top, bool put) {
+    const double begin = (saltus_page_narrow(page->paper) ? 0.01 : 0.03) * page->paper->width + 26,
+                 type = saltus_page_type(page->paper, 11), beside = 15, apart = 40, row = 19;
+    char style[80];
+    double x = 0;
+    int rows = 0;
+    for (int kind = SALTUS_POINT_CP; kind < SALTUS_POINT_KINDS; kind++) {
+        const double own = beside + saltus_page_width(marks[kind].meaning, type) + apart;
+        if (!c->kind[kind])
+            continue;
+        if (!rows || x + own > width) {
+            rows++;
+            x = 0;
+        }
+        const double y = top - row * (rows - 0.5);
+        snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#303030'", type);
+        if (put)
+            saltus_page_label(page->paper, marks[kind].meaning, begin + x + beside, y, style);
+        for (int part = 0; part < (marks[kind].inner ? 2 : 1) && put; part++) {
+            snprintf(style, sizeof style, "point pt %d ps %g lw 1.2 lc rgb '%s' front",
+                     part ? marks[kind].inner : marks[kind].point_type, part ? inner_size : marks[kind].size,
+                     marks[kind].colour);
+            saltus_page_label(page->paper, "", begin + x, y, style);
+        }
+        x += own;
+    }
+    return rows;
+}
+
+/* The rows of the key of a panel of this width, which gnuplot lays out. */
+static int key_rows(const saltus_plot_page *page, const content *c, double width) {
+    const double letter = 9.9, sign = 5.6 * letter, narrowest = 0.5;
     const bool files = page->count > 1 && !page->locus;
-    const content c = find_content(page);
-    int most = (int)(width / (page->locus || page->count > 1 ? 310 : 190)), entries = 0;
+    int most = (int)(page->paper->width / (page->locus || page->count > 1 ? 310 : 190)), entries = 0;
     /* gnuplot makes all entries as wide as the longest, in as many columns as fit into the panel. */
     double longest = 1; /* letters */
     for (int i = 0; i < page->count && files; i++) {
         saltus_line name, piece;
         size_t length[name_lines];
-        const int lines = name_file(page, i, width, &name, length);
+        const int lines = name_file(page, i, page->paper->width, &name, length);
         const char *rest = name.text;
         for (int k = 0; k < lines; rest += length[k++]) {
             piece.length = 0;
@@ -116,29 +167,28 @@ double saltus_plot_legend_height(const saltus_plot_page *page, double width, int
     }
     for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
         const char *meaning = strokes[page->locus][stroke].meaning;
-        const bool named = c.stroke[stroke] && *meaning;
+        const bool named = c->stroke[stroke] && *meaning;
         longest = named ? fmax(longest, (double)strlen(meaning)) : longest;
         entries += named;
     }
     for (int hue = 0; hue < SALTUS_HUES; hue++)
-        entries += page->locus && c.hue[hue];
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++) {
-        longest = c.kind[kind] ? fmax(longest, (double)strlen(marks[kind].meaning)) : longest;
-        entries += c.kind[kind];
+        entries += page->locus && c->hue[hue];
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_CP; kind++) {
+        longest = c->kind[kind] ? fmax(longest, (double)strlen(marks[kind].meaning)) : longest;
+        entries += c->kind[kind];
     }
-    if (width < 1000 || files)
-        most = (int)fmin(most, (width - beside) / (letter * longest + sign));
-    const int columns = most > 1 ? most : 1, own = (entries + columns - 1) / columns;
-    if (rows)
-        *rows = own;
-    return 10 + 19 * own;
+    if (width < 0.8 * page->paper->width || files)
+        most = (int)fmin(most, width / (letter * longest + sign));
+    const int columns = most > 1 ? most : 1;
+    return (entries + columns - 1) / columns;
 }
 
-double saltus_plot_legend_place(const saltus_plot_page *page) {
-    int rows;
-    double height = saltus_plot_legend_height(page, page->paper->width, &rows);
-    saltus_page_legend(page->paper, rows);
-    return height;
+double saltus_plot_legend(const saltus_plot_page *page, double width, bool put) {
+    const content c = find_content(page);
+    const int rows = key_rows(page, &c, width);
+    if (put)
+        saltus_page_legend(page->paper, rows);
+    return 10 + 19 * (rows + lay_pairs(page, &c, width, page->paper->top - 19 * rows, put));
 }
 
 /* Curves, the stable ones on top; on a map each has a white rim. Loci also get signs. */
@@ -178,17 +228,19 @@ void saltus_plot_elements(const saltus_plot_page *page) {
     FILE *file = page->paper->file;
     const content c = find_content(page);
     put_curves(page, &c);
-    /* Marks have a white rim that separates them from the curves. Kinds that would often be covered by others
-     * are drawn last. */
-    for (int kind = SALTUS_PLOT_MARKS - 1; kind >= SALTUS_POINT_LP; kind--) {
-        bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
-                     kind != SALTUS_POINT_BE;
+    /* Marks have a white rim that separates them from the curves, and open ones of codimension two a white
+     * ground. Kinds that would often be covered by others are drawn last. */
+    for (int kind = SALTUS_POINT_KINDS - 1; kind >= SALTUS_POINT_LP; kind--) {
+        const bool pair = kind >= SALTUS_POINT_CP;
+        const bool solid = kind != SALTUS_POINT_EP && kind != SALTUS_POINT_UZ && kind != SALTUS_POINT_ST &&
+                           kind != SALTUS_POINT_BE;
         if (c.kind[kind] && solid)
             fprintf(file, "     $marks_%d using 1:2 with points pt %d ps %g lc rgb '#ffffff' notitle, \\\n",
-                    kind, marks[kind].point_type, marks[kind].size + 0.45);
-        if (c.kind[kind])
-            fprintf(file, "     $marks_%d using 1:2 with points pt %d ps %g lw 1.6 lc rgb '%s' notitle, \\\n",
-                    kind, marks[kind].point_type, marks[kind].size, marks[kind].colour);
+                    kind, marks[kind].point_type + pair, marks[kind].size + 0.45);
+        for (int part = 0; part < (marks[kind].inner ? 2 : 1) && c.kind[kind]; part++)
+            fprintf(file, "     $marks_%d using 1:2 with points pt %d ps %g lw %g lc rgb '%s' notitle, \\\n",
+                    kind, part ? marks[kind].inner : marks[kind].point_type,
+                    part ? inner_size : marks[kind].size, pair ? 1.2 : 1.6, marks[kind].colour);
     }
     /* Legend of the lines: kinds of special points, or files. */
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
@@ -218,7 +270,7 @@ void saltus_plot_elements(const saltus_plot_page *page) {
             fprintf(file, "     NaN with lines %s lc rgb '#404040' title '%s', \\\n", look->line,
                     look->meaning);
     }
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_CP; kind++)
         if (c.kind[kind])
             fprintf(file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
                     marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);

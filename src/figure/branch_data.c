@@ -94,10 +94,6 @@ static saltus_range impact_speeds(const saltus_branch_point *point) {
     return (saltus_range){isfinite(found.low) ? found.low : 0, found.high};
 }
 
-saltus_point_kind saltus_plot_mark(saltus_point_kind kind) {
-    return kind > SALTUS_POINT_CP ? SALTUS_POINT_CP : kind;
-}
-
 /* The speed of the grazing impact if it is known which one grazes, otherwise of the slowest impact. If it is
  * not among the events the orbit touches the stop without an impact: speed 0. */
 static double grazing_speed(const saltus_plot_page *page, const saltus_branch_point *point) {
@@ -688,12 +684,12 @@ bool saltus_plot_data(const saltus_plot_page *page) {
         if (page->locus)
             put_signs(page, hue);
     }
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++) {
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++) {
         fprintf(page->paper->file, "$marks_%d << EOD\n# parameter, measure\n", kind);
         for (int i = 0; i < page->count; i++)
             for (int k = 0; k < page->files[i].point_count; k++) {
                 const saltus_branch_point *point = &page->files[i].points[k];
-                if ((int)saltus_plot_mark(point->kind) == kind && saltus_plot_marked(&page->files[i], point))
+                if ((int)point->kind == kind && saltus_plot_marked(&page->files[i], point))
                     fprintf(page->paper->file, "%.12g %.9g\n", saltus_plot_x(page, point),
                             saltus_plot_y(page, point));
             }

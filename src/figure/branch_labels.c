@@ -291,24 +291,28 @@ static double rate(const saltus_plot_page *page, const places *all, const naming
     return other < own + nearer ? -1 : clear;
 }
 
-/* Whether a curve that does not pass the mark itself is between a mark and a word. */
-static bool is_cut_off(const places *all, place mark, place word) {
-    const double passes = 0.15;
-    const double to[2] = {fmin(fmax(mark.x, word.x - word.half_width), word.x + word.half_width),
-                          fmin(fmax(mark.y, word.y - word.half_height), word.y + word.half_height)};
-    const double dx = to[0] - mark.x, dy = to[1] - mark.y;
+/* Whether the line between two places meets a curve, other than one that passes as near as this to its
+ * beginning. */
+static bool meets_curve(const places *all, const double from[2], const double to[2], double passes) {
+    const double dx = to[0] - from[0], dy = to[1] - from[1];
     for (int k = 0; k < all->piece_count; k++) {
         const double *a = all->pieces[k].ends[0], *b = all->pieces[k].ends[1];
-        const double side_a = dx * (a[1] - mark.y) - dy * (a[0] - mark.x),
-                     side_b = dx * (b[1] - mark.y) - dy * (b[0] - mark.x);
+        const double side_a = dx * (a[1] - from[1]) - dy * (a[0] - from[0]),
+                     side_b = dx * (b[1] - from[1]) - dy * (b[0] - from[0]);
         const double ux = b[0] - a[0], uy = b[1] - a[1];
-        const double from = ux * (mark.y - a[1]) - uy * (mark.x - a[0]),
-                     until = ux * (to[1] - a[1]) - uy * (to[0] - a[0]);
-        if (side_a * side_b < 0 && from * until < 0 &&
-            saltus_plot_distance((double[2]){mark.x, mark.y}, a, b) > passes)
+        const double begin = ux * (from[1] - a[1]) - uy * (from[0] - a[0]),
+                     end = ux * (to[1] - a[1]) - uy * (to[0] - a[0]);
+        if (side_a * side_b < 0 && begin * end < 0 && saltus_plot_distance(from, a, b) > passes)
             return true;
     }
     return false;
+}
+
+/* Whether a curve that does not pass the mark itself is between a mark and a word. */
+static bool is_cut_off(const places *all, place mark, place word) {
+    const double to[2] = {fmin(fmax(mark.x, word.x - word.half_width), word.x + word.half_width),
+                          fmin(fmax(mark.y, word.y - word.half_height), word.y + word.half_height)};
+    return meets_curve(all, (const double[2]){mark.x, mark.y}, to, 0.15);
 }
 
 /* Find a place that touches what is named. */
@@ -585,12 +589,12 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
 /* Special points of all files: reserve the places of their marks, or write their names, first of the kinds
  * whose marks are drawn over those of others. */
 static void name_points(const saltus_plot_page *page, bool marks, places *all) {
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_PLOT_MARKS; kind++)
+    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
         for (int i = 0; i < page->count; i++)
             for (int k = 0; k < page->files[i].point_count; k++) {
                 const saltus_branch_point *point = &page->files[i].points[k];
-                if ((int)saltus_plot_mark(point->kind) != kind ||
-                    !saltus_plot_marked(&page->files[i], point) || !is_visible(page, point))
+                if ((int)point->kind != kind || !saltus_plot_marked(&page->files[i], point) ||
+                    !is_visible(page, point))
                     continue;
                 place mark = place_of(page, point);
                 mark.half_width = mark.half_height = mark_radius;
@@ -601,11 +605,30 @@ static void name_points(const saltus_plot_page *page, bool marks, places *all) {
             }
 }
 
-/* The labels requested by the caller, in larger type than the other names. */
+/* Move a word off the curves, to the nearest place that no curve divides from where it was; false if there is
+ * none. */
+static bool find_in_region(const saltus_plot_page *page, const places *all, place *word) {
+    enum { ways = 32 };
+    const double farthest = 4, step = 0.2, clear = 0.12;
+    for (double away = 0; away < farthest; away += step)
+        for (int k = 0; k < (away > 0 ? ways : 1); k++) {
+            const double angle = 2 * M_PI * k / ways;
+            const place wanted = moved(*word, word->x + away * cos(angle), word->y + away * sin(angle));
+            if (!is_free(page, all, wanted) || clearance(page, all, wanted, 2 * clear, NULL, EVERY) < clear ||
+                meets_curve(all, (const double[2]){word->x, word->y}, (const double[2]){wanted.x, wanted.y},
+                            0))
+                continue;
+            *word = wanted;
+            return true;
+        }
+    return false;
+}
+
+/* The labels requested by the caller, in larger type than the other names. One that lies on a curve where the
+ * region has no room for it gets a white ground. */
 static void name_regions(const saltus_plot_page *page, places *all) {
     const double size = saltus_page_narrow(page->paper) ? 12 : 17, bold = 1.15;
     char style[80];
-    snprintf(style, sizeof style, "center front tc rgb '#101010' font ':Bold,%g'", size);
     const char *first = page->files[0].options.key[0];
     for (int k = 0; k < page->options->label_count; k++) {
         const saltus_plot_label *label = &page->options->labels[k];
@@ -618,6 +641,8 @@ static void name_regions(const saltus_plot_page *page, places *all) {
         where.half_height = 0.035 * size;
         if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
             continue;
+        snprintf(style, sizeof style, "center front %stc rgb '#101010' font ':Bold,%g'",
+                 find_in_region(page, all, &where) ? "" : "boxed ", size);
         put_label(page, &line, where, style);
         take_place(all, where);
     }
@@ -748,7 +773,7 @@ static void put_note(const saltus_plot_page *page, const places *all) {
         stretches += all->unnamed_stretch[k].length >= least;
     for (int kinds = 1; kinds >= 0; kinds--) {
         line.length = 0;
-        saltus_line_add(&line, "unnamed for lack of room:");
+        saltus_line_add(&line, "no room to name:");
         for (int kind = SALTUS_POINT_LP, first = 1; kind < SALTUS_POINT_KINDS && kinds; kind++) {
             int count = 0;
             for (int k = 0; k < all->unnamed_count; k++)
@@ -762,7 +787,7 @@ static void put_note(const saltus_plot_page *page, const places *all) {
         if (stretches)
             saltus_line_add(&line, "%s %d piece%s of curve", all->unnamed_count ? "," : "", stretches,
                             saltus_plural(stretches));
-        if (saltus_page_width(line.text, type) < page->frame.right - 12)
+        if (saltus_page_width(line.text, type) < page->frame.right - page->frame.left)
             break;
     }
     snprintf(style, sizeof style, "right front font ',%.4g' tc rgb '#606060'", type);

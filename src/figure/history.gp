@@ -5,7 +5,7 @@ Trace = "lw 2"
 }
 Dots = ""
 if (Impacts > 0) {
-Dots = ", $impacts using 1:2:3 with points pt 7 ps 0.75 lc rgb variable"
+Dots = ", $impacts using 1:2:3:4 with points pt variable ps 0.9 lc rgb variable"
 }
 Bars = ""
 if (Contacts > 0) {

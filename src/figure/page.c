@@ -270,7 +270,7 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
     const double left = tight    ? 102
                         : narrow ? 124
                                  : 128,
-                 right = tight    ? 10
+                 right = tight    ? 22
                          : narrow ? 24
                                   : 43.2,
                  beside = tight         ? 112
@@ -290,7 +290,7 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
 void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading) {
     bool narrow = saltus_page_narrow(page);
     const double left = narrow ? 62 : 0, size = narrow ? saltus_page_type(page, 11) : 13,
-                 room = fmin(frame.right + (narrow ? 14 : 90), page->width - 6) - frame.left + left;
+                 room = fmin(frame.right + (narrow ? 30 : 90), page->width - 6) - frame.left + left;
     saltus_line line = {.length = 0};
     saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
     saltus_line_add(&line, "{/:Bold (%c)}  %s", 'a' + letter, heading);
@@ -328,10 +328,12 @@ void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least
 }
 
 /* Tics of a logarithmic axis of this length: at 1, 2 and 5 times powers of ten, as far as their numbers fit;
- * over many decades at powers of ten only, as many as fit; over less than one equally spaced. */
-static void put_log_tics(const saltus_page *page, const char *axis, double length, saltus_range range) {
+ * over many decades at powers of ten only, as many as fit; over less than one equally spaced. Numbers may
+ * extend `beyond` the end. */
+static void put_log_tics(const saltus_page *page, const char *axis, double length, double beyond,
+                         saltus_range range) {
     static const double parts[] = {1, 2, 5};
-    const double letter = 9.5, apart = 8, beyond = 20;
+    const double letter = 9.5, apart = 8;
     double values[24], ratio = range.high / range.low, width = range.high - range.low;
     int count = 0, put = 0;
     if (ratio > 3000) {
@@ -405,7 +407,7 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
     fprintf(page->file, "\nset %srange [%.12g:%.12g]\n", axis, range.low, range.high);
     if (logarithmic) {
         fprintf(page->file, "set logscale %s\n", axis);
-        put_log_tics(page, axis, length, range);
+        put_log_tics(page, axis, length, across ? fmin(page->width - panel.right, 20) : 20, range);
     } else if (narrow || length < 220) {
         /* Long numbers need room beside each other, but an axis needs at least two or three of them. */
         double tics = fmin(fmax(length / (across ? 45 : 24), 2), 5), step = saltus_page_tic_step(range, tics);

@@ -106,8 +106,8 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     saltus_page_draw(sheet->page, "section");
 }
 
-/* Marks of the impact map: one colour and sign for each side of a stop; once all colours are used they repeat
- * with open signs. Where the marks are small the legend has larger ones. */
+/* Marks of the impact map: one colour and sign for each side of a stop. Where the marks are small the legend
+ * has larger ones. */
 static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
     const char *separator = "plot ", *value = logarithmic ? "abs($2)" : "$2";
     const char *size = sheet->mapped > 400 ? "0.5" : sheet->mapped > 60 ? "0.8" : "1.3";
@@ -116,10 +116,9 @@ static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
         for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
             const saltus_face face = saltus_system_face(sheet->system, f);
             unsigned colour;
-            int rank;
-            if (!saltus_sheet_face_look(sheet, f, &colour, &rank))
+            int sign;
+            if (!saltus_sheet_face_look(sheet, f, &colour, &sign))
                 continue;
-            const int sign = (face.side > 0 ? 9 : 11) - rank % 2;
             fputs(separator, sheet->page->file);
             separator = ", \\\n     ";
             if (part == 0)
@@ -162,9 +161,9 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     if (faces > 1 && narrow) {
         frame.top -= 8;
         unsigned colour;
-        int rank;
+        int sign;
         for (int f = 0; f < faces; f++)
-            frame.top -= 19 * saltus_sheet_face_look(sheet, f, &colour, &rank);
+            frame.top -= 19 * saltus_sheet_face_look(sheet, f, &colour, &sign);
         saltus_page_frame(sheet->page, frame, SALTUS_PANEL_LEAST);
     }
     if (logarithmic) {
@@ -312,7 +311,7 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
     else if (s->periods == 1)
         saltus_line_add(&heading, ": multiples of {/:Italic ω}");
     else if (forcing)
-        saltus_line_add(&heading, "; red: multiples of {/:Italic ω}");
+        saltus_line_add(&heading, "; red squares: multiples of {/:Italic ω}");
     else
         saltus_line_add(&heading, ": multiples of {/:Italic ω}/%d", s->periods);
     saltus_spectrum_low_panel(&source, sheet->page, frame, letter, &heading);

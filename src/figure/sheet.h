@@ -66,9 +66,9 @@ void saltus_sheet_choose_all(saltus_sheet *sheet);
 void saltus_sheet_data(saltus_sheet *sheet);
 /* Only the data of portrait and history. */
 void saltus_sheet_record_data(saltus_sheet *sheet);
-/* The colour of the impacts on a face, and which sign it has in the impact map; faces that are not hit have
- * none if there are many: false. */
-bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *rank);
+/* The colour of the impacts on a face, and gnuplot's sign for them: a triangle that points to its side; faces
+ * that are not hit have none if there are many: false. */
+bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *sign);
 /* Number of impacts among the first `events` events of a record. */
 long long saltus_sheet_impacts(const saltus_trajectory *record, long long events);
 /* Observed displacement and velocity of stroboscopic point k of a record. */

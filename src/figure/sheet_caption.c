@@ -182,10 +182,10 @@ const char *saltus_sheet_history_heading(const saltus_sheet *sheet) {
     if (sheet->contacts && !struck)
         return "time history; bars: contact";
     if (sheet->contacts)
-        return sheet->orbit ? "one orbit; dots: impacts, bar: contact"
-                            : "time history; dots: impacts, bars: contact";
+        return sheet->orbit ? "one orbit; marks: impacts, bar: contact"
+                            : "time history; marks: impacts, bars: contact";
     if (struck)
-        return sheet->orbit ? "one orbit; dots: impacts" : "time history; dots: impacts";
+        return sheet->orbit ? "one orbit; marks: impacts" : "time history; marks: impacts";
     return sheet->orbit ? "one orbit" : "time history";
 }
 

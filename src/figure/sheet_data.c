@@ -12,7 +12,7 @@ long long saltus_sheet_impacts(const saltus_trajectory *record, long long events
     return count;
 }
 
-bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *rank) {
+bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *sign) {
     /* None is the blue of the trajectory, in which a jump of the velocity could not be told from motion. */
     static const unsigned colours[] = {0xc44e2a, 0x1f9e89, 0x8a5aa0, 0xb08a00,
                                        0x1c1c1c, 0x4aa3c7, 0xa03060, 0x94b447};
@@ -30,7 +30,8 @@ bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colou
         shown += hit && f < face;
     }
     *colour = colours[shown % count];
-    *rank = shown / count;
+    /* Once all colours are used they repeat with open signs. */
+    *sign = (saltus_system_face(sheet->system, face).side > 0 ? 9 : 11) - shown / count % 2;
     return hit;
 }
 
@@ -233,8 +234,9 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     long long event = 0;
     unsigned colours[2 * SALTUS_STOPS_MAX];
-    for (int f = 0, rank; f < saltus_system_face_count(sheet->system); f++)
-        saltus_sheet_face_look(sheet, f, &colours[f], &rank);
+    int signs[2 * SALTUS_STOPS_MAX];
+    for (int f = 0; f < saltus_system_face_count(sheet->system); f++)
+        saltus_sheet_face_look(sheet, f, &colours[f], &signs[f]);
     fputs("$orbit << EOD\n# tau/T displacement velocity\n", sheet->page->file);
     for (long long row = 0; row < sheet->rows; row++) {
         fprintf(sheet->page->file, "%.9g %.9g %.9g\n", r->time[row], r->displacement[row], r->velocity[row]);
@@ -257,11 +259,11 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
                     r->velocity[row], colour, r->displacement[row + 1], r->velocity[row + 1], colour);
         }
     }
-    fputs("EOD\n$impacts << EOD\n# tau/T displacement colour\n", sheet->page->file);
+    fputs("EOD\n$impacts << EOD\n# tau/T displacement sign colour\n", sheet->page->file);
     for (long long k = 0; k < sheet->history_events; k++)
         if (r->events[k].kind != SALTUS_RELEASE)
-            fprintf(sheet->page->file, "%.9g %.9g %u\n", r->time[r->event_rows[k]],
-                    r->displacement[r->event_rows[k]], colours[r->events[k].face]);
+            fprintf(sheet->page->file, "%.9g %.9g %d %u\n", r->time[r->event_rows[k]],
+                    r->displacement[r->event_rows[k]], signs[r->events[k].face], colours[r->events[k].face]);
     fputs("EOD\n$impact_map << EOD\n# phase velocity-before side stop\n", sheet->page->file);
     for (long long k = 0; k < sheet->mapped; k++) {
         const saltus_event *mapped = &sheet->section->events[k];

@@ -22,6 +22,7 @@ typedef struct row {
     int number;        /* from 1 */
     double peak;       /* highest density */
     double low_end;    /* end of the axis of low frequencies */
+    double low_floor;  /* lowest decibels there */
     double floor;      /* lowest decibels of the whole spectrum */
     double begin, end; /* of the logarithmic axis */
 } row;
@@ -67,10 +68,17 @@ static row make_row(const saltus_spectra_source *source, int k, int number, cons
             last = fmax(last, (double)b * s->resolution);
         lowest = fmin(lowest, decibels(s->low * s->density[b] / r.peak, 10));
     }
-    /* The low frequencies end where no line is within 60 dB of the highest, between 4 and 16 omega; the floor
-     * is below the lowest value drawn, but not below the resolution of double precision. */
+    /* The low frequencies end where no line is within 60 dB of the highest, between 4 and 16 omega; floors
+     * are below the lowest value drawn, but not below the resolution of double precision. */
     r.low_end = fmin(fmin(16, r.end), ceil(last + 0.25));
     r.floor = fmax(deep, 20 * floor((lowest - 10) / 20));
+    lowest = -20;
+    for (long long l = 0; l < s->line_count && lines && s->lines[l].frequency <= r.low_end; l++)
+        if (s->lines[l].decibels > shallow)
+            lowest = fmin(lowest, s->lines[l].decibels);
+    for (long long b = 1; b < s->bins && density && (double)b * s->resolution <= r.low_end; b++)
+        lowest = fmin(lowest, decibels(s->low * s->density[b] / r.peak, 10));
+    r.low_floor = fmax(shallow, 20 * floor((lowest - 10) / 20));
     return r;
 }
 
@@ -171,7 +179,7 @@ bool saltus_spectrum_has_strong_lines(const saltus_spectrum *s) {
 static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_line *heading) {
     const saltus_spectrum *s = r->s;
     const saltus_range across = {0, r->low_end};
-    double floor = fmax(r->floor, shallow), width = frame.right - frame.left, near = 0.015 * r->low_end;
+    double floor = r->low_floor, width = frame.right - frame.left, near = 0.015 * r->low_end;
     open_panel(r, frame, letter, heading, across, false, floor);
     fprintf(r->page->file, "set xtics %g\nset mxtics 2\n",
             width < 200        ? fmax(1, saltus_page_tic_step(across, 5))
@@ -217,7 +225,7 @@ static void put_low(const row *r, saltus_frame frame, int letter) {
         add_coordinate(&heading, system, r->quantity);
     }
     if (s->kind == SALTUS_SPECTRUM_LINES && s->periods > 1)
-        saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}/%d; red: of {/:Italic ω}",
+        saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}/%d; red squares: of {/:Italic ω}",
                         s->periods);
     else if (s->kind == SALTUS_SPECTRUM_LINES)
         saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}");

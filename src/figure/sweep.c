@@ -215,7 +215,8 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     const saltus_plot_options no_labels = {.label_count = 0};
     const saltus_range any = {-INFINITY, INFINITY};
     const bool two = page->sweep->axis_count > 1;
-    saltus_plot_page curves = {.system = page->system,
+    saltus_plot_page curves = {.paper = &page->paper,
+                               .system = page->system,
                                .options = &no_labels,
                                .locus = two,
                                .over_map = two,

@@ -145,7 +145,7 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
         [SALTUS_PENDING] = 0xffffff,       [SALTUS_EQUILIBRIUM] = 0x5d7f8c, [SALTUS_HELD] = 0x4b5963,
         [SALTUS_QUASIPERIODIC] = 0xb4e3d6, [SALTUS_CHAOTIC] = 0x17171a,     [SALTUS_LONG_PERIOD] = 0x97939c,
         [SALTUS_UNDECIDED] = 0xc6c6c6,     [SALTUS_FAILED] = 0xff2d78,      [SALTUS_TRANSIENT] = 0x6b6870,
-        [SALTUS_IRREGULAR] = 0xaeb0b4,     [SALTUS_BEYOND] = 0xf4f4f4};
+        [SALTUS_IRREGULAR] = 0xa9b1be,     [SALTUS_BEYOND] = 0xf4f4f4};
     static const struct {
         double hue, lightness; /* for one impact */
         unsigned texture;
@@ -162,7 +162,9 @@ saltus_paint saltus_class_paint(int verdict, int impacts, int periods) {
                                      SALTUS_POSTS | SALTUS_BARS | SALTUS_DOTS};
     enum { families = sizeof family / sizeof family[0], steps = 6, rounds = sizeof again / sizeof again[0] };
     if (verdict != SALTUS_PERIODIC)
-        return (saltus_paint){plain[verdict], verdict == SALTUS_BEYOND ? SALTUS_POSTS : 0};
+        return (saltus_paint){plain[verdict], verdict == SALTUS_BEYOND   ? SALTUS_POSTS
+                                              : verdict == SALTUS_FAILED ? SALTUS_DOTS
+                                                                         : 0};
     bool own = impacts >= 0 && periods < families;
     int f = impacts < 0 ? 0 : own ? periods : families - 1, count = impacts < 0 ? periods : impacts;
     double hue = own || impacts < 0 ? family[f].hue : fmod(137.5 * periods, 360), chroma = own ? 0.12 : 0.06;

@@ -8,9 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Larger clouds are drawn as densities. */
-static const long long drawn_singly = 12000;
-
 typedef struct pass_look {
     uint32_t colour;
     const char *name;
@@ -399,17 +396,31 @@ static void put_exponent_elements(const saltus_sweep_page *page, bool dense) {
                 swap ? "4:1" : "1:4");
 }
 
-/* The faces that limit what is shown: each is named at the end of its line, which gnuplot needs before the
- * plot command, ... */
+/* The faces that limit what is shown: each is named at the end of its line, at the edge of the panel where
+ * that leaves it. gnuplot needs the names before the plot command, ... */
 static void put_face_names(const saltus_sweep_page *page) {
+    enum { steps = 240 };
     const double least = 40; /* units from the panel's left edge */
     for (int f = 0; f < saltus_system_face_count(page->system); f++) {
         saltus_face face = saltus_system_face(page->system, f);
-        double d = clearance(page, face, page->x.range.high);
-        if (!limits(page, face) || !(d > page->up.low && d < page->up.high))
+        int k = steps;
+        double d = NAN;
+        for (; limits(page, face) && k >= 0 && !(d > page->up.low && d < page->up.high); k--)
+            d = clearance(page, face, saltus_cells_value(&page->x, (double)k / steps));
+        if (!(d > page->up.low && d < page->up.high))
             continue;
+        const double part = (k + 1.0) / steps;
         fprintf(page->paper.file, "set label '%s{/:Italic d}' at ", face.side < 0 ? "−" : "");
-        if (page->swap) /* clear of the names above the strip */
+        if (k < steps - 1 && face.side < 0) /* in the grey, as the strip is beyond the edge */
+            fprintf(page->paper.file,
+                    page->swap ? "graph 0.04, graph %.4f center offset 0,-2"
+                               : "graph %.4f, graph 0.04 center offset -3,0",
+                    part);
+        else if (k < steps - 1)
+            fprintf(page->paper.file,
+                    page->swap ? "graph 1.008, graph %.4f left" : "graph %.4f, graph 1 center offset 0,0.6",
+                    part);
+        else if (page->swap) /* clear of the names above the strip */
             fprintf(page->paper.file, "first %.9g, graph 1 %s offset 0,0.6", d,
                     saltus_range_part(page->up, page->logarithmic, d) *
                                 (page->frame.right - page->frame.left) <
@@ -494,14 +505,13 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
     saltus_page *paper = &page->paper;
     double height = 0, drawn;
     page->frame = saltus_page_rest(paper, 26.4);
-    if (page->branches) {
-        curves->paper = paper;
-        page->frame.top -= saltus_plot_legend_place(curves);
-    } else if (page->sweep->pass_count > 1) {
+    set_sides(page);
+    if (page->branches)
+        page->frame.top -= saltus_plot_legend(curves, page->frame.right - page->frame.left, true);
+    else if (page->sweep->pass_count > 1) {
         saltus_page_legend(paper, pass_rows(page));
         page->frame.top -= 3 + 19 * pass_rows(page);
     }
-    set_sides(page);
     const double top = page->frame.top + 22;
     page->frame.top -= page->swap ? above : 0; /* names of stops and passes */
     if (!legend_height(page, page->frame, &height))
@@ -528,7 +538,8 @@ static bool choose_height(saltus_sweep_page *page) {
     bool sound = saltus_sweep_put_strip_legend(page, page->frame, 0, false, &height);
     page->paper.height +=
         height + 19 * (pass_rows(page) - 1) +
-        (page->branches ? saltus_plot_legend_height(page->branches, page->paper.width, NULL) : 0);
+        (page->branches ? saltus_plot_legend(page->branches, page->frame.right - page->frame.left, false)
+                        : 0);
     return sound;
 }
 
@@ -541,10 +552,12 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
     saltus_status status = find_range(page, message);
     if (status != SALTUS_OK)
         return status;
-    bool dense = points_shown(page) > drawn_singly;
     bool sound = choose_height(page);
     saltus_sweep_caption(page);
     saltus_page_begin(&page->paper);
+    /* More points than a page of this size can hold apart are drawn as densities. */
+    const double singly = 12000.0 / (1600 * 1200) * page->paper.width * page->paper.height;
+    const bool dense = (double)points_shown(page) > fmin(singly, 12000);
     put_faces(page);
     if (!dense)
         put_points(page);

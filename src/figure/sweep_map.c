@@ -416,10 +416,14 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     const char *notes[2];
     const double below =
         32 * map.legend_rows + (map.legend_rows && find_notes(&map, notes) ? note_height : 0);
+    const double left = narrow ? 124 : 150,
+                 right = paper->width - (!map.kind ? saltus_sweep_map_bar_room(&map)
+                                         : narrow  ? 24
+                                                   : 410);
     if (paper->free_height) {
         paper->height += below;
         if (page->branches)
-            paper->height += saltus_plot_legend_height(page->branches, paper->width, NULL);
+            paper->height += saltus_plot_legend(page->branches, right - left, false);
     }
     saltus_sweep_caption(page);
     saltus_page_begin(paper);
@@ -428,13 +432,12 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     fputs("set multiplot\n", page->paper.file);
     saltus_page_caption(paper);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
-    page->frame.left = narrow ? 124 : 150;
-    page->frame.right = paper->width - (!map.kind ? saltus_sweep_map_bar_room(&map) : narrow ? 24 : 410);
+    page->frame.left = left;
+    page->frame.right = right;
     page->frame.bottom += narrow ? below : 2.4;
     if (page->branches) {
         curves = *page->branches;
-        curves.paper = paper;
-        page->frame.top -= saltus_plot_legend_place(&curves);
+        page->frame.top -= saltus_plot_legend(&curves, right - left, true);
         curves.frame = page->frame;
         page->branches = &curves;
         sound = saltus_plot_data(&curves) && sound;

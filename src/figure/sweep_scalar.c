@@ -75,9 +75,21 @@ uint32_t saltus_sweep_map_colour(const saltus_sweep_map *map, double number) {
 
 enum { apart = 22, wide = 22 }; /* the colour bar: from the map, and its width */
 
+static void name_bar(const saltus_sweep_map *map, saltus_line *name) {
+    saltus_sweep_name_measure(map->page, name);
+    if (map->clipped)
+        saltus_line_add(name, "  (colours end at %s)",
+                        map->page->asked ? "the range" : "the 0.5 and 99.5 percentiles");
+}
+
 double saltus_sweep_map_bar_room(const saltus_sweep_map *map) {
-    const bool narrow = saltus_page_narrow(&map->page->paper);
-    const double letter = 9.8, beside = apart + wide + (narrow ? 46 : 66);
+    const saltus_page *paper = &map->page->paper;
+    const bool narrow = saltus_page_narrow(paper);
+    saltus_line name = {.length = 0};
+    name_bar(map, &name);
+    /* On a narrow page a long name has two lines. */
+    const double letter = 9.8, second = saltus_page_width(name.text, 11) > 0.5 * paper->width ? 44 : 0,
+                 beside = apart + wide + (narrow ? 46 + second : 66);
     const size_t longest =
         map->logarithmic ? 4 : saltus_page_tic_letters(map->range, saltus_page_tic_step(map->range, 5));
     return fmax(narrow ? 160 : 180, beside + letter * (double)longest);
@@ -96,10 +108,7 @@ bool saltus_sweep_map_put_bar(const saltus_sweep_map *map) {
         for (int x = 0; x < columns; x++)
             saltus_raster_set(&raster, x, k, saltus_sweep_map_colour(map, number), 1);
     }
-    saltus_sweep_name_measure(page, &name);
-    if (map->clipped)
-        saltus_line_add(&name, "  (colours end at %s)",
-                        page->asked ? "the range" : "the 0.5 and 99.5 percentiles");
+    name_bar(map, &name);
     saltus_page_frame(&page->paper,
                       (saltus_frame){page->frame.right + apart, page->frame.right + apart + wide,
                                      page->frame.bottom, page->frame.top},

@@ -33,29 +33,49 @@ static int pixels_along(const saltus_sweep_page *page, saltus_frame strip) {
     return (int)fmax(1, saltus_sweep_fineness(page) * length);
 }
 
-/* The class of the next stretch that is wide enough for the name of its class, from *first to before *end;
- * NULL: there is none. Slivers of other classes end a stretch only if the name has room beside them. *end is
- * where the search begins, 0 at first. */
-static const saltus_sweep_class *next_named(const saltus_sweep_page *page, const int *winners, int width,
-                                            int *first, int *end) {
+/* A stretch of one class along a strip, from pixel `first` to before `end`. */
+typedef struct stretch {
+    const saltus_sweep_class *c;
+    int first, end;
+} stretch;
+
+/* The next stretch from a pixel on that is wide enough for the name of its class; class NULL: there is none.
+ * Slivers of other classes end a stretch only if the name has room beside them. */
+static stretch next_wide(const saltus_sweep_page *page, const int *winners, int width, int from) {
     const double letter = 9.2, room = 8;
     const int fineness = saltus_sweep_fineness(page), sliver = 2 * fineness;
-    while (*end < width) {
-        const int own = winners[*end];
+    while (from < width) {
+        const int own = winners[from];
         const saltus_sweep_class *c = own >= 0 ? &page->classes.list[own] : NULL;
         const double least = c ? fineness * (letter * (double)strlen(c->label) + room) : 0;
-        *first = *end;
-        while (*end < width && winners[*end] == own)
-            ++*end;
-        const int whole = *end;
-        for (int x = *end; x < width && x <= *end + sliver && *end - *first < least; x++)
+        int end = from;
+        while (end < width && winners[end] == own)
+            end++;
+        const int whole = end;
+        for (int x = end; x < width && x <= end + sliver && end - from < least; x++)
             if (winners[x] == own)
-                *end = x + 1;
-        if (c && c->verdict != SALTUS_PENDING && *end - *first >= least)
-            return c;
-        *end = whole;
+                end = x + 1;
+        if (c && c->verdict != SALTUS_PENDING && end - from >= least)
+            return (stretch){c, from, end};
+        from = whole;
     }
-    return NULL;
+    return (stretch){NULL, width, width};
+}
+
+/* The next stretch to be named; *from is where the search begins and goes on. Of neighbours of one class with
+ * less than the width of a letter or two between them only the widest has the name. */
+static stretch next_named(const saltus_sweep_page *page, const int *winners, int width, int *from) {
+    const int near = 16 * saltus_sweep_fineness(page);
+    stretch found = next_wide(page, winners, width, *from), last = found;
+    while (found.c) {
+        const stretch next = next_wide(page, winners, width, last.end);
+        if (next.c != found.c || next.first - last.end >= near)
+            break;
+        found = next.end - next.first > found.end - found.first ? next : found;
+        last = next;
+    }
+    *from = last.end;
+    return found;
 }
 
 /* All bands; the first pass is on top, or leftmost. */
@@ -80,17 +100,17 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
                 }
         }
         /* Names of the stretches along which one class prevails. */
-        const saltus_sweep_class *c;
-        for (int first, end = 0; (c = next_named(page, winners, length, &first, &end)) != NULL;) {
-            const double at = 0.5 * (first + end) / length, up = (bottom + 0.5 * height) / across;
+        stretch s;
+        for (int from = 0; (s = next_named(page, winners, length, &from)).c != NULL;) {
+            const double at = 0.5 * (s.first + s.end) / length, up = (bottom + 0.5 * height) / across;
             saltus_line name = {.length = 0};
-            saltus_line_plain(&name, c->label);
+            saltus_line_plain(&name, s.c->label);
             fputs("set label ", page->paper.file);
             saltus_put_quoted(page->paper.file, name.text, name.length);
             fprintf(page->paper.file, " at graph %.6f,%.6f center %sfront font ',%.4g' tc rgb '%s'\n",
                     swap ? up : at, swap ? at : up, swap ? "rotate by 90 " : "",
                     saltus_page_type(&page->paper, 10.5),
-                    saltus_colour_light(c->paint.colour) ? "#101010" : "#ffffff");
+                    saltus_colour_light(s.c->paint.colour) ? "#101010" : "#ffffff");
         }
     }
     bool sound = counts && winners;
@@ -124,9 +144,9 @@ static bool find_named(const saltus_sweep_page *page, int width, bool *named) {
     for (int pass = 0; pass < page->sweep->pass_count && sound; pass++) {
         for (int x = 0; x < width; x++)
             count_classes(page, pass, width, x, counts, &winners[x]);
-        const saltus_sweep_class *c;
-        for (int first, end = 0; (c = next_named(page, winners, width, &first, &end)) != NULL;)
-            named[c - page->classes.list] = true;
+        stretch s;
+        for (int from = 0; (s = next_named(page, winners, width, &from)).c != NULL;)
+            named[s.c - page->classes.list] = true;
     }
     free(counts);
     free(winners);

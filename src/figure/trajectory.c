@@ -4,7 +4,7 @@
 #include "figure/sheet.h"
 #include "record/describe.h"
 
-/* Below the caption, which side of which stop has which colour, if there are several. */
+/* Below the caption, which side of which stop has which sign, if there are several. */
 static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
     const double entry = 130, row = 22, begin = saltus_page_narrow(page) ? 18 : 54,
                  type = saltus_page_type(page, 11);
@@ -13,12 +13,12 @@ static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
     for (int f = 0; f < faces && faces > 1; f++) {
         const saltus_face face = saltus_system_face(sheet->system, f);
         unsigned colour;
-        int rank;
+        int sign;
         char text[64], style[64];
-        if (!saltus_sheet_face_look(sheet, f, &colour, &rank))
+        if (!saltus_sheet_face_look(sheet, f, &colour, &sign))
             continue;
         const double x = begin + count % columns * entry, y = page->top - 6 - count / columns * row;
-        snprintf(style, sizeof style, "point pt 7 ps 0.9 lc rgb '#%06x' front", colour);
+        snprintf(style, sizeof style, "point pt %d ps 1.1 lc rgb '#%06x' front", sign, colour);
         saltus_page_label(page, "", x, y, style);
         snprintf(text, sizeof text, "stop %d, %s", face.stop + 1, saltus_side_word(face.side));
         snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#303030'", type);
