@@ -742,6 +742,12 @@ static void names_of_sides_stay_on_the_page(void **state) {
         const figure_mark *heading = figure_mark_of(panel, 'l', "{/:Bold (", 0);
         double above = (heading->place[0][1] - panel->frame[3]) * page_height(&f);
         assert_true(column ? above > 2 * 17 && above < 2 * 30 : fabs(above) < 0.1);
+        /* Between columns of panels the names of axes do not reach into the headings. */
+        for (int p = 0; p < f.panel_count && column; p++) {
+            const double *frame = f.panel[p].frame;
+            assert_true(frame[1] - frame[0] >= 0.5 || saltus_page_width(f.panel[p].label[1], 11.375) <
+                                                          (frame[3] - frame[2]) * page_height(&f) + 7);
+        }
         figure_free(&f);
     }
     saltus_system_free(system);

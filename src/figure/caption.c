@@ -229,7 +229,7 @@ size_t saltus_line_piece(const char *text, double width) {
             strncmp(c, "±", strlen("±")) == 0 || (k > 1 && strncmp(text + k - 2, "±", 2) == 0);
         if (text[k] == ' ' && depth == 0 && text + k >= held && !signed_number) {
             word = k;
-            if (k && shown > 0.5 * width && strchr(",;", text[k - 1]))
+            if (k && shown > 0.45 * width && strchr(",;", text[k - 1]))
                 fits = k;
         }
         shown += letter;

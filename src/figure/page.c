@@ -377,8 +377,10 @@ static void put_log_tics(const saltus_page *page, const char *axis, double lengt
 
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
                       const char *name, saltus_range range) {
-    const double usual = 13, over = 36; /* overhang at the ends */
     const bool narrow = saltus_page_narrow(page), across = *axis == 'x';
+    /* Overhang at the ends; between columns of panels it would reach into their headings. */
+    const double usual = 13,
+                 over = narrow && !across && panel.right - panel.left < 0.5 * page->width ? 6 : 36;
     const double length = across ? panel.right - panel.left : panel.top - panel.bottom,
                  size = (length + over) / saltus_page_width(name, 1);
     fprintf(page->file, "set %slabel ", axis);
