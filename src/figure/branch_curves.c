@@ -120,7 +120,6 @@ static int name_file(const saltus_plot_page *page, int file, double width, saltu
 static int lay_pairs(const saltus_plot_page *page, const content *c, double width, double top, bool put) {
     const double begin = (saltus_page_narrow(page->paper) ? 0.01 : 0.03) * page->paper->width + 26,
                  type = saltus_page_type(page->paper, 11), beside = 15, apart = 40, row = 19;
-    char style[80];
     double x = 0;
     int rows = 0;
     for (int kind = SALTUS_POINT_CP; kind < SALTUS_POINT_KINDS; kind++) {
@@ -132,15 +131,13 @@ static int lay_pairs(const saltus_plot_page *page, const content *c, double widt
             x = 0;
         }
         const double y = top - row * (rows - 0.5);
-        snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#303030'", type);
         if (put)
-            saltus_page_label(page->paper, marks[kind].meaning, begin + x + beside, y, style);
-        for (int part = 0; part < (marks[kind].inner ? 2 : 1) && put; part++) {
-            snprintf(style, sizeof style, "point pt %d ps %g lw 1.2 lc rgb '%s' front",
-                     part ? marks[kind].inner : marks[kind].point_type, part ? inner_size : marks[kind].size,
-                     marks[kind].colour);
-            saltus_page_label(page->paper, "", begin + x, y, style);
-        }
+            saltus_page_label(page->paper, marks[kind].meaning, begin + x + beside, y,
+                              "left front font ',%.4g' tc rgb '#303030'", type);
+        for (int part = 0; part < (marks[kind].inner ? 2 : 1) && put; part++)
+            saltus_page_label(page->paper, "", begin + x, y, "point pt %d ps %g lw 1.2 lc rgb '%s' front",
+                              part ? marks[kind].inner : marks[kind].point_type,
+                              part ? inner_size : marks[kind].size, marks[kind].colour);
         x += own;
     }
     return rows;

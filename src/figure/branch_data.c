@@ -119,8 +119,11 @@ static double measure(const saltus_plot_page *page, const saltus_branch_point *p
          * visits. */
         double largest = NAN;
         for (int i = 0; i < page->count && page->visits; i++) {
-            ptrdiff_t k = point - page->files[i].points;
-            if (k < 0 || k >= page->files[i].point_count)
+            /* Pointers into different arrays have no difference. */
+            const size_t size = sizeof *point,
+                         k = ((uintptr_t)point - (uintptr_t)page->files[i].points) / size;
+            if ((uintptr_t)point < (uintptr_t)page->files[i].points ||
+                k >= (size_t)page->files[i].point_count)
                 continue;
             for (int v = 0; v < page->visits[i][k].count; v++)
                 largest = fmax(largest, page->visits[i][k].list[v].value);

@@ -7,6 +7,7 @@
 #include "record/describe.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -111,10 +112,24 @@ static bool is_free(const saltus_plot_page *page, const places *all, place wante
     return true;
 }
 
-static void put_label(const saltus_plot_page *page, const saltus_line *line, place where, const char *style) {
+static void take_place(places *all, place taken) {
+    if (all->count < places_max)
+        all->taken[all->count++] = taken;
+}
+
+/* Write a name, in a style formatted like printf, and take its place. */
+static void put_name(const saltus_plot_page *page, places *all, const saltus_line *line, place where,
+                     const char *style, ...) {
+    va_list arguments;
     fputs("set label ", page->paper->file);
     saltus_put_quoted(page->paper->file, line->text, line->length);
-    fprintf(page->paper->file, " at graph %.4f,%.4f %s\n", where.x / wide(page), where.y / high(page), style);
+    fprintf(page->paper->file, " at graph %.4f,%.4f center front ", where.x / wide(page),
+            where.y / high(page));
+    va_start(arguments, style);
+    vfprintf(page->paper->file, style, arguments);
+    va_end(arguments);
+    fputc('\n', page->paper->file);
+    take_place(all, where);
 }
 
 /* The pieces of all curves, one per branch or one per visit. Without memory, names are placed as if there
@@ -192,11 +207,6 @@ static double clearance(const saltus_plot_page *page, const places *all, place w
                                     (double[2]){word.x + (samples ? n * half / samples : 0), word.y}, a, b));
     }
     return least - word.half_height;
-}
-
-static void take_place(places *all, place taken) {
-    if (all->count < places_max)
-        all->taken[all->count++] = taken;
 }
 
 /* Whether an earlier point of the same kind, in the order of the files, has its mark at this place. */
@@ -385,7 +395,6 @@ static bool name_point(const saltus_plot_page *page, const saltus_branch_point *
                 .word = word_of(page, word, 10, page->over_sweep),
                 .across = how == LED_ACROSS};
     place found;
-    char style[96];
     saltus_line line = {.length = 0};
     if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
         return true;
@@ -393,11 +402,9 @@ static bool name_point(const saltus_plot_page *page, const saltus_branch_point *
     if (!(how == BESIDE ? find_beside : find_led)(page, all, &n, &found))
         return false;
     saltus_line_plain(&line, word);
-    snprintf(style, sizeof style, "center front %s font ',%.4g'",
+    put_name(page, all, &line, found, "%s font ',%.4g'",
              page->over_sweep ? "boxed tc rgb '#202020'" : "tc rgb '#303030'",
              saltus_page_type(page->paper, 10));
-    put_label(page, &line, found, style);
-    take_place(all, found);
     return true;
 }
 
@@ -528,7 +535,6 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
                                                     "#7a5c00", "#444444", "#7d004b"};
     const saltus_branch_file *f = &page->files[s->file];
     saltus_line name = {.length = 0};
-    char style[96];
     place found;
     /* The label; on loci also the kind of point and the parameters in which the files differ. */
     if (page->locus)
@@ -548,11 +554,9 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
         return false;
     }
     const int hue = saltus_plot_hue(page, s->file, f->points[s->first].branch);
-    snprintf(style, sizeof style, "center front %stc rgb '%s' font ',%.4g'",
+    put_name(page, all, &name, found, "%stc rgb '%s' font ',%.4g'",
              on_curve || page->over_sweep ? "boxed " : "", page->locus ? "#202020" : colour[hue],
              saltus_page_type(page->paper, 11));
-    put_label(page, &name, found, style);
-    take_place(all, found);
     if (all->named_stretch_count < places_max)
         all->named_stretch[all->named_stretch_count++] = *s;
     return true;
@@ -628,7 +632,6 @@ static bool find_in_region(const saltus_plot_page *page, const places *all, plac
  * region has no room for it gets a white ground. */
 static void name_regions(const saltus_plot_page *page, places *all) {
     const double size = saltus_page_narrow(page->paper) ? 12 : 17, bold = 1.15;
-    char style[80];
     const char *first = page->files[0].options.key[0];
     for (int k = 0; k < page->options->label_count; k++) {
         const saltus_plot_label *label = &page->options->labels[k];
@@ -641,10 +644,8 @@ static void name_regions(const saltus_plot_page *page, places *all) {
         where.half_height = 0.035 * size;
         if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
             continue;
-        snprintf(style, sizeof style, "center front %stc rgb '#101010' font ':Bold,%g'",
-                 find_in_region(page, all, &where) ? "" : "boxed ", size);
-        put_label(page, &line, where, style);
-        take_place(all, where);
+        const bool clear = find_in_region(page, all, &where);
+        put_name(page, all, &line, where, "%stc rgb '#101010' font ':Bold,%g'", clear ? "" : "boxed ", size);
     }
 }
 
@@ -768,7 +769,6 @@ static void put_note(const saltus_plot_page *page, const places *all) {
     const double size = 9, type = saltus_page_type(page->paper, size), above = 10, least = 2;
     int stretches = 0;
     saltus_line line = {.length = 0};
-    char style[64];
     for (int k = 0; k < all->unnamed_stretch_count; k++)
         stretches += all->unnamed_stretch[k].length >= least;
     for (int kinds = 1; kinds >= 0; kinds--) {
@@ -790,9 +790,9 @@ static void put_note(const saltus_plot_page *page, const places *all) {
         if (saltus_page_width(line.text, type) < page->frame.right - page->frame.left)
             break;
     }
-    snprintf(style, sizeof style, "right front font ',%.4g' tc rgb '#606060'", type);
     if (all->unnamed_count || stretches)
-        saltus_page_label(page->paper, line.text, page->frame.right, page->frame.top + above, style);
+        saltus_page_label(page->paper, line.text, page->frame.right, page->frame.top + above,
+                          "right front font ',%.4g' tc rgb '#606060'", type);
 }
 
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context) {

@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
 /* Pages of a requested size have type of eight points, where 13 are asked for. */
@@ -132,10 +133,16 @@ double saltus_page_type(const saltus_page *page, double size) {
     return page->look.width > 0 ? fmax(size, smallest_type) : size;
 }
 
-void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style) {
+void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style,
+                       ...) {
+    va_list arguments;
     fputs("set label ", page->file);
     saltus_put_quoted(page->file, text, strlen(text));
-    fprintf(page->file, " at screen %.6g,%.6g %s\n", x / page->width, y / page->height, style);
+    fprintf(page->file, " at screen %.6g,%.6g ", x / page->width, y / page->height);
+    va_start(arguments, style);
+    vfprintf(page->file, style, arguments);
+    va_end(arguments);
+    fputc('\n', page->file);
 }
 
 double saltus_page_width(const char *text, double size) {
@@ -173,7 +180,7 @@ static void lay_caption(saltus_page *page, bool put) {
                 saltus_line_add(&piece, "{/=%.0f:Bold ", type);
             saltus_line_add(&piece, "%.*s%s", length, text, heading ? "}" : "");
             if (put)
-                saltus_page_label(page, piece.text, margin, page->top, style);
+                saltus_page_label(page, piece.text, margin, page->top, "%s", style);
             text += length;
             text += strspn(text, " ");
         }

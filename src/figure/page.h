@@ -102,8 +102,12 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
  * when it is closed. */
 void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least);
 enum { SALTUS_PANEL_LEAST = 75 }; /* the height of a panel that can be read */
-/* A label in enhanced text at a place of the page, with the style of `set label`. */
-void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style);
+/* A label in enhanced text at a place of the page, with the style of `set label`, formatted like printf. */
+void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 5, 6)))
+#endif
+    ;
 /* Title, range and scale of a panel's axis ("x", "y" or "y2"); on a page of a requested size long titles are
  * set in smaller type. */
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,

@@ -266,9 +266,8 @@ static const double note_height = 26;
 
 static void put_note(const saltus_sweep_map *map, double x, double y, const char *text) {
     const saltus_page *paper = &map->page->paper;
-    char style[64];
-    snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#606060'", saltus_page_type(paper, 11));
-    saltus_page_label(paper, text, x, y, style);
+    saltus_page_label(paper, text, x, y, "left front font ',%.4g' tc rgb '#606060'",
+                      saltus_page_type(paper, 11));
 }
 
 /* What the signs in the map mean, in up to two notes; returns their number. */

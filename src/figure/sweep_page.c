@@ -170,10 +170,9 @@ void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, s
     saltus_line plain = {.length = 0};
     saltus_line_plain(&plain, text);
     const bool narrow = saltus_page_narrow(&page->paper);
-    char style[64];
-    snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#202020'",
-             saltus_page_type(&page->paper, narrow ? 10.5 : 12));
-    saltus_page_label(&page->paper, plain.text, x + size + (narrow ? 8 : 12), y + 0.5 * size, style);
+    saltus_page_label(&page->paper, plain.text, x + size + (narrow ? 8 : 12), y + 0.5 * size,
+                      "left front font ',%.4g' tc rgb '#202020'",
+                      saltus_page_type(&page->paper, narrow ? 10.5 : 12));
     for (int k = 0; k < 7; k++) {
         double a = fmax(0, 2 * k - 6) * size / 6, b = fmin(6, 2 * k) * size / 6, c = (k + 0.5) * size / 3;
         unsigned texture = k < 3 ? paint.texture : 0;

@@ -153,16 +153,6 @@ static bool find_named(const saltus_sweep_page *page, int width, bool *named) {
     return sound;
 }
 
-/* Say how many classes the legend leaves out, and the largest share of one of them in the rows shown. */
-static void put_left_out(const saltus_sweep_page *page, double x, double y, int count, double share) {
-    char style[64];
-    saltus_line words = {.length = 0};
-    snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#404040'",
-             saltus_page_type(&page->paper, 10.5));
-    saltus_line_add(&words, "and %d more, %s%.2g %%", count, count > 1 ? "none above " : "", 100 * share);
-    saltus_page_label(&page->paper, words.text, x, y + 9, style);
-}
-
 /* The most frequent classes, in a few rows. */
 bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top, bool drawn,
                                    double *height) {
@@ -199,8 +189,13 @@ bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame f
     }
     if (left_out)
         *height += row;
-    if (left_out && drawn)
-        put_left_out(page, frame.left, top - *height, left_out, (double)most / (double)rows);
+    if (left_out && drawn) { /* how many there are, and the largest share of one of them */
+        saltus_line words = {.length = 0};
+        saltus_line_add(&words, "and %d more, %s%.2g %%", left_out, left_out > 1 ? "none above " : "",
+                        100 * ((double)most / (double)rows));
+        saltus_page_label(&page->paper, words.text, frame.left, top - *height + 9,
+                          "left front font ',%.4g' tc rgb '#404040'", saltus_page_type(&page->paper, 10.5));
+    }
     free(shown);
     free(named);
     return sound;

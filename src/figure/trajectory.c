@@ -14,15 +14,13 @@ static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
         const saltus_face face = saltus_system_face(sheet->system, f);
         unsigned colour;
         int sign;
-        char text[64], style[64];
+        char text[64];
         if (!saltus_sheet_face_look(sheet, f, &colour, &sign))
             continue;
         const double x = begin + count % columns * entry, y = page->top - 6 - count / columns * row;
-        snprintf(style, sizeof style, "point pt %d ps 1.1 lc rgb '#%06x' front", sign, colour);
-        saltus_page_label(page, "", x, y, style);
+        saltus_page_label(page, "", x, y, "point pt %d ps 1.1 lc rgb '#%06x' front", sign, colour);
         snprintf(text, sizeof text, "stop %d, %s", face.stop + 1, saltus_side_word(face.side));
-        snprintf(style, sizeof style, "left front font ',%.4g' tc rgb '#303030'", type);
-        saltus_page_label(page, text, x + 12, y, style);
+        saltus_page_label(page, text, x + 12, y, "left front font ',%.4g' tc rgb '#303030'", type);
         count++;
     }
     page->top -= count ? 4 + (count + columns - 1) / columns * row : 0;
