@@ -439,7 +439,8 @@ static void panels_stand_side_by_side(void **state) {
         skip();
     for (int k = 0; make_awkward(f, k); k++) {
         saltus_page page;
-        saltus_course course = saltus_lyapunov_course(&f->result);
+        const saltus_course course = {f->result.history, f->result.history_count, f->result.exponents[0],
+                                      f->result.standard_errors[0]};
         check_ok(saltus_page_open(&page, "panel.svg", NULL, &message), &message);
         fclose(page.file);
         page.file = fopen(path_in(f, "panel.gp", path), "w");

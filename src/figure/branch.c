@@ -52,10 +52,7 @@ static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
     saltus_plot_difference(page, 1, second);
     const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *first ? first : NULL};
     saltus_line_parameters(&parameters, page->system, varied);
-    bool others = page->locus ? *first : *second;
-    for (int s = 0; s < page->files[0].spec.stop_count; s++)
-        others = others || saltus_plot_sides_differ(page, s);
-    if (others)
+    if (page->locus ? *first : *second || strncmp(first, "sides", strlen("sides")) == 0)
         saltus_line_add(&parameters, ", where nothing else is said");
     saltus_page_heading(paper, &head);
     saltus_page_words(paper, &parameters, "#202020");

@@ -44,6 +44,8 @@ double saltus_plot_x(const saltus_plot_page *page, const saltus_branch_point *po
 double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point);
 /* Convert coordinates of the axes into page units from the panel's lower left corner. */
 void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]);
+/* The place of visit v of a row; without visits of the row's point. */
+void saltus_plot_place_visit(const saltus_plot_page *page, int file, int row, int v, double place[2]);
 /* Distance of a place from the segment between two others. */
 double saltus_plot_distance(const double at[2], const double a[2], const double b[2]);
 /* Find the visits if impacts or turning points are shown; free them with saltus_plot_free_visits. Errors:
@@ -96,18 +98,19 @@ bool saltus_plot_data(const saltus_plot_page *page);
  * lower left corner. */
 typedef void saltus_plot_block(void *context, saltus_frame taken);
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context);
-/* The k-th value of a system: first the parameters, then the values of each stop; false beyond the last. */
+/* The k-th value of a system: first the parameters, then the values of each stop, then the sides of each;
+ * false beyond the last. */
 typedef struct saltus_plot_value {
     char key[SALTUS_KEY_MAX]; /* of --set */
     double value;
+    int stop;     /* -1: a parameter */
+    bool sides;   /* the sides of a stop */
     bool on_axis; /* an axis ("": none) varies it */
 } saltus_plot_value;
 bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v);
-/* The rank-th parameter (from 0) in which the files differ, other than those of the axes, as a key of --set;
+/* The rank-th value (from 0) in which the files differ, other than those of the axes, as a key of --set;
  * "" if there are fewer. */
 void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]);
-/* Whether the files differ in the sides of a stop; false beyond the last stop. */
-bool saltus_plot_sides_differ(const saltus_plot_page *page, int stop);
 /* Add ", key = value" for each parameter in which the files differ, and the sides of stops if they do;
  * branches of equal systems are told apart by the number of their file. */
 void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line);

@@ -442,23 +442,6 @@ static void put_arc(const saltus_plot_page *page, const curve_point *run, int co
     }
 }
 
-static void put_curve(const saltus_plot_page *page, curve_point *p, int count) {
-    for (int k = 0; k < count; k++)
-        saltus_plot_place(page, p[k].value[0], p[k].value[1], p[k].place);
-    for (int first = 0, last; first + 1 < count; first = last) {
-        for (last = first + 1; last + 1 < count && !p[last].corner;)
-            last++;
-        for (int k = first; k < last; k++) {
-            if (!p[k].drawn)
-                continue;
-            if (k == 0 || !p[k - 1].drawn)
-                fprintf(page->paper->file, "\n%.12g %.9g\n", p[k].value[0], p[k].value[1]);
-            put_arc(page, p + first, last - first + 1, k - first);
-            fprintf(page->paper->file, "%.12g %.9g\n", p[k + 1].value[0], p[k + 1].value[1]);
-        }
-    }
-}
-
 double saltus_plot_distance(const double at[2], const double a[2], const double b[2]) {
     double dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
     double part = square > 0 ? ((at[0] - a[0]) * dx + (at[1] - a[1]) * dy) / square : 0;
@@ -466,8 +449,7 @@ double saltus_plot_distance(const double at[2], const double a[2], const double 
     return hypot(at[0] - a[0] - part * dx, at[1] - a[1] - part * dy);
 }
 
-/* The place on the page of visit v of a row, without visits of the row's point. */
-static void place_visit(const saltus_plot_page *page, int file, int row, int v, double place[2]) {
+void saltus_plot_place_visit(const saltus_plot_page *page, int file, int row, int v, double place[2]) {
     const saltus_branch_point *point = &page->files[file].points[row];
     if (!page->visits)
         saltus_plot_place(page, saltus_plot_x(page, point), saltus_plot_y(page, point), place);
@@ -498,8 +480,8 @@ static bool covered(const saltus_plot_page *page, int file, int branch, const do
             const int next = page->visits ? saltus_plot_partner(page, file, k, v) : 0;
             if (next < 0)
                 continue;
-            place_visit(page, file, k, v, a);
-            place_visit(page, file, k + 1, next, b);
+            saltus_plot_place_visit(page, file, k, v, a);
+            saltus_plot_place_visit(page, file, k + 1, next, b);
             if (saltus_plot_distance(at, a, b) < near)
                 return true;
         }
@@ -538,6 +520,27 @@ static bool put_uncovered(const saltus_plot_page *page, int file, int branch, co
     return false;
 }
 
+/* A curve of one stroke, without those of its dashes that earlier branches of the file cover. */
+static void put_curve(const saltus_plot_page *page, int file, int branch, saltus_stroke stroke,
+                      curve_point *p, int count) {
+    for (int k = 0; k + 1 < count && stroke == SALTUS_STROKE_UNSTABLE && !page->locus; k++)
+        p[k].drawn = p[k].drawn && put_uncovered(page, file, branch, p[k].value, p[k + 1].value);
+    for (int k = 0; k < count; k++)
+        saltus_plot_place(page, p[k].value[0], p[k].value[1], p[k].place);
+    for (int first = 0, last; first + 1 < count; first = last) {
+        for (last = first + 1; last + 1 < count && !p[last].corner;)
+            last++;
+        for (int k = first; k < last; k++) {
+            if (!p[k].drawn)
+                continue;
+            if (k == 0 || !p[k - 1].drawn)
+                fprintf(page->paper->file, "\n%.12g %.9g\n", p[k].value[0], p[k].value[1]);
+            put_arc(page, p + first, last - first + 1, k - first);
+            fprintf(page->paper->file, "%.12g %.9g\n", p[k + 1].value[0], p[k + 1].value[1]);
+        }
+    }
+}
+
 /* Which of a point's events is the largest impact; -1: there is none. */
 static int strongest(const saltus_branch_point *point) {
     int found = -1;
@@ -560,7 +563,6 @@ static bool overtaken(const saltus_branch_point *a, const saltus_branch_point *b
 static void put_branch(const saltus_plot_page *page, int file, int first, int last, saltus_stroke stroke,
                        curve_point *p) {
     const saltus_branch_file *f = &page->files[file];
-    const bool dashed = stroke == SALTUS_STROKE_UNSTABLE && !page->locus;
     const int count = last - first + 1;
     for (int k = 0; k < count; k++) {
         const saltus_branch_point *point = &f->points[first + k];
@@ -572,10 +574,7 @@ static void put_branch(const saltus_plot_page *page, int file, int first, int la
              ((k > 0 && overtaken(point - 1, point)) || (k + 1 < count && overtaken(point, point + 1))));
         p[k].drawn = k + 1 < count && saltus_plot_stroke(f, first + k, first + k + 1) == stroke;
     }
-    for (int k = 0; k + 1 < count && dashed; k++)
-        p[k].drawn =
-            p[k].drawn && put_uncovered(page, file, f->points[first].branch, p[k].value, p[k + 1].value);
-    put_curve(page, p, count);
+    put_curve(page, file, f->points[first].branch, stroke, p, count);
 }
 
 /* The visit of point b on the same face that is nearest in time to a visit of point a; -1 if none is near, as
@@ -625,10 +624,7 @@ static void put_visits(const saltus_plot_page *page, int file, int first, int la
                 visit = at < last ? saltus_plot_partner(page, file, at, visit) : -1;
                 p[count].drawn = visit >= 0 && saltus_plot_stroke(f, at, at + 1) == stroke;
             }
-            for (int at = 0; at + 1 < count && stroke == SALTUS_STROKE_UNSTABLE; at++)
-                p[at].drawn = p[at].drawn && put_uncovered(page, file, f->points[first].branch, p[at].value,
-                                                           p[at + 1].value);
-            put_curve(page, p, count);
+            put_curve(page, file, f->points[first].branch, stroke, p, count);
         }
 }
 

@@ -7,7 +7,6 @@
 #include "record/describe.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -62,13 +61,10 @@ static place place_of(const saltus_plot_page *page, const saltus_branch_point *p
     return place_at(page, saltus_plot_x(page, point), saltus_plot_y(page, point));
 }
 
-/* The place of visit v of a row; without visits that of the row's point. */
 static place place_of_visit(const saltus_plot_page *page, int file, int row, int v) {
-    const saltus_branch_point *point = &page->files[file].points[row];
-    if (!page->visits)
-        return place_of(page, point);
-    const double value = page->visits[file][row].list[v].value;
-    return page->swap ? place_at(page, value, point->value[0]) : place_at(page, point->value[0], value);
+    double at[2];
+    saltus_plot_place_visit(page, file, row, v, at);
+    return (place){at[0] / word_height, at[1] / word_height, 0, 0};
 }
 
 /* The space of a word in type of `size` points, on a white ground if `boxed`. */
@@ -117,18 +113,12 @@ static void take_place(places *all, place taken) {
         all->taken[all->count++] = taken;
 }
 
-/* Write a name, in a style formatted like printf, and take its place. */
-static void put_name(const saltus_plot_page *page, places *all, const saltus_line *line, place where,
-                     const char *style, ...) {
-    va_list arguments;
-    fputs("set label ", page->paper->file);
-    saltus_put_quoted(page->paper->file, line->text, line->length);
-    fprintf(page->paper->file, " at graph %.4f,%.4f center front ", where.x / wide(page),
-            where.y / high(page));
-    va_start(arguments, style);
-    vfprintf(page->paper->file, style, arguments);
-    va_end(arguments);
-    fputc('\n', page->paper->file);
+/* Write a name, on a white ground if `boxed`, and take its place. */
+static void put_name(const saltus_plot_page *page, places *all, const saltus_line *name, place where,
+                     bool boxed, const char *colour, const char *font, double size) {
+    saltus_page_graph_label(page->paper, name, where.x / wide(page), where.y / high(page), 4,
+                            "center front %stc rgb '%s' font '%s,%.4g'", boxed ? "boxed " : "", colour, font,
+                            size);
     take_place(all, where);
 }
 
@@ -402,8 +392,7 @@ static bool name_point(const saltus_plot_page *page, const saltus_branch_point *
     if (!(how == BESIDE ? find_beside : find_led)(page, all, &n, &found))
         return false;
     saltus_line_plain(&line, word);
-    put_name(page, all, &line, found, "%s font ',%.4g'",
-             page->over_sweep ? "boxed tc rgb '#202020'" : "tc rgb '#303030'",
+    put_name(page, all, &line, found, page->over_sweep, page->over_sweep ? "#202020" : "#303030", "",
              saltus_page_type(page->paper, 10));
     return true;
 }
@@ -554,8 +543,7 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
         return false;
     }
     const int hue = saltus_plot_hue(page, s->file, f->points[s->first].branch);
-    put_name(page, all, &name, found, "%stc rgb '%s' font ',%.4g'",
-             on_curve || page->over_sweep ? "boxed " : "", page->locus ? "#202020" : colour[hue],
+    put_name(page, all, &name, found, on_curve || page->over_sweep, page->locus ? "#202020" : colour[hue], "",
              saltus_page_type(page->paper, 11));
     if (all->named_stretch_count < places_max)
         all->named_stretch[all->named_stretch_count++] = *s;
@@ -645,7 +633,7 @@ static void name_regions(const saltus_plot_page *page, places *all) {
         if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
             continue;
         const bool clear = find_in_region(page, all, &where);
-        put_name(page, all, &line, where, "%stc rgb '#101010' font ':Bold,%g'", clear ? "" : "boxed ", size);
+        put_name(page, all, &line, where, !clear, "#101010", ":Bold", size);
     }
 }
 
@@ -653,20 +641,22 @@ bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes
     int count, keys;
     const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
     const saltus_parameter *s = saltus_stop_parameters(&keys);
-    const int stop = k < count ? -1 : (k - count) / keys, own = k < count ? k : (k - count) % keys;
-    const char *name = stop < 0 ? p[own].name : s[own].name;
+    const int last = count + keys * spec->stop_count; /* of the values; the sides of stops follow */
+    const int own = k < count ? k : (k - count) % keys, stop = k < count  ? -1
+                                                               : k < last ? (k - count) / keys
+                                                                          : k - last;
+    const char *name = k < count ? p[own].name : k < last ? s[own].name : "sides";
     if (stop >= spec->stop_count)
         return false;
-    if (stop < 0 || spec->stop_count == 1)
-        snprintf(v->key, sizeof v->key, "%s", name);
-    else
-        snprintf(v->key, sizeof v->key, "%s%d", name, stop + 1);
-    if (stop < 0)
-        v->value = spec->parameters[own];
-    else
-        v->value = (const double[]){spec->stops[stop].xi, spec->stops[stop].d, spec->stops[stop].r}[own];
+    snprintf(v->key, sizeof v->key, stop < 0 || spec->stop_count == 1 ? "%s" : "%s%d", name, stop + 1);
+    v->sides = k >= last;
+    v->stop = stop;
+    const saltus_stop *of = &spec->stops[stop < 0 ? 0 : stop];
+    v->value = stop < 0   ? spec->parameters[own]
+               : v->sides ? (double)of->sides
+                          : (const double[]){of->xi, of->d, of->r}[own];
     v->on_axis = false;
-    for (int a = 0; a < 2; a++)
+    for (int a = 0; a < 2 && !v->sides; a++)
         v->on_axis = v->on_axis || (stop < 0 ? strcmp(axes[a], name) == 0
                                              : *axes[a] && saltus_key_means(axes[a], name, stop));
     return true;
@@ -693,22 +683,12 @@ void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SAL
             memcpy(key, v.key, sizeof v.key);
 }
 
-bool saltus_plot_sides_differ(const saltus_plot_page *page, int stop) {
-    bool differ = false;
-    for (int i = 1; i < page->count && stop < page->files[0].spec.stop_count; i++)
-        differ = differ || page->files[i].spec.stops[stop].sides != page->files[0].spec.stops[stop].sides;
-    return differ;
-}
-
 /* Whether another file has the same scene and values. */
 static bool has_twin(const saltus_plot_page *page, int file) {
     bool twin = false, differs;
     for (int i = 0; i < page->count && !twin; i++) {
-        const saltus_spec *own = &page->files[file].spec, *other = &page->files[i].spec;
         saltus_plot_value a, b;
         twin = i != file && strcmp(page->files[i].scene, page->files[file].scene) == 0;
-        for (int s = 0; s < own->stop_count; s++)
-            twin = twin && own->stops[s].sides == other->stops[s].sides;
         for (int k = 0; twin && value_in(page, file, k, &a, &differs) && value_in(page, i, k, &b, &differs);
              k++)
             twin = a.on_axis || a.value == b.value;
@@ -717,27 +697,23 @@ static bool has_twin(const saltus_plot_page *page, int file) {
 }
 
 void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line) {
-    const saltus_spec *spec = &page->files[file].spec;
     saltus_plot_value v;
     bool differs;
     for (int k = 0; value_in(page, file, k, &v, &differs); k++) {
         if (!differs)
             continue;
         saltus_line_add(line, ", ");
-        saltus_line_symbol(line, v.key);
-        saltus_line_add(line, " = ");
-        saltus_line_number(line, "%.6g", v.value);
-    }
-    for (int s = 0; s < spec->stop_count; s++) {
-        if (!saltus_plot_sides_differ(page, s))
-            continue;
-        saltus_line_add(line, ", ");
-        if (spec->stop_count > 1)
-            saltus_line_add(line, "stop %d: ", s + 1);
-        saltus_line_add(line, "%s",
-                        spec->stops[s].sides == SALTUS_BOTH
-                            ? "both sides"
-                            : saltus_side_word(spec->stops[s].sides == SALTUS_UPPER ? 1 : -1));
+        if (v.sides && page->files[file].spec.stop_count > 1)
+            saltus_line_add(line, "stop %d: ", v.stop + 1);
+        if (v.sides)
+            saltus_line_add(line, "%s",
+                            v.value == SALTUS_BOTH ? "both sides"
+                                                   : saltus_side_word(v.value == SALTUS_UPPER ? 1 : -1));
+        else {
+            saltus_line_symbol(line, v.key);
+            saltus_line_add(line, " = ");
+            saltus_line_number(line, "%.6g", v.value);
+        }
     }
     if (!page->locus && has_twin(page, file))
         saltus_line_add(line, ", file %d", file + 1);

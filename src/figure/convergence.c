@@ -8,10 +8,6 @@
 #include <math.h>
 #include <sys/stat.h>
 
-saltus_course saltus_lyapunov_course(const saltus_lyapunov *l) {
-    return (saltus_course){l->history, l->history_count, l->exponents[0], l->standard_errors[0]};
-}
-
 void saltus_course_data(const saltus_page *page, const saltus_course *c) {
     fputs("$convergence << EOD\n# time exponent standard-error\n", page->file);
     for (int k = 0; k < c->count; k++)
@@ -147,7 +143,8 @@ saltus_status saltus_write_convergence(const char *path, const saltus_scene *sce
         status = saltus_page_open(&page, path, look, message);
         if (status != SALTUS_OK)
             return status;
-        saltus_course course = saltus_lyapunov_course(lyapunov);
+        const saltus_course course = {lyapunov->history, lyapunov->history_count, lyapunov->exponents[0],
+                                      lyapunov->standard_errors[0]};
         put_caption(&page, scene, system, lyapunov, options->precision);
         saltus_page_begin(&page);
         saltus_course_data(&page, &course);

@@ -145,6 +145,18 @@ void saltus_page_label(const saltus_page *page, const char *text, double x, doub
     fputc('\n', page->file);
 }
 
+void saltus_page_graph_label(const saltus_page *page, const saltus_line *text, double x, double y,
+                             int decimals, const char *style, ...) {
+    va_list arguments;
+    fputs("set label ", page->file);
+    saltus_put_quoted(page->file, text->text, text->length);
+    fprintf(page->file, " at graph %.*f,%.*f ", decimals, x, decimals, y);
+    va_start(arguments, style);
+    vfprintf(page->file, style, arguments);
+    va_end(arguments);
+    fputc('\n', page->file);
+}
+
 double saltus_page_width(const char *text, double size) {
     return size * type_height * saltus_line_width(text);
 }

@@ -90,6 +90,13 @@ double saltus_page_width(const char *text, double size);
 /* The height available for panels below the caption, on the requested page or on a journal's page. */
 double saltus_page_room(const saltus_page *page);
 
+void saltus_page_graph_label(const saltus_page *page, const saltus_line *text, double x, double y,
+                             int decimals, const char *style, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 6, 7)))
+#endif
+    ;
+
 /* The frame of a panel that fills the page from `below` units under the caption. */
 saltus_frame saltus_page_rest(const saltus_page *page, double below);
 /* The frame of a panel in a grid of columns and rows that occupies `span` columns from `cell` on (counted
@@ -102,7 +109,8 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
  * when it is closed. */
 void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least);
 enum { SALTUS_PANEL_LEAST = 75 }; /* the height of a panel that can be read */
-/* A label in enhanced text at a place of the page, with the style of `set label`, formatted like printf. */
+/* A label in enhanced text at a place of the page, or of the panel as parts of its width and height, with so
+ * many decimals, and the style of `set label`, formatted like printf. */
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 5, 6)))

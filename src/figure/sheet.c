@@ -73,11 +73,19 @@ void saltus_sheet_portrait(const saltus_sheet *sheet, saltus_frame frame, int le
 
 void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->record;
+    const bool struck = saltus_sheet_impacts(r, sheet->history_events) > 0;
     saltus_range time = {r->time[0], r->time[sheet->history_rows - 1]};
     saltus_line name = {.length = 0};
-    char elapsed[64];
+    char elapsed[64], heading[96];
     saltus_line_observed(&name, sheet->system, false);
-    saltus_page_panel(sheet->page, frame, letter, saltus_sheet_history_heading(sheet));
+    snprintf(heading, sizeof heading, "%s%s%s",
+             sheet->orbit && (struck || !sheet->contacts) ? "one orbit" : "time history",
+             struck ? "; marks: impacts" : "",
+             !sheet->contacts ? ""
+             : !struck        ? "; bars: contact"
+             : sheet->orbit   ? ", bar: contact"
+                              : ", bars: contact");
+    saltus_page_panel(sheet->page, frame, letter, heading);
     snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}%s", saltus_notation_of(sheet->system)->time,
              sheet->timed ? "/{/:Italic T}" : "");
     put_axes(sheet, frame, elapsed, time, name.text, sheet->displacement, false);
@@ -154,7 +162,9 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     saltus_range_pad(&signed_range, 0.08, 1);
     int faces = saltus_system_face_count(sheet->system);
     bool narrow = saltus_page_narrow(sheet->page);
-    saltus_sheet_impacts_heading(sheet, heading, sizeof heading);
+    const bool cut = sheet->mapped < r->event_count;
+    snprintf(heading, sizeof heading, sheet->orbit ? "impacts" : "impacts of %.*g {/:Italic T}", cut ? 4 : 6,
+             cut ? r->time[r->event_rows[sheet->mapped - 1]] : r->time[r->samples - 1]);
     if (faces > 1 && !narrow) /* the legend is beside the panel; on a narrow page above it */
         frame.right -= 156;
     saltus_page_panel(sheet->page, frame, letter, heading);

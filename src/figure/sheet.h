@@ -15,7 +15,6 @@ typedef struct saltus_course {
     double exponent, standard_error;
 } saltus_course;
 
-saltus_course saltus_lyapunov_course(const saltus_lyapunov *lyapunov);
 /* Write the datablock $convergence: time, exponent, standard error. It must precede the panel in the
  * script. */
 void saltus_course_data(const saltus_page *page, const saltus_course *course);
@@ -78,10 +77,8 @@ void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *rec
 saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet);
 double saltus_sheet_shape_time(const saltus_sheet *sheet);
 
-/* sheet_caption.c: the header lines, headings of panels and names of axes, in gnuplot's enhanced text. */
+/* sheet_caption.c: the header lines, in gnuplot's enhanced text. */
 void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page);
-const char *saltus_sheet_history_heading(const saltus_sheet *sheet);
-void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room);
 
 enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96 };
 

@@ -176,25 +176,3 @@ void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
     saltus_page_words(page, &phases, "#202020");
     saltus_page_words(page, &shown, "#606060");
 }
-
-const char *saltus_sheet_history_heading(const saltus_sheet *sheet) {
-    bool struck = saltus_sheet_impacts(sheet->record, sheet->history_events) > 0;
-    if (sheet->contacts && !struck)
-        return "time history; bars: contact";
-    if (sheet->contacts)
-        return sheet->orbit ? "one orbit; marks: impacts, bar: contact"
-                            : "time history; marks: impacts, bars: contact";
-    if (struck)
-        return sheet->orbit ? "one orbit; marks: impacts" : "time history; marks: impacts";
-    return sheet->orbit ? "one orbit" : "time history";
-}
-
-void saltus_sheet_impacts_heading(const saltus_sheet *sheet, char *text, size_t room) {
-    const saltus_trajectory *r = sheet->section;
-    if (sheet->orbit)
-        snprintf(text, room, "impacts");
-    else if (sheet->mapped < r->event_count)
-        snprintf(text, room, "impacts of %.4g {/:Italic T}", r->time[r->event_rows[sheet->mapped - 1]]);
-    else
-        snprintf(text, room, "impacts of %.6g {/:Italic T}", r->time[r->samples - 1]);
-}

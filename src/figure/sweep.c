@@ -172,13 +172,9 @@ static bool differ(const saltus_spec *a, const saltus_sweep_file *sweep, char ke
     for (int k = 0; saltus_plot_value_of(a, k, axes, &own) && saltus_plot_value_of(b, k, axes, &other); k++)
         if (!own.on_axis &&
             !(fabs(own.value - other.value) <= rounding * fmax(fabs(own.value), fabs(other.value)))) {
-            memcpy(key, own.key, sizeof own.key);
+            strcpy(key, own.sides ? "sides" : own.key);
             return true;
         }
-    strcpy(key, "sides");
-    for (int s = 0; s < a->stop_count; s++)
-        if (a->stops[s].sides != b->stops[s].sides)
-            return true;
     return false;
 }
 

@@ -48,6 +48,7 @@ uint32_t saltus_paint_at(saltus_paint paint, int x, int y);
 typedef struct saltus_sweep_class {
     char label[32];
     int verdict, impacts, periods;
+    int first;    /* its place in the order in which the rows meet the classes */
     double share; /* of all rows */
     saltus_paint paint;
 } saltus_sweep_class;

@@ -113,18 +113,6 @@ bool saltus_cells_at(const saltus_cells *cells, int pixels, int pixel, int *firs
     return true;
 }
 
-/* A number that is different for different classes. */
-static uint64_t key_of(int verdict, int impacts, int periods) {
-    bool periodic = verdict == SALTUS_PERIODIC;
-    return (uint64_t)(unsigned)verdict << 56 | (periodic ? (uint64_t)(unsigned)periods << 36 : 0) |
-           (periodic ? (uint64_t)(unsigned)(impacts + 1) : 0);
-}
-
-static int by_key(const void *a, const void *b) {
-    const uint64_t *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 static int by_share(const void *a, const void *b) {
     const saltus_sweep_class *p = a, *q = b;
     if (p->share != q->share)
@@ -132,10 +120,6 @@ static int by_share(const void *a, const void *b) {
     if (p->verdict != q->verdict)
         return p->verdict - q->verdict;
     return p->periods != q->periods ? p->periods - q->periods : p->impacts - q->impacts;
-}
-
-static int index_of(const uint64_t *keys, int count, uint64_t key) {
-    return (int)((const uint64_t *)bsearch(&key, keys, (size_t)count, sizeof key, by_key) - keys);
 }
 
 /* Each period has a hue, with a texture where hues look alike without red. Lightness counts impacts from one
@@ -187,56 +171,52 @@ uint32_t saltus_paint_at(saltus_paint paint, int x, int y) {
                : paint.colour;
 }
 
-/* Fill the list of classes, the most frequent first, and store the class of each row. */
-static bool fill(saltus_classes *classes, const saltus_sweep_file *sweep, const uint64_t *keys,
-                 const uint64_t *of_rows) {
-    int n = classes->count, *moved = calloc((size_t)n, sizeof *moved);
-    for (long long row = 0; row < sweep->row_count && moved; row++) {
-        int k = index_of(keys, n, of_rows[row]);
-        saltus_sweep_class *c = &classes->list[k];
-        classes->of_row[row] = k;
-        if (c->share == 0) {
-            c->verdict = (int)(of_rows[row] >> 56);
-            c->impacts = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].impacts : 0;
-            c->periods = c->verdict == SALTUS_PERIODIC ? sweep->rows[row].periods : 0;
-            c->paint = saltus_class_paint(c->verdict, c->impacts, c->periods);
-            saltus_sweep_label(&sweep->rows[row], c->label);
-        }
-        c->share += 1.0 / (double)sweep->row_count;
-    }
-    if (moved) {
-        qsort(classes->list, (size_t)n, sizeof *classes->list, by_share);
-        for (int k = 0; k < n; k++) {
-            const saltus_sweep_class *c = &classes->list[k];
-            moved[index_of(keys, n, key_of(c->verdict, c->impacts, c->periods))] = k;
-        }
-        for (long long row = 0; row < sweep->row_count; row++)
-            classes->of_row[row] = moved[classes->of_row[row]];
-    }
-    free(moved);
-    return moved != NULL;
+static bool is_of(const saltus_sweep_row *row, const saltus_sweep_class *c) {
+    return row->verdict == c->verdict &&
+           (row->verdict != SALTUS_PERIODIC || (row->impacts == c->impacts && row->periods == c->periods));
 }
 
 bool saltus_classes_open(saltus_classes *classes, const saltus_sweep_file *sweep) {
-    *classes = (saltus_classes){0};
-    size_t count = (size_t)sweep->row_count;
-    uint64_t *keys = calloc(count, sizeof *keys), *of_rows = calloc(count, sizeof *of_rows);
-    classes->of_row = calloc(count, sizeof *classes->of_row);
-    bool sound = keys && of_rows && classes->of_row;
-    for (long long row = 0; row < sweep->row_count && sound; row++)
-        keys[row] = of_rows[row] =
-            key_of(sweep->rows[row].verdict, sweep->rows[row].impacts, sweep->rows[row].periods);
-    if (sound) {
-        qsort(keys, count, sizeof *keys, by_key);
-        for (size_t k = 0; k < count; k++)
-            if (k == 0 || keys[k] != keys[classes->count - 1])
-                keys[classes->count++] = keys[k];
-        classes->list = calloc((size_t)classes->count, sizeof *classes->list);
-        sound = classes->list && fill(classes, sweep, keys, of_rows);
+    const size_t rows = (size_t)sweep->row_count;
+    size_t room = 64;
+    *classes = (saltus_classes){.list = calloc(room, sizeof *classes->list),
+                                .of_row = calloc(rows, sizeof *classes->of_row)};
+    bool sound = classes->list && classes->of_row;
+    for (size_t row = 0, k = 0; row < rows && sound; row++) {
+        const saltus_sweep_row *own = &sweep->rows[row];
+        /* Neighbours are mostly of one class. */
+        if (!is_of(own, &classes->list[k]))
+            for (k = 0; k < (size_t)classes->count && !is_of(own, &classes->list[k]);)
+                k++;
+        if (k + 1 == room) {
+            saltus_sweep_class *longer = realloc(classes->list, 2 * room * sizeof *longer);
+            if (!(sound = longer != NULL))
+                break;
+            classes->list = longer;
+            room *= 2;
+        }
+        saltus_sweep_class *c = &classes->list[k];
+        if (k == (size_t)classes->count) {
+            const bool periodic = own->verdict == SALTUS_PERIODIC;
+            *c = (saltus_sweep_class){.verdict = own->verdict,
+                                      .impacts = periodic ? own->impacts : 0,
+                                      .periods = periodic ? own->periods : 0,
+                                      .first = classes->count++};
+            c->paint = saltus_class_paint(c->verdict, c->impacts, c->periods);
+            saltus_sweep_label(own, c->label);
+        }
+        classes->of_row[row] = (int)k;
+        c->share += 1.0 / (double)rows;
     }
-    free(keys);
-    free(of_rows);
-    return sound;
+    int *moved = sound ? calloc((size_t)classes->count + 1, sizeof *moved) : NULL;
+    if (moved)
+        qsort(classes->list, (size_t)classes->count, sizeof *classes->list, by_share);
+    for (int k = 0; k < classes->count && moved; k++)
+        moved[classes->list[k].first] = k;
+    for (size_t row = 0; row < rows && moved; row++)
+        classes->of_row[row] = moved[classes->of_row[row]];
+    free(moved);
+    return moved != NULL;
 }
 
 void saltus_classes_close(saltus_classes *classes) {

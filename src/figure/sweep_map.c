@@ -196,11 +196,10 @@ static bool name_regions(const saltus_sweep_page *page, const saltus_map_kind *k
         if (wide < least)
             continue;
         saltus_line_plain(&name, own->name);
-        fputs("set label ", page->paper.file);
-        saltus_put_quoted(page->paper.file, name.text, name.length);
-        fprintf(page->paper.file, " at graph %.5f,%.5f center front font ':Bold,%.3g' tc rgb '%s'\n",
-                (place % columns + 0.5) / columns, ((double)(place / columns) + 0.5) / rows, fmin(most, wide),
-                saltus_colour_light(own->paint.colour) ? "#101010" : "#ffffff");
+        saltus_page_graph_label(&page->paper, &name, (place % columns + 0.5) / columns,
+                                ((double)(place / columns) + 0.5) / rows, 5,
+                                "center front font ':Bold,%.3g' tc rgb '%s'", fmin(most, wide),
+                                saltus_colour_light(own->paint.colour) ? "#101010" : "#ffffff");
     }
     free(room);
     free(seen);

@@ -105,12 +105,10 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
             const double at = 0.5 * (s.first + s.end) / length, up = (bottom + 0.5 * height) / across;
             saltus_line name = {.length = 0};
             saltus_line_plain(&name, s.c->label);
-            fputs("set label ", page->paper.file);
-            saltus_put_quoted(page->paper.file, name.text, name.length);
-            fprintf(page->paper.file, " at graph %.6f,%.6f center %sfront font ',%.4g' tc rgb '%s'\n",
-                    swap ? up : at, swap ? at : up, swap ? "rotate by 90 " : "",
-                    saltus_page_type(&page->paper, 10.5),
-                    saltus_colour_light(s.c->paint.colour) ? "#101010" : "#ffffff");
+            saltus_page_graph_label(&page->paper, &name, swap ? up : at, swap ? at : up, 6,
+                                    "center %sfront font ',%.4g' tc rgb '%s'", swap ? "rotate by 90 " : "",
+                                    saltus_page_type(&page->paper, 10.5),
+                                    saltus_colour_light(s.c->paint.colour) ? "#101010" : "#ffffff");
         }
     }
     bool sound = counts && winners;
