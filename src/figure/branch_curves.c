@@ -5,40 +5,40 @@
 #include <math.h>
 #include <string.h>
 
-enum { DOT = 7, PLUS = 1, CROSS = 2 }; /* gnuplot's signs */
+enum { NONE = 0, DOT = 7, PLUS = 1, CROSS = 2 }; /* gnuplot's signs */
 static const double inner_size = 0.4;
 
 static const char *const hues[SALTUS_HUES] = {"#2c5f8a", "#c44e2a", "#1f9e89", "#8a5aa0",
                                               "#b08a00", "#555555", "#b0006a"};
 
 /* How special points are marked, and what they are. Those of codimension two have open marks, which differ in
- * shape and in the sign `inner` amid them (0: none), so that each is known without its name. */
+ * shape and in the sign `inner` amid them, so that each is known without its name. */
 static const struct {
     int point_type;
     double size;
     const char *colour, *meaning;
     int inner;
 } marks[SALTUS_POINT_KINDS] = {
-    [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold"},
-    [SALTUS_POINT_PD] = {13, 1.5, "#7b1fa2", "PD  flip"},
-    [SALTUS_POINT_NS] = {9, 1.4, "#0077a8", "NS  torus"},
-    [SALTUS_POINT_BP] = {7, 1.2, "#0a7d32", "BP  branch point"},
-    [SALTUS_POINT_GR] = {11, 1.4, "#d95f02", "GR  grazing"},
-    [SALTUS_POINT_CH] = {15, 1.4, "#7209b7", "CH  chatter"},
-    [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking"},
-    [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted"},
-    [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end"},
-    [SALTUS_POINT_HB] = {3, 1.5, "#b00020", "HB  Hopf"},
-    [SALTUS_POINT_BE] = {10, 1.4, "#00696b", "BE  equilibrium meets a stop"},
-    [SALTUS_POINT_GR_LP] = {12, 1.8, "#1c1c1c", "GR-LP"},
+    [SALTUS_POINT_LP] = {5, 1.15, "#1c1c1c", "LP  fold", NONE},
+    [SALTUS_POINT_PD] = {13, 1.5, "#7b1fa2", "PD  flip", NONE},
+    [SALTUS_POINT_NS] = {9, 1.4, "#0077a8", "NS  torus", NONE},
+    [SALTUS_POINT_BP] = {7, 1.2, "#0a7d32", "BP  branch point", NONE},
+    [SALTUS_POINT_GR] = {11, 1.4, "#d95f02", "GR  grazing", NONE},
+    [SALTUS_POINT_CH] = {15, 1.4, "#7209b7", "CH  chatter", NONE},
+    [SALTUS_POINT_ST] = {4, 1.2, "#3a5a98", "ST  sticking", NONE},
+    [SALTUS_POINT_UZ] = {6, 1.1, "#404040", "UZ  wanted", NONE},
+    [SALTUS_POINT_EP] = {2, 1.1, "#606060", "EP  end", NONE},
+    [SALTUS_POINT_HB] = {3, 1.5, "#b00020", "HB  Hopf", NONE},
+    [SALTUS_POINT_BE] = {10, 1.4, "#00696b", "BE  equilibrium meets a stop", NONE},
+    [SALTUS_POINT_GR_LP] = {12, 1.8, "#1c1c1c", "GR-LP", NONE},
     [SALTUS_POINT_GR_PD] = {12, 1.8, "#1c1c1c", "GR-PD", DOT},
     [SALTUS_POINT_GR_NS] = {12, 1.8, "#1c1c1c", "GR-NS", PLUS},
     [SALTUS_POINT_GR_GR] = {12, 1.8, "#1c1c1c", "GR-GR", CROSS},
-    [SALTUS_POINT_R1] = {14, 1.6, "#1c1c1c", "R1"},
+    [SALTUS_POINT_R1] = {14, 1.6, "#1c1c1c", "R1", NONE},
     [SALTUS_POINT_R2] = {14, 1.6, "#1c1c1c", "R2", DOT},
     [SALTUS_POINT_R3] = {14, 1.6, "#1c1c1c", "R3", PLUS},
     [SALTUS_POINT_R4] = {14, 1.6, "#1c1c1c", "R4", CROSS},
-    [SALTUS_POINT_CP] = {8, 1.7, "#1c1c1c", "CP"},
+    [SALTUS_POINT_CP] = {8, 1.7, "#1c1c1c", "CP", NONE},
     [SALTUS_POINT_BT] = {8, 1.7, "#1c1c1c", "BT", DOT},
     [SALTUS_POINT_GH] = {8, 1.7, "#1c1c1c", "GH", PLUS},
     [SALTUS_POINT_GR_BP] = {8, 1.7, "#1c1c1c", "GR-BP", CROSS},
