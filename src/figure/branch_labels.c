@@ -578,9 +578,9 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
     }
 }
 
-/* Special points of all files: reserve the places of their marks, or write their names, first of the kinds
- * whose marks are drawn over those of others. */
-static void name_points(const saltus_plot_page *page, bool marks, places *all) {
+/* List the special points of all files, which have no names yet, and reserve the places of their marks, first
+ * of the kinds whose marks are drawn over those of others. */
+static void find_points(const saltus_plot_page *page, places *all) {
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
         for (int i = 0; i < page->count; i++)
             for (int k = 0; k < page->files[i].point_count; k++) {
@@ -590,9 +590,8 @@ static void name_points(const saltus_plot_page *page, bool marks, places *all) {
                     continue;
                 place mark = place_of(page, point);
                 mark.half_width = mark.half_height = mark_radius;
-                if (marks)
-                    take_place(all, mark);
-                else if (!name_point(page, point, BESIDE, all) && all->unnamed_count < places_max)
+                take_place(all, mark);
+                if (all->unnamed_count < places_max)
                     all->unnamed[all->unnamed_count++] = point;
             }
 }
@@ -719,9 +718,9 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
         saltus_line_add(line, ", file %d", file + 1);
 }
 
-/* Try again to name the first `most` points, or stretches, of those without a name; stretches that go on from
- * one with a name need none. */
-static void name_points_again(const saltus_plot_page *page, joint how, int most, places *all) {
+/* Try to name the first `most` points, or once more stretches, of those without a name; stretches that go on
+ * from one with a name need none. */
+static void name_points(const saltus_plot_page *page, joint how, int most, places *all) {
     const int count = all->unnamed_count;
     all->unnamed_count = 0;
     for (int k = 0; k < count; k++)
@@ -778,12 +777,12 @@ void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, 
     places all = {.count = 0};
     find_pieces(page, &all);
     name_regions(page, &all);
-    name_points(page, true, &all);
+    find_points(page, &all);
     /* On a map the colours identify the motions; on loci the names of points come first. */
     if (!page->over_map && !page->locus)
         name_stretches(page, true, &all);
     const int stable = all.unnamed_stretch_count;
-    name_points(page, false, &all);
+    name_points(page, BESIDE, places_max, &all);
     if (!page->over_map)
         name_stretches(page, page->locus, &all);
     if (!page->over_map && page->locus)
@@ -792,8 +791,8 @@ void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, 
      * unstable stretches only if they are few. */
     name_stretches_again(page, stable < most_led ? stable : most_led, &all);
     if (!page->over_map) {
-        name_points_again(page, LED, most_led, &all);
-        name_points_again(page, LED_ACROSS, all.unnamed_count <= few ? few : 0, &all);
+        name_points(page, LED, most_led, &all);
+        name_points(page, LED_ACROSS, all.unnamed_count <= few ? few : 0, &all);
         name_stretches_again(page, all.unnamed_stretch_count <= few ? few : 0, &all);
     }
     put_note(page, &all);

@@ -136,25 +136,21 @@ static void put_contact(saltus_sheet *sheet, double begin, double end, double di
     sheet->contacts++;
 }
 
-/* Whether a face holds throughout the time history, which therefore has no event of it. */
-static bool holds_throughout(const saltus_sheet *sheet, int f) {
-    const saltus_trajectory *r = sheet->record;
-    const double *last = r->states + (sheet->history_rows - 1) * r->dimension;
-    double scale = 1e-10 * saltus_system_scale(sheet->system)[0];
-    return sheet->history_events == 0 && fabs(saltus_system_gap(sheet->system, f, r->states)) < scale &&
-           fabs(saltus_system_gap(sheet->system, f, last)) < scale &&
-           fabs(r->velocity[sheet->history_rows / 2]) < scale;
-}
-
 /* Intervals of lasting contact, begin and end of each, clipped to the time history. */
 static void put_contacts(saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
-    double end = r->time[sheet->history_rows - 1];
+    const double end = r->time[sheet->history_rows - 1],
+                 still = 1e-10 * saltus_system_scale(sheet->system)[0],
+                 *last = r->states + (sheet->history_rows - 1) * r->dimension;
     fputs("$contacts << EOD\n# tau/T displacement, at the begin and the end of each contact\n",
           sheet->page->file);
     for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
         saltus_face face = saltus_system_face(sheet->system, f);
-        bool holds = holds_throughout(sheet, f), met = false;
+        /* A face may hold throughout the time history, which then has no event of it. */
+        bool met = false, holds = sheet->history_events == 0 &&
+                                  fabs(saltus_system_gap(sheet->system, f, r->states)) < still &&
+                                  fabs(saltus_system_gap(sheet->system, f, last)) < still &&
+                                  fabs(r->velocity[sheet->history_rows / 2]) < still;
         double begin = r->time[0], displacement = face.side * face.d;
         for (long long k = 0; k < sheet->history_events; k++) {
             double time = r->time[r->event_rows[k]];

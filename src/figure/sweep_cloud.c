@@ -217,11 +217,6 @@ static bool linked(const saltus_sweep_page *page, bool dense) {
     return !dense && !saltus_view_is_cloud(page->view) && page->sweep->options.seeds == 1;
 }
 
-/* The length of the panel along the parameter. */
-static double length_along(const saltus_sweep_page *page) {
-    return page->swap ? page->frame.top - page->frame.bottom : page->frame.right - page->frame.left;
-}
-
 /* The cloud of a pass as a density. Points fill the width of their cells, or are dots if cells are wider than
  * a few pixels. */
 static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
@@ -301,7 +296,8 @@ static void put_faces(const saltus_sweep_page *page) {
  * where all directions are lost, marked near the lower edge. Rows without an exponent are omitted. */
 static void put_exponents(const saltus_sweep_page *page, bool lost) {
     /* Columns overlap slightly to avoid visible thin gaps. */
-    const double overlap = 0.5 / length_along(page), raised = 0.012;
+    const saltus_frame *f = &page->frame;
+    const double overlap = 0.5 / (page->swap ? f->top - f->bottom : f->right - f->left), raised = 0.012;
     const saltus_cells *x = &page->x;
     const saltus_range up = page->up;
     for (int cell = 0; cell < x->count; cell++)
