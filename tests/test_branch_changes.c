@@ -288,6 +288,65 @@ static void a_tail_is_counted_where_it_grazes(void **unused) {
     assert_true(others > 2);
 }
 
+/* The changes of sticking on a branch of the pipe between equal stops, started at a state; *last becomes a
+ * copy of the last point. */
+static saltus_branch_point splitting(const saltus_spec *spec, const double *state, double low, int direction,
+                                     double step_max, saltus_branch_point *last) {
+    saltus_branch_options options = branch_along("omega", low, 44.1);
+    saltus_message message = {.text = ""};
+    saltus_branch_point found;
+    int changes = 0;
+    options.direction = direction;
+    options.step_max = step_max;
+    branch_record record = branch_run(spec, 4, state, &options);
+    for (int k = 0; k < record.count; k++)
+        if (record.point[k].kind == SALTUS_POINT_ST && ++changes)
+            check_ok(saltus_branch_point_copy(&record.point[k], &found, &message), &message);
+    assert_int_equal(changes, 1);
+    check_ok(saltus_branch_point_copy(last_of(&record), last, &message), &message);
+    branch_forget(&record);
+    return found;
+}
+
+/* Where a contact splits, the flight between its parts becomes too short to be seen before it vanishes: the
+ * place is the same from both sides, and whatever the steps, all the same. */
+static void a_contact_splits_at_one_place(void **unused) {
+    (void)unused;
+    saltus_scene pipe;
+    saltus_message message = {.text = ""};
+    check_ok(saltus_scene_load("pipe", &pipe, &message), &message);
+    saltus_spec spec = pipe.spec;
+    set_parameter(&spec, "N", 4);
+    set_parameter(&spec, "omega", 43.95);
+    spec.stops[0].d = 0.014;
+    spec.stops[0].r = 0.208;
+    spec.stops[0].sides = SALTUS_BOTH;
+    saltus_system *system = build(&spec);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_motion motion;
+    double start[16];
+    check_ok(saltus_system_default_state(system, start, &message), &message);
+    check_ok(saltus_classify(system, start, &how, &motion, &message), &message);
+    assert_string_equal(motion.label, "chatter/4");
+    saltus_branch_point change[3], last[3];
+    change[0] = splitting(&spec, motion.state, 43.95, 1, 0.2, &last[0]);
+    change[1] = splitting(&spec, motion.state, 43.95, 1, 0.02, &last[1]);
+    change[2] = splitting(&last[0].spec, last[0].state, 44, -1, 0.2, &last[2]);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(change[k].sticking_intervals, k < 2 ? 4 : 3);
+        assert_int_equal(last[k].sticking_intervals, k < 2 ? 3 : 4);
+        assert_true(change[k].accuracy < 1e-11);
+        check_near(change[k].value[0], change[0].value[0], change[k].accuracy + change[0].accuracy);
+    }
+    for (int k = 0; k < 3; k++) {
+        saltus_branch_point_clear(&change[k]);
+        saltus_branch_point_clear(&last[k]);
+    }
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    saltus_scene_clear(&pipe);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubled_orbits_end_at_flips),
@@ -298,6 +357,7 @@ int main(void) {
         cmocka_unit_test(curves_of_grazing_count_all_impacts),
         cmocka_unit_test(a_long_transient_between_chatter),
         cmocka_unit_test(a_tail_is_counted_where_it_grazes),
+        cmocka_unit_test(a_contact_splits_at_one_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -303,9 +303,15 @@ static bool leads_away(saltus_orbits *o, const saltus_solution *at, const saltus
     return true;
 }
 
+/* Whether a contact is about to be interrupted: somewhere within it its force falls to zero. */
+static bool lets_go(const saltus_solution *s) {
+    const double nothing = 1e-9;
+    return s->worst.kind == SALTUS_BREACH_FORCE && s->worst.value > -nothing;
+}
+
 /* Follow the branch of `here` back to where it ends, or where contacts in the part of the sequence that is
  * left to the flow change: `end`. Whether that is the change at `at`, to within `apart` in the parameter
- * unknown. */
+ * unknown. In the flight that begins where a contact is interrupted all impacts are slow. */
 static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
                       double distance, double apart, saltus_solution *end, double *accuracy) {
     const double touches = -1e-9;
@@ -313,7 +319,7 @@ static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_
     double back = 2 * distance / fmax(slope_here, 1e-3);
     double width = bracket(o, here, -back, &here->survey, end);
     *accuracy = (width + beyond_contact(here, end, end->at.ahead)) * slope(o, end);
-    bool grazes = end->worst.value > touches &&
+    bool grazes = end->worst.value > touches && !lets_go(at) &&
                   (end->worst.kind == SALTUS_BREACH_GAP || end->worst.kind == SALTUS_BREACH_SPEED);
     return width < back && end->at.ahead > -0.99 * back && !grazes &&
            fabs(end->parameter[0] - at->parameter[0]) < apart;
@@ -366,12 +372,13 @@ static belonging head_on(saltus_orbits *o, const saltus_solution *at, double hea
     }
     if (is_held(before))
         return after->follows ? BELONGS : BELONGS_ELSE;
-    /* The completion of chatter is located better from beyond. If the curve was lost, and the orbit found
-     * does not begin at the change, it belongs to another branch. */
+    /* The completion of chatter is located better from beyond, and so is where a contact splits: between its
+     * parts the orbit flies ever shorter. If the curve was lost, and the orbit found does not begin at the
+     * change, it belongs to another branch. */
     double close = leap == SALTUS_LEAP_RUN ? rest_of_run : 0.01 * change->distance;
     double apart = after->impacts < 0 ? close : 1e-7;
     bool begins = begins_at(o, at, here, change->distance, apart, scratch, &accuracy);
-    if (begins && before->impacts >= 0 && after->impacts < 0) {
+    if (begins && ((before->impacts >= 0 && after->impacts < 0) || lets_go(scratch))) {
         change->value = scratch->value;
         change->accuracy = accuracy;
     }
