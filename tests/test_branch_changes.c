@@ -347,6 +347,67 @@ static void a_contact_splits_at_one_place(void **unused) {
     saltus_scene_clear(&pipe);
 }
 
+/* The special point of its kind of a run from what a scene with these settings settles on. */
+static saltus_branch_point only_point(const char *scene_name, const char *settings, const char *key,
+                                      double low, double high, saltus_point_kind kind) {
+    saltus_message message = {.text = ""};
+    saltus_scene scene = {.name = ""};
+    saltus_branch_options options = branch_along(key, low, high);
+    saltus_classify_options how = saltus_classify_defaults();
+    saltus_motion motion;
+    saltus_branch_point found;
+    double state[SALTUS_SCENE_STATE_MAX];
+    int count = 0;
+    check_ok(saltus_scene_load(scene_name, &scene, &message), &message);
+    char *copy = strdup(settings), *rest = copy;
+    for (char *word; (word = strtok_r(rest, " ", &rest));)
+        check_ok(saltus_scene_set(&scene, word, &message), &message);
+    free(copy);
+    saltus_system *system = build(&scene.spec);
+    check_ok(saltus_scene_state(&scene, system, state, &message), &message);
+    check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
+    branch_record record = branch_run(&scene.spec, motion.periods, motion.state, &options);
+    for (int k = 0; k < record.count; k++)
+        if (record.point[k].kind == kind && count++ == 0)
+            check_ok(saltus_branch_point_copy(&record.point[k], &found, &message), &message);
+    assert_int_equal(count, 1);
+    branch_forget(&record);
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
+    saltus_scene_clear(&scene);
+    return found;
+}
+
+/* Where a branch joins another its own equations are singular: the place is known as well as from the other
+ * one, by whose equations it is located. */
+static void joins_are_where_the_other_branch_says(void **unused) {
+    (void)unused;
+    static const struct {
+        const char *scene, *joining, *joined, *key;
+        double low, high;
+        saltus_point_kind kind;
+        double sharp;
+    } rows[] = {
+        {"fig3", "r=0.8", "r=0.5", "r", 0.4, 0.8, SALTUS_POINT_BP, 2e-11},
+        {"pipe", "N=4 d=0.014 r=0.208 sides=both omega=43.6", "N=4 d=0.014 r=0.208 sides=both omega=43.49",
+         "omega", 43.45, 43.65, SALTUS_POINT_BP, 1e-10},
+        {"fig7d", "N=2 omega=21.3", "N=2 omega=21.1", "omega", 21, 22, SALTUS_POINT_PD, 1e-11},
+    };
+    for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
+        saltus_branch_point point[2];
+        for (int k = 0; k < 2; k++) {
+            point[k] = only_point(rows[row].scene, k ? rows[row].joined : rows[row].joining, rows[row].key,
+                                  rows[row].low, rows[row].high, rows[row].kind);
+            assert_true(point[k].accuracy < rows[row].sharp);
+        }
+        assert_non_null(strstr(point[0].reason, "joins"));
+        assert_string_equal(point[1].reason, "");
+        check_near(point[0].value[0], point[1].value[0], point[0].accuracy + point[1].accuracy);
+        for (int k = 0; k < 2; k++)
+            saltus_branch_point_clear(&point[k]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doubled_orbits_end_at_flips),
@@ -358,6 +419,7 @@ int main(void) {
         cmocka_unit_test(a_long_transient_between_chatter),
         cmocka_unit_test(a_tail_is_counted_where_it_grazes),
         cmocka_unit_test(a_contact_splits_at_one_place),
+        cmocka_unit_test(joins_are_where_the_other_branch_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -137,99 +137,6 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
     return end_at_equilibrium(specials, count, to->at.ahead);
 }
 
-/* The parameter near `*parameter` at which a determinant of an orbit of another branch is zero, since the
- * equations of the present orbit, singular there, locate the place badly. It is interpolated from both sides,
- * as the equations of the other branch may be singular at the place itself too. */
-static bool zero_elsewhere(saltus_orbits *o, const saltus_sequence *sequence, const double *state, bool flip,
-                           double *parameter, double *accuracy) {
-    enum { samples = 6, passes = 2 };
-    static const double place[samples] = {-3, -2, -1, 1, 2, 3};
-    const double between = 1e-5;
-    double value[samples], test[samples], exponent = 0, start = *parameter + place[0] * between, *u;
-    size_t m = (size_t)(o->n + sequence->count + 2);
-    double *work = calloc(2 * m, sizeof *work);
-    saltus_shooting *shooting = NULL;
-    saltus_message ignored;
-    saltus_status status = saltus_orbits_shoot(o, sequence, &start, state, &shooting, &u, &ignored);
-    if (!work)
-        status = SALTUS_NO_MEMORY;
-    double centre = *parameter;
-    for (int pass = 0; pass < passes && status == SALTUS_OK; pass++) {
-        for (int k = 0; k < samples && status == SALTUS_OK; k++) {
-            saltus_equations *e = saltus_shooting_equations(shooting);
-            double *guide = work, *tangent = work + m, size = 0;
-            int sign = 0, iterations;
-            u[e->count] = value[k] = centre + place[k] * between;
-            guide[e->count] = 1;
-            if (saltus_newton(e, u, NULL, NULL, false, &iterations, &ignored) != SALTUS_OK)
-                status = SALTUS_NO_CONVERGENCE;
-            else if (flip)
-                saltus_shooting_flip(shooting, &sign, &size);
-            else if (saltus_curve_tangent(e, guide, tangent, &sign, &size, &ignored) != SALTUS_OK)
-                status = SALTUS_NO_CONVERGENCE;
-            exponent = k == 0 ? size : exponent;
-            test[k] = saltus_scaled_in((saltus_scaled){sign, size}, exponent);
-        }
-        if (status == SALTUS_OK) {
-            centre = saltus_curve_interpolate(test, value, samples);
-            double spread = fabs(centre - saltus_curve_interpolate(test + 1, value + 1, samples - 2));
-            *accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(between));
-        }
-    }
-    saltus_shooting_free(shooting);
-    free(u);
-    free(work);
-    bool found = saltus_orbits_noted(o, status) == SALTUS_OK && fabs(centre - *parameter) < 1e-3;
-    if (found)
-        *parameter = centre;
-    return found;
-}
-
-/* Whether the branch joins that of half the period at `at`. Near there its own equations locate the place
- * badly, but a flip of the orbit of half the period at the same place tells. */
-static bool joins_half(saltus_orbits *o, const saltus_solution *at, saltus_special *special) {
-    const double apart = saltus_solution_half_distance(o, at, false);
-    double parameter = at->parameter[0], accuracy;
-    saltus_sequence half = at->sequence;
-    half.cuts = 1;
-    half.periods /= 2;
-    half.count /= 2;
-    const bool sharp = apart < 2e-2 && at->sequence.count % 2 == 0 &&
-                       zero_elsewhere(o, &half, at->state, true, &parameter, &accuracy);
-    if (!(apart < 1e-4 || (sharp && fabs(parameter - at->parameter[0]) < 1e-6)))
-        return false;
-    special->kind = SALTUS_POINT_PD;
-    special->end = "joins the orbits of half the period";
-    if (sharp) {
-        special->value = o->origin + o->family.unit[0] * parameter;
-        special->accuracy = accuracy;
-    }
-    return true;
-}
-
-/* Whether at `at`, a fold, asymmetric orbits join the branch of orbits that are their own mirror images,
- * whose determinant locates the place better. */
-static bool joins_image(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
-                        saltus_special *special) {
-    bool shift;
-    if (!saltus_system_mirror_symmetric(o->system, &shift))
-        return false;
-    double apart = saltus_solution_half_distance(o, at, true), accuracy;
-    double before = saltus_solution_half_distance(o, from, true);
-    if (!(apart < 1e-3 && apart < 0.05 * before && before > asymmetric))
-        return false;
-    saltus_sequence sequence = at->sequence;
-    double parameter = at->parameter[0];
-    special->kind = SALTUS_POINT_BP;
-    special->end = "joins the orbits that are their own mirror images";
-    sequence.cuts = 1;
-    if (zero_elsewhere(o, &sequence, at->state, false, &parameter, &accuracy)) {
-        special->value = o->origin + o->family.unit[0] * parameter;
-        special->accuracy = accuracy;
-    }
-    return true;
-}
-
 /* Distance in arclength between points that show how a test varies near its zero. */
 static const double apart = 1e-6;
 
@@ -338,6 +245,125 @@ static double doubt_of_crossing(saltus_orbits *o, saltus_test by, const saltus_s
     saltus_solution_clear(&scratch);
     saltus_orbits_close(&other);
     return doubt;
+}
+
+/* `between`, among orbits of its own, becomes the orbit between the two halves of `at`, which are all but
+ * alike: of half the period or, `mirrored`, of the same one. Its tangent is that of such orbits. */
+static saltus_status lie_between(saltus_orbits *o, saltus_orbits *own, const saltus_solution *at,
+                                 bool mirrored, saltus_solution *between) {
+    const double *scale = saltus_shooting_scale(o->shooting), half = 0.5 * at->sequence.periods;
+    const int marks = at->sequence.count / 2;
+    double state[SALTUS_STATE_MAX], apart[SALTUS_STATE_MAX], singular;
+    int order[SALTUS_MARKS_MAX];
+    saltus_sequence sequence = at->sequence;
+    saltus_message ignored;
+    if (!isfinite(saltus_solution_halves(o, at, mirrored, apart)))
+        return SALTUS_NO_CONVERGENCE;
+    for (int i = 0; i < o->n; i++)
+        state[i] = at->state[i] + (mirrored ? -0.5 : 0.5) * apart[i] * scale[i];
+    for (int k = 0; k < marks; k++) {
+        const double later = sequence.mark[k + marks].time - sequence.mark[k].time - half;
+        sequence.mark[k].time += 0.5 * later;
+        sequence.mark[k + marks].time -= 0.5 * later;
+    }
+    sequence.cuts = 1;
+    if (!mirrored) {
+        sequence.periods /= 2;
+        sequence.count = marks;
+    }
+    saltus_status status =
+        saltus_solution_place(own, &sequence, at->parameter, state, !mirrored, between, &ignored);
+    if (!mirrored || status != SALTUS_OK)
+        return status;
+    /* At the place itself both curves' tangents are possible. */
+    double *along = calloc((size_t)between->at.unknowns, sizeof *along);
+    if (!along)
+        return SALTUS_NO_MEMORY;
+    for (int k = 0; k < sequence.count; k++)
+        order[k] = k;
+    saltus_sequence_carry(&at->sequence, at->at.tangent, &sequence, order, o->n, 1, along);
+    status =
+        saltus_curve_leaving(own->equations, between->at.u, along, between->at.tangent, &singular, &ignored);
+    free(along);
+    return status;
+}
+
+/* Where the orbits between the halves of those near `at` have a zero of their own test. This locates the
+ * place better than the equations of the branch that joins them there, which are singular. */
+static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *at, bool mirrored,
+                                       double *value) {
+    static const double reach[] = {1e-2, 1e-3, 1e-4};
+    /* Near the place a residual moves orbits by many times its size. */
+    const double near = 1e-3, tolerance = 1e-13;
+    saltus_orbits own = {.family = o->family, .origin = o->origin, .options = o->options};
+    saltus_solution between = {.value = 0}, side[2] = {{.value = 0}, {.value = 0}}, place = {.value = 0};
+    saltus_zero zero = {.found = false};
+    saltus_message ignored;
+    own.options.tolerance = fmin(own.options.tolerance, tolerance);
+    saltus_status status = saltus_orbits_open(&own, &ignored);
+    if (status == SALTUS_OK)
+        status = lie_between(o, &own, at, mirrored, &between);
+    for (int k = 0; k < 3 && status == SALTUS_OK && !zero.found; k++) {
+        if (mirrored) {
+            zero = saltus_solution_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], &place);
+        } else if (saltus_solution_visit(&own, &between, -reach[k], &side[0], &ignored) == SALTUS_OK &&
+                   saltus_solution_visit(&own, &side[0], 2 * reach[k], &side[1], &ignored) == SALTUS_OK &&
+                   saltus_test_crosses(saltus_test_value(SALTUS_TEST_FLIP, 0, &side[0], &side[0]),
+                                       saltus_test_value(SALTUS_TEST_FLIP, 0, &side[1], &side[0]))) {
+            zero = saltus_solution_zero(&own, SALTUS_TEST_FLIP, 0, &side[0], &side[1], &place);
+        }
+        zero.found = zero.found && fabs(place.parameter[0] - at->parameter[0]) < near;
+        if (zero.found)
+            zero.accuracy +=
+                mirrored ? doubt_of_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], place.value)
+                         : saltus_special_doubt(&own, SALTUS_TEST_FLIP, &place);
+    }
+    *value = place.value;
+    saltus_orbits_noted(o, own.starved ? SALTUS_NO_MEMORY : status);
+    saltus_solution_clear(&between);
+    for (int k = 0; k < 2; k++)
+        saltus_solution_clear(&side[k]);
+    saltus_solution_clear(&place);
+    saltus_orbits_close(&own);
+    return zero;
+}
+
+/* Whether the branch joins that of half the period at `at`. */
+static bool joins_half(saltus_orbits *o, const saltus_solution *at, saltus_special *special) {
+    const double apart = saltus_solution_half_distance(o, at, false), unit = o->family.unit[0];
+    double value;
+    saltus_zero flip = {.found = false};
+    if (apart < 2e-2 && at->sequence.count % 2 == 0)
+        flip = zero_between_halves(o, at, false, &value);
+    if (!(apart < 1e-4 || (flip.found && fabs(value - at->value) < 1e-6 * unit)))
+        return false;
+    special->kind = SALTUS_POINT_PD;
+    special->end = "joins the orbits of half the period";
+    if (flip.found) {
+        special->value = value;
+        special->accuracy = flip.accuracy;
+    }
+    return true;
+}
+
+/* Whether at `at`, a fold, asymmetric orbits join the branch of orbits that are their own mirror images. */
+static bool joins_image(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
+                        saltus_special *special) {
+    bool shift;
+    if (!saltus_system_mirror_symmetric(o->system, &shift))
+        return false;
+    double apart = saltus_solution_half_distance(o, at, true), value;
+    double before = saltus_solution_half_distance(o, from, true);
+    if (!(apart < 1e-3 && apart < 0.05 * before && before > asymmetric))
+        return false;
+    special->kind = SALTUS_POINT_BP;
+    special->end = "joins the orbits that are their own mirror images";
+    const saltus_zero crossing = zero_between_halves(o, at, true, &value);
+    if (crossing.found) {
+        special->value = value;
+        special->accuracy = crossing.accuracy;
+    }
+    return true;
 }
 
 /* Whether all multipliers are zero: such orbits neither fold nor flip, but where one of their impacts was
