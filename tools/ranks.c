@@ -11,6 +11,7 @@
 #include <mpi.h>
 #include <sched.h>
 #include <signal.h>
+#include <time.h>
 #endif
 
 static long number_in(const char *variable) {
@@ -120,10 +121,69 @@ static void count_cores(MPI_Comm machine, int *own, int *all) {
 }
 #endif
 
-int ranks_agree(int number) {
-    if (joined())
-        MPI_Bcast(&number, 1, MPI_INT, 0, MPI_COMM_WORLD);
-    return number;
+/* Wait without using the processor. */
+static void wait_for(MPI_Request *request) {
+    const struct timespec nap = {0, 1000000};
+    int done = 0;
+    for (MPI_Test(request, &done, MPI_STATUS_IGNORE); !done; MPI_Test(request, &done, MPI_STATUS_IGNORE))
+        nanosleep(&nap, NULL);
+}
+
+void ranks_share(void *bytes, size_t size) {
+    MPI_Request request;
+    if (!joined())
+        return;
+    MPI_Ibcast(bytes, (int)size, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+    wait_for(&request);
+}
+
+void ranks_gather(const void *own, size_t size, void *all) {
+    MPI_Request request;
+    if (!joined()) {
+        memcpy(all, own, size);
+        return;
+    }
+    MPI_Igather(own, (int)size, MPI_BYTE, all, (int)size, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
+    wait_for(&request);
+}
+
+_Static_assert(sizeof(MPI_Win) <= sizeof(void *), "a window's handle is a pointer or a number");
+
+void ranks_counters_open(ranks_counters *counters) {
+    long long *kept;
+    MPI_Win window;
+    *counters = (ranks_counters){.window = NULL};
+    if (ranks_count() == 1)
+        return;
+    const MPI_Aint room = ranks_here() == 0 ? (MPI_Aint)sizeof counters->alone : 0;
+    MPI_Win_allocate(room, (int)sizeof *kept, MPI_INFO_NULL, MPI_COMM_WORLD, &kept, &window);
+    if (room)
+        memset(kept, 0, sizeof counters->alone);
+    MPI_Win_lock_all(0, window);
+    MPI_Win_sync(window);
+    MPI_Barrier(MPI_COMM_WORLD);
+    memcpy(&counters->window, &window, sizeof window);
+}
+
+void ranks_counters_close(ranks_counters *counters) {
+    MPI_Win window;
+    memcpy(&window, &counters->window, sizeof window);
+    if (ranks_count() == 1)
+        return;
+    MPI_Win_unlock_all(window);
+    MPI_Win_free(&window);
+}
+
+long long ranks_count_up(ranks_counters *counters, int which, long long by) {
+    MPI_Win window;
+    long long before = counters->alone[which];
+    memcpy(&window, &counters->window, sizeof window);
+    counters->alone[which] += by;
+    if (ranks_count() == 1)
+        return before;
+    MPI_Fetch_and_op(&by, &before, MPI_LONG_LONG, 0, which, MPI_SUM, window);
+    MPI_Win_flush(0, window);
+    return before;
 }
 
 int ranks_threads(void) {
@@ -139,8 +199,7 @@ int ranks_threads(void) {
     return share < 1 ? 1 : share < own ? share : own;
 }
 
-saltus_status ranks_send_own(ranks_outbox *outbox, int to, int kind, void *bytes, size_t size,
-                             saltus_message *message) {
+saltus_status ranks_send(ranks_outbox *outbox, void *bytes, size_t size, saltus_message *message) {
     struct ranks_outgoing *outgoing = malloc(sizeof *outgoing);
     if (!outgoing || size > INT_MAX) {
         free(outgoing);
@@ -151,7 +210,7 @@ saltus_status ranks_send_own(ranks_outbox *outbox, int to, int kind, void *bytes
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a message between processes");
     }
     *outgoing = (struct ranks_outgoing){.bytes = bytes, .size = size, .next = outbox->first};
-    MPI_Isend(bytes, (int)size, MPI_BYTE, to, kind, MPI_COMM_WORLD, &outgoing->request);
+    MPI_Isend(bytes, (int)size, MPI_BYTE, 0, 0, MPI_COMM_WORLD, &outgoing->request);
     outbox->first = outgoing;
     outbox->bytes += size;
     return SALTUS_OK;
@@ -173,12 +232,12 @@ bool ranks_delivered(ranks_outbox *outbox) {
     return !outbox->first;
 }
 
-bool ranks_receive(int kind, ranks_packet *packet) {
+bool ranks_receive(ranks_packet *packet) {
     MPI_Status status;
     int waiting = 0, size = 0;
     if (ranks_count() == 1)
         return false;
-    MPI_Iprobe(MPI_ANY_SOURCE, kind, MPI_COMM_WORLD, &waiting, &status);
+    MPI_Iprobe(MPI_ANY_SOURCE, 0, MPI_COMM_WORLD, &waiting, &status);
     if (!waiting)
         return false;
     MPI_Get_count(&status, MPI_BYTE, &size);
@@ -187,7 +246,7 @@ bool ranks_receive(int kind, ranks_packet *packet) {
     /* Without memory for a message this rank can neither go on nor tell the others. */
     if (!packet->bytes)
         MPI_Abort(MPI_COMM_WORLD, 1);
-    MPI_Recv(packet->bytes, size, MPI_BYTE, status.MPI_SOURCE, kind, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    MPI_Recv(packet->bytes, size, MPI_BYTE, status.MPI_SOURCE, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
     return true;
 }
 
@@ -208,17 +267,33 @@ int ranks_here(void) {
     return 0;
 }
 
-int ranks_agree(int number) {
-    return number;
+void ranks_share(void *bytes, size_t size) {
+    (void)bytes, (void)size;
+}
+
+void ranks_gather(const void *own, size_t size, void *all) {
+    memcpy(all, own, size);
+}
+
+void ranks_counters_open(ranks_counters *counters) {
+    *counters = (ranks_counters){.window = NULL};
+}
+
+void ranks_counters_close(ranks_counters *counters) {
+    (void)counters;
+}
+
+long long ranks_count_up(ranks_counters *counters, int which, long long by) {
+    counters->alone[which] += by;
+    return counters->alone[which] - by;
 }
 
 int ranks_threads(void) {
     return 0;
 }
 
-saltus_status ranks_send_own(ranks_outbox *outbox, int to, int kind, void *bytes, size_t size,
-                             saltus_message *message) {
-    (void)outbox, (void)to, (void)kind, (void)size;
+saltus_status ranks_send(ranks_outbox *outbox, void *bytes, size_t size, saltus_message *message) {
+    (void)outbox, (void)size;
     free(bytes);
     return saltus_fail(message, SALTUS_BAD_INPUT, "this saltus was built without MPI");
 }
@@ -228,19 +303,14 @@ bool ranks_delivered(ranks_outbox *outbox) {
     return true;
 }
 
-bool ranks_receive(int kind, ranks_packet *packet) {
-    (void)kind, (void)packet;
+bool ranks_receive(ranks_packet *packet) {
+    (void)packet;
     return false;
 }
 
 #endif
 
-saltus_status ranks_send(ranks_outbox *outbox, int to, int kind, const void *bytes, size_t size,
-                         saltus_message *message) {
-    void *copy = malloc(size ? size : 1);
-    if (!copy)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a message between processes");
-    if (size)
-        memcpy(copy, bytes, size);
-    return ranks_send_own(outbox, to, kind, copy, size, message);
+int ranks_agree(int number) {
+    ranks_share(&number, sizeof number);
+    return number;
 }

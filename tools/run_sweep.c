@@ -1,12 +1,17 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How threads and ranks share a sweep. Tasks are handed out by a counter that all of them see. Results go to
+ * the first rank, which alone writes the file while its own threads compute too. In each rank one more thread
+ * attends to signals, packets and progress.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "run_sweep.h"
 
 #include "base/progress.h"
 #include "cli.h"
 #include "interrupt.h"
 #include "progress.h"
-#include "sweep_exchange.h"
+#include "ranks.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -14,8 +19,61 @@
 /* Returned by the feed to end the sweep; the exchange holds the reason. */
 static const saltus_status dropped = SALTUS_NO_CONVERGENCE;
 
-/* Bytes of unsent results above which computing threads wait. */
-static const size_t outbox_max = 64u << 20;
+/* Bytes of results on their way above which computing threads wait. */
+static const size_t sending_max = 64u << 20;
+
+/* What is counted over all ranks: tasks handed out, ranks but the first that have their first tasks, ranks
+ * that stop before the end, ranks but the first whose last result is delivered, and the results that those
+ * have sent. */
+enum { COUNT_TASKS, COUNT_MET, COUNT_STOPS, COUNT_LEFT, COUNT_SENT };
+
+/* The tasks of this rank. */
+typedef struct sweep_queue {
+    unsigned char *settled; /* one bit for each task done by an earlier run; NULL: none */
+    long long next, end;    /* numbers that this rank has been given and not yet used */
+    long long tasks;
+    long long longest; /* first task that is a line of points; lines take longest, so they are handed out
+                          first */
+    bool met;          /* this rank has its first tasks; on the first rank: all others have */
+} sweep_queue;
+
+/* Results on their way to the first rank. */
+typedef struct sweep_mail {
+    ranks_outbox sending;
+    long long sent, received;
+    bool told; /* the ranks know that this one stops */
+} sweep_mail;
+
+/* The first rank's file and counts of its contents. */
+typedef struct sweep_sink {
+    pthread_mutex_t writing; /* held while writing, which may take long */
+    saltus_sweep_output *output;
+    sweep_tally tally;
+    long long computed;  /* trajectories */
+    atomic_llong points; /* points in the file, those of earlier runs included */
+} sweep_sink;
+
+/* What the threads of a rank share. */
+typedef struct sweep_exchange {
+    const saltus_sweep *sweep; /* NULL if this rank failed to make it */
+    int ranks, here;
+    volatile sig_atomic_t *stop; /* computing threads read it without the lock */
+    pthread_mutex_t lock;        /* held to use what follows but `sink`, and anything of ranks.h */
+    pthread_cond_t changed;
+    bool finished; /* this rank's computing threads have ended */
+    saltus_status status;
+    saltus_message message;
+    ranks_counters counters;
+    sweep_queue queue;
+    sweep_mail mail;
+    sweep_sink sink;
+} sweep_exchange;
+
+/* How a rank has prepared or ended its part. */
+typedef struct rank_outcome {
+    saltus_status status;
+    saltus_message message;
+} rank_outcome;
 
 saltus_status sweep_tally_add(sweep_tally *tally, const saltus_sweep_row *row, saltus_message *message) {
     char label[32];
@@ -54,31 +112,20 @@ void sweep_tally_clear(sweep_tally *tally) {
     *tally = (sweep_tally){0};
 }
 
-int sweep_exchange_tasks(sweep_exchange *exchange, long long *tasks, int most) {
-    sweep_queue *queue = &exchange->queue;
-    int count = 0;
-    for (; count < most && queue->next < queue->tasks && !*exchange->stop; queue->next++) {
-        long long task = (queue->longest + queue->next) % queue->tasks;
-        if (!queue->settled || !(queue->settled[task / 8] >> task % 8 & 1))
-            tasks[count++] = task;
-    }
-    queue->open -= count;
-    return count;
-}
-
-void sweep_exchange_stop(sweep_exchange *exchange, saltus_status status, const saltus_message *message) {
+/* Stop all threads; the first failure is kept as the reason. */
+static void stop_all(sweep_exchange *exchange, saltus_status status, const saltus_message *message) {
     pthread_mutex_lock(&exchange->lock);
     if (exchange->status == SALTUS_OK && status != SALTUS_OK) {
         exchange->status = status;
         exchange->message = *message;
     }
-    exchange->interrupted |= status == SALTUS_OK;
     *exchange->stop = 1;
     pthread_cond_broadcast(&exchange->changed);
     pthread_mutex_unlock(&exchange->lock);
 }
 
-saltus_status sweep_exchange_take(sweep_exchange *exchange, const saltus_sweep_result *result,
+/* Write a result into the file. */
+static saltus_status write_result(sweep_exchange *exchange, const saltus_sweep_result *result,
                                   saltus_message *message) {
     sweep_sink *sink = &exchange->sink;
     const int seeds = saltus_sweep_choices(exchange->sweep)->seeds;
@@ -95,98 +142,158 @@ saltus_status sweep_exchange_take(sweep_exchange *exchange, const saltus_sweep_r
     return status;
 }
 
-/* The next task; -1: none, or stop. May wait: the first rank until every other rank has got its first tasks,
- * the others for tasks from the first rank. */
+/* Take further numbers of tasks: several at a time while plenty remain, towards the end one, so that no rank
+ * is idle there. The caller holds the lock. */
+static void take_numbers(sweep_exchange *exchange) {
+    enum { usual_lanes = 8, at_a_time = 4 };
+    sweep_queue *queue = &exchange->queue;
+    const saltus_sweep_options *how = saltus_sweep_choices(exchange->sweep);
+    /* Approximate number of trajectories that this rank computes at a time. */
+    const int hands = (how->lanes ? how->lanes : usual_lanes) * (how->threads ? how->threads : 1);
+    const long long share = (queue->tasks - queue->end) / (2 * exchange->ranks), most = at_a_time * hands;
+    const long long wish = exchange->here == 0 || share < 1 ? 1 : share < most ? share : most;
+    queue->next = ranks_count_up(&exchange->counters, COUNT_TASKS, wish);
+    queue->end = queue->next + wish < queue->tasks ? queue->next + wish : queue->tasks;
+    if (exchange->here > 0 && !queue->met)
+        ranks_count_up(&exchange->counters, COUNT_MET, 1);
+    queue->met |= exchange->here > 0;
+}
+
+/* The next task; -1: none, or stop. The first rank waits until every other rank has its first tasks. */
 static long long next_task(void *context) {
     sweep_exchange *exchange = context;
-    sweep_mail *mail = &exchange->mail;
+    sweep_queue *queue = &exchange->queue;
     long long task = -1;
     pthread_mutex_lock(&exchange->lock);
-    while (!*exchange->stop &&
-           (exchange->here > 0 ? mail->count == 0 && !mail->dry : exchange->queue.met < exchange->ranks - 1))
+    while (!*exchange->stop && exchange->here == 0 && !queue->met)
         pthread_cond_wait(&exchange->changed, &exchange->lock);
-    if (exchange->here == 0)
-        sweep_exchange_tasks(exchange, &task, 1);
-    else if (!*exchange->stop && mail->count > 0) {
-        task = mail->inbox[mail->first];
-        mail->first = (mail->first + 1) % SWEEP_INBOX_MAX;
-        mail->count--;
+    while (task < 0 && !*exchange->stop) {
+        if (queue->next >= queue->end)
+            take_numbers(exchange);
+        if (queue->next >= queue->end)
+            break;
+        task = (queue->longest + queue->next++) % queue->tasks;
+        if (queue->settled && queue->settled[task / 8] >> task % 8 & 1)
+            task = -1;
     }
     pthread_mutex_unlock(&exchange->lock);
     return task;
 }
 
-/* Put a result into the outbox; waits while it is full. */
-static saltus_status post_result(sweep_exchange *exchange, const saltus_sweep_result *result,
+/* Send a result to the first rank; waits while too many are on their way. */
+static saltus_status send_result(sweep_exchange *exchange, const saltus_sweep_result *result,
                                  saltus_message *message) {
     sweep_mail *mail = &exchange->mail;
-    size_t size = saltus_sweep_packed_size(exchange->sweep, result);
-    sweep_packed *packed = malloc(sizeof *packed);
+    const size_t size = saltus_sweep_packed_size(exchange->sweep, result);
     void *bytes = malloc(size);
-    if (!packed || !bytes) {
-        free(packed);
-        free(bytes);
+    if (!bytes)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a result of %zu bytes", size);
-    }
     saltus_sweep_pack(exchange->sweep, result, bytes);
-    *packed = (sweep_packed){.bytes = bytes, .size = size};
     pthread_mutex_lock(&exchange->lock);
-    while (mail->outbox_bytes > outbox_max && !*exchange->stop)
+    while (mail->sending.bytes > sending_max && !*exchange->stop)
         pthread_cond_wait(&exchange->changed, &exchange->lock);
-    *mail->outbox_end = packed;
-    mail->outbox_end = &packed->next;
-    mail->outbox_bytes += size;
-    pthread_cond_broadcast(&exchange->changed);
+    saltus_status status = ranks_send(&mail->sending, bytes, size, message);
+    mail->sent += status == SALTUS_OK;
     pthread_mutex_unlock(&exchange->lock);
-    return SALTUS_OK;
+    return status;
 }
 
 /* Keep the result even if the run is being stopped. */
 static saltus_status take_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
     sweep_exchange *exchange = context;
-    saltus_status status =
-        (exchange->here > 0 ? post_result : sweep_exchange_take)(exchange, result, message);
+    saltus_status status = (exchange->here > 0 ? send_result : write_result)(exchange, result, message);
     if (status != SALTUS_OK)
-        sweep_exchange_stop(exchange, status, message);
+        stop_all(exchange, status, message);
     pthread_mutex_lock(&exchange->lock);
     bool stopped = *exchange->stop;
     pthread_mutex_unlock(&exchange->lock);
     return stopped ? dropped : SALTUS_OK;
 }
 
+/* On the first rank: write a result of another one, if one has arrived and no thread is writing. */
+static bool receive_result(sweep_exchange *exchange) {
+    ranks_packet packet = {.bytes = NULL};
+    saltus_sweep_result result;
+    saltus_message message = {.text = ""};
+    saltus_status status = SALTUS_OK;
+    if (pthread_mutex_trylock(&exchange->sink.writing) != 0)
+        return false;
+    pthread_mutex_unlock(&exchange->sink.writing);
+    pthread_mutex_lock(&exchange->lock);
+    const bool arrived = ranks_receive(&packet), sound = exchange->status == SALTUS_OK;
+    exchange->mail.received += arrived;
+    pthread_mutex_unlock(&exchange->lock);
+    if (arrived && !saltus_sweep_unpack(exchange->sweep, packet.bytes, packet.size, &result))
+        status =
+            saltus_fail(&message, SALTUS_BAD_INPUT,
+                        "process %d of those started together runs another sweep or version", packet.from);
+    else if (arrived && sound)
+        status = write_result(exchange, &result, &message);
+    if (status != SALTUS_OK)
+        stop_all(exchange, status, &message);
+    free(packet.bytes);
+    return arrived;
+}
+
+/* Tell the other ranks that this one stops, or learn that another one does; free what has been delivered.
+ * True when this rank's part is over: no thread computes, and no result is on its way. */
+static bool look_around(sweep_exchange *exchange) {
+    sweep_mail *mail = &exchange->mail;
+    ranks_counters *counters = &exchange->counters;
+    pthread_mutex_lock(&exchange->lock);
+    if (*exchange->stop && !mail->told)
+        ranks_count_up(counters, COUNT_STOPS, 1);
+    else if (!mail->told)
+        *exchange->stop = ranks_count_up(counters, COUNT_STOPS, 0) > 0;
+    mail->told = *exchange->stop;
+    const int others = exchange->ranks - 1;
+    if (exchange->here == 0 && !exchange->queue.met)
+        exchange->queue.met = ranks_count_up(counters, COUNT_MET, 0) == others;
+    bool over = ranks_delivered(&mail->sending) && exchange->finished;
+    if (exchange->here == 0)
+        over = over && ranks_count_up(counters, COUNT_LEFT, 0) == others &&
+               ranks_count_up(counters, COUNT_SENT, 0) == mail->received;
+    else if (over) {
+        ranks_count_up(counters, COUNT_SENT, mail->sent);
+        ranks_count_up(counters, COUNT_LEFT, 1);
+    }
+    pthread_cond_broadcast(&exchange->changed);
+    pthread_mutex_unlock(&exchange->lock);
+    return over;
+}
+
 /* Arguments of the attending thread. */
 typedef struct attendant {
-    sweep_link *link;
+    sweep_exchange *exchange;
     progress *bar;
 } attendant;
 
-/* Handle signals, packets and progress until this rank's threads have finished and no packet is under way. */
+/* Handle signals, packets and progress until this rank's part is over. */
 static void *attend(void *context) {
     static const double nap = 1e-4, longest_nap = 2e-3, alone = 0.1;
     const attendant *own = context;
-    sweep_exchange *exchange = own->link->exchange;
+    sweep_exchange *exchange = own->exchange;
     const bool together = exchange->ranks > 1;
     double pause = nap;
     for (bool over = false; !over;) {
+        bool busy = false;
         if (interrupt_asked())
-            sweep_exchange_stop(exchange, SALTUS_OK, NULL);
-        bool busy = together && sweep_ranks_exchange(own->link);
-        pthread_mutex_lock(&exchange->lock);
-        bool finished = exchange->finished;
-        pthread_mutex_unlock(&exchange->lock);
-        over = finished && (!together || sweep_ranks_over(own->link));
+            stop_all(exchange, SALTUS_OK, NULL);
+        while (together && exchange->here == 0 && receive_result(exchange))
+            busy = true;
+        over = look_around(exchange);
         if (exchange->here == 0)
             progress_show(own->bar, exchange->sink.points);
         pause = busy ? nap : pause < longest_nap ? 2 * pause : pause;
         if (!over && !busy) {
-            /* Wait until the exchange changes, or for the given time. */
+            /* Wait until the threads have ended, or for the given time. */
             struct timespec until;
             clock_gettime(CLOCK_MONOTONIC, &until);
             long nanoseconds = until.tv_nsec + (long)(1e9 * (together ? pause : alone));
             until.tv_sec += nanoseconds / 1000000000;
             until.tv_nsec = nanoseconds % 1000000000;
             pthread_mutex_lock(&exchange->lock);
-            if (!exchange->finished || exchange->ranks > 1)
+            if (!exchange->finished || together)
                 pthread_cond_timedwait(&exchange->changed, &exchange->lock, &until);
             pthread_mutex_unlock(&exchange->lock);
         }
@@ -194,23 +301,55 @@ static void *attend(void *context) {
     return NULL;
 }
 
-static saltus_status compute(sweep_link *link, progress *bar, saltus_message *message) {
-    sweep_exchange *exchange = link->exchange;
-    attendant own = {link, bar};
+/* Collect how all ranks have fared; the first rank gets the reason of any failure. */
+static saltus_status gather(const sweep_exchange *exchange, rank_outcome *all, saltus_status status,
+                            saltus_message *message) {
+    const rank_outcome own = {status, *message};
+    ranks_gather(&own, sizeof own, all);
+    for (int k = 1; k < exchange->ranks && exchange->here == 0 && status == SALTUS_OK; k++) {
+        status = all[k].status;
+        if (status != SALTUS_OK)
+            saltus_fail(message, status, "process %d of those started together: %.440s", k,
+                        all[k].message.text[0] ? all[k].message.text : "failed");
+    }
+    return status;
+}
+
+/* Compute this rank's part. */
+static saltus_status compute(sweep_exchange *exchange, progress *bar, saltus_message *message) {
+    attendant own = {exchange, bar};
     pthread_t thread;
-    if (pthread_create(&thread, NULL, attend, &own) != 0)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no further thread can be started");
     const saltus_sweep_feed feed = {.context = exchange, .next = next_task, .take = take_result};
-    saltus_status status = saltus_sweep_run(exchange->sweep, &feed, message);
+    const bool attended = pthread_create(&thread, NULL, attend, &own) == 0;
+    saltus_status status = attended
+                               ? saltus_sweep_run(exchange->sweep, &feed, message)
+                               : saltus_fail(message, SALTUS_NO_MEMORY, "no further thread can be started");
     if (status != SALTUS_OK && status != dropped)
-        sweep_exchange_stop(exchange, status, message);
+        stop_all(exchange, status, message);
     pthread_mutex_lock(&exchange->lock);
     exchange->finished = true;
     pthread_cond_broadcast(&exchange->changed);
     pthread_mutex_unlock(&exchange->lock);
-    pthread_join(thread, NULL);
+    if (attended)
+        pthread_join(thread, NULL);
+    else
+        attend(&own);
     *message = exchange->message;
     return exchange->status;
+}
+
+/* Before the ranks meet: find the longest tasks, and make room for the list of those done by an earlier run.
+ */
+static saltus_status prepare(sweep_exchange *exchange, const sweep_order *order, saltus_message *message) {
+    const saltus_sweep *sweep = exchange->sweep;
+    sweep_queue *queue = &exchange->queue;
+    queue->tasks = saltus_sweep_tasks(sweep);
+    while (queue->longest < queue->tasks && saltus_sweep_task_length(sweep, queue->longest) == 1)
+        queue->longest++;
+    queue->settled = order->resume ? calloc((size_t)queue->tasks / 8 + 1, 1) : NULL;
+    return order->resume && !queue->settled
+               ? saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the list of tasks")
+               : SALTUS_OK;
 }
 
 /* On the first rank: open the file before anything is computed, and mark the tasks done by an earlier run. */
@@ -219,58 +358,54 @@ static saltus_status open_output(sweep_exchange *exchange, const sweep_order *or
     const saltus_sweep *sweep = exchange->sweep;
     sweep_queue *queue = &exchange->queue;
     sweep_sink *sink = &exchange->sink;
-    queue->tasks = queue->open = saltus_sweep_tasks(sweep);
-    while (queue->longest < queue->tasks && saltus_sweep_task_length(sweep, queue->longest) == 1)
-        queue->longest++;
     saltus_status status = saltus_sweep_output_open(order->path, sweep, order->basins, order->resume,
                                                     order->origin, &sink->output, message);
-    if (status != SALTUS_OK || !order->resume)
-        return status;
-    queue->settled = calloc((size_t)queue->tasks / 8 + 1, 1);
-    if (!queue->settled)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the list of tasks");
-    for (long long task = 0; task < queue->tasks; task++) {
+    for (long long task = 0; task < queue->tasks && status == SALTUS_OK && queue->settled; task++) {
         int length = saltus_sweep_task_length(sweep, task), there = 0;
         for (int k = 0; k < length; k++)
             there += saltus_sweep_output_has(sink->output, saltus_sweep_task_place(sweep, task, k));
         sink->points += there;
-        if (there == length) {
+        if (there == length)
             queue->settled[task / 8] |= (unsigned char)(1u << task % 8);
-            queue->open--;
-        }
     }
-    return SALTUS_OK;
+    return status;
 }
 
-/* Run a sweep from the preparations of all ranks to the completed file; returns the exit code. */
-static int run_exchange(sweep_link *link, const sweep_order *order, saltus_status status,
-                        saltus_message *message, sweep_report *report) {
-    sweep_exchange *exchange = link->exchange;
-    const bool together = exchange->ranks > 1, first = exchange->here == 0;
+/* Run a sweep from the preparations of all ranks to the completed file; returns the exit code, the same on
+ * all. */
+static int run_exchange(sweep_exchange *exchange, const sweep_order *order, rank_outcome *all,
+                        saltus_status status, saltus_message *message, sweep_report *report) {
+    const bool first = exchange->here == 0;
     const char *where = order->to_stdout ? "standard output" : order->path;
+    sweep_queue *queue = &exchange->queue;
     saltus_message closing = {.text = ""};
     progress bar;
-    int code = CLI_FAILED;
+    if (status == SALTUS_OK)
+        status = prepare(exchange, order, message);
     /* A signal arrived before the start: leave the file as it is. */
     if (status == SALTUS_OK && interrupt_asked())
         status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
-    if (together)
-        status = sweep_ranks_gather(link, status, message);
+    status = gather(exchange, all, status, message);
     if (status == SALTUS_OK && first)
         status = open_output(exchange, order, message);
-    bool begun = together ? sweep_ranks_begin(link, status, &code) : status == SALTUS_OK;
+    const bool begun = ranks_agree(status == SALTUS_OK);
     const long long places =
         begun ? saltus_sweep_points(order->sweep) * saltus_sweep_pass_count(order->sweep) : 0;
     double begin = saltus_seconds();
     progress_begin(&bar, order->quiet, places, exchange->sink.points);
-    if (begun)
-        status = compute(link, &bar, message);
+    if (begun) {
+        if (queue->settled)
+            ranks_share(queue->settled, (size_t)queue->tasks / 8 + 1);
+        ranks_counters_open(&exchange->counters);
+        status = gather(exchange, all, compute(exchange, &bar, message), message);
+    }
     report->seconds = saltus_seconds() - begin;
     progress_wipe(&bar, "writing ...");
     saltus_status written = saltus_sweep_output_close(exchange->sink.output, &closing);
     progress_wipe(&bar, NULL);
     report->tally = exchange->sink.tally;
     report->computed = exchange->sink.computed;
+    int code = CLI_DONE;
     if (first && status != SALTUS_OK)
         code = cli_report_cause(status, message);
     else if (first && written != SALTUS_OK)
@@ -279,9 +414,10 @@ static int run_exchange(sweep_link *link, const sweep_order *order, saltus_statu
         code = cli_refuse(CLI_FAILED, "interrupted; %s holds %lld of %lld points so far%s", where,
                           (long long)exchange->sink.points, places,
                           order->to_stdout ? "" : ", --resume goes on");
-    else if (first)
-        code = CLI_DONE;
-    return begun && together ? sweep_ranks_end(link, code) : code;
+    code = ranks_agree(code);
+    if (begun)
+        ranks_counters_close(&exchange->counters);
+    return code;
 }
 
 int run_sweep(const sweep_order *order, saltus_status status, const saltus_message *reason,
@@ -292,33 +428,27 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
     if (order->sweep)
         report->rows = saltus_sweep_rows(order->sweep);
     sweep_exchange *exchange = calloc(1, sizeof *exchange);
-    sweep_link link = {.exchange = exchange, .known = calloc((size_t)report->ranks, sizeof *link.known)};
+    rank_outcome *all = calloc((size_t)report->ranks, sizeof *all);
     int code = CLI_FAILED;
-    if (exchange && link.known) {
+    if (exchange && all) {
         exchange->sweep = order->sweep;
         exchange->ranks = report->ranks;
         exchange->here = ranks_here();
         exchange->stop = order->stop;
-        exchange->mail.outbox_end = &exchange->mail.outbox;
         pthread_condattr_init(&clock);
         pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
         pthread_cond_init(&exchange->changed, &clock);
         pthread_condattr_destroy(&clock);
         pthread_mutex_init(&exchange->lock, NULL);
         pthread_mutex_init(&exchange->sink.writing, NULL);
-        code = run_exchange(&link, order, status, &message, report);
-        for (sweep_packed *packed = exchange->mail.outbox, *next; packed; packed = next) {
-            next = packed->next;
-            free(packed->bytes);
-            free(packed);
-        }
+        code = run_exchange(exchange, order, all, status, &message, report);
         free(exchange->queue.settled);
         pthread_mutex_destroy(&exchange->sink.writing);
         pthread_mutex_destroy(&exchange->lock);
         pthread_cond_destroy(&exchange->changed);
     } else
         fprintf(stderr, "saltus: no memory\n");
-    free(link.known);
+    free(all);
     free(exchange);
     return code;
 }
