@@ -104,14 +104,14 @@ if [ -z "${SALTUS_SANITIZED:-}" ] && command -v mpirun >/dev/null && ldd "$saltu
     [ "$(number rows) $(number computed) $(number ranks)" = '120 120 3' ] && classes | cmp -s - told_whole ||
         fail "the summary of three ranks is $(cat summary)"
     same whole.h5 ranks.h5 "three ranks"
-    # More tasks than a rank's inbox has room for: it goes round, and none is lost.
+    # Many tasks, which are handed out several at a time: none is lost, and none is done twice.
     many="impact-oscillator --over omega=2:3:160 --over F=0.1:1:120 --transient 1 --record 1 --longest 1 --rtol 1e-3 --atol 1e-4 --quiet"
     # shellcheck disable=SC2086
     "$saltus" sweep $many -o many.h5 --threads 2 >/dev/null || fail "a sweep of many points does not run"
     # shellcheck disable=SC2086
-    $together -n 2 "$saltus" sweep $many -o inbox.h5 --threads 1 --json >summary || fail "many points on two ranks do not run"
+    $together -n 2 "$saltus" sweep $many -o shared.h5 --threads 1 --json >summary || fail "many points on two ranks do not run"
     [ "$(number rows) $(number computed) $(number ranks)" = '19200 19200 2' ] || fail "many points on two ranks: $(cat summary)"
-    same many.h5 inbox.h5 "many points on two ranks"
+    same many.h5 shared.h5 "many points on two ranks"
     # Without forcing rows are counted by returns to the section; ranks change nothing of it.
     unforced="relief-valve --over q=1:7:9 --what turning,stroboscopic,impacts,lyapunov --transient 300 --measure 600 --lifetime 100 --quiet"
     # shellcheck disable=SC2086

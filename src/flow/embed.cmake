@@ -28,16 +28,7 @@ while(text MATCHES "#include \"([^\"]*)\"")
 endwhile()
 
 file(WRITE ${OUTPUT}.text "${text}")
-file(READ ${OUTPUT}.text bytes HEX)
-file(REMOVE ${OUTPUT}.text)
-string(REGEX REPLACE "(..)" "'\\\\x\\1'," bytes "${bytes}")
-# Twenty characters to a line.
-string(REPEAT "." 140 line)
-string(REGEX REPLACE "(${line})" "\\1\n    " bytes "${bytes}")
-file(WRITE ${OUTPUT}.new "/* Made by the build from src/flow/kernel.c and what it includes. */
-#include \"flow/fixed.h\"
-
-const char saltus_kernel_text[] = {
-    ${bytes}'\\0'};
-")
-file(RENAME ${OUTPUT}.new ${OUTPUT})
+set(FILES ${OUTPUT}.text)
+set(HEADER flow/fixed.h)
+set(NAME saltus_kernel_text)
+include(${SOURCES}/tools/embed.cmake)

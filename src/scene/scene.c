@@ -52,7 +52,7 @@ saltus_status saltus_scene_load(const char *source, saltus_scene *scene, saltus_
                            "no scene given: name a scene file or a built-in scene");
     for (int k = 0; k < saltus_builtin_count; k++)
         if (strcmp(saltus_builtins[k].name, source) == 0)
-            return saltus_scene_parse(saltus_builtins[k].text, saltus_builtins[k].length, source, scene,
+            return saltus_scene_parse(saltus_builtins[k].text, strlen(saltus_builtins[k].text), source, scene,
                                       message);
     char *text = NULL;
     size_t length = 0;

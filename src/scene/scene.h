@@ -81,11 +81,9 @@ int saltus_model_stop_keys(const saltus_model *model, const char **keys);
  * coordinate. */
 bool saltus_model_has_stop_key(const saltus_model *model, int key);
 
-/* Built-in scenes, generated from data/scenes. */
+/* Built-in scenes, made by the build from data/scenes. */
 typedef struct saltus_builtin {
-    const char *name;
-    const char *text; /* ends with a NUL */
-    size_t length;    /* without the NUL */
+    const char *name, *text;
 } saltus_builtin;
 extern const saltus_builtin saltus_builtins[];
 extern const int saltus_builtin_count;
