@@ -21,4 +21,3 @@ gnuplot -d -e "points='build/trial/naive-points.dat'; picture='$place/figures/na
 scripts="$PWD/tools/trial"
 cd "$place"
 gnuplot -d "$scripts/trial.gp"
-gnuplot -d "$scripts/trial-clearance.gp"

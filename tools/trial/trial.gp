@@ -1,14 +1,9 @@
-# Kinds of motion against the pulsation frequency, figure by figure, with the ranges that the paper names above.
-# Run in the folder of the page: reads paper/classes.csv, writes figures/trial.png.
+# Kinds of motion against the pulsation frequency, figure by figure, and against the clearance, with the ranges that the
+# paper names above. Run in the folder of the page: reads paper/classes.csv, writes figures/trial.png and
+# figures/trial-clearance.png.
 # SPDX-License-Identifier: GPL-3.0-or-later
-set terminal pngcairo size 1600,1700 enhanced font 'DejaVu Sans,13' background '#ffffff' rounded
-set output 'figures/trial.png'
 set datafile separator ','
 set style fill solid 1 noborder
-set boxwidth 0.106
-set xrange [0:55]
-set xtics 5 nomirror
-set mxtics 5
 set ylabel 'share of starts, %'
 set tics out
 share(k) = 100.0 * column(k) / (column(3) + column(4) + column(5) + column(6) + column(7) + column(8))
@@ -25,6 +20,12 @@ bars = "using 2:(100) with boxes lc rgb '#cf4a3c' title 'no period up to 20', \
   '' using 2:(share(3)) with boxes lc rgb '#d9d9d9' title 'no contact'"
 claim(n, a, b, y, colour) = sprintf("set object %d rectangle from %g,%g to %g,%g fc rgb '%s' fs solid noborder front", n, a, y, b, y + 8, colour)
 
+set terminal pngcairo size 1600,1700 enhanced font 'DejaVu Sans,13' background '#ffffff' rounded
+set output 'figures/trial.png'
+set boxwidth 0.106
+set xrange [0:55]
+set xtics 5 nomirror
+set mxtics 5
 set multiplot layout 6, 1
 set title 'no stop (Figure 2); bars above: what the paper says'
 set yrange [0:115]
@@ -61,4 +62,27 @@ plot rows('8b') @bars
 set title 'd = 0.035, r = 0.6'
 set xlabel 'pulsation frequency {/:Italic ω}'
 plot rows('8c') @bars
+unset multiplot
+unset mxtics
+unset xlabel
+
+set terminal pngcairo size 1600,800 enhanced font 'DejaVu Sans,13' background '#ffffff' rounded
+set output 'figures/trial-clearance.png'
+set boxwidth 0.000212
+set xrange [0:0.046]
+set xtics 0.005 nomirror
+set yrange [0:115]
+set multiplot layout 2, 1
+set title '{/:Italic ω} = 10 (Figure 4a); bars above: what the paper says'
+eval claim(1, 0, 0.025, 104, '#303030')
+eval claim(2, 0.026, 0.046, 104, '#cf4a3c')
+plot rows('4a') @bars
+unset object
+set title '{/:Italic ω} = 20 (Figure 4b)'
+set xlabel 'clearance {/:Italic d}'
+eval claim(1, 0, 0.027, 104, '#303030')
+eval claim(2, 0.028, 0.035, 104, '#cf4a3c')
+eval claim(3, 0.036, 0.040, 104, '#4393c3')
+eval claim(4, 0.040, 0.046, 104, '#d9d9d9')
+plot rows('4b') @bars
 unset multiplot
