@@ -29,7 +29,9 @@
 
 enum { own_repeats = 3, rows_max = 16 };
 
-static const double own_tolerance = 5e-8, default_tolerance = 1e-10;
+/* Of Saltus: that of the comparison, and the usual one. */
+#define OWN_TOLERANCE 5e-8
+#define USUAL_TOLERANCE 1e-10
 static const double capped_step = 1e-3;
 
 /* Reference times in seconds for the ratios of the first table. */
@@ -52,8 +54,8 @@ static void print_judgement(const row *r) {
 }
 
 static void print_row(const row *r, measures unit) {
-    printf("| %s | %.1e | %.3f | %.3f | %.2f | %.2f |", r->program->name, r->program->tolerance,
-           r->cost.seconds, r->cost.wall, r->cost.seconds / unit.flow, r->cost.seconds / unit.engine);
+    printf("| %s | %.1e | %.3f | %.3f | %.2f | %.2f |", r->program->name, r->program->rtol, r->cost.seconds,
+           r->cost.wall, r->cost.seconds / unit.flow, r->cost.seconds / unit.engine);
     print_judgement(r);
     if (r->cost.steps > 0)
         printf(" %.3g | %.3g |\n", (double)r->cost.steps / r->share, (double)r->cost.evaluations / r->share);
@@ -62,74 +64,48 @@ static void print_row(const row *r, measures unit) {
     fflush(stdout);
 }
 
-static program flow_program(const char *name, int lanes, bool stopped) {
-    return (program){.name = name,
-                     .kind = program_flow,
-                     .tolerance = own_tolerance,
-                     .stopped = stopped,
-                     .own = {.lanes = lanes, .rtol = own_tolerance}};
-}
-
 /* The rivals' tolerances are those that reach the required event error according to --calibrate. */
 static int list_rivals(program *list) {
     int count = 0;
 #ifdef SALTUS_WITH_ODEINT
     list[count++] =
-        (program){.name = "Odeint dopri5, dense output", .run = rival_odeint_dopri5, .tolerance = 3.7e-9};
+        (program){"Odeint dopri5, dense output", program_rival, .rtol = 3.7e-9, .run = rival_odeint_dopri5};
     list[count++] =
-        (program){.name = "Odeint Fehlberg 7(8)", .run = rival_odeint_fehlberg78, .tolerance = 6.5e-9};
+        (program){"Odeint Fehlberg 7(8)", program_rival, .rtol = 6.5e-9, .run = rival_odeint_fehlberg78};
 #endif
     for (int k = 0; k < saltus_rival_count; k++)
         if (strstr(saltus_rivals[k].name, "GSL"))
-            list[count++] = (program){.name = "GSL rk8pd", .run = saltus_rivals[k].run, .tolerance = 3.2e-8};
+            list[count++] =
+                (program){"GSL rk8pd", program_rival, .rtol = 3.2e-8, .run = saltus_rivals[k].run};
         else if (strstr(saltus_rivals[k].name, "ARKODE"))
             list[count++] =
-                (program){.name = "SUNDIALS ARKODE 8(7)", .run = saltus_rivals[k].run, .tolerance = 2.5e-8};
-    for (int k = 0; k < count; k++) {
-        list[k].kind = program_rival;
-        list[k].stopped = true;
-    }
+                (program){"SUNDIALS ARKODE 8(7)", program_rival, .rtol = 2.5e-8, .run = saltus_rivals[k].run};
     return count;
 }
 
-static int list_engines(program *list) {
-    enum { rows = 9 };
-    static const char *const names[rows] = {"impacts kept, all lanes",
-                                            "one lane",
-                                            "two threads",
-                                            "without the stop",
-                                            "nothing kept: class and measures",
-                                            "turning points, impacts, section points kept",
-                                            "adaptive, class and measures",
-                                            "default tolerance, all clouds",
-                                            "default tolerance, adaptive, class and measures"};
-    const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
-    engine_request r[rows];
-    for (int k = 0; k < rows; k++)
-        r[k] = (engine_request){
-            .threads = 1, .stopped = true, .keep = SALTUS_KEEP_IMPACTS, .rtol = own_tolerance};
-    r[1].lanes = 1;
-    r[2].threads = 2;
-    r[3].stopped = false;
-    r[5].keep = r[7].keep = clouds;
-    r[4].keep = r[6].keep = r[8].keep = 0;
-    r[6].adaptive = r[8].adaptive = true;
-    r[7].rtol = r[8].rtol = default_tolerance;
-    for (int k = 0; k < rows; k++)
-        list[k] = (program){.name = names[k],
-                            .kind = program_engine,
-                            .tolerance = r[k].rtol,
-                            .stopped = r[k].stopped,
-                            .own = {.rtol = r[k].rtol},
-                            .engine = r[k]};
-    return rows;
-}
+enum { every_cloud = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC };
+
+/* The library's sweeps. */
+static const program engines[] = {
+    {"impacts kept, all lanes", program_engine, OWN_TOLERANCE, .threads = 1, .keep = SALTUS_KEEP_IMPACTS},
+    {"one lane", program_engine, OWN_TOLERANCE, .lanes = 1, .threads = 1, .keep = SALTUS_KEEP_IMPACTS},
+    {"two threads", program_engine, OWN_TOLERANCE, .threads = 2, .keep = SALTUS_KEEP_IMPACTS},
+    {"without the stop", program_engine, OWN_TOLERANCE, .unstopped = true, .threads = 1,
+     .keep = SALTUS_KEEP_IMPACTS},
+    {"nothing kept: class and measures", program_engine, OWN_TOLERANCE, .threads = 1},
+    {"turning points, impacts, section points kept", program_engine, OWN_TOLERANCE, .threads = 1,
+     .keep = every_cloud},
+    {"adaptive, class and measures", program_engine, OWN_TOLERANCE, .threads = 1, .adaptive = true},
+    {"default tolerance, all clouds", program_engine, USUAL_TOLERANCE, .threads = 1, .keep = every_cloud},
+    {"default tolerance, adaptive, class and measures", program_engine, USUAL_TOLERANCE, .threads = 1,
+     .adaptive = true}};
+enum { engine_count = sizeof engines / sizeof engines[0] };
 
 /* A program at several tolerances. */
 static bool calibrate_one(sweep *s, program p, double first, double last, double spacing) {
     row r;
     for (double digits = first; digits < last + 0.01; digits += spacing) {
-        p.tolerance = p.own.rtol = pow(10, -digits);
+        p.rtol = pow(10, -digits);
         if (!sweep_measure(s, &p, 1, p.kind == program_rival ? 1 : own_repeats, &r))
             return false;
         print_row(&r, (measures){1, 1});
@@ -146,8 +122,7 @@ static bool calibrate(sweep *s, bool rivals) {
     for (size_t k = 0; k < sizeof orders / sizeof *orders; k++) {
         char name[32];
         snprintf(name, sizeof name, orders[k] ? "Saltus, order %d" : "Saltus, automatic", orders[k]);
-        program p = flow_program(name, lanes, true);
-        p.own.order = orders[k];
+        const program p = {name, program_flow, .lanes = lanes, .order = orders[k]};
         if (!calibrate_one(s, p, 6.5, 8.5, 0.25))
             return false;
     }
@@ -161,8 +136,8 @@ static bool calibrate(sweep *s, bool rivals) {
  * impact. */
 static bool check(sweep *s) {
     const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC);
-    const own_request capped = {.lanes = lanes, .rtol = exact, .step_max = capped_step};
-    program list[rows_max];
+    const program capped = {.rtol = exact, .lanes = lanes, .step_max = capped_step};
+    program list[] = {{"flow", program_flow, OWN_TOLERANCE, .lanes = lanes}, engines[0]};
     const bool all = s->count == omegas_max;
     saltus_message message = {.text = ""};
     sweep_cost cost;
@@ -171,8 +146,6 @@ static bool check(sweep *s) {
         fprintf(stderr, "saltus_sweep_bench: steps of at most %g: %s\n", capped_step, message.text);
         return false;
     }
-    list_engines(list + 1);
-    list[0] = flow_program("flow", lanes, true);
     list[1].name = "sweep";
     for (int k = 0; k < (all ? 2 : 1); k++) {
         row r;
@@ -180,7 +153,7 @@ static bool check(sweep *s) {
             return false;
         printf("Counts of impacts, %s at rtol %.1e against rtol %.0e with steps of at most %g: of %d "
                "periodic omegas %d right, %d on another motion with every impact confirmed, %d wrong.\n",
-               list[k].name, own_tolerance, exact, capped_step, r.judged, r.right, r.elsewhere, r.wrong);
+               list[k].name, OWN_TOLERANCE, exact, capped_step, r.judged, r.right, r.elsewhere, r.wrong);
         wrong += r.wrong;
     }
     return wrong == 0;
@@ -224,24 +197,25 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
 
 static bool compare(sweep *s, bool rivals) {
     const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), flows = 3;
-    program list[2 * rows_max] = {flow_program("Saltus flow, all lanes", lanes, true),
-                                  flow_program("Saltus flow, one lane", 1, true),
-                                  flow_program("Saltus flow, all lanes, no stop", lanes, false)};
-    row rows[2 * rows_max], *engines = rows + flows;
-    const int sweeps = list_engines(list + flows);
-    if (!sweep_measure(s, list, flows + sweeps, own_repeats, rows) ||
-        !table_of_programs(s, rivals, lanes, rows, flows, engines))
+    program list[2 * rows_max] = {
+        {"Saltus flow, all lanes", program_flow, OWN_TOLERANCE, .lanes = lanes},
+        {"Saltus flow, one lane", program_flow, OWN_TOLERANCE, .lanes = 1},
+        {"Saltus flow, all lanes, no stop", program_flow, OWN_TOLERANCE, .unstopped = true, .lanes = lanes}};
+    row rows[2 * rows_max], *sweeps = rows + flows;
+    memcpy(list + flows, engines, sizeof engines);
+    if (!sweep_measure(s, list, flows + engine_count, own_repeats, rows) ||
+        !table_of_programs(s, rivals, lanes, rows, flows, sweeps))
         return false;
     printf("\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | "
            "max | right counts | elsewhere | wrong | right n/p |\n"
            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-    for (int k = 0; k < sweeps; k++) {
-        const row *r = &engines[k];
-        printf("| %s | %.1e | %.3f | %.3f | %.2f | %.0f |", r->program->name, r->program->tolerance,
-               r->cost.seconds, r->cost.wall, r->cost.seconds / engines->cost.seconds,
+    for (int k = 0; k < engine_count; k++) {
+        const row *r = &sweeps[k];
+        printf("| %s | %.1e | %.3f | %.3f | %.2f | %.0f |", r->program->name, r->program->rtol,
+               r->cost.seconds, r->cost.wall, r->cost.seconds / sweeps->cost.seconds,
                s->count / r->cost.wall);
         print_judgement(r);
-        if (r->program->stopped)
+        if (!r->program->unstopped)
             printf(" %d of %d |\n", r->labels, s->periodic);
         else
             printf(" - |\n");
@@ -249,7 +223,7 @@ static bool compare(sweep *s, bool rivals) {
     }
     printf("\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
            "one.\n",
-           lanes, engines[1].cost.seconds / engines->cost.seconds, engines->cost.wall / engines[2].cost.wall);
+           lanes, sweeps[1].cost.seconds / sweeps->cost.seconds, sweeps->cost.wall / sweeps[2].cost.wall);
     return true;
 }
 

@@ -51,15 +51,15 @@ static bool with_strobe(motion *motions, int count) {
 }
 
 saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
-    own_request request = {
+    program tight = {
         .lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), .rtol = exact, .strobe = true};
     sweep_cost cost;
     if (!with_strobe(s->reference, s->count) || !with_strobe(s->found, s->count))
         return SALTUS_NO_MEMORY;
-    saltus_status status = own_sweep(s->stopped, s->count, &request, s->reference, &cost, message);
-    request.rtol = more_exact;
+    saltus_status status = own_sweep(s->stopped, s->count, &tight, s->reference, &cost, message);
+    tight.rtol = more_exact;
     if (status == SALTUS_OK)
-        status = own_sweep(s->stopped, s->count, &request, s->found, &cost, message);
+        status = own_sweep(s->stopped, s->count, &tight, s->found, &cost, message);
     for (int k = 0; k < s->count && status == SALTUS_OK; k++) {
         const double *scale = saltus_system_scale(s->stopped[k]);
         double error;
@@ -76,10 +76,10 @@ saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
 static bool one_period(sweep *s, const program *p, const saltus_system *system, const double *state,
                        double *end, int *impacts) {
     if (p->kind != program_rival)
-        return own_period(system, &p->own, state, end, impacts, NULL) == SALTUS_OK;
+        return own_period(system, p, state, end, impacts, NULL) == SALTUS_OK;
     const rival_scene scene = rival_scene_of(saltus_system_spec(system), NULL);
     rival_result result = {.events = s->events, .capacity = rival_events_max, .state = end};
-    const bool done = p->run(&scene, state, 1, p->tolerance, p->tolerance, &result) == RIVAL_OK;
+    const bool done = p->run(&scene, state, 1, p->rtol, p->rtol, &result) == RIVAL_OK;
     *impacts = 0;
     for (int k = 0; k < result.count && k < result.capacity; k++)
         *impacts += s->events[k].kind == RIVAL_IMPACT;
@@ -89,13 +89,13 @@ static bool one_period(sweep *s, const program *p, const saltus_system *system, 
 /* Whether a program, continued from its own settled state, finds the same count in every period as exact
  * integration. */
 static bool counts_its_own(sweep *s, const program *p, int omega) {
-    const own_request request = {.rtol = exact};
+    const program tight = {.rtol = exact};
     double state[motion_dimension], next[motion_dimension], exact_next[motion_dimension];
     memcpy(state, s->found[omega].settled, sizeof state);
     for (int k = 0; k < recorded_periods; k++) {
         int impacts, exact_impacts;
         if (!one_period(s, p, s->stopped[omega], state, next, &impacts) ||
-            own_period(s->stopped[omega], &request, state, exact_next, &exact_impacts, NULL) != SALTUS_OK ||
+            own_period(s->stopped[omega], &tight, state, exact_next, &exact_impacts, NULL) != SALTUS_OK ||
             impacts != exact_impacts)
             return false;
         memcpy(state, next, sizeof state);
@@ -131,12 +131,12 @@ static void judge(sweep *s, const program *p, row *r) {
 }
 
 static bool run_saltus(sweep *s, const program *p, row *r) {
-    saltus_system *const *systems = p->stopped ? s->stopped : s->unstopped;
+    saltus_system *const *systems = p->unstopped ? s->unstopped : s->stopped;
     saltus_message message = {.text = ""};
     const sweep_cost before = r->cost;
     saltus_status status = p->kind == program_engine
-                               ? engine_sweep(&p->engine, s->found, &r->cost, &message)
-                               : own_sweep(systems, s->count, &p->own, s->found, &r->cost, &message);
+                               ? engine_sweep(p, s->found, &r->cost, &message)
+                               : own_sweep(systems, s->count, p, s->found, &r->cost, &message);
     if (status != SALTUS_OK) {
         fprintf(stderr, "saltus_sweep_bench: %s: %s\n", p->name, message.text);
         return false;
@@ -165,7 +165,7 @@ static void run_rival(sweep *s, const program *p, row *r) {
             rival_result result = {
                 .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
             memcpy(end, m->settled, sizeof end);
-            m->failed |= p->run(&scene, end, periods[stage], p->tolerance, p->tolerance, &result) != RIVAL_OK;
+            m->failed |= p->run(&scene, end, periods[stage], p->rtol, p->rtol, &result) != RIVAL_OK;
             for (int e = 0; e < result.count && e < result.capacity; e++) {
                 const rival_event *event = &result.events[e];
                 if (event->kind == RIVAL_IMPACT)
@@ -192,11 +192,11 @@ static bool measure(sweep *s, const program *p, bool judged, row *r) {
         return false;
     const bool engine = p->kind == program_engine;
     r->labels = 0;
-    for (int k = 0; k < s->count && judged && p->stopped && engine; k++)
+    for (int k = 0; k < s->count && judged && !p->unstopped && engine; k++)
         r->labels += s->period[k] > 0 && s->found[k].orbit_periods == s->period[k] &&
                      s->found[k].orbit_impacts == motion_orbit_impacts(&s->reference[k], s->period[k]);
     /* Only programs that record all impacts can be judged. */
-    if (judged && p->stopped && (!engine || (!p->engine.adaptive && p->engine.keep & SALTUS_KEEP_IMPACTS)))
+    if (judged && !p->unstopped && (!engine || (!p->adaptive && p->keep & SALTUS_KEEP_IMPACTS)))
         judge(s, p, r);
     return true;
 }

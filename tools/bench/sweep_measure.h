@@ -48,14 +48,29 @@ bool motion_agrees(const motion *reference, int period, const motion *m, bool in
 /* Number of impacts per period of a periodic motion; orbit_chatters if it sticks. */
 int motion_orbit_impacts(const motion *m, int period);
 
-/* sweep_own.c: Saltus' side. */
-typedef struct own_request {
-    int lanes;
-    double rtol;     /* atol is rtol / 1000 */
+typedef enum program_kind {
+    program_flow,   /* Saltus' flow, driven by this benchmark */
+    program_engine, /* Saltus' sweeps, with classification */
+    program_rival   /* another library's integrator */
+} program_kind;
+
+/* A program of the tables. Members that are not of its kind are ignored. */
+typedef struct program {
+    const char *name;
+    program_kind kind;
+    double rtol;    /* atol is rtol / 1000; of a rival, equal to it */
+    bool unstopped; /* the scene has no stop */
+    /* Saltus */
+    int lanes;       /* 0: all, of sweeps only */
     int order;       /* 0: automatic */
-    bool strobe;     /* record stroboscopic states */
-    double step_max; /* longest step in units of time; 0: no limit */
-} own_request;
+    double step_max; /* of the flow: longest step in units of time; 0: no limit */
+    bool strobe;     /* of the flow: record stroboscopic states */
+    int threads;
+    unsigned keep; /* bits SALTUS_KEEP_... */
+    bool adaptive; /* record as soon as the period is certain, at the latest after as many periods as
+                      otherwise */
+    rival_run run;
+} program;
 
 /* What a sweep cost. */
 typedef struct sweep_cost {
@@ -63,31 +78,22 @@ typedef struct sweep_cost {
     long long steps, evaluations;
 } sweep_cost;
 
+/* sweep_own.c: Saltus' side. */
 /* Advance one forcing period from `state` (both states have motion_dimension entries) and count the impacts,
  * without lanes and records. */
-saltus_status own_period(const saltus_system *system, const own_request *request, const double *state,
-                         double *end, int *impacts, saltus_message *message);
+saltus_status own_period(const saltus_system *system, const program *p, const double *state, double *end,
+                         int *impacts, saltus_message *message);
 
 /* Run every system from its default state and fill `motions` (length `count`). Errors: those of the flow. */
-saltus_status own_sweep(saltus_system *const *systems, int count, const own_request *request, motion *motions,
+saltus_status own_sweep(saltus_system *const *systems, int count, const program *p, motion *motions,
                         sweep_cost *cost, saltus_message *message);
-
-typedef struct engine_request {
-    int lanes, threads;
-    double rtol;   /* atol is rtol / 1000 */
-    unsigned keep; /* bits SALTUS_KEEP_... */
-    bool adaptive; /* record as soon as the period is certain, at the latest after as many periods as
-                      otherwise */
-    bool stopped;  /* whether the scene has the stop */
-} engine_request;
 
 /* The axis of all programs. */
 saltus_axis engine_axis(void);
 
 /* Sweep the whole axis and fill `motions` (length of the axis), with phases as times of impacts. Errors:
  * those of the sweep. */
-saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
-                           saltus_message *message);
+saltus_status engine_sweep(const program *p, motion *motions, sweep_cost *cost, saltus_message *message);
 
 enum { omegas_max = 1000, rival_events_max = 1 << 20 };
 
@@ -104,23 +110,6 @@ typedef struct sweep {
     int part;            /* rivals take every part-th omega */
     rival_event *events; /* storage for a rival's events */
 } sweep;
-
-typedef enum program_kind {
-    program_flow,   /* Saltus' flow, driven by this benchmark */
-    program_engine, /* Saltus' sweeps, with classification */
-    program_rival   /* another library's integrator, with atol equal to rtol */
-} program_kind;
-
-/* A program of the tables. */
-typedef struct program {
-    const char *name;
-    program_kind kind;
-    double tolerance;
-    own_request own;       /* options of the flow; for sweeps only the tolerance is used */
-    bool stopped;          /* whether the scene has the stop */
-    engine_request engine; /* options of the sweeps */
-    rival_run run;
-} program;
 
 /* A line of a table. */
 typedef struct row {

@@ -21,7 +21,7 @@ typedef struct lane_task {
 typedef struct worker {
     saltus_system *const *systems;
     int count, next; /* number of systems; the first one not yet taken by a lane */
-    const own_request *request;
+    const program *program;
     motion *motions;
     saltus_flow *flow;
     lane_task tasks[lanes_max];
@@ -30,18 +30,17 @@ typedef struct worker {
 } worker;
 
 /* The target times: the ends of the two stages, of each recorded period, or of each piece of a period. */
-static saltus_time target_time(const own_request *request, const lane_task *task) {
+static saltus_time target_time(const program *p, const lane_task *task) {
     const long k = task->target;
-    if (request->step_max > 0)
+    if (p->step_max > 0)
         return (saltus_time){(k + 1) / task->pieces, (double)((k + 1) % task->pieces) / (double)task->pieces};
-    if (request->strobe)
+    if (p->strobe)
         return (saltus_time){settling_periods + k, 0};
     return (saltus_time){k == 0 ? settling_periods : settling_periods + recorded_periods, 0};
 }
 
 static void aim(worker *w, int lane) {
-    const own_request *request = w->request;
-    const saltus_time target = target_time(request, &w->tasks[lane]);
+    const saltus_time target = target_time(w->program, &w->tasks[lane]);
     const bool recorded =
         target.cycle > settling_periods || (target.cycle == settling_periods && target.phase > 0);
     saltus_flow_aim(w->flow, lane, target, recorded ? SALTUS_WATCH_IMPACT : 0);
@@ -63,8 +62,8 @@ static saltus_status fill(worker *w, int lane) {
     if (status != SALTUS_OK)
         return status;
     task->index = index;
-    if (w->request->step_max > 0)
-        task->pieces = (long)ceil(saltus_system_period(system) / w->request->step_max);
+    if (w->program->step_max > 0)
+        task->pieces = (long)ceil(saltus_system_period(system) / w->program->step_max);
     motion_clear(&w->motions[index]);
     aim(w, lane);
     return SALTUS_OK;
@@ -75,7 +74,7 @@ static saltus_status reached(worker *w, int lane) {
     const saltus_time now = saltus_flow_time(w->flow, lane);
     motion *m = &w->motions[task->index];
     const bool whole = now.phase == 0 && now.cycle >= settling_periods;
-    if (whole && w->request->strobe)
+    if (whole && w->program->strobe)
         saltus_flow_state(w->flow, lane, m->strobe[now.cycle - settling_periods]);
     if (whole && now.cycle == settling_periods) {
         saltus_flow_state(w->flow, lane, m->settled);
@@ -98,7 +97,7 @@ static saltus_status run_lanes(worker *w) {
     saltus_event event;
     saltus_status status = SALTUS_OK;
     int live = 0;
-    for (int l = 0; l < w->request->lanes && status == SALTUS_OK; l++) {
+    for (int l = 0; l < w->program->lanes && status == SALTUS_OK; l++) {
         status = fill(w, l);
         live += w->tasks[l].index >= 0;
     }
@@ -118,29 +117,29 @@ static saltus_status run_lanes(worker *w) {
     return status;
 }
 
-static saltus_flow_options options_of(const own_request *request) {
+static saltus_flow_options options_of(const program *p) {
     saltus_flow_options options = saltus_flow_defaults();
-    options.rtol = request->rtol;
-    options.atol = 1e-3 * request->rtol;
-    options.order = request->order;
+    options.rtol = p->rtol;
+    options.atol = 1e-3 * p->rtol;
+    options.order = p->order;
     return options;
 }
 
-saltus_status own_sweep(saltus_system *const *systems, int count, const own_request *request, motion *motions,
+saltus_status own_sweep(saltus_system *const *systems, int count, const program *p, motion *motions,
                         sweep_cost *cost, saltus_message *message) {
     worker w = {.systems = systems,
                 .count = count,
-                .request = request,
+                .program = p,
                 .motions = motions,
                 .cost = cost,
                 .message = message};
     const saltus_system *first[lanes_max];
-    const saltus_flow_options options = options_of(request);
+    const saltus_flow_options options = options_of(p);
     *cost = (sweep_cost){0};
-    for (int l = 0; l < request->lanes && l < lanes_max; l++)
+    for (int l = 0; l < p->lanes && l < lanes_max; l++)
         first[l] = systems[0];
     const double cpu = processor_seconds(), wall = clock_seconds(CLOCK_MONOTONIC);
-    saltus_status status = saltus_flow_new(first, request->lanes, &options, &w.flow, message);
+    saltus_status status = saltus_flow_new(first, p->lanes, &options, &w.flow, message);
     if (status == SALTUS_OK)
         status = run_lanes(&w);
     saltus_flow_free(w.flow);
@@ -149,11 +148,11 @@ saltus_status own_sweep(saltus_system *const *systems, int count, const own_requ
     return status;
 }
 
-saltus_status own_period(const saltus_system *system, const own_request *request, const double *state,
-                         double *end, int *impacts, saltus_message *message) {
-    const saltus_flow_options options = options_of(request);
+saltus_status own_period(const saltus_system *system, const program *p, const double *state, double *end,
+                         int *impacts, saltus_message *message) {
+    const saltus_flow_options options = options_of(p);
     const double period = saltus_system_period(system);
-    const long pieces = request->step_max > 0 ? (long)ceil(period / request->step_max) : 1;
+    const long pieces = p->step_max > 0 ? (long)ceil(period / p->step_max) : 1;
     saltus_flow *flow = NULL;
     saltus_event event;
     saltus_status status = saltus_flow_single(system, 0, &options, &flow, message);
@@ -205,23 +204,22 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     return SALTUS_OK;
 }
 
-saltus_status engine_sweep(const engine_request *request, motion *motions, sweep_cost *cost,
-                           saltus_message *message) {
+saltus_status engine_sweep(const program *p, motion *motions, sweep_cost *cost, saltus_message *message) {
     saltus_scene scene;
     saltus_sweep *sweep = NULL;
     const saltus_axis axis = engine_axis();
     saltus_sweep_options options = saltus_sweep_defaults();
-    options.flow.rtol = request->rtol;
-    options.flow.atol = 1e-3 * request->rtol;
-    options.keep = request->keep;
-    options.adaptive = request->adaptive;
-    options.transient = request->adaptive ? settling_periods + recorded_periods : settling_periods;
+    options.flow.rtol = p->rtol;
+    options.flow.atol = 1e-3 * p->rtol;
+    options.keep = p->keep;
+    options.adaptive = p->adaptive;
+    options.transient = p->adaptive ? settling_periods + recorded_periods : settling_periods;
     options.record = recorded_periods;
-    options.lanes = request->lanes;
-    options.threads = request->threads;
+    options.lanes = p->lanes;
+    options.threads = p->threads;
     *cost = (sweep_cost){0};
     saltus_status status = saltus_scene_load("fig6", &scene, message);
-    if (!request->stopped)
+    if (p->unstopped)
         scene.spec.stop_count = 0;
     if (status == SALTUS_OK)
         status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, message);
