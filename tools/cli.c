@@ -4,6 +4,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "ranks.h"
+#include "record/output.h"
 #include "scene/scene.h"
 #include "target.h"
 
@@ -333,17 +334,17 @@ static bool choose_look(cli_request *request) {
         if (!isalpha((unsigned char)look->logarithmic[k][0]) || strpbrk(look->logarithmic[k], "~=:,. "))
             return cli_refuse(false, "--log %s: must be a parameter or what is shown, such as omega or speed",
                               look->logarithmic[k]);
-    if (look->script && !cli_ends_in(look->script, ".gp"))
+    if (look->script && !saltus_path_ends(look->script, ".gp"))
         return cli_refuse(false, "--keep-script %s: the ending must be .gp", look->script);
     saltus_message message = {.text = ""};
-    bool drawn =
-        output && (cli_ends_in(output, ".png") || cli_ends_in(output, ".pdf") || cli_ends_in(output, ".svg"));
+    bool drawn = output && (saltus_path_ends(output, ".png") || saltus_path_ends(output, ".pdf") ||
+                            saltus_path_ends(output, ".svg"));
     const char *given = size               ? "--size"
                         : look->script     ? "--keep-script"
                         : look->title      ? "--title"
                         : look->no_heading ? "--no-heading"
                                            : NULL;
-    if (!drawn && given && (!output || cli_ends_in(output, ".csv")))
+    if (!drawn && given && (!output || saltus_path_ends(output, ".csv")))
         return cli_refuse(false, "%s: there is no figure: -o file.png, file.pdf or file.svg is needed",
                           given);
     if (!drawn || saltus_figure_check(output, look, &message) == SALTUS_OK)
@@ -588,11 +589,6 @@ saltus_status cli_tell_written(const cli_request *request, const char *what, sal
     if (status == SALTUS_OK && !cli_given(request, "--quiet") && !request->to_stdout)
         printf("%s: %s\n", what, request->output);
     return status;
-}
-
-bool cli_ends_in(const char *path, const char *ending) {
-    size_t length = strlen(path), part = strlen(ending);
-    return length >= part && strcmp(path + length - part, ending) == 0;
 }
 
 bool cli_shows_progress(const cli_request *request) {

@@ -221,7 +221,6 @@ bool cli_choose(const cli_request *request, const char *flag, const char *const 
 /* Print "figure: file" on stdout if writing succeeded, unless --quiet was given or the result goes to stdout.
  * Returns `status`. */
 saltus_status cli_tell_written(const cli_request *request, const char *what, saltus_status status);
-bool cli_ends_in(const char *path, const char *ending);
 /* Print the motion as text, or with --json as one JSON object. */
 void cli_print_motion(const cli_request *request, const cli_setup *setup, const saltus_motion *motion);
 /* The options of classification, with a progress line if progress is shown. */

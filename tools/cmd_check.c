@@ -3,6 +3,7 @@
 #include "cli.h"
 #include "flow/fixed.h"
 #include "interrupt.h"
+#include "record/describe.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,25 +13,14 @@ static const cli_option derivatives =
     CLI_OPTION("--derivatives", CLI_FLAG, NULL, "compare all derivatives with differences of whole runs");
 
 static void print_stop(const saltus_spec *spec, int s) {
-    const saltus_model *model = spec->model;
     const saltus_stop *stop = &spec->stops[s];
-    const char *coordinate = saltus_stop_text(spec, s, SALTUS_STOP_COORDINATE);
-    static const char *const sides[] = {"", "upper", "lower", "both"};
     const char *law = saltus_restitution_law(spec, s);
-    printf("stop %d: %s side%s, d = %g, r = %g, ", s + 1, sides[stop->sides],
+    printf("stop %d: %s side%s, d = %g, r = %g, ", s + 1, saltus_sides_word(stop->sides),
            stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
     if (law)
         printf("which is the limit of %s at small closing speeds, ", law);
-    if (coordinate) {
-        printf("coordinate = %s\n", coordinate);
-        return;
-    }
-    int count;
-    const double *place = saltus_stop_place(model, stop, &count);
-    printf("%s = %s", saltus_model_stop_key(model), count > 1 ? "[" : "");
-    for (int k = 0; k < count; k++)
-        printf("%s%g", k ? ", " : "", place[k]);
-    puts(count > 1 ? "]" : "");
+    saltus_put_stop_place(stdout, spec, s, 6);
+    fputc('\n', stdout);
 }
 
 /* The entries of the state, and the equations of a text model. */

@@ -5,6 +5,7 @@
 #include "interrupt.h"
 #include "paper.h"
 #include "ranks.h"
+#include "record/output.h"
 
 #include <errno.h>
 #include <string.h>
@@ -92,7 +93,7 @@ static int run_line(const cli_request *request, const char *folder, bool checkin
         return CLI_DONE;
     for (int k = 1; k < count; k++)
         for (size_t e = 0; e < sizeof endings / sizeof endings[0]; e++)
-            if (moved < files_max && cli_ends_in(words[k], endings[e])) {
+            if (moved < files_max && saltus_path_ends(words[k], endings[e])) {
                 snprintf(files[moved], sizeof files[moved], "%s/%s", folder, words[k]);
                 words[k] = files[moved++];
                 break;

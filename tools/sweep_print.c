@@ -3,6 +3,7 @@
 
 #include "base/field.h"
 #include "ranks.h"
+#include "record/output.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -177,7 +178,7 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
     share *shares = NULL;
     sweep_tally none = {0};
     saltus_status status = SALTUS_OK;
-    bool read = (order->basins || report->computed < report->rows) && cli_ends_in(order->path, ".h5");
+    bool read = (order->basins || report->computed < report->rows) && saltus_path_ends(order->path, ".h5");
     if (read)
         status = saltus_sweep_file_read(order->path, &file, message);
     /* After a resumed run, count all rows of the file. */
@@ -291,7 +292,7 @@ int sweep_command(const cli_request *request, bool basins, const saltus_sweep_op
     /* Defaults for --what: clouds for diagrams over one parameter, only classes over two. CSV files hold only
      * rows. */
     if (status == SALTUS_OK && !basins && !cli_given(request, "--what") &&
-        cli_values(request, "--over")->count == 1 && !cli_ends_in(request->output, ".csv"))
+        cli_values(request, "--over")->count == 1 && !saltus_path_ends(request->output, ".csv"))
         how.keep = SALTUS_KEEP_TURNING | (scene.spec.stop_count ? SALTUS_KEEP_IMPACTS : 0);
     if (status == SALTUS_OK)
         status = make_sweep(request, basins, &scene, &how, &sweep, &message);

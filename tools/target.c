@@ -2,6 +2,7 @@
 #include "target.h"
 
 #include "interrupt.h"
+#include "record/output.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -30,12 +31,9 @@ __attribute__((format(printf, 3, 4))) static int refuse(int code, const place *p
 }
 
 static bool has_ending(const char *path, const char *const *endings) {
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
-    for (; *endings; endings++)
-        if (strlen(name) > strlen(*endings) && cli_ends_in(name, *endings))
-            return true;
-    return false;
+    while (*endings && !saltus_path_ends(path, *endings))
+        endings++;
+    return *endings;
 }
 
 /* Write a list of endings: ".png, .pdf or .svg". */
@@ -98,10 +96,10 @@ static const char *input_that_is(const cli_request *request, const struct stat *
  * word. "": it will write nothing and explain why. */
 static void choose_kind(const cli_command *command, const cli_request *request, const place *p,
                         char kind[32]) {
-    const bool table = cli_ends_in(p->path, ".csv");
+    const bool table = saltus_path_ends(p->path, ".csv");
     kind[0] = '\0';
-    if (!table && !cli_ends_in(p->path, ".h5"))
-        strcpy(kind, cli_ends_in(p->path, ".gp") ? "script" : "picture");
+    if (!table && !saltus_path_ends(p->path, ".h5"))
+        strcpy(kind, saltus_path_ends(p->path, ".gp") ? "script" : "picture");
     else if (command->kind)
         snprintf(kind, 32, "%s%s", cli_given(request, "--locus") ? "locus" : command->kind,
                  table ? " table" : "");

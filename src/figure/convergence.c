@@ -126,7 +126,7 @@ saltus_status saltus_convergence_check(const char *path, saltus_message *message
                            path);
     if (stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
         return SALTUS_OK;
-    return saltus_output_test(path, message);
+    return saltus_output_test(path, false, message);
 }
 
 saltus_status saltus_write_convergence(const char *path, const saltus_scene *scene,

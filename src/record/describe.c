@@ -116,8 +116,7 @@ void saltus_put_section(FILE *file, const saltus_system *system) {
         fputs("the maxima of the displacement", file);
 }
 
-/* Where a stop acts, as `key = value` with `digits` digits. */
-static void put_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
+void saltus_put_stop_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
     int count;
     char text[SALTUS_NUMBER_MAX];
     const double *place = saltus_stop_place(spec->model, &spec->stops[stop], &count);
@@ -135,7 +134,7 @@ static void put_place(FILE *file, const saltus_spec *spec, int stop, int digits)
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop) {
     const saltus_stop *s = &spec->stops[stop];
     char d[SALTUS_NUMBER_MAX], r[SALTUS_NUMBER_MAX];
-    put_place(file, spec, stop, 17);
+    saltus_put_stop_place(file, spec, stop, 17);
     const char *law = saltus_restitution_law(spec, stop);
     fprintf(file, ", d = %s, r = %s, sides = %s", saltus_number(s->d, d), law ? law : saltus_number(s->r, r),
             saltus_sides_word(s->sides));
@@ -191,7 +190,7 @@ void saltus_put_scene(FILE *file, const saltus_scene *scene, const saltus_system
     for (int s = 0; s < spec->stop_count; s++) {
         const saltus_stop *stop = &spec->stops[s];
         fprintf(file, "  stop %-9d", s + 1);
-        put_place(file, spec, s, 10);
+        saltus_put_stop_place(file, spec, s, 10);
         const char *law = saltus_restitution_law(spec, s);
         char r[32];
         snprintf(r, sizeof r, "%.10g", stop->r);

@@ -39,6 +39,8 @@ double saltus_impacts_per_response(const saltus_system *system, const saltus_mot
 bool saltus_parameter_shown(const saltus_spec *spec, int k);
 /* The section of a scene without forcing: "the maxima of the displacement", "the impacts on stop 1", ... */
 void saltus_put_section(FILE *file, const saltus_system *system);
+/* Where a stop acts, as `key = value` with so many digits. */
+void saltus_put_stop_place(FILE *file, const saltus_spec *spec, int stop, int digits);
 /* A stop as `key = value` phrases with all digits. */
 void saltus_put_stop(FILE *file, const saltus_spec *spec, int stop);
 /* The comment lines at the head of a CSV table: what it is, scene, label of the motion (NULL: omitted),

@@ -155,8 +155,11 @@ saltus_status saltus_output_close(saltus_output *output, saltus_status status, s
     return status;
 }
 
-saltus_status saltus_output_test(const char *path, saltus_message *message) {
+saltus_status saltus_output_test(const char *path, bool plain, saltus_message *message) {
+    struct stat facts;
     saltus_output output;
+    if (plain && stat(path, &facts) == 0 && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", path);
     saltus_status status = saltus_output_open(&output, path, message);
     if (status == SALTUS_OK)
         saltus_output_close(&output, SALTUS_IO, NULL);

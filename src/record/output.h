@@ -23,8 +23,9 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
  * if something could not be written; nothing is left behind. */
 saltus_status saltus_output_close(saltus_output *output, saltus_status status, saltus_message *message);
 
-/* Test whether the file could be written; nothing is left behind. Errors as saltus_output_open. */
-saltus_status saltus_output_test(const char *path, saltus_message *message);
+/* Test whether the file could be written; nothing is left behind. `plain`: devices and pipes are refused,
+ * SALTUS_BAD_INPUT. Errors as saltus_output_open. */
+saltus_status saltus_output_test(const char *path, bool plain, saltus_message *message);
 
 /* Read `size` bytes at an offset of an open file and return the number read. If fewer, errno has the reason:
  * EIO at the end of the file. */
