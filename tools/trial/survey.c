@@ -20,31 +20,22 @@ void trial_label(const trial_cell *cell, char label[trial_label_max]) {
         snprintf(label, trial_label_max, "%s", trial_kind_words[cell->kind]);
 }
 
-static saltus_status write_survey(const trial_survey *survey, const char *path, saltus_message *message) {
-    FILE *file = fopen(path, "w");
-    if (!file)
-        return saltus_fail(message, SALTUS_IO, "cannot write %s", path);
-    fprintf(file, "# saltus %s, %d values\n%s\n", SALTUS_VERSION, survey->values, columns);
+static void write_survey(const trial_survey *survey, FILE *file) {
+    fprintf(file, "%d values\n%s\n", survey->values, columns);
     for (int k = 0; k < survey->values * trial_starts; k++) {
         const trial_cell *c = &survey->cells[k];
         fprintf(file, "%.17g,%d,%s,%d,%d,%d,%.8g,%.8g,%.8g,%.8g,%.8g,%.8g\n", c->value, c->start,
                 trial_kind_words[c->kind], c->impacts, c->periods, c->chaotic, c->lyapunov, c->rate, c->speed,
                 c->contact, c->reach, c->depth);
     }
-    bool bad = ferror(file);
-    return fclose(file) || bad ? saltus_fail(message, SALTUS_IO, "cannot write %s", path) : SALTUS_OK;
 }
 
-/* Whether the file holds this survey, made by this version. */
-static bool read_survey(trial_survey *survey, const char *path) {
-    char version[32], names[sizeof columns + 1], word[16];
+/* Whether the file holds this survey. */
+static bool read_survey(trial_survey *survey, FILE *file) {
+    char names[sizeof columns + 1], word[16];
     int values = 0, chaotic, kind = 0;
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return false;
-    bool read = fscanf(file, "# saltus %31[^,], %d values\n", version, &values) == 2 &&
-                fgets(names, sizeof names, file) && values == survey->values &&
-                strcmp(version, SALTUS_VERSION) == 0 && strncmp(names, columns, sizeof columns - 1) == 0;
+    bool read = fscanf(file, "%d values\n", &values) == 1 && fgets(names, sizeof names, file) &&
+                values == survey->values && strncmp(names, columns, sizeof columns - 1) == 0;
     for (int k = 0; k < values * trial_starts && read; k++) {
         trial_cell *c = &survey->cells[k];
         read = fscanf(file, "%lf,%d,%15[a-z],%d,%d,%d,%lf,%lf,%lf,%lf,%lf,%lf\n", &c->value, &c->start, word,
@@ -81,25 +72,28 @@ static saltus_status open_survey(const trial_figure *figure, double h, const tri
 
 saltus_status trial_survey_get(const trial_figure *figure, double h, const trial_request *request,
                                trial_survey *survey, saltus_message *message) {
-    char path[512] = "";
+    char name[64];
+    snprintf(name, sizeof name, h > 0 ? "figure%s-naive-%g" : "figure%s-exact", figure->name, h);
     saltus_status status = open_survey(figure, h, request, survey, message);
-    if (status != SALTUS_OK)
-        return status;
-    if (request->keep) {
-        char method[32] = "exact";
-        if (h > 0)
-            snprintf(method, sizeof method, "naive-%g", h);
-        snprintf(path, sizeof path, "%s/figure%s-%s%s.csv", request->keep, figure->name, method,
-                 request->quick ? "-quick" : "");
-        if (read_survey(survey, path))
-            return SALTUS_OK;
+    FILE *kept = status == SALTUS_OK ? trial_kept(request, name) : NULL;
+    if (kept && read_survey(survey, kept))
+        return SALTUS_OK;
+    if (kept) {
         trial_survey_clear(survey);
         status = open_survey(figure, h, request, survey, message);
     }
     if (status == SALTUS_OK)
         status = h > 0 ? trial_survey_naive(survey, message) : trial_survey_exact(survey, message);
-    if (status == SALTUS_OK && request->keep)
-        status = write_survey(survey, path, message);
+    if (status == SALTUS_OK && request->keep) {
+        FILE *stream = tmpfile();
+        if (stream)
+            write_survey(survey, stream);
+        stream = stream ? trial_keep(request, name, stream) : NULL;
+        if (stream)
+            fclose(stream);
+        else
+            status = saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", name, request->keep);
+    }
     if (status != SALTUS_OK)
         trial_survey_clear(survey);
     return status;
