@@ -8,7 +8,7 @@
 
 #include "measure.h"
 
-enum { stretches = 9, lanes_max = 16 };
+enum { stretches = 9 };
 
 /* Features switched on in a run. */
 typedef struct asked {
@@ -235,100 +235,6 @@ static bool cost_of_choice(cost_table *costs, int settle, int length) {
     return true;
 }
 
-/* Trajectories side by side, each with its own omega, over the same periods. */
-static bool cost_of_lanes(cost_table *costs, int settle, int length) {
-    const saltus_flow_options options = saltus_flow_defaults();
-    const asked a = {.stop = true, .d = 0.035};
-    saltus_system *systems[lanes_max] = {NULL};
-    double state[SALTUS_SCENE_STATE_MAX], seconds[stretches], base = NAN;
-    bool done = true;
-    for (int l = 0; l < lanes_max && done; l++) {
-        saltus_spec spec = pipe_of(42 + 0.01 * l, 5);
-        set_stop(&spec, &a);
-        done = saltus_system_new(&spec, &systems[l], NULL) == SALTUS_OK;
-    }
-    const int width = done ? saltus_flow_width(systems[0], SALTUS_AUTOMATIC) : 0;
-    for (int lanes = 1; lanes <= lanes_max && lanes <= width && done; lanes *= 2) {
-        char what[96];
-        spent s = {.steps = NAN, .impacts = NAN, .evaluations = NAN};
-        saltus_flow *flow = NULL;
-        saltus_event event;
-        done =
-            saltus_flow_new((const saltus_system *const *)systems, lanes, &options, &flow, NULL) == SALTUS_OK;
-        for (int l = 0; l < lanes && done; l++)
-            done = saltus_system_default_state(systems[l], state, NULL) == SALTUS_OK &&
-                   saltus_flow_start(flow, l, (saltus_time){0, 0}, state, NULL) == SALTUS_OK;
-        for (int k = -1; k < stretches && done; k++) {
-            const double start = processor_seconds();
-            for (int l = 0; l < lanes; l++)
-                saltus_flow_aim(flow, l, (saltus_time){settle + (k + 1LL) * length, 0}, 0);
-            for (int arrived = 0, lane; arrived < lanes && done; arrived++)
-                done = saltus_flow_run(flow, &lane, &event, NULL) == SALTUS_OK;
-            if (k >= 0)
-                seconds[k] = (processor_seconds() - start) / ((double)length * lanes);
-        }
-        saltus_flow_free(flow);
-        if (!done)
-            break;
-        s.us = 1e6 * median(seconds, stretches);
-        base = lanes == 1 ? s.us : base;
-        snprintf(what, sizeof what, "%d lane%s", lanes, lanes > 1 ? "s" : "");
-        add_row(costs, "lanes", what, &s, base);
-    }
-    for (int l = 0; l < lanes_max; l++)
-        saltus_system_free(systems[l]);
-    return done;
-}
-
-/* A feed that hands out every task of a sweep and drops its results. */
-typedef struct tasks {
-    long long next, count;
-} tasks;
-
-static long long next_task(void *context) {
-    tasks *t = context;
-    return t->next < t->count ? t->next++ : -1;
-}
-
-static saltus_status drop_result(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    (void)context, (void)result, (void)message;
-    return SALTUS_OK;
-}
-
-static bool cost_of_threads(cost_table *costs, bool quick) {
-    enum { repeats = 3 };
-    const int points = quick ? 64 : 256, periods = quick ? 200 : 400;
-    const saltus_axis axis = {"omega", SALTUS_LINEAR, points, 40, 44, NULL};
-    saltus_scene scene;
-    double seconds[repeats], base = NAN;
-    saltus_sweep_options options = saltus_sweep_defaults();
-    options.adaptive = false;
-    options.transient = periods / 2;
-    options.record = periods - periods / 2;
-    for (options.threads = 1; options.threads <= 2; options.threads++) {
-        saltus_sweep *sweep = NULL;
-        bool done = saltus_scene_load("fig6", &scene, NULL) == SALTUS_OK &&
-                    saltus_sweep_new(&scene, &axis, 1, &options, &sweep, NULL) == SALTUS_OK;
-        for (int k = 0; k < repeats && done; k++) {
-            tasks all = {0, saltus_sweep_tasks(sweep)};
-            const saltus_sweep_feed feed = {.context = &all, .next = next_task, .take = drop_result};
-            const double start = clock_seconds(CLOCK_MONOTONIC);
-            done = saltus_sweep_run(sweep, &feed, NULL) == SALTUS_OK;
-            seconds[k] = (clock_seconds(CLOCK_MONOTONIC) - start) / ((double)points * periods);
-        }
-        saltus_sweep_free(sweep);
-        if (!done)
-            return false;
-        spent s = {.us = 1e6 * median(seconds, repeats), .steps = NAN, .impacts = NAN, .evaluations = NAN};
-        char what[96];
-        base = options.threads == 1 ? s.us : base;
-        snprintf(what, sizeof what, "%d thread%s, wall time", options.threads,
-                 options.threads > 1 ? "s" : "");
-        add_row(costs, "threads", what, &s, base);
-    }
-    return true;
-}
-
 /* Classification compared with the flow over the same periods until it settles. */
 static bool cost_of_classification(cost_table *costs) {
     enum { repeats = 5 };
@@ -368,8 +274,7 @@ static bool cost_of_classification(cost_table *costs) {
 bool cost_measure(cost_table *costs, bool quick) {
     const int settle = quick ? 50 : 100, length = quick ? 20 : 100;
     return cost_of_features(costs, settle, 4 * length) && cost_of_terms(costs, length / 5) &&
-           cost_of_classification(costs) && cost_of_lanes(costs, settle, 2 * length) &&
-           cost_of_threads(costs, quick) && cost_of_modes(costs, settle, length / 2) &&
+           cost_of_classification(costs) && cost_of_modes(costs, settle, length / 2) &&
            cost_of_choice(costs, settle, length / 2);
 }
 
@@ -411,20 +316,14 @@ static void print_table(FILE *file, const cost_table *costs, const char *table, 
 }
 
 void cost_print(FILE *file, const cost_table *costs) {
-    static const char *const others[] = {"classification", "lanes", "threads"};
     if (costs->count == 0)
         return;
     print_table(file, costs, "features", "what you pay for (pipe, N = 5, omega = 42)", "µs a period");
     print_table(file, costs, "terms", "terms of the field (u0 = 2, alpha = 0)", "µs a step");
-    fprintf(file, "| verdicts, and many trajectories (d = 0.035) | µs a period of one | ratio |\n"
-                  "| --- | --- | --- |\n");
-    for (int t = 0; t < 3; t++)
-        for (int k = 0; k < costs->count; k++)
-            if (strcmp(costs->rows[k].table, others[t]) == 0)
-                fprintf(file, "| %s | %.4g | %.2f |\n", costs->rows[k].what, costs->rows[k].us,
-                        costs->rows[k].ratio);
-    fprintf(file, "\nSettled motion, rtol 1e-13; threads: a sweep over omega at rtol 1e-10. Evaluations of "
-                  "the field: orders of a Taylor series, or nodes of all sweeps of collocation.\n\n");
+    print_table(file, costs, "classification", "a verdict (d = 0.035)", "µs a period");
+    fprintf(file,
+            "Settled motion, rtol 1e-13. Evaluations of the field: orders of a Taylor series, or nodes of "
+            "all sweeps of collocation.\n\n");
     print_table(file, costs, "modes", "modes (ratio to N = 5)", "µs a period");
     fprintf(file, "The integrator that is chosen, rtol 1e-10, and the ratio to the other one.\n\n");
     print_table(file, costs, "choice", "choice of the integrator", "µs a period");

@@ -1,4 +1,4 @@
-/* Cost of Saltus' features: modes, lanes, threads, events, dense output, tangent vectors, classification.
+/* Cost of Saltus' features: modes, events, dense output, tangent vectors, classification.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_COST_H
 #define SALTUS_BENCH_COST_H
@@ -12,7 +12,7 @@ enum { cost_rows_max = 96 };
 typedef struct cost_row {
     const char *table;
     char what[96];
-    double us;          /* CPU time per forcing period and trajectory; for threads wall time */
+    double us;          /* CPU time per forcing period */
     double steps;       /* integrator steps per period */
     double evaluations; /* field evaluations per step; for Taylor series orders expanded */
     double impacts;     /* per period */
