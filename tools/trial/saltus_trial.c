@@ -5,10 +5,9 @@
  *     saltus_trial naive-figures         where it differs, figure by figure; naive-claims: claim by claim
  *     saltus_trial naive-points          the data of data/figures/naive.png
  *     saltus_trial page FOLDER           everything, as paper.md and paper/ in the folder
- *     saltus_trial survey 5 [0.001]      one figure's trajectories, exact or by the naive method (step 0.001)
  *
- * Options: --quick is coarser; --keep FOLDER stores finished surveys and reuses those stored. Run it in the
- * project's folder, which contains data/reference.
+ * Options: --quick is coarser; --keep FOLDER stores finished surveys, a trajectory on each line, and reuses
+ * those stored. Run it in the project's folder, which contains data/reference.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "claims.h"
 
@@ -51,24 +50,6 @@ static saltus_status print_steps(trial_bench *bench, saltus_message *message) {
     return status;
 }
 
-static saltus_status print_survey(const char *figure, const char *step, trial_bench *bench,
-                                  saltus_message *message) {
-    trial_survey survey = {0};
-    char label[trial_label_max];
-    const trial_figure *wanted = trial_figure_find(figure);
-    if (!wanted)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "no figure %s: 2, 4a, 4b, 5, 6, 8a, 8b or 8c", figure);
-    saltus_status status = trial_survey_get(wanted, step ? atof(step) : 0, &bench->request, &survey, message);
-    for (int k = 0; status == SALTUS_OK && k < survey.values * trial_starts; k++) {
-        const trial_cell *cell = &survey.cells[k];
-        trial_label(cell, label);
-        printf("%s %g start %d: %s, %.3f impacts per period\n", wanted->key, cell->value, cell->start, label,
-               cell->rate);
-    }
-    trial_survey_clear(&survey);
-    return status;
-}
-
 /* Execute one word of the command line; `next` points to the word after it, or is NULL. */
 static saltus_status obey(const char *word, char *const *next, trial_bench *bench, saltus_message *message) {
     if (find_claim(word))
@@ -83,11 +64,9 @@ static saltus_status obey(const char *word, char *const *next, trial_bench *benc
         return trial_write_step_points(stdout, bench->request.quick, message);
     if (strcmp(word, "page") == 0 && next[0])
         return trial_write_page(bench, next[0], message);
-    if (strcmp(word, "survey") == 0 && next[0])
-        return print_survey(next[0], next[1], bench, message);
     return saltus_fail(message, SALTUS_BAD_INPUT,
-                       "no claim %s: F2a ... F8, naive, naive-figures, naive-claims, naive-points, page "
-                       "FOLDER or survey FIGURE [STEP]",
+                       "no claim %s: F2a ... F8, naive, naive-figures, naive-claims, naive-points or page "
+                       "FOLDER",
                        word);
 }
 
@@ -115,17 +94,14 @@ int main(int count, char **arguments) {
     char **words = count > 1 ? read_options(arguments + 1, &bench.request) : NULL;
     if (!words || !*words) {
         fprintf(stderr, "usage: saltus_trial [--quick] [--keep FOLDER] CLAIM ... | naive | naive-figures | "
-                        "naive-claims | naive-points | page FOLDER | survey FIGURE [STEP]\n");
+                        "naive-claims | naive-points | page FOLDER\n");
         return bad_input;
     }
     if (bench.request.keep && mkdir(bench.request.keep, 0777) && errno != EEXIST)
         status = saltus_fail(&message, SALTUS_IO, "cannot make the folder %s", bench.request.keep);
-    bool one = strcmp(*words, "page") == 0 || strcmp(*words, "survey") == 0;
-    for (; *words && status == SALTUS_OK; words++) {
+    const bool page = strcmp(*words, "page") == 0;
+    for (; status == SALTUS_OK && *words; words += 1 + page)
         status = obey(*words, words + 1, &bench, &message);
-        if (one)
-            break;
-    }
     trial_bench_clear(&bench);
     if (status != SALTUS_OK)
         fprintf(stderr, "saltus_trial: %s\n", message.text);
