@@ -152,13 +152,6 @@ static bool set_members(const saltus_option *option, const char *text, cli_reque
     return true;
 }
 
-static bool find_entry(const cli_command *command, const char *flag, cli_entry *entry) {
-    for (int k = 0; cli_entry_at(command, k, entry); k++)
-        if (strcmp(entry->flag, flag) == 0)
-            return true;
-    return false;
-}
-
 const cli_list *cli_values(const cli_request *request, const char *flag) {
     static const cli_list none = {.count = 0};
     for (int k = 0; k < request->given_count; k++)
@@ -220,7 +213,10 @@ static int take_option(int count, char **arguments, cli_request *request) {
         request->help = true;
         return 1;
     }
-    if (!find_entry(command, name, &entry))
+    int number = 0;
+    while (cli_entry_at(command, number, &entry) && strcmp(entry.flag, name) != 0)
+        number++;
+    if (!cli_entry_at(command, number, &entry))
         return cli_refuse(0, "%s: unknown option of saltus %s; see saltus %s --help", name, command->name,
                           command->name);
     const cli_option *own = entry.own;
@@ -437,27 +433,23 @@ saltus_status cli_apply_settings(const cli_request *request, saltus_scene *scene
     return SALTUS_OK;
 }
 
-/* Read a scene from standard input. */
-static saltus_status read_stdin(saltus_scene *scene, saltus_message *message) {
+saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message) {
     enum { most = 1 << 20 };
-    char *text = malloc(most);
-    if (!text)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the scene");
-    size_t length = fread(text, 1, most, stdin);
+    const bool piped = strcmp(name, "-") == 0;
     saltus_status status;
-    if (ferror(stdin))
+    char *text = piped ? malloc(most) : NULL;
+    const size_t length = text ? fread(text, 1, most, stdin) : 0;
+    if (!piped)
+        status = saltus_scene_load(name, scene, message);
+    else if (!text)
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the scene");
+    else if (ferror(stdin))
         status = saltus_fail(message, SALTUS_BAD_INPUT, "standard input cannot be read: %s", strerror(errno));
     else if (length == most)
         status = saltus_fail(message, SALTUS_BAD_INPUT, "standard input: is too long for a scene");
     else
         status = saltus_scene_parse(text, length, "stdin", scene, message);
     free(text);
-    return status;
-}
-
-saltus_status cli_read_scene(const char *name, saltus_scene *scene, saltus_message *message) {
-    saltus_status status =
-        strcmp(name, "-") == 0 ? read_stdin(scene, message) : saltus_scene_load(name, scene, message);
     return status == SALTUS_IO ? SALTUS_BAD_INPUT : status;
 }
 

@@ -30,18 +30,14 @@ static long announced(void) {
     return most;
 }
 
-/* This rank according to the environment; 0 if it does not say. */
-static long announced_here(void) {
+/* The first rank speaks, as far as the environment tells which it is. */
+static bool refuse(long count, const char *why) {
     static const char *const places[] = {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK",
                                          "MV2_COMM_WORLD_RANK", "SLURM_PROCID"};
-    for (size_t k = 0; k < sizeof places / sizeof places[0]; k++)
-        if (getenv(places[k]))
-            return number_in(places[k]);
-    return 0;
-}
-
-static bool refuse(long count, const char *why) {
-    if (announced_here() == 0)
+    size_t k = 0;
+    while (k < sizeof places / sizeof places[0] && !getenv(places[k]))
+        k++;
+    if (k == sizeof places / sizeof places[0] || number_in(places[k]) == 0)
         fprintf(stderr, "saltus: started as %ld processes together, but %s\n", count, why);
     return false;
 }

@@ -32,20 +32,6 @@ static double percent(long long part, long long whole) {
     return whole > 0 ? 100 * (double)part / (double)whole : 0;
 }
 
-static void print_classes(const sweep_tally *tally, long long rows) {
-    long long rest = rows;
-    printf("%-16s %12s %9s\n", "motion", "trajectories", "share");
-    for (int k = 0; k < tally->count && k < lines_max; k++) {
-        printf("%-16s %12lld %7.2f %%\n", tally->classes[k].label, tally->classes[k].count,
-               percent(tally->classes[k].count, rows));
-        rest -= tally->classes[k].count;
-    }
-    char others[32];
-    snprintf(others, sizeof others, "%d others", tally->count - lines_max);
-    if (tally->count > lines_max)
-        printf("%-16s %12lld %7.2f %%\n", others, rest, percent(rest, rows));
-}
-
 /* Trajectories without an attractor, by what is told of each. */
 static saltus_status count_others(const saltus_sweep_file *file, sweep_tally *others,
                                   saltus_message *message) {
@@ -55,23 +41,6 @@ static saltus_status count_others(const saltus_sweep_file *file, sweep_tally *ot
             status = sweep_tally_add(others, &file->rows[k], message);
     sweep_tally_sort(others);
     return status;
-}
-
-static void print_attractors(const saltus_sweep_file *file, const share *shares, const sweep_tally *none) {
-    printf("%-20s %12s %9s %18s\n", "attractor", "trajectories", "share", "largest multiplier");
-    for (int k = 0; k < file->attractor_count && k < lines_max; k++) {
-        int a = shares[k].attractor;
-        printf("%-20s %12lld %7.2f %% %18.4g\n", file->attractor_label[a], shares[k].count,
-               percent(shares[k].count, file->row_count), file->attractor_multiplier[a]);
-    }
-    if (file->attractor_count > lines_max)
-        printf("%d others\n", file->attractor_count - lines_max);
-    for (int k = 0; k < none->count; k++) {
-        char text[SALTUS_LABEL_MAX + 16];
-        snprintf(text, sizeof text, "none: %s", none->classes[k].label);
-        printf("%-20s %12lld %7.2f %%\n", text, none->classes[k].count,
-               percent(none->classes[k].count, file->row_count));
-    }
 }
 
 /* Number of trajectories in the tally: all in the file, or without a file those of this run. */
@@ -126,10 +95,31 @@ static void print_table(const sweep_order *order, const sweep_report *report, co
            order->quiet       ? ""
            : order->to_stdout ? "standard output"
                               : order->path);
+    /* Of basins the attractors, and what came to none; of sweeps the motions. */
+    const long long all = shares ? file->row_count : counted(report);
+    const sweep_tally *tally = shares ? none : &report->tally;
+    long long rest = all;
     if (shares)
-        print_attractors(file, shares, none);
-    else if (report->tally.count)
-        print_classes(&report->tally, counted(report));
+        printf("%-20s %12s %9s %18s\n", "attractor", "trajectories", "share", "largest multiplier");
+    else if (tally->count)
+        printf("%-16s %12s %9s\n", "motion", "trajectories", "share");
+    for (int k = 0; k < file->attractor_count && k < lines_max && shares; k++)
+        printf("%-20s %12lld %7.2f %% %18.4g\n", file->attractor_label[shares[k].attractor], shares[k].count,
+               percent(shares[k].count, all), file->attractor_multiplier[shares[k].attractor]);
+    if (shares && file->attractor_count > lines_max)
+        printf("%d others\n", file->attractor_count - lines_max);
+    for (int k = 0; k < tally->count && (shares || k < lines_max); k++) {
+        const sweep_class *class = &tally->classes[k];
+        char text[SALTUS_LABEL_MAX + 16];
+        snprintf(text, sizeof text, "%s%s", shares ? "none: " : "", class->label);
+        printf("%-*s %12lld %7.2f %%\n", shares ? 20 : 16, text, class->count, percent(class->count, all));
+        rest -= class->count;
+    }
+    if (!shares && tally->count > lines_max) {
+        char others[32];
+        snprintf(others, sizeof others, "%d others", tally->count - lines_max);
+        printf("%-16s %12lld %7.2f %%\n", others, rest, percent(rest, all));
+    }
     print_hint(order, report);
     if (report->computed)
         printf("%.3g s, %.4g trajectories/s%s\n", report->seconds, rate(report),

@@ -143,22 +143,18 @@ void saltus_h5_create(saltus_h5 *w, const char *path) {
     saltus_h5_note(w, w->file >= 0);
 }
 
-static bool put_seal(int descriptor) {
-    char seal[SALTUS_H5_SEAL + 1];
-    off_t length = lseek(descriptor, 0, SEEK_END);
-    if (length < 0 || !saltus_h5_seal(descriptor, length, seal))
-        return false;
-    return saltus_write_at(descriptor, seal, SALTUS_H5_SEAL, length);
-}
-
 void saltus_h5_finish(saltus_h5 *w, bool durable) {
+    char seal[SALTUS_H5_SEAL + 1];
     if (w->file >= 0)
         saltus_h5_note(w, H5Fclose(w->file) >= 0);
     w->file = -1;
     if (w->driver >= 0)
         H5FDunregister(w->driver);
     w->driver = -1;
-    if (w->sound && !w->reason && !put_seal(w->descriptor))
+    const off_t length = w->sound && !w->reason ? lseek(w->descriptor, 0, SEEK_END) : 0;
+    if (w->sound && !w->reason &&
+        (length < 0 || !saltus_h5_seal(w->descriptor, length, seal) ||
+         !saltus_write_at(w->descriptor, seal, SALTUS_H5_SEAL, length)))
         w->reason = errno;
     if (w->sound && !w->reason && durable && fsync(w->descriptor) != 0)
         w->reason = errno;

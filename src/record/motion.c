@@ -165,22 +165,14 @@ static void put_evidence(FILE *file, const saltus_system *system, const saltus_m
                 saltus_system_period(system));
 }
 
-/* What the displacement is of, where the scene says it. */
-static void put_observed(FILE *file, const saltus_system *system) {
-    const saltus_spec *spec = saltus_system_spec(system);
-    const char *name = saltus_system_observed_name(system);
-    const double place = saltus_system_observed_place(system);
-    if (!name && !isnan(place) && spec->observe[0])
-        fprintf(file, " (at %s = %.10g)", saltus_model_stop_key(spec->model), place);
-    else if (name || spec->observe[0])
-        fprintf(file, " (of %s)", name ? name : spec->observe);
-}
-
 void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
     static const char *const mirror[] = {
         "the scene has no mirror symmetry", "the orbit is its own mirror image",
         "the orbit is one of a mirror pair", "the scene is symmetric; no orbit is there to compare"};
+    const saltus_spec *spec = saltus_system_spec(system);
+    const char *observed = saltus_system_observed_name(system);
+    const double place = saltus_system_observed_place(system);
     char verdict[64];
     saltus_motion_summary(motion, verdict);
     fprintf(file, "%s: %s\n", scene->name, verdict);
@@ -200,7 +192,10 @@ void saltus_write_motion_text(FILE *file, const saltus_scene *scene, const saltu
     fprintf(file, "  %-14s%.7g to %.7g", "displacement", motion->smallest + 0.0, motion->largest + 0.0);
     if (!isnan(motion->rms))
         fprintf(file, ", root mean square %.7g", motion->rms);
-    put_observed(file, system);
+    if (!observed && !isnan(place) && spec->observe[0])
+        fprintf(file, " (at %s = %.10g)", saltus_model_stop_key(spec->model), place);
+    else if (observed || spec->observe[0])
+        fprintf(file, " (of %s)", observed ? observed : spec->observe);
     fputc('\n', file);
     if (motion->transient)
         fprintf(file, "  %-14s%lld period%s simulated", "settled", motion->transient,

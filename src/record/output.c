@@ -44,24 +44,6 @@ static size_t room_of(const saltus_output *output) {
     return strlen(output->path) + 32;
 }
 
-/* Create a file without a name in the target's folder. Negative where there are none, or where the running
- * program cannot name its open files (without /proc). */
-static int open_nameless(saltus_output *output) {
-    int descriptor = -1;
-#ifdef O_TMPFILE
-    const char *name = saltus_path_name(output->path);
-    snprintf(output->temporary, room_of(output), "%.*s.", (int)(name - output->path), output->path);
-    descriptor = open(output->temporary, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
-    snprintf(output->temporary, room_of(output), "/proc/self/fd/%d", descriptor);
-    if (descriptor >= 0 && access(output->temporary, F_OK) != 0) {
-        close(descriptor);
-        descriptor = -1;
-    }
-#endif
-    output->nameless = descriptor >= 0;
-    return descriptor;
-}
-
 /* Take an unused name beside the target: with a new file, or for the one without a name. Returns a descriptor
  * or zero; negative on failure. */
 static int take_name(saltus_output *output, char *name) {
@@ -76,14 +58,26 @@ static int take_name(saltus_output *output, char *name) {
     return result;
 }
 
-/* Create a file beside the target; permissions follow the umask. */
+/* Create a file beside the target; permissions follow the umask. It has no name yet, but where there are no
+ * such files, or where the running program cannot name its open files (without /proc). */
 static int open_beside(saltus_output *output) {
+    int descriptor = -1;
     output->temporary = malloc(room_of(output));
     if (!output->temporary) {
         errno = ENOMEM;
         return -1;
     }
-    const int descriptor = open_nameless(output);
+#ifdef O_TMPFILE
+    const char *name = saltus_path_name(output->path);
+    snprintf(output->temporary, room_of(output), "%.*s.", (int)(name - output->path), output->path);
+    descriptor = open(output->temporary, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    snprintf(output->temporary, room_of(output), "/proc/self/fd/%d", descriptor);
+    if (descriptor >= 0 && access(output->temporary, F_OK) != 0) {
+        close(descriptor);
+        descriptor = -1;
+    }
+#endif
+    output->nameless = descriptor >= 0;
     return descriptor >= 0 ? descriptor : take_name(output, output->temporary);
 }
 

@@ -351,13 +351,6 @@ static saltus_status add_value(builder *b, const yaml_event_t *event) {
     return SALTUS_OK;
 }
 
-/* The tag of a value or a key; NULL if it has none. */
-static const yaml_char_t *tag_of(const yaml_event_t *event) {
-    return event->type == YAML_SCALAR_EVENT           ? event->data.scalar.tag
-           : event->type == YAML_SEQUENCE_START_EVENT ? event->data.sequence_start.tag
-                                                      : event->data.mapping_start.tag;
-}
-
 static saltus_status take_event(builder *b, const yaml_event_t *event) {
     const saltus_node *within = b->depth ? b->open[b->depth - 1].node : NULL;
     int line = line_of(event->start_mark);
@@ -377,7 +370,9 @@ static saltus_status take_event(builder *b, const yaml_event_t *event) {
     case YAML_SCALAR_EVENT:
     case YAML_SEQUENCE_START_EVENT:
     case YAML_MAPPING_START_EVENT:
-        if (tag_of(event))
+        if (event->type == YAML_SCALAR_EVENT           ? event->data.scalar.tag
+            : event->type == YAML_SEQUENCE_START_EVENT ? event->data.sequence_start.tag
+                                                       : event->data.mapping_start.tag)
             return saltus_source_fail(b->source, line, SALTUS_BAD_INPUT,
                                       "tags (!name) are not possible; write the value alone");
         return within && within->kind == SALTUS_NODE_MAPPING && !b->key ? add_key(b, within, event)
@@ -389,20 +384,6 @@ static saltus_status take_event(builder *b, const yaml_event_t *event) {
     default:
         return SALTUS_OK;
     }
-}
-
-/* Process the parser's events up to the end of the text. */
-static saltus_status build(builder *b) {
-    saltus_status status = SALTUS_OK;
-    for (bool ended = false; !ended && status == SALTUS_OK;) {
-        yaml_event_t event;
-        if (!yaml_parser_parse(&b->parser, &event))
-            return fail_syntax(b);
-        status = take_event(b, &event);
-        ended = event.type == YAML_STREAM_END_EVENT;
-        yaml_event_delete(&event);
-    }
-    return status;
 }
 
 saltus_status saltus_document_read(const saltus_source *source, saltus_document *document) {
@@ -420,7 +401,16 @@ saltus_status saltus_document_read(const saltus_source *source, saltus_document 
         return no_memory(&b);
     yaml_parser_set_encoding(&b.parser, YAML_UTF8_ENCODING);
     yaml_parser_set_input_string(&b.parser, (const unsigned char *)b.text, b.length);
-    status = build(&b);
+    for (bool ended = false; !ended && status == SALTUS_OK;) {
+        yaml_event_t event;
+        if (!yaml_parser_parse(&b.parser, &event)) {
+            status = fail_syntax(&b);
+            break;
+        }
+        status = take_event(&b, &event);
+        ended = event.type == YAML_STREAM_END_EVENT;
+        yaml_event_delete(&event);
+    }
     yaml_parser_delete(&b.parser);
     if (status != SALTUS_OK)
         saltus_document_close(document);

@@ -47,12 +47,8 @@ static saltus_status check_alone(const saltus_spec *spec, saltus_message *messag
     return status;
 }
 
-static saltus_status set_parameter(saltus_scene *scene, int index, const setting *s,
+static saltus_status set_parameter(saltus_scene *scene, int index, double value, const setting *s,
                                    saltus_message *message) {
-    double value;
-    const char *complaint = saltus_read_number(s->value, &value);
-    if (complaint)
-        return refuse_value(s, complaint, message);
     saltus_spec alone = saltus_spec_defaults(scene->spec.model);
     alone.parameters[index] = value;
     saltus_status status = check_alone(&alone, message);
@@ -131,12 +127,8 @@ static saltus_status set_stop(saltus_scene *scene, int key, int number, const se
     return status;
 }
 
-static saltus_status set_initial(saltus_scene *scene, int entry, const setting *s, saltus_message *message) {
-    double value;
+static void set_initial(saltus_scene *scene, int entry, double value) {
     int dimension = saltus_spec_dimension(&scene->spec, NULL);
-    const char *complaint = saltus_read_number(s->value, &value);
-    if (complaint)
-        return refuse_value(s, complaint, message);
     /* Entries that are not set stay NAN: the system's default state is known only after all settings. */
     if (scene->initial_count == 0)
         memset(scene->initial, 0, sizeof scene->initial);
@@ -144,17 +136,12 @@ static saltus_status set_initial(saltus_scene *scene, int entry, const setting *
         scene->initial[i] = NAN;
     scene->initial_count = dimension;
     scene->initial[entry] = value;
-    return SALTUS_OK;
 }
 
 /* Refuse an entry such as q7 that the system does not have, and say how many there are. */
 static saltus_status refuse_entry(const saltus_scene *scene, int list, const setting *s,
                                   saltus_message *message) {
     int dof = 0, dimension = saltus_spec_dimension(&scene->spec, &dof);
-    double value;
-    const char *complaint = saltus_read_number(s->value, &value);
-    if (complaint)
-        return refuse_value(s, complaint, message);
     int room = list == initial_z ? dimension - 2 * dof : dof;
     return saltus_fail_at(message, SALTUS_BAD_INPUT, (saltus_fault){.key = s->key},
                           "%s: the initial state has %d entr%s %s", s->key, room, room == 1 ? "y" : "ies",
@@ -215,10 +202,15 @@ static target find_target(const saltus_scene *scene, const char *key) {
 
 static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message *message) {
     const target t = find_target(scene, s->key);
+    const bool number = t.what == of_parameter || t.what == of_entry || t.what == of_lacking_entry;
+    double value = 0;
+    const char *complaint = number ? saltus_read_number(s->value, &value) : NULL;
     saltus_status status;
+    if (complaint)
+        return refuse_value(s, complaint, message);
     switch (t.what) {
     case of_parameter:
-        return set_parameter(scene, t.index, s, message);
+        return set_parameter(scene, t.index, value, s, message);
     case of_stop:
         status = set_stop(scene, t.index, t.number, s, message);
         return status == SALTUS_OK ? saltus_spec_check_poincare(&scene->spec, message) : status;
@@ -229,7 +221,8 @@ static saltus_status apply(saltus_scene *scene, const setting *s, saltus_message
         strcpy(scene->spec.observe, s->value);
         return SALTUS_OK;
     case of_entry:
-        return set_initial(scene, t.index, s, message);
+        set_initial(scene, t.index, value);
+        return SALTUS_OK;
     case of_lacking_entry:
         return refuse_entry(scene, t.index, s, message);
     default:
