@@ -146,25 +146,20 @@ static bool differentiate(const problem *p, const method *m, double rtol, outcom
     return true;
 }
 
-/* The largest components of displacement and velocity at the section. */
-static double size_of(const reference *r, int component) {
-    const int first = component < r->n / 2 ? 0 : r->n / 2;
-    double size = 0;
-    for (int p = 0; p < r->periods; p++)
-        for (int i = first; i < first + r->n / 2; i++)
-            size = fmax(size, fabs(r->states[p][i]));
-    return size;
-}
-
 condition measure_condition(const problem *p, double amount) {
     const reference *r = &p->orbit;
     condition worst = {0, 0};
     outcome out;
     saltus_flow *flow = open_flow(p, SALTUS_AUTOMATIC, 1e-15, false);
+    /* The largest components of displacement and velocity at the section. */
+    double size[2] = {0, 0};
+    for (int point = 0; point < r->periods; point++)
+        for (int i = 0; i < r->n; i++)
+            size[i >= r->n / 2] = fmax(size[i >= r->n / 2], fabs(r->states[point][i]));
     for (int k = 0; k < 2 * r->n && flow; k++) {
         double start[reference_dimension];
         memcpy(start, r->states[0], (size_t)r->n * sizeof *start);
-        start[k / 2] += (k % 2 ? -amount : amount) * size_of(r, k / 2);
+        start[k / 2] += (k % 2 ? -amount : amount) * size[k / 2 >= r->n / 2];
         if (!around(p, flow, start, &out))
             continue;
         saltus_flow_state(flow, 0, out.state);
@@ -175,36 +170,25 @@ condition measure_condition(const problem *p, double amount) {
     return worst;
 }
 
-static void measure_derivative(const problem *p, const method *m, const effort *e, measure *found) {
+measure measure_method(const problem *p, const method *m, double rtol, derivative how, const effort *e) {
     double columns[reference_dimension * reference_dimension];
     outcome out;
-    const derivative how = found->how;
-    found->how = derivative_none;
-    if (how == derivative_tangents ? !repeat(p, m, found->rtol, e, &out, columns)
-                                   : !differentiate(p, m, found->rtol, &out, columns))
-        return;
-    found->multiplier_error = problem_multiplier_error(p, columns);
-    found->derivative_seconds = out.seconds;
-    found->derivative_evaluations = out.evaluations;
-    found->how = isnan(found->multiplier_error) ? derivative_none : how;
-}
-
-measure measure_method(const problem *p, const method *m, double rtol, derivative how, const effort *e) {
-    outcome out;
-    measure found = {.rtol = rtol, .how = how};
-    if (!repeat(p, m, rtol, e, &out, NULL)) {
-        found.how = derivative_none;
+    measure found = {.rtol = rtol, .how = derivative_none};
+    if (!repeat(p, m, rtol, e, &out, NULL))
         return found;
-    }
     found.done = true;
     found.event_error = problem_event_error(p, &out.events);
     found.state_error = reference_error(&p->orbit, out.state, 0);
     found.seconds = out.seconds;
     found.evaluations = out.evaluations;
     const double expected = out.seconds * p->orbit.n;
-    if (how != derivative_none && expected < 5 * e->patience)
-        measure_derivative(p, m, e, &found);
-    else
-        found.how = derivative_none;
+    if (how == derivative_none || !(expected < 5 * e->patience) ||
+        !(how == derivative_tangents ? repeat(p, m, rtol, e, &out, columns)
+                                     : differentiate(p, m, rtol, &out, columns)))
+        return found;
+    found.multiplier_error = problem_multiplier_error(p, columns);
+    found.derivative_seconds = out.seconds;
+    found.derivative_evaluations = out.evaluations;
+    found.how = isnan(found.multiplier_error) ? derivative_none : how;
     return found;
 }

@@ -57,38 +57,27 @@ static bool run_own(const problem *p, saltus_integrator integrator, double rtol,
     return done;
 }
 
-static bool run_rival(const problem *p, const char *key, double rtol, int batch, double *end, outcome *out) {
-    rival_result result = {.state = end, .repeats = batch};
-    for (int k = 0; k < saltus_rival_count; k++)
-        if (strcmp(saltus_rivals[k].key, key) == 0 &&
-            saltus_rivals[k].run(&p->scene, p->start, 1, rtol, 1e-3 * rtol, &result) == RIVAL_OK) {
-            out->seconds = result.cpu_seconds;
-            out->impacts = result.count;
-            return true;
-        }
-    return false;
-}
-
-static double error_of(const problem *p, const double *end) {
+static outcome run(const problem *p, const method *m, double rtol, int batch) {
     const int n = p->modes;
-    double error = 0;
-    for (int part = 0; part < 2; part++) {
+    double end[state_max];
+    outcome out = {0};
+    rival_result result = {.state = end, .repeats = batch};
+    for (int k = 0; k < saltus_rival_count && m->rival; k++)
+        if (strcmp(saltus_rivals[k].key, m->rival) == 0)
+            out.done = saltus_rivals[k].run(&p->scene, p->start, 1, rtol, 1e-3 * rtol, &result) == RIVAL_OK;
+    if (m->rival)
+        out.seconds = out.done ? result.cpu_seconds : 0;
+    else
+        out.done = run_own(p, m->own, rtol, 1, batch, p->start, end, &out);
+    out.error = out.done ? 0 : INFINITY;
+    for (int part = 0; part < 2 && out.done; part++) {
         double size = 0, off = 0;
         for (int i = part * n; i < (part + 1) * n; i++) {
             size = fmax(size, fabs(p->end[i]));
             off = fmax(off, fabs(end[i] - p->end[i]));
         }
-        error = fmax(error, off / size);
+        out.error = fmax(out.error, off / size);
     }
-    return error;
-}
-
-static outcome run(const problem *p, const method *m, double rtol, int batch) {
-    double end[state_max];
-    outcome out = {0};
-    out.done = m->rival ? run_rival(p, m->rival, rtol, batch, end, &out)
-                        : run_own(p, m->own, rtol, 1, batch, p->start, end, &out);
-    out.error = out.done ? error_of(p, end) : INFINITY;
     return out;
 }
 

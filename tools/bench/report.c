@@ -116,15 +116,6 @@ void report_csv(FILE *file, const results *r) {
             }
 }
 
-/* Three ratios as the cell of a table. */
-static void print_ratios_of(FILE *file, const double ratios[levels]) {
-    for (int e = 0; e < levels; e++) {
-        fprintf(file, e == 0 ? " " : " / ");
-        fprintf(file, isnan(ratios[e]) ? "–" : ratios[e] < 9.95 ? "%.1f" : "%.0f", ratios[e]);
-    }
-    fprintf(file, " |");
-}
-
 /* Saltus' best times at three errors, and the times of all methods relative to them; empty where a method was
  * not run. */
 static void print_ratios(FILE *file, const results *r, quantity q, const char *corner) {
@@ -147,15 +138,13 @@ static void print_ratios(FILE *file, const results *r, quantity q, const char *c
             continue;
         fprintf(file, "\n| %s |", m < 0 ? "**our best, µs**" : r->methods[m].name);
         for (int p = 0; p < r->problem_count; p++) {
-            double ratios[levels];
-            for (int e = 0; e < levels; e++) {
-                const double best = best_of_ours(r, p, errors[e], q);
-                ratios[e] = m < 0 ? 1e6 * best : time_at(r, p, m, errors[e], q) / best;
+            for (int e = 0; e < levels && (m < 0 || known[p]); e++) {
+                const double best = best_of_ours(r, p, errors[e], q),
+                             ratio = m < 0 ? 1e6 * best : time_at(r, p, m, errors[e], q) / best;
+                fprintf(file, e == 0 ? " " : " / ");
+                fprintf(file, isnan(ratio) ? "–" : ratio < 9.95 ? "%.1f" : "%.0f", ratio);
             }
-            if (m < 0 || known[p])
-                print_ratios_of(file, ratios);
-            else
-                fprintf(file, " |");
+            fprintf(file, " |");
         }
     }
     fprintf(file, "\n\n");

@@ -40,17 +40,11 @@ void motion_add_impact(motion *m, double time, double speed) {
     m->impacts[m->count++] = (impact){time, speed};
 }
 
-static double distance(const double *a, const double *b, const double *scale) {
-    double worst = 0;
-    for (int i = 0; i < motion_dimension; i++)
-        worst = fmax(worst, fabs(a[i] - b[i]) / scale[i]);
-    return worst;
-}
-
 static bool recurs(const motion *m, const double *scale, int period, double tolerance) {
     bool same = true;
     for (int k = 0; k + period <= recorded_periods && same; k++)
-        same = distance(m->strobe[k], m->strobe[k + period], scale) <= tolerance;
+        for (int i = 0; i < motion_dimension && same; i++)
+            same = fabs(m->strobe[k][i] - m->strobe[k + period][i]) / scale[i] <= tolerance;
     return same;
 }
 

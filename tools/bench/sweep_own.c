@@ -29,18 +29,16 @@ typedef struct worker {
     saltus_message *message;
 } worker;
 
-/* The target times: the ends of the two stages, of each recorded period, or of each piece of a period. */
-static saltus_time target_time(const program *p, const lane_task *task) {
-    const long k = task->target;
-    if (p->step_max > 0)
-        return (saltus_time){(k + 1) / task->pieces, (double)((k + 1) % task->pieces) / (double)task->pieces};
-    if (p->strobe)
-        return (saltus_time){settling_periods + k, 0};
-    return (saltus_time){k == 0 ? settling_periods : settling_periods + recorded_periods, 0};
-}
-
+/* The next target time: the end of a stage, of a recorded period, or of a piece of a period. */
 static void aim(worker *w, int lane) {
-    const saltus_time target = target_time(w->program, &w->tasks[lane]);
+    const program *p = w->program;
+    const lane_task *task = &w->tasks[lane];
+    const long k = task->target, pieces = task->pieces;
+    saltus_time target = {k == 0 ? settling_periods : settling_periods + recorded_periods, 0};
+    if (p->step_max > 0)
+        target = (saltus_time){(k + 1) / pieces, (double)((k + 1) % pieces) / (double)pieces};
+    else if (p->strobe)
+        target = (saltus_time){settling_periods + k, 0};
     const bool recorded =
         target.cycle > settling_periods || (target.cycle == settling_periods && target.phase > 0);
     saltus_flow_aim(w->flow, lane, target, recorded ? SALTUS_WATCH_IMPACT : 0);
