@@ -79,36 +79,6 @@ static bool is_file(const char *input, const struct stat *file) {
     return there && facts.st_dev == file->st_dev && facts.st_ino == file->st_ino;
 }
 
-/* The input that is this file, by device and inode; NULL if none is. */
-static const char *input_that_is(const cli_request *request, const struct stat *file) {
-    for (int k = 0; k < request->input_count; k++)
-        if (is_file(request->inputs[k], file))
-            return request->inputs[k];
-    const cli_list *over = cli_values(request, "--over");
-    for (int k = 0; k < over->count; k++)
-        if (is_file(over->items[k], file))
-            return over->items[k];
-    const char *from = cli_text(request, "--from");
-    return from && is_file(from, file) ? from : NULL;
-}
-
-/* The kind of file that the command writes at a place, as saltus_file_identify calls it, and a locus by that
- * word. "": it will write nothing and explain why. */
-static void choose_kind(const cli_command *command, const cli_request *request, const place *p,
-                        char kind[32]) {
-    const bool table = saltus_path_ends(p->path, ".csv");
-    kind[0] = '\0';
-    if (!table && !saltus_path_ends(p->path, ".h5"))
-        strcpy(kind, saltus_path_ends(p->path, ".gp") ? "script" : "picture");
-    else if (command->kind)
-        snprintf(kind, 32, "%s%s", cli_given(request, "--locus") ? "locus" : command->kind,
-                 table ? " table" : "");
-    else if (request->input_count) {
-        const saltus_file_facts input = saltus_file_identify(request->inputs[0]);
-        saltus_table_kind(&input, cli_text(request, "--table"), kind);
-    }
-}
-
 /* An existing file may be replaced only if it is finished and of the kind to be written. */
 static int check_earlier(const cli_command *command, const cli_request *request, const place *p, bool there) {
     saltus_file_facts facts = {.kind = "empty", .complete = true};
@@ -118,7 +88,19 @@ static int check_earlier(const cli_command *command, const cli_request *request,
     if (there)
         facts = saltus_file_identify(p->path);
     const char *known = facts.locus ? "locus" : facts.kind;
-    choose_kind(command, request, p, kind);
+    /* The kind of file that the command writes here, as saltus_file_identify calls it, and a locus by that
+     * word. "": it will write nothing and explain why. */
+    const bool table = saltus_path_ends(p->path, ".csv");
+    kind[0] = '\0';
+    if (!table && !saltus_path_ends(p->path, ".h5"))
+        strcpy(kind, saltus_path_ends(p->path, ".gp") ? "script" : "picture");
+    else if (command->kind)
+        snprintf(kind, sizeof kind, "%s%s", cli_given(request, "--locus") ? "locus" : command->kind,
+                 table ? " table" : "");
+    else if (request->input_count) {
+        const saltus_file_facts input = saltus_file_identify(request->inputs[0]);
+        saltus_table_kind(&input, cli_text(request, "--table"), kind);
+    }
     if (strcmp(known, "empty") != 0 && kind[0] && strcmp(known, kind) != 0)
         return refuse(
             CLI_BAD_INPUT, p,
@@ -144,7 +126,15 @@ static int check_place(const cli_command *command, const cli_request *request, c
         list_endings(p->endings, endings);
         return refuse(CLI_BAD_INPUT, p, "the ending must be %s", endings);
     }
-    const char *input = there ? input_that_is(request, &facts) : NULL;
+    const cli_list *over = cli_values(request, "--over");
+    const char *from = cli_text(request, "--from"), *input = NULL;
+    for (int k = 0; k < request->input_count + over->count && there && !input; k++) {
+        const char *one =
+            k < request->input_count ? request->inputs[k] : over->items[k - request->input_count];
+        input = is_file(one, &facts) ? one : NULL;
+    }
+    if (there && !input && from && is_file(from, &facts))
+        input = from;
     if (input)
         return refuse(CLI_BAD_INPUT, p, "is the same file as the input %s, which would be lost", input);
     /* Devices and pipes are written to directly. */

@@ -114,18 +114,6 @@ static entry entry_of(const char *line) {
                    line + value};
 }
 
-/* The option of the command line that sets an entry, if that has another name than the entry; else "". */
-static const char *option_of(const entry *line, const char *identity) {
-    char name[64];
-    snprintf(name, sizeof name, "%.*s", line->name_length, line->name);
-    const saltus_option *option = saltus_option_find(&saltus_sweep_table, name);
-    /* A fixed time has an option of its own, --transient. */
-    if (!option || !option->flag || strcmp(option->flag + strlen("--"), name) == 0 ||
-        (strcmp(name, "transient") == 0 && strstr(identity, "\nadaptive = no\n")))
-        return "";
-    return option->flag;
-}
-
 saltus_status saltus_sweep_identity_compare(const char *path, const char *there, const char *here,
                                             saltus_message *message) {
     if (strcmp(there, here) == 0)
@@ -139,7 +127,15 @@ saltus_status saltus_sweep_identity_compare(const char *path, const char *there,
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%s: is of another sweep: %.*s is not among its entries", path, b.name_length,
                            b.name);
-    const char *flag = option_of(&b, here);
+    /* The option of the command line that sets the entry, if that has another name than the entry. A fixed
+     * time has an option of its own, --transient. */
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", b.name_length, b.name);
+    const saltus_option *option = saltus_option_find(&saltus_sweep_table, name);
+    const bool fixed = strcmp(name, "transient") == 0 && strstr(here, "\nadaptive = no\n");
+    const char *flag = option && option->flag && strcmp(option->flag + strlen("--"), name) != 0 && !fixed
+                           ? option->flag
+                           : "";
     return saltus_fail(message, SALTUS_BAD_INPUT,
                        "%s: is of another sweep: %.*s%s%s%s is %.*s there and %.*s now", path, a.name_length,
                        a.name, flag[0] ? " (" : "", flag, flag[0] ? ")" : "", a.value_length, a.value,
