@@ -35,11 +35,7 @@ static char *command_line(const cli_request *request) {
         fputc(' ', file);
         put_word(file, request->words[k]);
     }
-    bool good = !ferror(file);
-    if (fclose(file) == 0 && good)
-        return text;
-    free(text);
-    return NULL;
+    return saltus_close_text(file, &text);
 }
 
 /* The text of a built-in scene or of a file; NULL if there is none or memory is lacking. Other inputs, such

@@ -9,6 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+char *saltus_close_text(FILE *file, char **text) {
+    const bool sound = file && !ferror(file);
+    if ((file && fclose(file) != 0) || !sound) {
+        free(*text);
+        *text = NULL;
+    }
+    return *text;
+}
+
 void saltus_put_string(FILE *file, const char *text) {
     fputc('"', file);
     for (const unsigned char *c = (const unsigned char *)text; *c; c++)

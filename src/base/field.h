@@ -86,6 +86,9 @@ enum { SALTUS_NUMBER_MAX = 32, SALTUS_FIELD_TEXT_MAX = 256 };
 const char *saltus_number(double value, char *text);
 /* The same, rounded to `digits` significant digits. */
 const char *saltus_number_of(double value, int digits, char *text);
+/* Complete a text begun by open_memstream (`file` NULL: that failed). Returns it, to be freed; NULL if memory
+ * was lacking. */
+char *saltus_close_text(FILE *file, char **text);
 /* Write text as a JSON string, with quotation marks. */
 void saltus_put_string(FILE *file, const char *text);
 

@@ -89,14 +89,9 @@ char *saltus_sweep_identity_text(const saltus_sweep_file *head) {
     char *text = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&text, &length);
-    if (!stream)
-        return NULL;
-    saltus_sweep_identity_put(stream, head, "");
-    bool sound = !ferror(stream);
-    if (fclose(stream) == 0 && sound)
-        return text;
-    free(text);
-    return NULL;
+    if (stream)
+        saltus_sweep_identity_put(stream, head, "");
+    return saltus_close_text(stream, &text);
 }
 
 /* Name and value in a line. */

@@ -95,25 +95,19 @@ static saltus_status check_initial(const saltus_source *source, const saltus_nod
     return SALTUS_OK;
 }
 
-static saltus_status check_stops(const saltus_source *source, const saltus_node *stops,
-                                 const saltus_model *model) {
-    if (!has_kind(stops, SALTUS_NODE_LIST, SALTUS_NODE_MAPPING))
-        return fail_kind(source, stops, "a list of stops: stops: [{d: ...}, {d: ...}]");
-    if (stops->count > SALTUS_STOPS_MAX)
-        return saltus_node_fail(source, stops, "stops: too many; at most %d are possible", SALTUS_STOPS_MAX);
-    saltus_status status = SALTUS_OK;
-    for (const saltus_node *stop = stops->first; stop && status == SALTUS_OK; stop = stop->next)
-        status = check_stop(source, stop, "stops", model);
-    return status;
-}
-
 static saltus_status check_keys(const saltus_source *source, const saltus_node *root, bool others,
                                 const saltus_model *model) {
     saltus_status status = SALTUS_OK;
     for (const saltus_node *node = root->first; node && status == SALTUS_OK; node = node->next) {
-        if (strcmp(node->key, "stops") == 0)
-            status = check_stops(source, node, model);
-        else if (strcmp(node->key, "stop") == 0)
+        if (strcmp(node->key, "stops") == 0) {
+            if (!has_kind(node, SALTUS_NODE_LIST, SALTUS_NODE_MAPPING))
+                status = fail_kind(source, node, "a list of stops: stops: [{d: ...}, {d: ...}]");
+            else if (node->count > SALTUS_STOPS_MAX)
+                status = saltus_node_fail(source, node, "stops: too many; at most %d are possible",
+                                          SALTUS_STOPS_MAX);
+            for (const saltus_node *stop = node->first; stop && status == SALTUS_OK; stop = stop->next)
+                status = check_stop(source, stop, "stops", model);
+        } else if (strcmp(node->key, "stop") == 0)
             status =
                 node->kind == SALTUS_NODE_MAPPING
                     ? check_stop(source, node, "stop", model)

@@ -388,14 +388,9 @@ saltus_status saltus_scene_read_text(const saltus_source *source, const saltus_n
     if (status == SALTUS_OK)
         status = read_stops(&r, root, contacts);
     FILE *out = status == SALTUS_OK ? open_memstream(&json, &length) : NULL;
-    if (out) {
+    if (out)
         put_model(out, &r, node, initial);
-        if (fclose(out) != 0) {
-            free(json);
-            json = NULL;
-        }
-    }
-    if (status == SALTUS_OK && !json)
+    if (status == SALTUS_OK && !saltus_close_text(out, &json))
         status = no_memory(&r);
     r.text.source = json;
     if (status == SALTUS_OK) {
@@ -464,11 +459,7 @@ static char *text_with_section(const saltus_node *model, const saltus_node *sect
         if (strcmp(child->key, "section") != 0)
             put_child(out, ", ", child);
     fputc('}', out);
-    if (fclose(out) != 0) {
-        free(text);
-        text = NULL;
-    }
-    return text;
+    return saltus_close_text(out, &text);
 }
 
 saltus_status saltus_model_with_section(const saltus_model *model, const char *section,

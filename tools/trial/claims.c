@@ -159,19 +159,6 @@ static bool read_finding(FILE *file, trial_finding *finding) {
     return good;
 }
 
-static saltus_status keep_finding(const trial_claim *claim, const trial_bench *bench,
-                                  const trial_finding *finding, saltus_message *message) {
-    FILE *stream = tmpfile();
-    if (stream) {
-        fprintf(stream, "%d\n%s\n%s", (int)finding->verdict, finding->numbers_text, finding->prose_text);
-        stream = trial_keep(&bench->request, claim->id, stream);
-    }
-    if (!stream)
-        return saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", claim->id, bench->request.keep);
-    fclose(stream);
-    return SALTUS_OK;
-}
-
 saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                           saltus_message *message) {
     bool on_points = claim->judge == trial_judge_point;
@@ -187,9 +174,12 @@ saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_fi
               : (claim->judge ? claim->judge : trial_judge_clauses)(claim, bench, finding, message);
     if (fflush(finding->numbers) || fflush(finding->prose))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a finding");
-    if (status == SALTUS_OK && on_points && !known && bench->request.keep)
-        status = keep_finding(claim, bench, finding, message);
-    return status;
+    if (status != SALTUS_OK || !on_points || known || !bench->request.keep)
+        return status;
+    FILE *stream = tmpfile();
+    if (stream)
+        fprintf(stream, "%d\n%s\n%s", (int)finding->verdict, finding->numbers_text, finding->prose_text);
+    return trial_keep_whole(&bench->request, claim->id, stream, message);
 }
 
 void trial_finding_clear(trial_finding *finding) {

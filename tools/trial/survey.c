@@ -88,11 +88,7 @@ saltus_status trial_survey_get(const trial_figure *figure, double h, const trial
         FILE *stream = tmpfile();
         if (stream)
             write_survey(survey, stream);
-        stream = stream ? trial_keep(request, name, stream) : NULL;
-        if (stream)
-            fclose(stream);
-        else
-            status = saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", name, request->keep);
+        status = trial_keep_whole(request, name, stream, message);
     }
     if (status != SALTUS_OK)
         trial_survey_clear(survey);
@@ -136,6 +132,15 @@ FILE *trial_keep(const trial_request *request, const char *name, FILE *stream) {
         return stream;
     fclose(stream);
     return NULL;
+}
+
+saltus_status trial_keep_whole(const trial_request *request, const char *name, FILE *stream,
+                               saltus_message *message) {
+    stream = stream ? trial_keep(request, name, stream) : NULL;
+    if (!stream)
+        return saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", name, request->keep);
+    fclose(stream);
+    return SALTUS_OK;
 }
 
 const double trial_coarse[trial_coarse_steps] = {0.01, 0.005, 0.001, 0.0002};

@@ -74,6 +74,9 @@ FILE *trial_kept(const trial_request *request, const char *name);
 /* Store a stream under a name, if a folder is set, and return it for reading from the beginning; NULL if
  * writing failed. */
 FILE *trial_keep(const trial_request *request, const char *name, FILE *stream);
+/* The same, and close the stream (NULL: it could not be made). Errors: SALTUS_IO. */
+saltus_status trial_keep_whole(const trial_request *request, const char *name, FILE *stream,
+                               saltus_message *message);
 
 /* Read a survey from the folder, or make and store it. h = 0: the event-driven flow. Free the cells with
  * trial_survey_clear. Errors: SALTUS_NO_MEMORY, SALTUS_IO, those of sweeps. */
