@@ -364,15 +364,38 @@ static void extreme_scenes_are_not_mistaken(void **state) {
     }
 }
 
+/* Relaxation oscillations whose cycle is many thousand units of time long are waited for; their periods are
+ * (3 - 2 ln 2) mu + 7.01432 mu^(-1/3) - 2 ln(mu)/(3 mu) + ... Where double precision ends, this is said. */
+static void slow_relaxation_is_a_cycle(void **state) {
+    fixture *f = *state;
+    skip_where_slow();
+    static const double strengths[] = {5000, 20000, 50000};
+    for (int k = 0; k < 3; k++) {
+        const double mu = strengths[k];
+        char line[96];
+        snprintf(line, sizeof line, "classify van-der-pol --set mu=%g", mu);
+        char *out = told(f, line), *period = strstr(out, "; period ");
+        if (strncmp(out, "van-der-pol: 0/1, stable", 24) != 0 || !period)
+            fail_msg("%s: %s", line, out);
+        check_near(strtod(period + 9, NULL),
+                   (3 - 2 * log(2)) * mu + 7.01432 / cbrt(mu) - 2 * log(mu) / (3 * mu), 1e-3);
+        free(out);
+    }
+    char *out = told(f, "classify van-der-pol --set mu=80000 --transient 1000000");
+    if (strncmp(out, "van-der-pol: undecided", 22) != 0 || !strstr(out, " units of time apart, repeat to "))
+        fail_msg("%s", out);
+    free(out);
+}
+
 /* What an undecided verdict says would tell does so: here as long a transient as it names, where the cycle is
  * so slow that it has hardly been seen to repeat. */
 static void what_would_tell_tells(void **state) {
     fixture *f = *state;
     skip_where_slow();
-    static const int strengths[] = {5000, 7000};
+    static const int strengths[] = {280, 300};
     for (int k = 0; k < 2; k++) {
         char line[96];
-        snprintf(line, sizeof line, "classify van-der-pol --set mu=%d", strengths[k]);
+        snprintf(line, sizeof line, "classify van-der-pol --set mu=%d --transient 64", strengths[k]);
         char *out = told(f, line), *hint = strstr(out, "--transient ");
         if (strncmp(out, "van-der-pol: undecided", 22) != 0 ||
             !strstr(out, " returns to the section within ") || !hint)
@@ -421,6 +444,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(every_command_names_what_was_too_much, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(orbits_of_extreme_scenes_are_found, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(extreme_scenes_are_not_mistaken, open_fixture, close_fixture),
+        cmocka_unit_test_setup_teardown(slow_relaxation_is_a_cycle, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(what_would_tell_tells, open_fixture, close_fixture),
         cmocka_unit_test_setup_teardown(branches_end_where_they_take_too_much, open_fixture, close_fixture),
         cmocka_unit_test(a_used_up_effort_ends_all_flows),

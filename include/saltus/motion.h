@@ -48,7 +48,8 @@ typedef enum saltus_mirror {
 
 typedef struct saltus_classify_options {
     saltus_flow_options flow;
-    long long transient; /* longest time to settle, in periods; default 20000 */
+    long long transient; /* longest time to settle, in periods; without forcing longer, where that is cheap,
+                            while hardly any return has come; default 20000 */
     long long measure; /* most periods for measuring the largest exponent if no period is found, summed over 8
                           trajectories; 0: such a motion is called irregular; default 256000 */
     long long lifetime; /* periods; chaos is asserted only if its mean lifetime is at least this with 95 %

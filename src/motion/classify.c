@@ -50,6 +50,19 @@ static saltus_status find_long_period(saltus_search *s, saltus_motion *motion, s
     return status;
 }
 
+/* Without forcing a unit of time may be a small part of a cycle, and then takes hardly a step: wait for as
+ * many returns as show a period, while that is cheap. */
+static saltus_status await_returns(saltus_search *s, saltus_motion *motion, saltus_message *message) {
+    enum { enough = 8, patient = 20 };
+    const long long most = patient * s->options->transient;
+    saltus_status status = SALTUS_OK;
+    while (status == SALTUS_OK && !s->found && !s->stopped && motion->verdict == SALTUS_UNDECIDED &&
+           s->visits.settling.count < enough && s->settling.count < most &&
+           saltus_flow_information(s->flow, 0).steps < most)
+        status = saltus_search_run(s, s->settling.count + s->options->transient / patience, motion, message);
+    return status;
+}
+
 /* No period so far: judge the motion, and if it should settle, give it the rest of the time: less where
  * neighbours separate and periods are dear, each of which then counts more than once. The search so far has
  * taken `steps`. Without forcing periods are counted by the mean time between returns. */
@@ -103,6 +116,7 @@ static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
     const double unit = saltus_system_period(s->system), passed = (double)s->settling.count * unit;
     const double missed =
         (double)s->settling.count - (s->visits.settling.count > 1 ? saltus_visits_last(&s->visits) : 0);
+    double recurrence, period;
     char before[sizeof motion->reason];
     snprintf(before, sizeof before, "%s", motion->reason);
     if (saltus_system_conservative(s->system) && motion->verdict != SALTUS_EQUILIBRIUM &&
@@ -113,6 +127,11 @@ static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
                  : motion->verdict == SALTUS_CHAOTIC ? "; "
                                                      : "; saltus orbit finds one beside a trajectory",
                  motion->verdict == SALTUS_CHAOTIC ? before : "");
+    else if (!settled && saltus_search_recurs(s, &recurrence, &period))
+        snprintf(motion->reason, sizeof motion->reason,
+                 "returns to the section, %.9g units of time apart, repeat to %.1g, but the flow is so stiff "
+                 "that rounding keeps Newton's method from confirming the orbit in double precision",
+                 period, recurrence);
     else if (!settled && motion->verdict != SALTUS_CHAOTIC && missed > 0.5 * (double)s->settling.count)
         snprintf(motion->reason, sizeof motion->reason,
                  "the trajectory does not return to its section within %lld units of time; another section "
@@ -144,8 +163,14 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     status = saltus_search_open(&s, state, motion, message);
     if (status == SALTUS_OK)
         status = saltus_search_run(&s, early, motion, message);
+    if (status == SALTUS_OK && !saltus_system_forced(system))
+        status = await_returns(&s, motion, message);
     bool open = status == SALTUS_OK && !s.found && motion->verdict == SALTUS_UNDECIDED && !s.stopped;
-    if (open && options->measure)
+    /* Returns that repeat to rounding leave nothing to measure. */
+    double recurrence, period;
+    const bool repeats =
+        open && !saltus_system_forced(system) && saltus_search_recurs(&s, &recurrence, &period);
+    if (open && options->measure && !repeats)
         status = judge(&s, own.flow.effort->total - before, motion, message);
     if (open && saltus_stop_asked(options->flow.stop) && !saltus_verdict_settled(motion->verdict)) {
         /* Results of flows that were stopped prove nothing. */
@@ -161,7 +186,7 @@ saltus_status saltus_motion_classify(const saltus_system *system, const double *
     else if (status == SALTUS_OK && !(saltus_verdict_settled(motion->verdict) && motion->multiplier_count))
         status = saltus_search_conclude(&s, motion, message);
     /* A motion that was not judged is irregular; its extremes are measured too. */
-    if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped) {
+    if (status == SALTUS_OK && motion->verdict == SALTUS_UNDECIDED && !judged && !s.stopped && !repeats) {
         motion->verdict = SALTUS_IRREGULAR;
         status = saltus_motion_survey(system, s.flow, motion, message);
     }

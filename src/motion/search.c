@@ -25,6 +25,7 @@ static const double on_orbit = 1e-7;      /* distance from an orbit of a continu
 static const double drift_at_rest = 1e-6; /* of a displacement, over a period */
 static const double balance_rounding = 1e-12; /* of an acceleration, over stiffness and displacement */
 static const double near_rest = 3e-3;         /* distance from a rest that is approached slowly */
+static const double recurs_to_rounding = 1e-12, coarsest = 1e-8; /* recurrence; Newton's residual then */
 
 /* Advance the trajectory by a period; without forcing collect its returns on the way. */
 static saltus_status advance_period(saltus_search *s, saltus_message *message) {
@@ -197,18 +198,32 @@ static saltus_status take_orbit(saltus_search *s, saltus_status polished, double
     return status;
 }
 
-/* Without forcing: try the number of returns that recurs now, with the time between them as period. */
+bool saltus_search_recurs(const saltus_search *s, double *recurrence, double *period) {
+    const int p = saltus_settling_candidate(&s->visits.settling);
+    if (p == 0)
+        return false;
+    *recurrence = saltus_settling_recurrence(&s->visits.settling, p);
+    *period = saltus_visits_taken(&s->visits, p) * saltus_system_period(s->system);
+    return *recurrence < recurs_to_rounding;
+}
+
+/* Without forcing: try the number of returns that recurs now, with the time between them as period. Where the
+ * flow is so stiff that rounding in it exceeds what Newton's method asks for, points that have recurred to
+ * rounding are worth a coarser residual, which the result tells. */
 static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     saltus_system *counted = NULL;
     const saltus_settling *returns = &s->visits.settling;
-    const int p = period_to_try(returns);
+    const int p = returns->count > s->tried ? period_to_try(returns) : 0;
     if (p == 0)
         return SALTUS_OK;
+    s->tried = returns->count;
     const double recurrence = saltus_settling_recurrence(returns, p),
                  *last = saltus_settling_point(returns, 0),
                  omega =
                      saltus_spec_omega(saltus_system_spec(s->system)) / saltus_visits_taken(&s->visits, p);
+    if (recurrence < recurs_to_rounding)
+        shooting.tolerance = fmax(shooting.tolerance, coarsest);
     saltus_status status = saltus_system_clocked(s->system, omega, &counted, message);
     if (status == SALTUS_OK)
         status = saltus_cycle_polish(counted, last, &shooting, &s->orbit, &s->clocked, &s->lap, message);

@@ -23,6 +23,7 @@ typedef struct saltus_search {
     saltus_lap lap; /* around the orbit */
     bool found, stopped;
     long long next_costly; /* number of periods at which a costly orbit may be tried again */
+    long long tried;       /* number of returns at the last try of a cycle */
     bool limited;          /* do not try very long orbits of very many impacts */
 } saltus_search;
 
@@ -35,6 +36,8 @@ void saltus_search_close(saltus_search *search);
  * `at_most` periods have passed since the start. Errors: those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_search_run(saltus_search *search, long long at_most, saltus_motion *motion,
                                 saltus_message *message);
+/* Without forcing: whether the last returns repeat to rounding, the time between them in units of time. */
+bool saltus_search_recurs(const saltus_search *search, double *recurrence, double *period);
 /* Fill the motion with the orbit or rest found, or give the reason why there is none. */
 saltus_status saltus_search_conclude(saltus_search *search, saltus_motion *motion, saltus_message *message);
 
