@@ -61,31 +61,30 @@ static const stroke_look strokes[2][SALTUS_STROKES] = {
     {{"lw 2.6", "stable"}, {"dt (9,6) lw 1.9", "unstable"}, {"dt (2,5) lw 1.3", "not admissible"}},
     {{"lw 2.6", ""}, {"dt (7,9) lw 1.2", "bounds no stable orbit"}, {"lw 1", ""}}};
 
-/* The distance between two points, as a part of the panel's width or height. */
-static double part_of_panel(const saltus_plot_page *page, const saltus_branch_point *a,
-                            const saltus_branch_point *b) {
-    const double across = saltus_plot_x(page, b) - saltus_plot_x(page, a),
-                 up = saltus_plot_y(page, b) - saltus_plot_y(page, a);
-    return fmax(fabs(across) / (page->x.high - page->x.low), fabs(up) / (page->y.high - page->y.low));
-}
-
 static content find_content(const saltus_plot_page *page) {
-    const double seen = 0.02; /* of the panel */
+    const double seen = 0.02, wide = page->x.high - page->x.low, high = page->y.high - page->y.low;
     double length[SALTUS_STROKES] = {0};
     content c = {.hue = {false}};
     for (int i = 0; i < page->count; i++) {
         const saltus_branch_file *f = &page->files[i];
+        bool before = false; /* whether the last point is shown, and where it is */
+        double last_x = 0, last_y = 0;
         for (int k = 0; k < f->point_count; k++) {
             const saltus_branch_point *point = &f->points[k];
-            if (k == 0 || point->branch != point[-1].branch)
-                c.hue[saltus_plot_hue(page, i, point->branch)] = true;
-            const bool shown = saltus_plot_shown(page, point);
+            const bool begins = k == 0 || point->branch != point[-1].branch,
+                       shown = saltus_plot_shown(page, point);
             const double x = saltus_plot_x(page, point), y = saltus_plot_y(page, point);
+            if (begins)
+                c.hue[saltus_plot_hue(page, i, point->branch)] = true;
             if (shown && x >= page->x.low && x <= page->x.high && y >= page->y.low && y <= page->y.high &&
                 saltus_plot_marked(f, point))
                 c.kind[point->kind] = true;
-            if (k > 0 && point->branch == point[-1].branch && (shown || saltus_plot_shown(page, point - 1)))
-                length[saltus_plot_stroke(f, k - 1, k)] += part_of_panel(page, point - 1, point);
+            if (!begins && (shown || before))
+                length[saltus_plot_stroke(f, k - 1, k)] +=
+                    fmax(fabs(x - last_x) / wide, fabs(y - last_y) / high);
+            before = shown;
+            last_x = x;
+            last_y = y;
         }
     }
     for (int stroke = 0; stroke < SALTUS_STROKES; stroke++)
@@ -99,17 +98,15 @@ static const char *hue_colour(const saltus_plot_page *page, int hue) {
 
 enum { name_lines = 6 };
 
-/* Break a file's name in a legend on a page of this width into lines: their lengths in bytes. Returns how
- * many there are. */
-static int name_file(const saltus_plot_page *page, int file, double width, saltus_line *name,
-                     size_t length[name_lines]) {
+/* Break a file's name in the legend into lines: their lengths in bytes. Returns how many there are. */
+static int name_file(const saltus_plot_page *page, int file, saltus_line *name, size_t length[name_lines]) {
     const double before = 64, em = 15.2; /* the sample and margins; the height of the type */
     int lines = 0;
     *name = (saltus_line){.length = 0};
     saltus_line_plain(name, page->files[file].scene);
     saltus_plot_add_differences(page, file, name);
     for (const char *rest = name->text; *rest && lines < name_lines; rest += length[lines++]) {
-        length[lines] = saltus_line_piece(rest, (width - before) / em);
+        length[lines] = saltus_line_piece(rest, (page->paper->width - before) / em);
         length[lines] += strspn(rest + length[lines], " ");
     }
     return lines;
@@ -153,7 +150,7 @@ static int key_rows(const saltus_plot_page *page, const content *c, double width
     for (int i = 0; i < page->count && files; i++) {
         saltus_line name, piece;
         size_t length[name_lines];
-        const int lines = name_file(page, i, page->paper->width, &name, length);
+        const int lines = name_file(page, i, &name, length);
         const char *rest = name.text;
         for (int k = 0; k < lines; rest += length[k++]) {
             piece.length = 0;
@@ -250,7 +247,7 @@ void saltus_plot_elements(const saltus_plot_page *page) {
     for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
         saltus_line name;
         size_t length[name_lines];
-        const int lines = name_file(page, i, page->paper->width, &name, length);
+        const int lines = name_file(page, i, &name, length);
         const char *rest = name.text;
         for (int k = 0; k < lines; rest += length[k++]) {
             if (k == 0)
