@@ -347,17 +347,16 @@ static void a_contact_splits_at_one_place(void **unused) {
     saltus_scene_clear(&pipe);
 }
 
-/* The special point of its kind of a run from what a scene with these settings settles on. */
-static saltus_branch_point only_point(const char *scene_name, const char *settings, const char *key,
-                                      double low, double high, saltus_point_kind kind) {
+/* A run from what a scene with these settings settles on. */
+static branch_record run_scene(const char *scene_name, const char *settings, const char *key, double low,
+                               double high, int switches) {
     saltus_message message = {.text = ""};
     saltus_scene scene = {.name = ""};
     saltus_branch_options options = branch_along(key, low, high);
     saltus_classify_options how = saltus_classify_defaults();
     saltus_motion motion;
-    saltus_branch_point found;
     double state[SALTUS_SCENE_STATE_MAX];
-    int count = 0;
+    options.switches = switches;
     check_ok(saltus_scene_load(scene_name, &scene, &message), &message);
     char *copy = strdup(settings), *rest = copy;
     for (char *word; (word = strtok_r(rest, " ", &rest));)
@@ -367,15 +366,37 @@ static saltus_branch_point only_point(const char *scene_name, const char *settin
     check_ok(saltus_scene_state(&scene, system, state, &message), &message);
     check_ok(saltus_classify(system, state, &how, &motion, &message), &message);
     branch_record record = branch_run(&scene.spec, motion.periods, motion.state, &options);
-    for (int k = 0; k < record.count; k++)
-        if (record.point[k].kind == kind && count++ == 0)
-            check_ok(saltus_branch_point_copy(&record.point[k], &found, &message), &message);
-    assert_int_equal(count, 1);
-    branch_forget(&record);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
     saltus_scene_clear(&scene);
+    return record;
+}
+
+/* The only point of a kind in a record. */
+static const saltus_branch_point *only_point(const branch_record *record, saltus_point_kind kind) {
+    const saltus_branch_point *found = NULL;
+    for (int k = 0; k < record->count; k++)
+        if (record->point[k].kind == kind) {
+            assert_null(found);
+            found = &record->point[k];
+        }
+    assert_non_null(found);
     return found;
+}
+
+/* The third and the fourth branch are the last, and lead from a joined place to both borders. */
+static void check_joined(const branch_record *record, const char *label, double low, double high) {
+    bool ends[2] = {false, false};
+    for (int k = 0; k < record->count; k++) {
+        const saltus_branch_point *p = &record->point[k];
+        assert_true(p->branch < 4);
+        if (p->branch < 2)
+            continue;
+        assert_string_equal(p->label, label);
+        ends[0] |= p->kind == SALTUS_POINT_EP && p->value[0] == low;
+        ends[1] |= p->kind == SALTUS_POINT_EP && p->value[0] == high;
+    }
+    assert_true(ends[0] && ends[1]);
 }
 
 /* Where a branch joins another its own equations are singular: the place is known as well as from the other
@@ -394,18 +415,67 @@ static void joins_are_where_the_other_branch_says(void **unused) {
         {"fig7d", "N=2 omega=21.3", "N=2 omega=21.1", "omega", 21, 22, SALTUS_POINT_PD, 1e-11},
     };
     for (size_t row = 0; row < sizeof rows / sizeof rows[0]; row++) {
-        saltus_branch_point point[2];
+        branch_record record[2];
+        const saltus_branch_point *point[2];
         for (int k = 0; k < 2; k++) {
-            point[k] = only_point(rows[row].scene, k ? rows[row].joined : rows[row].joining, rows[row].key,
-                                  rows[row].low, rows[row].high, rows[row].kind);
-            assert_true(point[k].accuracy < rows[row].sharp);
+            record[k] = run_scene(rows[row].scene, k ? rows[row].joined : rows[row].joining, rows[row].key,
+                                  rows[row].low, rows[row].high, 0);
+            point[k] = only_point(&record[k], rows[row].kind);
+            assert_true(point[k]->accuracy < rows[row].sharp);
         }
-        assert_non_null(strstr(point[0].reason, "joins"));
-        assert_string_equal(point[1].reason, "");
-        check_near(point[0].value[0], point[1].value[0], point[0].accuracy + point[1].accuracy);
-        for (int k = 0; k < 2; k++)
-            saltus_branch_point_clear(&point[k]);
+        assert_non_null(strstr(point[0]->reason, "joins"));
+        assert_string_equal(point[1]->reason, "");
+        check_near(point[0]->value[0], point[1]->value[0], point[0]->accuracy + point[1]->accuracy);
+        branch_forget(&record[0]);
+        branch_forget(&record[1]);
     }
+}
+
+/* A branch that is joined is followed both ways from there. */
+static void joined_branches_are_followed(void **unused) {
+    (void)unused;
+    branch_record record = run_scene("fig3", "r=0.8", "r", 0.4, 0.8, 1);
+    check_joined(&record, "2/2", 0.4, 0.8);
+    branch_forget(&record);
+    record = run_scene("fig7d", "N=2 omega=21.3", "omega", 21, 22, 1);
+    check_joined(&record, "1/2", 21, 22);
+    branch_forget(&record);
+}
+
+/* An orbit of two periods leads to those of one at a flip and at their grazing. From both ends, or from the
+ * grazing alone, these are followed once. */
+static void a_branch_joined_twice_is_followed_once(void **unused) {
+    (void)unused;
+    branch_record from = run_scene("near-grazing", "omega=0.99971 F=0.36", "F", 0.03, 0.38, 1);
+    const saltus_branch_point *start = NULL;
+    for (int k = 0; k < from.count; k++)
+        if (!from.point[k].kind && from.point[k].value[0] < 0.0403 && strcmp(from.point[k].label, "1/2") == 0)
+            start = &from.point[k];
+    assert_non_null(start);
+    for (int direction = -1; direction <= 0; direction++) {
+        saltus_branch_options options = branch_along("F", 0.03, 0.05);
+        options.direction = direction;
+        options.switches = 1;
+        branch_record record = branch_run(&start->spec, 2, start->state, &options);
+        const saltus_branch_point *joins = NULL;
+        for (int k = 0; k + 1 < record.count && !joins; k++)
+            if (strstr(record.point[k + 1].reason, "half the period at their grazing"))
+                joins = &record.point[k];
+        assert_non_null(joins);
+        int single = 0, free_flights = 0, joined = 0;
+        for (int k = 0; k < record.count; k++) {
+            const saltus_branch_point *p = &record.point[k];
+            joined += strstr(p->reason, "joins the orbits of half the period at their grazing") &&
+                      strcmp(p->label, "1/2") == 0;
+            single += p->kind == SALTUS_POINT_EP && p->value[0] == 0.05 && strcmp(p->label, "1/1") == 0;
+            free_flights += p->kind == SALTUS_POINT_EP && p->value[0] == 0.03 && strcmp(p->label, "0/1") == 0;
+            if (p->kind == SALTUS_POINT_GR && strcmp(p->label, "1/1") == 0)
+                check_near(p->value[0], joins->value[0], 1e-11);
+        }
+        assert_true(single == 1 && free_flights == 1 && joined == 1);
+        branch_forget(&record);
+    }
+    branch_forget(&from);
 }
 
 int main(void) {
@@ -420,6 +490,8 @@ int main(void) {
         cmocka_unit_test(a_tail_is_counted_where_it_grazes),
         cmocka_unit_test(a_contact_splits_at_one_place),
         cmocka_unit_test(joins_are_where_the_other_branch_says),
+        cmocka_unit_test(joined_branches_are_followed),
+        cmocka_unit_test(a_branch_joined_twice_is_followed_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,8 +121,9 @@ typedef struct saltus_branch_options {
     int direction;         /* +1: only upwards, -1: only downwards, 0: both, upwards first; default 0 */
     /* How many times in succession to switch branches. Branches switch at flips, at branch points, at Hopf
      * points of equilibria, where an equilibrium meets a stop (to the cycles with impacts born there), and at
-     * grazing (to orbits of twice the period that graze in one half only). Loci switch at points of
-     * codimension two, to each other curve through the point once. Default 0 */
+     * grazing (to orbits of twice the period that graze in one half only). A branch that ends where it joins
+     * another switches to both halves of that one. Loci switch at points of codimension two, to each other
+     * curve through the point once. Default 0 */
     int switches;
     const double *values; /* where UZ points are wanted; owned by the caller */
     int value_count;      /* number of `values`; default 0 */

@@ -299,7 +299,7 @@ void saltus_archive_known(saltus_archive *a, saltus_orbits *o) {
 }
 
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
-    enum { numbers_min = 12 }; /* per start */
+    enum { numbers_min = 13 }; /* per start */
     if (a->reading)
         saltus_starts_clear(starts);
     starts->begun = (int)saltus_archive_whole(a, starts->begun, 0, INT_MAX / 2);
@@ -318,6 +318,7 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
         start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);
         start->depth = (int)saltus_archive_whole(a, start->depth, 0, INT_MAX);
         start->grazes = saltus_archive_flag(a, start->grazes);
+        start->place = (int)saltus_archive_whole(a, start->place, 0, INT_MAX);
         start->origin = saltus_archive_kind(a, start->origin);
     }
 }

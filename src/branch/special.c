@@ -247,10 +247,8 @@ static double doubt_of_crossing(saltus_orbits *o, saltus_test by, const saltus_s
     return doubt;
 }
 
-/* `between`, among orbits of its own, becomes the orbit between the two halves of `at`, which are all but
- * alike: of half the period or, `mirrored`, of the same one. Its tangent is that of such orbits. */
-static saltus_status lie_between(saltus_orbits *o, saltus_orbits *own, const saltus_solution *at,
-                                 bool mirrored, saltus_solution *between) {
+saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const saltus_solution *at,
+                                     bool mirrored, saltus_solution *between) {
     const double *scale = saltus_shooting_scale(o->shooting), half = 0.5 * at->sequence.periods;
     const int marks = at->sequence.count / 2;
     double state[SALTUS_STATE_MAX], apart[SALTUS_STATE_MAX], singular;
@@ -302,7 +300,7 @@ static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *
     own.options.tolerance = fmin(own.options.tolerance, tolerance);
     saltus_status status = saltus_orbits_open(&own, &ignored);
     if (status == SALTUS_OK)
-        status = lie_between(o, &own, at, mirrored, &between);
+        status = saltus_special_between(o, &own, at, mirrored, &between);
     for (int k = 0; k < 3 && status == SALTUS_OK && !zero.found; k++) {
         if (mirrored) {
             zero = saltus_solution_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], &place);

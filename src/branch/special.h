@@ -57,7 +57,9 @@ typedef struct saltus_branch_start {
     double *tangent; /* NULL: the null vector of the equations, with the sign of `heading` */
     int unknowns;
     int heading, parent, depth;
-    bool grazes;              /* an impact has zero speed: the flow decides the direction */
+    bool grazes; /* an impact has zero speed: the flow decides the direction */
+    int place;   /* number of the joined place (trail.h) that this and its like lead away from, counted
+                    from 1; 0: none */
     saltus_point_kind origin; /* kind of the point where it branches off; REGULAR: none */
 } saltus_branch_start;
 
@@ -68,6 +70,12 @@ typedef struct saltus_starts {
     int begun; /* starts taken or passed over so far: the number of the next branch */
 } saltus_starts;
 
+/* `between`, among the orbits `own`, opened for it, becomes the orbit between the two halves of `at`, which
+ * are all but alike: of half the period or, `mirrored`, of the same one. Its tangent is that of such orbits.
+ * Errors: no such orbit, SALTUS_NO_MEMORY. */
+saltus_status saltus_special_between(saltus_orbits *orbits, saltus_orbits *own, const saltus_solution *at,
+                                     bool mirrored, saltus_solution *between);
+
 /* Append a copy. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
                                 saltus_message *message);
@@ -77,6 +85,8 @@ saltus_status saltus_starts_add_ways(saltus_starts *starts, int n, saltus_branch
                                      saltus_message *message);
 /* Take out the first start; the caller clears it. */
 saltus_branch_start saltus_starts_take(saltus_starts *starts);
+/* Remove those that lead away from a joined place; returns their number. */
+int saltus_starts_drop(saltus_starts *starts, int place);
 void saltus_start_clear(saltus_branch_start *start);
 void saltus_starts_clear(saltus_starts *starts);
 

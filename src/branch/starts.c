@@ -55,6 +55,17 @@ saltus_branch_start saltus_starts_take(saltus_starts *starts) {
     return first;
 }
 
+int saltus_starts_drop(saltus_starts *starts, int place) {
+    int kept = 0, count = starts->count;
+    for (int k = 0; k < count; k++)
+        if (starts->start[k].place == place)
+            saltus_start_clear(&starts->start[k]);
+        else
+            starts->start[kept++] = starts->start[k];
+    starts->count = kept;
+    return count - kept;
+}
+
 void saltus_starts_clear(saltus_starts *starts) {
     for (int k = 0; k < starts->count; k++)
         saltus_start_clear(&starts->start[k]);

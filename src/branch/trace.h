@@ -53,6 +53,29 @@ saltus_status saltus_trace_end(saltus_trace *trace, const saltus_solution *solut
 saltus_status saltus_trace_accept(saltus_trace *trace, bool bends, bool must, const char *reason,
                                   saltus_message *message);
 
+/* In trace_join.c. Whether a solution is the orbit with these section points. */
+bool saltus_trace_same_orbit(saltus_trace *trace, const saltus_solution *solution, const saltus_lap *lap);
+/* Whether at grazing an impact has lost its speed just as the orbit touches the stop on the other side half a
+ * period later: the branch has come to orbits that are their own mirror images where these graze. */
+bool saltus_trace_joins_images(saltus_trace *trace, const saltus_solution *at);
+/* The touch by which a grazing orbit is known. Where it `joins` orbits of half the period, or its own mirror
+ * image, it grazes twice, and rounding decides which is worse: then it is the first from the section on. */
+const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins);
+/* The branch has ended at the last point: drop the starts there, since they lead back along this branch. */
+void saltus_trace_drop_starts(saltus_trace *trace);
+/* Add both ways along the branch that the present one joins at a flip or branch point, or at the grazing of
+ * orbits of half the period or, `images`, of orbits that are their own mirror images, unless branches are not
+ * switched to or the place was visited on that branch. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_trace_follow_joined(saltus_trace *trace, const saltus_solution *at,
+                                         saltus_point_kind kind, double value, saltus_message *message);
+saltus_status saltus_trace_follow_grazing(saltus_trace *trace, const saltus_solution *at, bool images,
+                                          saltus_message *message);
+/* Whether at a special point of the present branch another one joined it earlier, whose starts on this one,
+ * if they are left, are dropped. *other: the number of that branch if it has led on along this one, so that
+ * this is where the present one has to end; otherwise -1. */
+bool saltus_trace_was_joined(saltus_trace *trace, const saltus_solution *solution, saltus_point_kind kind,
+                             double value, int *other);
+
 static inline void saltus_trace_swap(saltus_solution **a, saltus_solution **b) {
     saltus_solution *kept = *a;
     *a = *b;

@@ -43,23 +43,6 @@ static saltus_status end_by_border(saltus_trace *t, saltus_solution *s, bool *en
     return saltus_trace_end(t, s, s->at.ahead, saltus_range_ends, message);
 }
 
-/* The branch has ended at the last point: drop the starts there, since they lead back along this branch. */
-static void drop_starts(saltus_trace *t) {
-    const saltus_branch_point *point = saltus_trail_last(t->trail);
-    int kept = 0;
-    for (int k = 0; k < t->starts->count; k++) {
-        saltus_branch_start *start = &t->starts->start[k];
-        double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter;
-        if (start->origin == point->kind && start->sequence.periods == point->periods &&
-            fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0]) {
-            saltus_start_clear(start);
-        } else {
-            t->starts->start[kept++] = *start;
-        }
-    }
-    t->starts->count = kept;
-}
-
 /* Keep the branches that leave at `at` for later. */
 static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
                                 const saltus_sequence *beyond, saltus_message *message) {
@@ -89,20 +72,7 @@ static saltus_status find(saltus_trace *t, const saltus_solution *at) {
 /* At the parameter value of the branch's first orbit: if `s` is that orbit, the branch is closed and ends. */
 static saltus_status give_return(saltus_trace *t, const saltus_solution *s, saltus_notice what,
                                  saltus_message *message) {
-    const saltus_lap *first = &t->first;
-    saltus_lap lap = {0};
-    saltus_message ignored;
-    const double *state = s->survey.lap.points;
-    bool known = true;
-    if (s->sequence.omega > 0) {
-        known =
-            saltus_orbits_noted(&t->orbits, saltus_cycle_around(&t->orbits, s, &lap, &ignored)) == SALTUS_OK;
-        state = lap.points;
-    }
-    const bool back = known && saltus_orbit_passes(t->orbits.system, first->points, first->periods, state,
-                                                   SALTUS_SAME_POINT);
-    saltus_lap_close(&lap);
-    if (!back)
+    if (!saltus_trace_same_orbit(t, s, &t->first))
         return SALTUS_OK;
     /* The other direction from the same start leads around the same branch. */
     if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading) {
@@ -127,10 +97,14 @@ static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *
 static saltus_status give_shared_end(saltus_trace *t, const saltus_solution *at, saltus_notice what,
                                      saltus_message *message) {
     char reason[SALTUS_REASON_MAX];
-    saltus_status status = saltus_trace_give(t, at, what, message);
+    saltus_status status = SALTUS_OK;
+    if (what.kind == SALTUS_POINT_PD || what.kind == SALTUS_POINT_BP)
+        status = saltus_trace_follow_joined(t, at, what.kind, what.value, message);
+    if (status == SALTUS_OK)
+        status = saltus_trace_give(t, at, what, message);
     if (status != SALTUS_OK || !t->trail->following)
         return status;
-    drop_starts(t);
+    saltus_trace_drop_starts(t);
     if (what.kind == SALTUS_POINT_HB) {
         status = saltus_cycle_tell_shrinking(&t->orbits, at, reason, message);
         what.reason = reason;
@@ -161,6 +135,27 @@ static saltus_status visit_special(saltus_trace *t, const saltus_hopf_ahead *hop
                                           : status;
 }
 
+/* Give out a point where other branches leave, and keep these for later; `beyond`: the sequence beyond
+ * grazing. Where a branch that has been followed joins this one, there are no others; if it has led on along
+ * this one, the branch ends. */
+static saltus_status give_branching(saltus_trace *t, const saltus_solution *at, saltus_notice what,
+                                    const saltus_sequence *beyond, saltus_message *message) {
+    char reason[SALTUS_REASON_MAX];
+    int other = -1;
+    const double value = what.value != 0 ? what.value : at->value;
+    const bool branches =
+        what.kind == SALTUS_POINT_PD || what.kind == SALTUS_POINT_BP || what.kind == SALTUS_POINT_GR;
+    const bool known = branches && saltus_trace_was_joined(t, at, what.kind, value, &other);
+    if (known && other >= 0) {
+        snprintf(reason, sizeof reason, "this %s is on branch %d", saltus_point_word(what.kind), other);
+        what.kind = SALTUS_POINT_EP;
+        what.reason = reason;
+        what.addition = NULL;
+    }
+    saltus_status status = saltus_trace_give(t, at, what, message);
+    return status == SALTUS_OK && branches && !known ? add_starts(t, at, what.kind, beyond, message) : status;
+}
+
 /* Give out one special point of the step from `here` to `next`. */
 static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_special *special,
                                   saltus_message *message) {
@@ -186,10 +181,7 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
     }
     if (special->end)
         return give_shared_end(t, t->trial, what, message);
-    status = saltus_trace_give(t, t->trial, what, message);
-    if (status == SALTUS_OK && (special->kind == SALTUS_POINT_PD || special->kind == SALTUS_POINT_BP))
-        status = add_starts(t, t->trial, special->kind, NULL, message);
-    return status;
+    return give_branching(t, t->trial, what, NULL, message);
 }
 
 /* Give out all special points of the step from `here` to `next`, in order. */
@@ -304,43 +296,6 @@ static bool ends_run(const saltus_solution *s) {
     return false;
 }
 
-/* Whether at grazing an impact has lost its speed just as the orbit touches the stop on the other side half a
- * period later: the branch has come to orbits that are their own mirror images where these graze. */
-static bool joins_images(saltus_trace *t, const saltus_solution *at) {
-    const double little = 1e-6, near = 1e-4, alike = 1e-4, mirrored = 1e-7;
-    const double half = 0.5 * at->sequence.periods;
-    bool joins = false;
-    for (int k = 0; k < at->breach_count; k++) {
-        const saltus_breach *touch = &at->breaches[k];
-        bool dies = false, alone = true;
-        for (int j = 0; j < at->breach_count; j++) {
-            const saltus_breach *impact = &at->breaches[j];
-            const double apart = fabs(impact->time - touch->time);
-            if (impact->kind != SALTUS_BREACH_SPEED)
-                continue;
-            alone = alone && !(impact->face == touch->face && apart < near);
-            dies |= impact->face != touch->face && fabs(apart - half) < near && fabs(impact->value) < little;
-        }
-        joins |= touch->kind == SALTUS_BREACH_GAP && fabs(touch->value) < little && dies && alone;
-    }
-    return joins && saltus_solution_half_distance(&t->orbits, at, true) < alike &&
-           saltus_solution_half_distance(&t->orbits, t->here, true) > mirrored;
-}
-
-/* The touch by which a grazing orbit is known. Where it joins orbits of half the period, or its own mirror
- * image, it grazes twice, and rounding decides which is worse: then it is the first from the section on. */
-static const saltus_breach *find_touch(const saltus_solution *at, bool joins) {
-    const double little = 1e-9, near = 1e-4, periods = at->sequence.periods;
-    const saltus_breach *touch = &at->worst;
-    for (int k = 0; k < at->breach_count && joins; k++) {
-        const saltus_breach *other = &at->breaches[k];
-        const bool pair = fabs(fabs(other->time - touch->time) - 0.5 * periods) < near;
-        if (pair && fabs(other->value) < little && fmod(other->time, periods) < fmod(touch->time, periods))
-            touch = other;
-    }
-    return touch;
-}
-
 /* Beyond grazing at `next`, to a point a little further on. */
 static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *message) {
     saltus_orbits *o = &t->orbits;
@@ -349,9 +304,9 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
     saltus_change change;
     saltus_notice what = {
         .kind = SALTUS_POINT_GR, .ahead = at->at.ahead, .accuracy = accuracy, .change = true};
-    const bool images = joins_images(t, at);
+    const bool images = saltus_trace_joins_images(t, at);
     bool completes, joins = images || saltus_solution_half_distance(o, at, false) < 1e-4;
-    what.grazing = find_touch(at, joins);
+    what.grazing = saltus_trace_touch(at, joins);
     what.accuracy += saltus_special_doubt(o, SALTUS_TEST_BREACH, at);
     saltus_status status = saltus_change_graze(o, at, &beyond, t->spare, t->trial, &change, message);
     if (status != SALTUS_OK)
@@ -371,13 +326,15 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
     what.reason = joins ? NULL : change.reason;
     what.after = goes_on ? change.after : NULL;
     what.addition = goes_on && change.turns_back ? "; the branch turns back (non-smooth fold)" : NULL;
-    status = saltus_trace_give(t, at, what, message);
-    if (status == SALTUS_OK && !joins)
-        status = add_starts(t, at, SALTUS_POINT_GR, &beyond, message);
+    if (joins)
+        status = saltus_trace_follow_grazing(t, at, images, message);
+    if (status == SALTUS_OK)
+        status =
+            joins ? saltus_trace_give(t, at, what, message) : give_branching(t, at, what, &beyond, message);
     if (status != SALTUS_OK || !t->trail->following)
         return status;
     if (joins)
-        drop_starts(t);
+        saltus_trace_drop_starts(t);
     if (!goes_on)
         return saltus_trace_end(t, at, at->at.ahead,
                                 images  ? "joins the orbits that are their own mirror images at their grazing"

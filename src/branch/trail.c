@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/trail.h"
 
+#include "orbit/lap.h"
+
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -18,6 +20,7 @@ typedef struct saltus_visited {
     char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
     double value, period;            /* period 0: none */
     double *state;
+    bool joined; /* a branch joins another one there, and has not been on it */
 } visited;
 
 static double period_of(const saltus_branch_point *point) {
@@ -85,7 +88,7 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
         const bool same = (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
                           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
         const double close_value = same ? 1e-7 : 1e-11, close_state = same ? 1e-5 : 1e-7;
-        if (v->kind == point->kind && v->periods == point->periods &&
+        if (!v->joined && v->kind == point->kind && v->periods == point->periods &&
             fabs(v->period - period_of(point)) <= 1e-4 * v->period &&
             fabs(v->value - point->value[0]) < close_value * unit &&
             saltus_system_distance(system, v->state, point->state) < close_state)
@@ -94,26 +97,63 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
     return -1;
 }
 
-static saltus_status remember(saltus_trail *t, const saltus_branch_point *point, saltus_message *message) {
-    const size_t n = (size_t)point->dimension;
+/* Room for another one with a state of n numbers; NULL without memory. */
+static visited *add_visited(saltus_trail *t, const double *state, size_t n, saltus_message *message) {
     visited *grown = realloc(t->visited, ((size_t)t->visited_count + 1) * sizeof *grown);
     if (grown)
         t->visited = grown;
-    double *state = calloc(n, sizeof *state);
-    if (!grown || !state) {
-        free(state);
-        return saltus_branch_no_memory(message);
+    double *own = calloc(n, sizeof *own);
+    if (!grown || !own) {
+        free(own);
+        saltus_branch_no_memory(message);
+        return NULL;
     }
-    memcpy(state, point->state, n * sizeof *state);
+    memcpy(own, state, n * sizeof *own);
     visited *v = &grown[t->visited_count++];
-    *v = (visited){.kind = point->kind,
-                   .branch = point->branch,
-                   .periods = point->periods,
-                   .value = point->value[0],
-                   .period = period_of(point),
-                   .state = state};
+    *v = (visited){.branch = t->number, .state = own};
+    return v;
+}
+
+static saltus_status remember(saltus_trail *t, const saltus_branch_point *point, saltus_message *message) {
+    visited *v = add_visited(t, point->state, (size_t)point->dimension, message);
+    if (!v)
+        return SALTUS_NO_MEMORY;
+    v->kind = point->kind;
+    v->periods = point->periods;
+    v->value = point->value[0];
+    v->period = period_of(point);
     memcpy(v->label[0], point->label, SALTUS_LABEL_MAX);
     memcpy(v->label[1], point->label_after, SALTUS_LABEL_MAX);
+    return SALTUS_OK;
+}
+
+int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus_point_kind kind, int periods,
+                      double value, const double *points, int count, bool joined, int *branch) {
+    const double close_value = 1e-7 * (t->options->high[0] - t->options->low[0]), close_state = 1e-5;
+    for (int k = 0; k < t->visited_count; k++) {
+        const visited *v = &t->visited[k];
+        if (v->kind != kind || v->periods != periods || (joined && !v->joined) ||
+            !(fabs(v->value - value) < close_value) ||
+            !saltus_orbit_passes(system, points, count, v->state, close_state))
+            continue;
+        if (branch)
+            *branch = v->branch;
+        return k + 1;
+    }
+    return 0;
+}
+
+saltus_status saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point_kind kind,
+                                int periods, double value, const double *state, int *place,
+                                saltus_message *message) {
+    visited *v = add_visited(t, state, (size_t)saltus_system_dimension(system), message);
+    *place = t->visited_count;
+    if (!v)
+        return SALTUS_NO_MEMORY;
+    v->kind = kind;
+    v->periods = periods;
+    v->value = value;
+    v->joined = true;
     return SALTUS_OK;
 }
 
@@ -147,8 +187,9 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, co
              what->addition ? what->addition : "");
     const unsigned meets = point->locus ? 0 : point->periods ? orbits_meet : rests_meet;
     const bool kept = meets >> point->kind & 1;
+    const bool crosses = !point->locus && point->periods && point->kind == SALTUS_POINT_BP;
     const int earlier = kept ? find_visited(t, system, point) : -1;
-    if (kept && earlier < 0)
+    if ((kept && earlier < 0) || crosses)
         status = remember(t, point, message);
     if (earlier >= 0) {
         point->kind = SALTUS_POINT_EP;
@@ -200,7 +241,7 @@ bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
 }
 
 void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
-    enum { numbers_min = 7 }; /* per visited point */
+    enum { numbers_min = 8 }; /* per visited point */
     t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
     for (int k = 0; k < t->visited_count; k++) {
         visited *v = &t->visited[k];
@@ -212,6 +253,7 @@ void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
         saltus_archive_finite(a, &v->value, 1);
         saltus_archive_finite(a, &v->period, 1);
         saltus_archive_array(a, &v->state, (size_t)a->n);
+        v->joined = saltus_archive_flag(a, v->joined);
     }
     t->number = (int)saltus_archive_whole(a, t->number, 0, INT_MAX);
     t->parent = (int)saltus_archive_whole(a, t->parent, -1, INT_MAX);

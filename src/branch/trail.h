@@ -49,6 +49,16 @@ saltus_branch_point *saltus_trail_place(saltus_trail *trail, saltus_message *mes
  * point that was visited before, and when it has enough points. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_trail_give(saltus_trail *trail, const saltus_system *system, const saltus_notice *what,
                                 saltus_message *message);
+/* The place, counted from 1, at which a special point of this kind and period lies on another branch, at an
+ * orbit with these section points (`count`, each a state); 0: none. `joined`: only places at which branches
+ * join another one on which they were not; *branch (may be NULL) becomes the number of the branch. */
+int saltus_trail_find(const saltus_trail *trail, const saltus_system *system, saltus_point_kind kind,
+                      int periods, double value, const double *points, int count, bool joined, int *branch);
+/* The current branch joins another one at such a place, with this section point; *place as above. Errors:
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_trail_join(saltus_trail *trail, const saltus_system *system, saltus_point_kind kind,
+                                int periods, double value, const double *state, int *place,
+                                saltus_message *message);
 /* Whether a point this far ahead is far enough from the last regular one to be given out as one. */
 bool saltus_trail_wants(const saltus_trail *trail, double ahead);
 /* That point was given out. */

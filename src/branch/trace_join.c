@@ -1,0 +1,184 @@
+/* Where branches of periodic orbits join others: at the flip of orbits of half the period, where orbits that
+ * are their own mirror images lose their symmetry, or at the grazing of either. The branch ends there. The
+ * one that it joins is followed both ways, unless it has been followed there, or comes to be before its turn.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "branch/sequence.h"
+#include "branch/trace.h"
+#include "orbit/lap.h"
+
+#include <math.h>
+
+void saltus_trace_drop_starts(saltus_trace *t) {
+    const saltus_branch_point *point = saltus_trail_last(t->trail);
+    int kept = 0;
+    for (int k = 0; k < t->starts->count; k++) {
+        saltus_branch_start *start = &t->starts->start[k];
+        double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter;
+        if (start->place == 0 && start->origin == point->kind && start->sequence.periods == point->periods &&
+            fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0]) {
+            saltus_start_clear(start);
+        } else {
+            t->starts->start[kept++] = *start;
+        }
+    }
+    t->starts->count = kept;
+}
+
+bool saltus_trace_joins_images(saltus_trace *t, const saltus_solution *at) {
+    const double little = 1e-6, near = 1e-4, alike = 1e-4, mirrored = 1e-7;
+    const double half = 0.5 * at->sequence.periods;
+    bool joins = false;
+    for (int k = 0; k < at->breach_count; k++) {
+        const saltus_breach *touch = &at->breaches[k];
+        bool dies = false, alone = true;
+        for (int j = 0; j < at->breach_count; j++) {
+            const saltus_breach *impact = &at->breaches[j];
+            const double apart = fabs(impact->time - touch->time);
+            if (impact->kind != SALTUS_BREACH_SPEED)
+                continue;
+            alone = alone && !(impact->face == touch->face && apart < near);
+            dies |= impact->face != touch->face && fabs(apart - half) < near && fabs(impact->value) < little;
+        }
+        joins |= touch->kind == SALTUS_BREACH_GAP && fabs(touch->value) < little && dies && alone;
+    }
+    return joins && saltus_solution_half_distance(&t->orbits, at, true) < alike &&
+           saltus_solution_half_distance(&t->orbits, t->here, true) > mirrored;
+}
+
+const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins) {
+    const double little = 1e-9, near = 1e-4, periods = at->sequence.periods;
+    const saltus_breach *touch = &at->worst;
+    for (int k = 0; k < at->breach_count && joins; k++) {
+        const saltus_breach *other = &at->breaches[k];
+        const bool pair = fabs(fabs(other->time - touch->time) - 0.5 * periods) < near;
+        if (pair && fabs(other->value) < little && fmod(other->time, periods) < fmod(touch->time, periods))
+            touch = other;
+    }
+    return touch;
+}
+
+/* Section points of an orbit; for a cycle `lap`, which the caller closes, holds them. NULL: not known. */
+static const double *section_points(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap, int *count) {
+    saltus_message ignored;
+    *count = s->sequence.periods;
+    if (s->sequence.omega == 0)
+        return s->survey.walked ? s->survey.lap.points : NULL;
+    const bool known = saltus_orbits_noted(o, saltus_cycle_around(o, s, lap, &ignored)) == SALTUS_OK;
+    *count = known ? lap->periods : 0;
+    return known ? lap->points : NULL;
+}
+
+bool saltus_trace_same_orbit(saltus_trace *t, const saltus_solution *s, const saltus_lap *lap) {
+    saltus_lap own = {0};
+    int count;
+    const double *points = section_points(&t->orbits, s, &own, &count);
+    const bool same =
+        points && saltus_orbit_passes(t->orbits.system, lap->points, lap->periods, points, SALTUS_SAME_POINT);
+    saltus_lap_close(&own);
+    return same;
+}
+
+bool saltus_trace_was_joined(saltus_trace *t, const saltus_solution *s, saltus_point_kind kind, double value,
+                             int *other) {
+    saltus_lap lap = {0};
+    int count;
+    const double *points = section_points(&t->orbits, s, &lap, &count);
+    const int place = points ? saltus_trail_find(t->trail, t->orbits.system, kind, s->sequence.periods, value,
+                                                 points, count, true, other)
+                             : 0;
+    saltus_lap_close(&lap);
+    /* With one start left that one leads back here, and the other has led on. */
+    if (place && saltus_starts_drop(t->starts, place) == 2)
+        *other = -1;
+    return place > 0;
+}
+
+/* Add starts on the branch joined at a place where it has not been followed. `start` has what they have in
+ * common; they differ in the tangent's direction or, at grazing, in the sequence, of which there are two. */
+static saltus_status add_joined(saltus_trace *t, const saltus_solution *orbit, saltus_branch_start *start,
+                                const saltus_sequence *sequences, double value, saltus_message *message) {
+    saltus_lap lap = {0};
+    const saltus_orbits *o = &t->orbits;
+    const int periods = start->sequence.periods;
+    int count;
+    saltus_status status = SALTUS_OK;
+    const double *points = section_points(&t->orbits, orbit, &lap, &count);
+    if (points &&
+        !saltus_trail_find(t->trail, o->system, start->origin, periods, value, points, count, false, NULL)) {
+        status = saltus_trail_join(t->trail, o->system, start->origin, periods, value, points, &start->place,
+                                   message);
+        if (status == SALTUS_OK && !sequences)
+            status = saltus_starts_add_ways(t->starts, o->n, start, 0, message);
+        for (int k = 0; k < 2 && sequences && status == SALTUS_OK; k++) {
+            start->sequence = sequences[k];
+            status = saltus_starts_add(t->starts, o->n, start, message);
+        }
+    }
+    saltus_lap_close(&lap);
+    return status;
+}
+
+saltus_status saltus_trace_follow_joined(saltus_trace *t, const saltus_solution *at, saltus_point_kind kind,
+                                         double value, saltus_message *message) {
+    const saltus_orbits *o = &t->orbits;
+    saltus_branch_start start = saltus_trail_leaving(t->trail);
+    saltus_orbits own = {.family = o->family, .origin = o->origin, .options = o->options};
+    saltus_solution between = {.value = 0};
+    saltus_message ignored;
+    int order[SALTUS_MARKS_MAX];
+    if (!saltus_trail_switches(t->trail))
+        return SALTUS_OK;
+    saltus_status status = saltus_orbits_open(&own, &ignored);
+    if (status == SALTUS_OK)
+        status = saltus_special_between(&t->orbits, &own, at, kind == SALTUS_POINT_BP, &between);
+    if (status == SALTUS_OK)
+        status = saltus_solution_walk(&own, &between, &ignored);
+    if (status == SALTUS_OK && between.survey.walked) {
+        saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, order);
+        start.parameter = between.parameter[0];
+        start.state = between.state;
+        start.tangent = between.at.tangent;
+        start.unknowns = between.at.unknowns;
+        start.origin = kind;
+        status = add_joined(t, &between, &start, NULL, value, message);
+    }
+    const bool starved = status == SALTUS_NO_MEMORY || own.starved;
+    saltus_solution_clear(&between);
+    saltus_orbits_close(&own);
+    return starved ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
+saltus_status saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution *at, bool images,
+                                          saltus_message *message) {
+    const double little = 1e-6;
+    saltus_branch_start start = saltus_trail_leaving(t->trail);
+    saltus_sequence changed, sequences[2];
+    int order[SALTUS_MARKS_MAX];
+    if (!saltus_trail_switches(t->trail))
+        return SALTUS_OK;
+    /* Without the impact in either half, and with it in both. */
+    for (int k = 0; k < 2; k++) {
+        const saltus_breach_kind kind = k ? SALTUS_BREACH_GAP : SALTUS_BREACH_SPEED;
+        changed = at->sequence;
+        for (int j = at->breach_count - 1; j >= 0; j--) {
+            saltus_breach touch = at->breaches[j];
+            const saltus_sequence before = changed;
+            if (touch.kind != kind || !(fabs(touch.value) < little))
+                continue;
+            touch.value = 0;
+            saltus_sequence_graze(&before, &touch, 1, &changed, order);
+        }
+        changed.cuts = 1;
+        if (!images)
+            changed = saltus_sequence_first_half(&changed);
+        saltus_sequence_turn(&changed, changed.base, 1, &sequences[k], order);
+    }
+    if (sequences[0].count == sequences[1].count)
+        return SALTUS_OK;
+    start.sequence = sequences[0];
+    start.parameter = at->parameter[0];
+    start.state = at->state;
+    start.grazes = true;
+    start.origin = SALTUS_POINT_GR;
+    return add_joined(t, at, &start, sequences, at->value, message);
+}
