@@ -227,8 +227,9 @@ static void undamped_pairs_are_on_the_circle(void **unused) {
     check_networks(networks, 1);
 }
 
-/* At omega = 1/3 undamped orbits without impacts have any amplitude: there impacts die, but no curve of
- * grazing begins, as all the orbits that touch the stops are equal. */
+/* Undamped orbits without impacts have any amplitude at omega = 1/3, where impacts die, but no curve of
+ * grazing begins, as all the orbits that touch the stops are equal. At omega = 2 those of twice the period
+ * do. */
 static void families_begin_no_curve(void **unused) {
     (void)unused;
     static const network networks[] = {{"impact-oscillator",
@@ -239,8 +240,17 @@ static void families_begin_no_curve(void **unused) {
                                         {0.617587, 0.995106},
                                         1,
                                         {0.04, 0.02, 0.01},
-                                        -1}};
-    check_networks(networks, 1);
+                                        -1},
+                                       {"budd-dux",
+                                        "omega=2.27579 r=0.805465 d=0.139033",
+                                        SALTUS_POINT_GR,
+                                        {"omega", "d"},
+                                        {1.59305, -0.160967},
+                                        {2.95852, 0.439033},
+                                        2,
+                                        {0.04, 0.02},
+                                        2}};
+    check_networks(networks, 2);
 }
 
 /* Where the one impact in two periods dies at an orbit of one period at whose grazing an impact's infinite

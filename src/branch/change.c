@@ -102,7 +102,7 @@ static int pick_change(const saltus_solution *at, saltus_breach *picked) {
     return count;
 }
 
-bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at) {
+bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool twice) {
     const double slow = 1e-5, close = 1e-4;
     saltus_sequence less, kept = at->sequence;
     int order[SALTUS_MARKS_MAX], ones = 0;
@@ -124,7 +124,7 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at) {
         status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
     const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
     for (int k = 0; k < count; k++)
-        ones += hypot(re[k] - 1, im[k]) < close;
+        ones += hypot(re[k] - 1, im[k]) < close || (twice && hypot(re[k] + 1, im[k]) < close);
     saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status);
     saltus_shooting_free(shooting);
     free(u);

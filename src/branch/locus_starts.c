@@ -17,6 +17,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/locus_starts.h"
 
+#include "branch/change.h"
 #include "branch/sequence.h"
 
 #include <limits.h>
@@ -354,8 +355,15 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
                                        saltus_locus_starts *starts, saltus_message *message) {
     saltus_locus_start fresh[4] = {{0}};
     int count = curves_at(x, corner, at, fresh);
+    /* At an orbit of a family only its grazing is a curve, and what branches off belongs to a family if
+     * orbits of twice the period form one. At R1 and R2 multipliers are double without a family. */
+    const bool may = count > 0 && corner->kind != SALTUS_POINT_R1 && corner->kind != SALTUS_POINT_R2,
+               family = may && saltus_change_in_family(&x->orbits, at, false),
+               doubled = may && saltus_change_in_family(&x->orbits, at, true);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
+        if (fresh[k].leaves ? doubled : family && fresh[k].kind != SALTUS_POINT_GR)
+            continue;
         fresh[k].origin = corner->kind;
         fresh[k].state = at->state;
         fresh[k].parent = parent;

@@ -41,7 +41,8 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message);
 /* Add the other curves that meet the present one at the orbit `at`, a point of codimension two, unless they
  * have been there; `parent` and `depth` are theirs. At a cusp both folds are one curve, and at R3 and R4 no
- * curve of these kinds begins. Errors: SALTUS_NO_MEMORY. */
+ * curve of these kinds begins; nor do those of folds, flips and what branches off at an orbit of a family
+ * (change.h). Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_test *corner,
                                        const saltus_solution *at, int parent, int depth,
                                        saltus_locus_starts *starts, saltus_message *message);

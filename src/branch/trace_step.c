@@ -318,7 +318,7 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                                           "grazings follow one another ever more closely", message)
                                    : status;
     }
-    if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at)) {
+    if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, false)) {
         t->beyond = beyond;
         return find(t, at);
     }
