@@ -40,16 +40,31 @@ static inline double factor_of(int k, int derivative) {
     return derivative == 0 ? 1 : derivative == 1 ? k : (double)k * (k - 1);
 }
 
-/* p, p' or p'' by Horner's rule on the monomial coefficients, even and odd ones in two chains. */
-static inline double horner(const double *c, int degree, int derivative, double s) {
+/* The terms of p, p' or p'': of order k - derivative at t[k]. */
+static inline void terms_of(const double *c, int degree, int derivative, double *t) {
+    for (int k = derivative; k <= degree; k++)
+        t[k] = c[k] * factor_of(k, derivative);
+}
+
+/* The sum of terms first .. degree by Horner's rule, even and odd ones in two chains. */
+static inline double sum_of_terms(const double *t, int degree, int first, double s) {
     const double square = s * s;
     double even = 0, odd = 0;
     int k = degree;
-    for (; k > derivative; k -= 2) {
-        even = even * square + c[k] * factor_of(k, derivative);
-        odd = odd * square + c[k - 1] * factor_of(k - 1, derivative);
+    for (; k > first; k -= 2) {
+        even = even * square + t[k];
+        odd = odd * square + t[k - 1];
     }
-    return k == derivative ? (even * s + odd) * s + c[k] * factor_of(k, derivative) : even * s + odd;
+    return k == first ? (even * s + odd) * s + t[k] : even * s + odd;
+}
+
+/* p, p' or p'' at one place. */
+static double horner(const double *c, int degree, int derivative, double s) {
+    double t[SALTUS_DEGREE_MAX + 1];
+    if (derivative == 0)
+        return sum_of_terms(c, degree, 0, s);
+    terms_of(c, degree, derivative, t);
+    return sum_of_terms(t, degree, derivative, s);
 }
 
 /* b_j = sum_k C(j,k) / C(n,k) a_k. */
@@ -109,11 +124,14 @@ static double bracketed_zero(const double *c, int degree, int derivative, double
     double rising = at_hi >= at_lo ? 1 : -1, s = lo + (hi - lo) * (at_lo / (at_lo - at_hi));
     if (!(s > lo && s < hi))
         s = 0.5 * (lo + hi);
+    double values[SALTUS_DEGREE_MAX + 1], slopes[SALTUS_DEGREE_MAX + 1];
     bool fine = false;
+    terms_of(c, degree, derivative, values);
+    terms_of(c, degree, derivative + 1, slopes);
     for (int k = 0; k < 100 && hi - lo > DBL_EPSILON * fabs(hi); k++) {
-        double value =
-            fine && derivative == 0 ? saltus_compensated(c, degree, s) : horner(c, degree, derivative, s);
-        double slope = horner(c, degree, derivative + 1, s);
+        double value = fine && derivative == 0 ? saltus_compensated(c, degree, s)
+                                               : sum_of_terms(values, degree, derivative, s);
+        double slope = sum_of_terms(slopes, degree, derivative + 1, s);
         if (rising * value < 0)
             lo = s;
         else
