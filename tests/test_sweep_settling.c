@@ -431,18 +431,20 @@ static void a_made_up_spiral_is_not_left_early(void **unused) {
 
 /* An impact in the very section does not double the period of a row, and is not missed. In resonance without
  * damping x = cos t + B sin t + (F/2) t sin t between impacts at the section's time, which are all of speed
- * pi F/(1 + r). */
+ * pi F/(1 + r); both multipliers are -r. */
 static void an_impact_in_the_section_doubles_nothing(void **state) {
     (void)state;
     saltus_scene scene = scene_of("impact-oscillator", "c=0 omega=1 F=0.5 d=1");
-    static const double restitutions[] = {0.7, 0.8, 0.85, 0.9, 0.95};
+    static const double restitutions[] = {0.3, 0.4, 0.5, 0.6, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95};
     for (size_t k = 0; k < sizeof restitutions / sizeof restitutions[0]; k++) {
         const double r = restitutions[k], tight = 1e-13;
         saltus_sweep_options options = settling_options(1e-10);
+        options.keep |= SALTUS_KEEP_LYAPUNOV;
         single s = run_single(&scene, "r", r, &options);
         const saltus_sweep_row *row = s.result.rows;
         assert_string_equal(s.label, "1/1");
         assert_int_equal(row->periods, 1);
+        check_near(row->lyapunov, log(r) / (2 * M_PI), 1e-6); /* a double multiplier: roots of rounding */
         check_near(row->period, 2 * M_PI, tight);
         check_near(row->impact_rate, 1, 0);
         check_near(row->largest_speed, M_PI * 0.5 / (1 + r), 1e-8);

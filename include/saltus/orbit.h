@@ -40,9 +40,10 @@ saltus_orbit_options saltus_orbit_defaults(void);
 
 typedef struct saltus_orbit {
     int dimension;
-    int periods;                    /* p */
-    double *state;                  /* [dimension], at the section */
-    double *monodromy;              /* dimension x dimension, row-major: derivative over p periods */
+    int periods;       /* p */
+    double *state;     /* [dimension], at the section */
+    double *monodromy; /* dimension x dimension, row-major: derivative over p periods, from a time away from
+                          impacts if `state` lies on one */
     saltus_multiplier *multipliers; /* by decreasing modulus */
     int multiplier_count;           /* the dimension; with a free period one less */
     double trivial;  /* free period: the multiplier along the flow, 1 up to errors; otherwise 0 */

@@ -7,6 +7,7 @@
 #include "orbit/sequence.h"
 #include "system/state.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -199,6 +200,12 @@ static double slope(const saltus_orbits *o, const saltus_solution *s) {
     return fabs(saltus_solution_heading(s)) * o->family.unit[0];
 }
 
+/* How well the parameter is known at the point `s` that is known to `width` in arclength. Where a bracket
+ * shrinks to rounding, orbits are still followed no finer than this. */
+static double accuracy_at(const saltus_orbits *o, const saltus_solution *s, double width) {
+    return width * slope(o, s) + 32 * DBL_EPSILON * fabs(s->parameter[0]);
+}
+
 /* The arclength beyond `at` at which the contact that completes a chatter shrinks to zero length, if it
  * shrinks along the step of length `ahead` from `from` to `at`: by self-similarity its length goes as a
  * power, about 0.6, of the distance. It is known no better than the shortest flights before it. */
@@ -318,7 +325,7 @@ static bool begins_at(saltus_orbits *o, const saltus_solution *at, const saltus_
     double slope_here = fabs(saltus_solution_heading(here));
     double back = 2 * distance / fmax(slope_here, 1e-3);
     double width = bracket(o, here, -back, &here->survey, end);
-    *accuracy = (width + beyond_contact(here, end, end->at.ahead)) * slope(o, end);
+    *accuracy = accuracy_at(o, end, width + beyond_contact(here, end, end->at.ahead));
     bool grazes = end->worst.value > touches && !lets_go(at) &&
                   (end->worst.kind == SALTUS_BREACH_GAP || end->worst.kind == SALTUS_BREACH_SPEED);
     return width < back && end->at.ahead > -0.99 * back && !grazes &&
@@ -398,7 +405,7 @@ static bool ceases_to_complete(const saltus_solution *at) {
 static saltus_change compare(const saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
                              double width, const char *why, const saltus_solution *here) {
     const saltus_survey *before = &at->survey, *after = &here->survey;
-    saltus_change change = {.reason = why, .accuracy = width * slope(o, at)};
+    saltus_change change = {.reason = why, .accuracy = accuracy_at(o, at, width)};
     if (is_held(before) != is_held(after))
         change.reason = is_held(after) ? "a contact becomes permanent" : "a contact lets go";
     bool completes = (before->impacts < 0) != (after->impacts < 0);
@@ -425,7 +432,7 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
         return SALTUS_OK;
     if (ceases_to_complete(at))
         change->reason = why = "chatter ceases to complete: the contact after it shrinks to nothing";
-    change->accuracy = width * slope(o, at);
+    change->accuracy = accuracy_at(o, at, width);
     double *state = calloc((size_t)o->n, sizeof *state), border = range[heading > 0];
     if (!state)
         return saltus_branch_no_memory(message);
@@ -566,7 +573,7 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
             continue;
         *change = (saltus_change){.kind = SALTUS_POINT_CH,
                                   .value = at->value,
-                                  .accuracy = (width + beyond_contact(here, at, ahead)) * slope(o, at),
+                                  .accuracy = accuracy_at(o, at, width + beyond_contact(here, at, ahead)),
                                   .reason = "births of impacts accumulate: chatter completes",
                                   .distance = -ahead};
         saltus_solution_label(o, here, change->after);
@@ -585,7 +592,7 @@ bool saltus_change_within(saltus_orbits *o, const saltus_solution *from, const s
     saltus_solution_label(o, to, change->after);
     if (isnan(width))
         return false;
-    change->accuracy = width * slope(o, at);
+    change->accuracy = accuracy_at(o, at, width);
     return true;
 }
 
@@ -611,7 +618,7 @@ bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus
     double width = bracket(o, fresh, -back, NULL, scratch);
     if (scratch->at.ahead > -0.9 * back && fabs(scratch->value - *value) < 1e-4 * o->family.unit[0]) {
         *value = scratch->value;
-        *accuracy = width * slope(o, scratch);
+        *accuracy = accuracy_at(o, scratch, width);
     }
     return true;
 }

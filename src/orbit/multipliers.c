@@ -483,23 +483,6 @@ saltus_status saltus_cocycle_solve(saltus_cocycle *cocycle, saltus_multiplier *o
     return status;
 }
 
-/* An orbit that lies after impacts in its very section ends after them too: follow it past those that
- * rounding leaves to come. */
-static saltus_status pass_last_impacts(saltus_cocycle *cocycle, saltus_flow *flow, double rtol,
-                                       saltus_message *message) {
-    double state[SALTUS_STATE_MAX], ahead = 0;
-    saltus_event passed[SALTUS_FACES_MAX];
-    saltus_flow_state(flow, 0, state);
-    const int count =
-        saltus_section_point(saltus_flow_system(flow, 0), state, saltus_section_reach(rtol), state, passed);
-    if (count == 0)
-        return SALTUS_OK;
-    for (int k = 0; k < count; k++)
-        ahead = fmax(ahead, saltus_time_periods(passed[k].time));
-    return saltus_cocycle_follow(
-        cocycle, flow, saltus_time_after(saltus_flow_time(flow, 0), 2 * ahead + 1e-14), NULL, message);
-}
-
 /* Once around an orbit: its derivative and multipliers. `product` is work space of the monodromy's size. */
 static saltus_status go_around(saltus_cocycle *cocycle, const saltus_system *system, saltus_flow *flow,
                                const saltus_orbit_options *options, saltus_orbit *orbit, double *product,
@@ -512,8 +495,6 @@ static saltus_status go_around(saltus_cocycle *cocycle, const saltus_system *sys
         status = saltus_flow_start(flow, 0, (saltus_time){0, phase}, orbit->state, message);
     if (status == SALTUS_OK)
         status = saltus_cocycle_follow(cocycle, flow, (saltus_time){orbit->periods, phase}, NULL, message);
-    if (status == SALTUS_OK && saltus_system_forced(system))
-        status = pass_last_impacts(cocycle, flow, options->flow.rtol, message);
     if (status != SALTUS_OK)
         return status;
     orbit->sum_rule = cocycle->sum_rule;

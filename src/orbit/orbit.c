@@ -311,6 +311,7 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
                                   saltus_orbit *orbit, saltus_message *message) {
     int n = saltus_system_dimension(system);
     search s = {.options = options, .n = n, .periods = periods, .lap.keeps_events = true};
+    double point[SALTUS_STATE_MAX];
     *orbit = (saltus_orbit){0};
     if (options->free_period && saltus_system_forced(system))
         return saltus_fail(message, SALTUS_BAD_INPUT,
@@ -328,15 +329,24 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
     if (status == SALTUS_OK && !orbit->state)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK) {
-        saltus_section_point(system, s.state,
-                             options->free_period ? 0 : saltus_section_reach(options->flow.rtol),
-                             orbit->state, NULL);
+        saltus_orbit_options way = *options;
+        double later = 0;
         orbit->omega = saltus_spec_omega(saltus_system_spec(saltus_flow_system(s.flow, 0)));
+        saltus_section_point(system, s.state,
+                             options->free_period ? 0 : saltus_section_reach(options->flow.rtol), s.state,
+                             NULL);
+        memcpy(point, s.state, (size_t)n * sizeof *point);
         bool known = wanted == SALTUS_MULTIPLIERS_NONE;
         if (wanted == SALTUS_MULTIPLIERS_LEADING)
             status = tell_leading(&s, orbit, &known, message);
+        /* The multipliers are those of any point of the orbit: of one away from impacts. */
+        if (status == SALTUS_OK && !known && !options->free_period)
+            status = leave_stop(&s, options->phase, &later, message);
+        way.phase = fmod(options->phase + later, 1);
+        memcpy(orbit->state, s.state, (size_t)n * sizeof *s.state);
         if (status == SALTUS_OK && !known)
-            status = saltus_orbit_multipliers(saltus_flow_system(s.flow, 0), options, orbit, message);
+            status = saltus_orbit_multipliers(saltus_flow_system(s.flow, 0), &way, orbit, message);
+        memcpy(orbit->state, point, (size_t)n * sizeof *point);
     }
     saltus_shooting_free(s.shooting);
     saltus_flow_free(s.flow);

@@ -19,6 +19,19 @@ enum {
 static const double own_orbit = 1e-6; /* the orbit is no farther away, relative to the system's scales */
 static const double on_orbit = 1e-9;  /* a step this small ends the iteration */
 
+/* Whether the state lies beside an impact in the very section: there rounding decides how often the impact is
+ * met in a period. */
+static bool is_beside_impact(const saltus_sweep_trajectory *t) {
+    const double reach = saltus_section_reach(t->sweep->options.flow.rtol);
+    const int dof = saltus_system_dof(t->system);
+    double back[SALTUS_STATE_MAX], after[SALTUS_STATE_MAX];
+    memcpy(back, t->state, (size_t)t->sweep->dimension * sizeof *back);
+    for (int i = dof; i < 2 * dof; i++)
+        back[i] = -back[i];
+    return saltus_section_point(t->system, t->state, reach, after, NULL) > 0 ||
+           saltus_section_point(t->system, back, reach, after, NULL) > 0;
+}
+
 static double by_steps(saltus_sweep_trajectory *t, int periods) {
     saltus_flow_options options = saltus_flow_defaults();
     saltus_fixed_point f;
@@ -57,7 +70,7 @@ bool saltus_sweep_trajectory_exponent(saltus_sweep_trajectory *t) {
         t->row.lyapunov_error = 0;
         return true;
     }
-    double logarithm = by_steps(t, periods);
+    double logarithm = is_beside_impact(t) ? NAN : by_steps(t, periods);
     if (isnan(logarithm) && saltus_settling_impacts(&t->proof.settling, periods) <= shooting_impacts)
         logarithm = by_shooting(t, periods);
     if (isnan(logarithm))
