@@ -203,7 +203,7 @@ static double slope(const saltus_orbits *o, const saltus_solution *s) {
 /* How well the parameter is known at the point `s` that is known to `width` in arclength. Where a bracket
  * shrinks to rounding, orbits are still followed no finer than this. */
 static double accuracy_at(const saltus_orbits *o, const saltus_solution *s, double width) {
-    return width * slope(o, s) + 32 * DBL_EPSILON * fabs(s->parameter[0]);
+    return width * slope(o, s) + 32 * DBL_EPSILON * fabs(s->value);
 }
 
 /* The arclength beyond `at` at which the contact that completes a chatter shrinks to zero length, if it

@@ -185,30 +185,46 @@ static saltus_status meet(search *s, saltus_sequence *met, saltus_message *messa
 
 /* Move a state beside an impact to the middle of the flight up to the next event, in the time *later, in
  * periods: from the impact itself, rounding would decide whether the flow meets it again after one orbit. */
-static saltus_status leave_stop(search *s, double phase, double *later, saltus_message *message) {
+static saltus_status leave_stop(saltus_flow *flow, double phase, double *state, double *later,
+                                saltus_message *message) {
     static const double touching = 1e-9, own = 1e-6; /* sooner it is the impact itself */
-    const saltus_system *system = saltus_flow_system(s->flow, 0);
+    const saltus_system *system = saltus_flow_system(flow, 0);
     const double length = saltus_system_scale(system)[0];
     const saltus_time start = {0, phase};
     saltus_event event = {.kind = SALTUS_REACHED, .time = start};
     unsigned touches = 0;
     *later = 0;
     for (int f = 0; f < saltus_system_face_count(system); f++)
-        if (fabs(saltus_system_gap(system, f, s->state)) < touching * length)
+        if (fabs(saltus_system_gap(system, f, state)) < touching * length)
             touches |= 1u << f;
     if (!touches)
         return SALTUS_OK;
-    saltus_status status = saltus_flow_start(s->flow, 0, start, s->state, message);
-    if (status != SALTUS_OK || !(touches & ~saltus_flow_contacts(s->flow, 0)))
+    saltus_status status = saltus_flow_start(flow, 0, start, state, message);
+    if (status != SALTUS_OK || !(touches & ~saltus_flow_contacts(flow, 0)))
         return status;
     do
-        status = saltus_flow_advance(s->flow, (saltus_time){1, phase}, SALTUS_WATCH_CONTACT, &event, message);
+        status = saltus_flow_advance(flow, (saltus_time){1, phase}, SALTUS_WATCH_CONTACT, &event, message);
     while (status == SALTUS_OK && event.kind != SALTUS_REACHED &&
            saltus_time_between(start, event.time) < own);
     *later = 0.5 * saltus_time_between(start, event.time);
     return status == SALTUS_OK
-               ? saltus_state_carry(s->flow, start, saltus_time_after(start, *later), s->state, message)
+               ? saltus_state_carry(flow, start, saltus_time_after(start, *later), state, message)
                : status;
+}
+
+saltus_status saltus_orbit_all_multipliers(saltus_flow *flow, const saltus_orbit_options *options,
+                                           saltus_orbit *orbit, saltus_message *message) {
+    saltus_orbit_options way = *options;
+    double point[SALTUS_STATE_MAX], later = 0;
+    saltus_status status = SALTUS_OK;
+    memcpy(point, orbit->state, (size_t)orbit->dimension * sizeof *point);
+    if (!options->free_period)
+        status = leave_stop(flow, options->phase, orbit->state, &later, message);
+    way.phase = fmod(options->phase + later, 1);
+    if (status == SALTUS_OK)
+        status = saltus_orbit_multipliers(saltus_flow_system(flow, 0), &way, orbit, message);
+    memcpy(orbit->state, point, (size_t)orbit->dimension * sizeof *point);
+    return status;
 }
 
 /* Alternate between the two formulations, each from the result of the other. If an orbit was found that
@@ -220,7 +236,7 @@ static saltus_status find(search *s, const double *guess, saltus_message *messag
     double later;
     int passing = -1;
     memcpy(s->state, guess, (size_t)s->n * sizeof *guess);
-    saltus_status first = leave_stop(s, phase, &later, message);
+    saltus_status first = leave_stop(s->flow, phase, s->state, &later, message);
     if (first != SALTUS_OK)
         return first;
     if (!s->options->free_period)
@@ -311,7 +327,6 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
                                   saltus_orbit *orbit, saltus_message *message) {
     int n = saltus_system_dimension(system);
     search s = {.options = options, .n = n, .periods = periods, .lap.keeps_events = true};
-    double point[SALTUS_STATE_MAX];
     *orbit = (saltus_orbit){0};
     if (options->free_period && saltus_system_forced(system))
         return saltus_fail(message, SALTUS_BAD_INPUT,
@@ -329,24 +344,15 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
     if (status == SALTUS_OK && !orbit->state)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for shooting");
     if (status == SALTUS_OK) {
-        saltus_orbit_options way = *options;
-        double later = 0;
-        orbit->omega = saltus_spec_omega(saltus_system_spec(saltus_flow_system(s.flow, 0)));
-        saltus_section_point(system, s.state,
-                             options->free_period ? 0 : saltus_section_reach(options->flow.rtol), s.state,
-                             NULL);
-        memcpy(point, s.state, (size_t)n * sizeof *point);
         bool known = wanted == SALTUS_MULTIPLIERS_NONE;
-        if (wanted == SALTUS_MULTIPLIERS_LEADING)
+        orbit->omega = saltus_spec_omega(saltus_system_spec(saltus_flow_system(s.flow, 0)));
+        const int met = saltus_section_point(
+            system, s.state, options->free_period ? 0 : saltus_section_reach(options->flow.rtol),
+            orbit->state, NULL);
+        if (wanted == SALTUS_MULTIPLIERS_LEADING && met == 0)
             status = tell_leading(&s, orbit, &known, message);
-        /* The multipliers are those of any point of the orbit: of one away from impacts. */
-        if (status == SALTUS_OK && !known && !options->free_period)
-            status = leave_stop(&s, options->phase, &later, message);
-        way.phase = fmod(options->phase + later, 1);
-        memcpy(orbit->state, s.state, (size_t)n * sizeof *s.state);
         if (status == SALTUS_OK && !known)
-            status = saltus_orbit_multipliers(saltus_flow_system(s.flow, 0), &way, orbit, message);
-        memcpy(orbit->state, point, (size_t)n * sizeof *point);
+            status = saltus_orbit_all_multipliers(s.flow, options, orbit, message);
     }
     saltus_shooting_free(s.shooting);
     saltus_flow_free(s.flow);

@@ -18,4 +18,10 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
                                   const saltus_orbit_options *options, saltus_multipliers_wanted wanted,
                                   saltus_orbit *orbit, saltus_message *message);
 
+/* All multipliers of an orbit found at options->phase of the flow's system. They are those of any point of
+ * the orbit: of one amid a flight if the given one lies on a stop, where rounding would decide on an impact.
+ */
+saltus_status saltus_orbit_all_multipliers(saltus_flow *flow, const saltus_orbit_options *options,
+                                           saltus_orbit *orbit, saltus_message *message);
+
 #endif

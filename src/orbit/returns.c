@@ -167,7 +167,7 @@ saltus_status saltus_return_polish(saltus_flow *flow, int periods, const double 
         return status;
     }
     if (status == SALTUS_OK)
-        status = saltus_orbit_multipliers(system, options, orbit, message);
+        status = saltus_orbit_all_multipliers(flow, options, orbit, message);
     if (status != SALTUS_OK)
         saltus_orbit_clear(orbit);
     return status;
