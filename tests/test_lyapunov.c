@@ -50,6 +50,7 @@ static saltus_system *scene_system(const char *name, const char *settings, doubl
         check_ok(saltus_scene_set(&scene, word, &message), &message);
     saltus_system *system = build(&scene.spec);
     check_ok(saltus_scene_state(&scene, system, state, &message), &message);
+    saltus_scene_clear(&scene);
     return system;
 }
 

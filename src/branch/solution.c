@@ -441,7 +441,8 @@ saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double targ
     const double values[] = {saltus_test_value(test, target, from, from),
                              saltus_test_value(test, target, to, from)};
     location l = {.orbits = o, .test = test, .target = target, .from = from, .out = out, .visited = NAN};
-    if (saltus_curve_copy(&to->at, &out->at))
+    if (saltus_orbits_noted(o, saltus_curve_copy(&to->at, &out->at) ? SALTUS_OK : SALTUS_NO_MEMORY) ==
+        SALTUS_OK)
         l.visited = to->at.ahead;
     return locate(&l, ends, values);
 }

@@ -956,7 +956,7 @@ saltus_status saltus_constant_value(const char *text, double *value, saltus_mess
     char name[] = "number", own[1] = "";
     saltus_parsed equation = {.name = name, .text = own};
     saltus_parsed_text nothing = {.origin = own};
-    saltus_graph graph;
+    saltus_graph graph = {.full = false};
     builder b = {.text = &nothing, .graph = &graph, .equation = &equation, .message = message};
     saltus_status status = saltus_expression_parse(text, &equation.right, message);
     if (status != SALTUS_OK)
