@@ -37,7 +37,7 @@ set datafile separator comma
 problems = "$problems"
 methods = "taylor radau mixed gsl arkode adams bdf dopri5 fehlberg78"
 titles = '"Saltus Taylor" "Saltus Radau" "Saltus mixed" "GSL rk8pd" "SUNDIALS ARKODE 8(7)" "SUNDIALS CVODE Adams" "SUNDIALS CVODE BDF" "Boost.Odeint dopri5" "Boost.Odeint Fehlberg 7(8)"'
-colours = "#c00000 #e8a000 #d0509a #1f5fb4 #2a9d3a #7b4fa6 #808080 #17a2b8 #8c564b"
+colours = "#c00000 #e8a000 #d0509a #1f5fb4 #2a9d3a #7b4fa6 #808080 #17a2b8 #202020"
 do for [k=1:words(methods)] {
     set style line k linecolor rgb word(colours, k) linewidth (k <= 3 ? 3 : 1.6) pointtype (k <= 3 ? 7 : 2 + k) pointsize (k <= 3 ? 1.2 : 0.9)
 }
