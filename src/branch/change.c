@@ -103,13 +103,14 @@ static int pick_change(const saltus_solution *at, saltus_breach *picked) {
     return count;
 }
 
-bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool twice) {
+bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *doubled) {
     const double slow = 1e-5, close = 1e-4;
     saltus_sequence less, kept = at->sequence;
-    int order[SALTUS_MARKS_MAX], ones = 0;
+    int order[SALTUS_MARKS_MAX], ones = 0, both = 0;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *u = NULL;
     saltus_shooting *shooting = NULL;
     saltus_message ignored;
+    *doubled = false;
     if (at->sequence.omega > 0)
         return false;
     for (int k = at->breach_count - 1; k >= 0; k--) {
@@ -124,8 +125,11 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool t
     if (status == SALTUS_OK)
         status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
     const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
-    for (int k = 0; k < count; k++)
-        ones += hypot(re[k] - 1, im[k]) < close || (twice && hypot(re[k] + 1, im[k]) < close);
+    for (int k = 0; k < count; k++) {
+        ones += hypot(re[k] - 1, im[k]) < close;
+        both += hypot(re[k] - 1, im[k]) < close || hypot(re[k] + 1, im[k]) < close;
+    }
+    *doubled = both > 1;
     saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status);
     saltus_shooting_free(shooting);
     free(u);

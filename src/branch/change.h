@@ -41,8 +41,8 @@ saltus_status saltus_change_graze(saltus_orbits *orbits, const saltus_solution *
                                   saltus_message *message);
 /* Whether the orbit at a change without its impacts of zero speed is one of a family of orbits at the same
  * parameters, of which no single one is special: without damping, where the period is that of oscillations
- * between impacts. `twice`: or orbits of twice the period are. */
-bool saltus_change_in_family(saltus_orbits *orbits, const saltus_solution *at, bool twice);
+ * between impacts. *doubled: whether it is, or orbits of twice the period are. */
+bool saltus_change_in_family(saltus_orbits *orbits, const saltus_solution *at, bool *doubled);
 /* Why the branch must leap to other orbits. */
 typedef enum saltus_leap {
     SALTUS_LEAP_EVENTS, /* the flow no longer meets the prescribed events */

@@ -357,9 +357,9 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
     int count = curves_at(x, corner, at, fresh);
     /* At an orbit of a family only its grazing is a curve, and what branches off belongs to a family if
      * orbits of twice the period form one. At R1 and R2 multipliers are double without a family. */
-    const bool may = count > 0 && corner->kind != SALTUS_POINT_R1 && corner->kind != SALTUS_POINT_R2,
-               family = may && saltus_change_in_family(&x->orbits, at, false),
-               doubled = may && saltus_change_in_family(&x->orbits, at, true);
+    bool doubled = false;
+    const bool family = count > 0 && corner->kind != SALTUS_POINT_R1 && corner->kind != SALTUS_POINT_R2 &&
+                        saltus_change_in_family(&x->orbits, at, &doubled);
     saltus_status status = SALTUS_OK;
     for (int k = 0; k < count && status == SALTUS_OK; k++) {
         if (fresh[k].leaves ? doubled : family && fresh[k].kind != SALTUS_POINT_GR)

@@ -304,6 +304,7 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
     saltus_change change;
     saltus_notice what = {
         .kind = SALTUS_POINT_GR, .ahead = at->at.ahead, .accuracy = accuracy, .change = true};
+    bool doubled;
     const bool images = saltus_trace_joins_images(t, at);
     bool completes, joins = images || saltus_solution_half_distance(o, at, false) < 1e-4;
     what.grazing = saltus_trace_touch(at, joins);
@@ -318,7 +319,7 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
                                           "grazings follow one another ever more closely", message)
                                    : status;
     }
-    if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, false)) {
+    if (t->trail->options->locus == SALTUS_POINT_GR && !joins && !saltus_change_in_family(o, at, &doubled)) {
         t->beyond = beyond;
         return find(t, at);
     }

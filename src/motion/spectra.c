@@ -69,13 +69,14 @@ saltus_status saltus_quantity_parse(const saltus_system *system, const char *wor
     *quantity = (saltus_quantity){0, strcmp(word, "velocity") == 0};
     if (quantity->velocity || strcmp(word, "displacement") == 0)
         return SALTUS_OK;
-    const int observed = saltus_system_observable_count(system);
-    int entry = saltus_system_state_index(system, word), length = 0;
-    for (int k = 0; k < observed && entry < 0; k++)
-        if (strcmp(word, saltus_system_observable_name(system, k)) == 0) {
-            quantity->coordinate = -1 - k;
-            return SALTUS_OK;
-        }
+    const int observed = saltus_system_observable_count(system),
+              entry = saltus_system_state_index(system, word),
+              place = entry < 0 ? saltus_system_observable_index(system, word) : -1;
+    int length = 0;
+    if (place >= 0) {
+        quantity->coordinate = -1 - place;
+        return SALTUS_OK;
+    }
     if (entry < 0) {
         char also[200] = "";
         for (int k = 0; k < observed && length < (int)sizeof also; k++)

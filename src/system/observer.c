@@ -24,6 +24,13 @@ int saltus_system_observable_count(const saltus_system *system) {
     return count;
 }
 
+int saltus_system_observable_index(const saltus_system *system, const char *name) {
+    int k = saltus_system_observable_count(system) - 1;
+    while (k >= 0 && strcmp(name, saltus_system_observable_name(system, k)) != 0)
+        k--;
+    return k;
+}
+
 void saltus_system_observe(const saltus_system *system, const double *state, double phase, double *values) {
     if (system->spec.model->observe)
         system->spec.model->observe(system, state, phase, values);
@@ -117,15 +124,15 @@ static saltus_status observe_named(saltus_system *system, const char *name, salt
     const saltus_fault fault = {.key = "observe"};
     char *end;
     int number;
-    for (int k = 0; k < saltus_system_observable_count(system); k++)
-        if (strcmp(name, saltus_system_observable_name(system, k)) == 0) {
-            system->observer.name = name;
-            system->observer.quantity = k;
-            return model->observable_row(system, k, system->observer.row)
-                       ? SALTUS_OK
-                       : saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
-                                        "observe = %s: is no sum of displacements; choose one that is", name);
-        }
+    const int quantity = saltus_system_observable_index(system, name);
+    if (quantity >= 0) {
+        system->observer.name = name;
+        system->observer.quantity = quantity;
+        return model->observable_row(system, quantity, system->observer.row)
+                   ? SALTUS_OK
+                   : saltus_fail_at(message, SALTUS_BAD_INPUT, fault,
+                                    "observe = %s: is no sum of displacements; choose one that is", name);
+    }
     const int entry = saltus_system_state_index(system, name);
     const double xi = strtod(name, &end);
     if (saltus_key_numbered(name, "stop", &number) && number > 0 && number <= system->spec.stop_count)

@@ -218,6 +218,8 @@ bool saltus_system_fault(const saltus_system *system, const double *state, doubl
 /* The names of the first entries of a state: "x, y" or, for many, "q1 to q5". */
 enum { SALTUS_NAMES_MAX = 128 };
 const char *saltus_system_list_names(const saltus_system *system, int count, char names[SALTUS_NAMES_MAX]);
+/* The number of the quantity of this name that a text observes; -1: there is none. */
+int saltus_system_observable_index(const saltus_system *system, const char *name);
 
 extern const saltus_model saltus_pipe;
 extern const saltus_model saltus_oscillator;
