@@ -125,13 +125,15 @@ static bool impact_map(const saltus_system *system, int hit, bool forced, unsign
                        const double *velocity, saltus_contact_map *map) {
     double after[SALTUS_MODES_MAX];
     const int n = system->dof;
-    const double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, n));
     for (unsigned subset = 1u << hit;; subset = saltus_next_subset(touched, subset)) {
         bool valid =
             subset >> hit & 1 && saltus_contact_map_build(system, subset, subset & closing, velocity, map);
         if (valid) {
             for (int k = 0; k < map->count; k++)
                 valid &= saltus_dot(map->pull + k * n, velocity, n) >= 0 || (forced && map->face[k] == hit);
+        }
+        if (valid && touched & ~subset) {
+            const double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, n));
             memcpy(after, velocity, (size_t)n * sizeof *after);
             saltus_contact_map_apply(map, n, after);
             for (int f = 0; f < system->face_count; f++)
@@ -217,12 +219,6 @@ static void saltate_apart(saltus_flow *flow, int lane, int hit, const saltus_con
         }
 }
 
-/* How far a stop's coordinate moves when the modes move by 1, at most 1; near a support much less. */
-static double reach_of(const saltus_system *system, int face) {
-    const double *normal = system->stop_normal[system->faces[face].stop];
-    return fmin(1, sqrt(saltus_dot(normal, normal, system->dof)));
-}
-
 /* The size of a lane's state: largest displacement, or velocity over its unit. */
 static double state_size(const saltus_flow *flow, int lane) {
     const double unit = flow->work.lane->omega_unit[lane];
@@ -237,7 +233,9 @@ static double state_size(const saltus_flow *flow, int lane) {
 
 /* The displacement at a face that is negligible for a state of a size. */
 static double displacement_tolerance(const saltus_flow *flow, int lane, int face, double size) {
-    return 0.1 * reach_of(flow->lane[lane].system, face) * (flow->options.atol + flow->options.rtol * size);
+    const saltus_system *system = flow->lane[lane].system;
+    return 0.1 * system->stop_reach[system->faces[face].stop] *
+           (flow->options.atol + flow->options.rtol * size);
 }
 
 /* Held faces released by an impact on another: they recede and would rise beyond the tolerance. A contact
@@ -339,6 +337,7 @@ static saltus_event record_impacts(saltus_lane *self, int hit, unsigned reboundi
 static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, unsigned touched,
                                         double rebound, double pressure) {
     saltus_lane *self = &flow->lane[lane];
+    const saltus_system *system = self->system;
     const double *velocity = flow->state + flow->dof;
     double tiny = 64 * DBL_EPSILON * sqrt(saltus_dot(velocity, velocity, flow->dof));
     chatter_end end = end_of_chatter(flow, lane, face, rebound, pressure);
@@ -349,18 +348,19 @@ static chatter_end end_chatter_and_rest(saltus_flow *flow, int lane, int face, u
         resting = 1u << face;
     }
     /* Touched faces rest if their normal velocity is zero to rounding. */
-    for (int f = 0; f < self->system->face_count; f++)
+    for (int f = 0; f < system->face_count; f++)
         if (touched >> f & 1) {
-            if (fabs(saltus_face_normal(self->system, f, velocity)) <= tiny * reach_of(self->system, f))
+            if (fabs(saltus_face_normal(system, f, velocity)) <=
+                tiny * system->stop_reach[system->faces[f].stop])
                 resting |= 1u << f;
             self->face[f] = (saltus_face_state){.touch = 1};
         }
     saltus_contacts_rest(flow, lane, resting);
-    saltus_contact_map_settle(self->system, &self->hold, flow->state);
+    saltus_contact_map_settle(system, &self->hold, flow->state);
     /* The velocities have changed, so the gap rates carried from the last step must follow. */
-    for (int f = 0; f < self->system->face_count; f++)
+    for (int f = 0; f < system->face_count; f++)
         if (self->face[f].shadow)
-            self->face[f].rate = saltus_face_normal(self->system, f, velocity);
+            self->face[f].rate = saltus_face_normal(system, f, velocity);
     return end;
 }
 
@@ -383,10 +383,7 @@ static bool sound_rebounds(saltus_lane *self, const saltus_contact_map *map) {
  * `speed`, from the acceleration `before`. The field is smooth, so both are close for small speeds. */
 static double pressure_bound(const saltus_flow *flow, int lane, int face, double before, double speed) {
     const saltus_system *system = flow->lane[lane].system;
-    const int n = flow->dof, stop = system->faces[face].stop;
-    const double *normal = system->stop_normal[stop], *impulse = system->stop_impulse[stop];
-    const double size = sqrt(saltus_dot(normal, normal, n) * saltus_dot(impulse, impulse, n));
-    return 2 * fabs(before) + n * system->rate * size * speed;
+    return 2 * fabs(before) + flow->dof * system->rate * system->stop_reply[system->faces[face].stop] * speed;
 }
 
 saltus_status saltus_contacts_impact(saltus_flow *flow, int lane, int face, double acceleration,

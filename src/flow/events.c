@@ -272,8 +272,9 @@ saltus_first_event saltus_events_first(saltus_flow *flow, int lane, double step)
 static double velocity_term(const saltus_flow *flow, int lane, const double *row) {
     const saltus_work *w = &flow->work;
     double sum = 0;
+    const double *newest = w->jet.v + saltus_work_place(w, degree_of(flow, lane), 0, 0, lane);
     for (int i = 0; i < flow->dof && !flow->collocated; i++)
-        sum = fma(row[i], w->jet.v[saltus_work_place(w, degree_of(flow, lane), 0, i, lane)], sum);
+        sum += row[i] * newest[i * flow->lanes];
     return sum;
 }
 
@@ -367,8 +368,9 @@ double saltus_events_acceleration(const saltus_flow *flow, int lane, int row, co
     const double *series = flow->work.gap + saltus_work_series_place(&flow->work, row, 0, lane);
     const int degree = degree_of(flow, lane);
     double sum = degree * velocity_term(flow, lane, observer);
-    for (int k = degree; k >= 2; k--)
-        sum = sum * since + (double)k * (k - 1) * series[k * flow->lanes];
+    double number = degree;
+    for (int k = degree; k >= 2; k--, number -= 1)
+        sum = sum * since + number * (number - 1) * series[k * flow->lanes];
     return sum;
 }
 
@@ -387,12 +389,13 @@ bool saltus_events_carry(saltus_flow *flow, int lane, double step, int event_fac
         gap_polynomial(flow, lane, f, step, c);
         const saltus_face face = self->system->faces[f];
         double value = 0, rate = 0, power = step, near = 1e-6 * (fabs(face.d) + self->system->scale[0]);
-        for (int k = degree; k >= 0; k--)
+        double number = degree;
+        for (int k = degree; k > 0; k--, number -= 1) {
             value += c[k];
-        for (int k = degree; k >= 1; k--) {
-            rate += k * c[k];
+            rate += number * c[k];
             power *= step;
         }
+        value += c[0];
         rate += face.side * velocity_term(flow, lane, self->system->stop_normal[face.stop]) * power;
         *gap = value;
         if (value > near)

@@ -35,15 +35,16 @@ double saltus_compensated(const double *c, int degree, double s) {
     return sum + error;
 }
 
-/* The factor of c_k in p, p' or p''. */
-static inline double factor_of(int k, int derivative) {
-    return derivative == 0 ? 1 : derivative == 1 ? k : (double)k * (k - 1);
+/* The factor of c_k in p, p' or p'', for a `number` k. */
+static inline double factor_of(double number, int derivative) {
+    return derivative == 0 ? 1 : derivative == 1 ? number : number * (number - 1);
 }
 
 /* The terms of p, p' or p'': of order k - derivative at t[k]. */
 static inline void terms_of(const double *c, int degree, int derivative, double *t) {
-    for (int k = derivative; k <= degree; k++)
-        t[k] = c[k] * factor_of(k, derivative);
+    double number = derivative;
+    for (int k = derivative; k <= degree; k++, number += 1)
+        t[k] = c[k] * factor_of(number, derivative);
 }
 
 /* The sum of terms first .. degree by Horner's rule, even and odd ones in two chains. */
@@ -124,9 +125,11 @@ static double bracketed_zero(const double *c, int degree, int derivative, double
     double rising = at_hi >= at_lo ? 1 : -1, s = lo + (hi - lo) * (at_lo / (at_lo - at_hi));
     if (!(s > lo && s < hi))
         s = 0.5 * (lo + hi);
-    double values[SALTUS_DEGREE_MAX + 1], slopes[SALTUS_DEGREE_MAX + 1];
+    double own[SALTUS_DEGREE_MAX + 1], slopes[SALTUS_DEGREE_MAX + 1];
+    const double *values = derivative > 0 ? own : c;
     bool fine = false;
-    terms_of(c, degree, derivative, values);
+    if (derivative > 0)
+        terms_of(c, degree, derivative, own);
     terms_of(c, degree, derivative + 1, slopes);
     for (int k = 0; k < 100 && hi - lo > DBL_EPSILON * fabs(hi); k++) {
         double value = fine && derivative == 0 ? saltus_compensated(c, degree, s)
@@ -209,28 +212,26 @@ static int decide(const double *c, int degree, double noise, int slope, int curv
     return found ? 1 : -1;
 }
 
-/* Signs of p' and p'' on [0, 1] as far as the coefficients' positive and negative parts settle them. */
+/* Signs of p' and p'' on [0, 1] as far as the coefficients' positive and negative parts settle them, that of
+ * p'' only if that of p' is unknown. */
 static void plain_signs(const double *c, int degree, int *slope, int *curvature) {
-    double low[2] = {c[1], 2 * c[2]}, high[2] = {c[1], 2 * c[2]};
-    for (int k = 2; k <= degree; k++) {
-        low[0] += c[k] < 0 ? k * c[k] : 0;
-        high[0] += c[k] > 0 ? k * c[k] : 0;
-        if (k == 2)
-            continue;
-        low[1] += c[k] < 0 ? (double)k * (k - 1) * c[k] : 0;
-        high[1] += c[k] > 0 ? (double)k * (k - 1) * c[k] : 0;
+    int *sign[2] = {slope, curvature};
+    for (int d = 0; d < 2; d++) {
+        double low = d ? 2 * c[2] : c[1], high = low, number = d + 2;
+        for (int k = d + 2; k <= degree; k++, number += 1) {
+            const double term = factor_of(number, d + 1) * c[k];
+            low += term < 0 ? term : 0;
+            high += term > 0 ? term : 0;
+        }
+        *sign[d] = low >= 0 ? 1 : high <= 0 ? -1 : 0;
+        if (*slope)
+            return;
     }
-    *slope = low[0] >= 0 ? 1 : high[0] <= 0 ? -1 : 0;
-    *curvature = low[1] >= 0 ? 1 : high[1] <= 0 ? -1 : 0;
 }
 
-/* The signs of p' and p'' on [0, 1], of p'' only if that of p' is unknown. Most are plain, nearly all others
- * are settled by Bernstein coefficients. */
-static void signs_of_whole(const double *c, int degree, int *slope, int *curvature) {
+/* The same by Bernstein coefficients, which settle nearly all that are not plain. */
+static void close_signs(const double *c, int degree, int *slope, int *curvature) {
     double b[SALTUS_DEGREE_MAX + 1];
-    plain_signs(c, degree, slope, curvature);
-    if (*slope || *curvature)
-        return;
     derivative_to_bernstein(c, degree, 1, b);
     *slope = common_sign(b, degree - 1);
     if (*slope)
@@ -266,13 +267,15 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
     for (int k = 0; k <= degree; k++)
         size += fabs(c[k]);
     noise = 4 * (degree + 1) * DBL_EPSILON * size;
-    if (upper_bound(c, degree) < -noise)
-        return false;
     while (degree > 0 && c[degree] == 0)
         degree--;
     int slope = 0, curvature = 0;
     if (degree >= 2)
-        signs_of_whole(c, degree, &slope, &curvature);
+        plain_signs(c, degree, &slope, &curvature);
+    if (slope == 0 && upper_bound(c, degree) < -noise)
+        return false;
+    if (degree >= 2 && !slope && !curvature)
+        close_signs(c, degree, &slope, &curvature);
     int verdict = decide(c, degree, noise, slope, curvature, 0, 1, root);
     if (verdict != 0)
         return verdict > 0;

@@ -13,9 +13,9 @@
 #include <math.h>
 
 /* Whether the kernel may take a lane on as long as its steps meet nothing. A period's first step is not for
- * the kernel, because counters begin there. One lane alone gains nothing. */
+ * the kernel, because counters begin there. */
 static inline bool saltus_quiet_allowed(const saltus_flow *flow, const saltus_lane *self) {
-    return flow->lanes > 1 && !flow->options.effort && !flow->options.directions && !flow->transients &&
+    return !flow->radau && !flow->options.effort && !flow->options.directions && !flow->transients &&
            self->step.calm && self->target.aimed && !(self->target.watch & SALTUS_WATCH_STEP) &&
            self->flight == INFINITY && !self->turned && self->failure == SALTUS_OK && self->cycle_steps > 0 &&
            self->cycle_steps + SALTUS_QUIET_STEPS < flow->period_steps_max && !self->system->guarded;
@@ -72,7 +72,7 @@ static inline void saltus_quiet_break(saltus_flow *flow, int lane) {
 
 /* The lanes, as bits, whose planned step meets nothing and is concluded. */
 static inline unsigned saltus_quiet_pass(saltus_flow *flow) {
-    return flow->lanes == 1 ? 0 : flow->kernel->pass(&flow->work, &flow->quiet);
+    return flow->kernel->pass(&flow->work, &flow->quiet);
 }
 
 #endif

@@ -1,5 +1,6 @@
 /* Checks of specifications and the construction of systems: the parts common to all models.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "base/dense.h"
 #include "system/spectrum.h"
 #include "system/system.h"
 
@@ -114,6 +115,9 @@ static void build_contacts(saltus_system *system) {
         }
         for (int i = 0; i < n; i++)
             impulse[i] /= compliance;
+        const double size = saltus_dot(normal, normal, n);
+        system->stop_reach[s] = fmin(1, sqrt(size));
+        system->stop_reply[s] = sqrt(size * saltus_dot(impulse, impulse, n));
         for (int side = 1; side >= -1; side -= 2)
             if (stop->sides & (side > 0 ? SALTUS_UPPER : SALTUS_LOWER)) {
                 if (system->spec.model->by_speed && system->spec.model->by_speed(&system->spec, s))

@@ -75,6 +75,8 @@ struct saltus_system {
     double
         offset[SALTUS_STOPS_MAX]; /* constant part of the coordinate n.q + offset, included in the faces' d */
     double *stop_impulse[SALTUS_STOPS_MAX]; /* M^-1 n / (n M^-1 n): normal . impulse = 1 */
+    double stop_reach[SALTUS_STOPS_MAX];    /* |n|, at most 1: how far it moves when the modes move by 1 */
+    double stop_reply[SALTUS_STOPS_MAX];    /* |n| |M^-1 n| / (n M^-1 n) */
     double *inverse_mass;                   /* dof x dof */
     saltus_observer observer;
     double *scale;
