@@ -48,8 +48,13 @@ saltus_branch_options saltus_branch_defaults(void) {
     return options;
 }
 
-static saltus_status check_range(const saltus_branch_options *o, int k, double value,
-                                 saltus_message *message) {
+/* Check a parameter's key, and that its value at the specification is in its range. */
+static saltus_status check_range(const saltus_branch_options *o, int k, const saltus_spec *spec,
+                                 saltus_direction *direction, saltus_message *message) {
+    double value;
+    saltus_status status = saltus_spec_direction(spec, o->key[k], direction, &value, message);
+    if (status != SALTUS_OK)
+        return status;
     if (!(o->low[k] < o->high[k]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high",
                            o->key[k], o->low[k], o->high[k]);
@@ -62,32 +67,12 @@ static saltus_status check_range(const saltus_branch_options *o, int k, double v
     return SALTUS_OK;
 }
 
-/* Check what a locus needs besides the first parameter. */
-static saltus_status check_locus(const saltus_branch_options *o, const saltus_spec *spec,
-                                 saltus_message *message) {
-    saltus_direction first, second;
-    double origin;
-    saltus_status status = saltus_spec_direction(spec, o->key[0], &first, NULL, message);
-    if (status == SALTUS_OK)
-        status = saltus_spec_direction(spec, o->key[1], &second, &origin, message);
-    if (status != SALTUS_OK)
-        return status;
-    if (memcmp(&first, &second, sizeof first) == 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%s and %s: a curve needs two parameters, not one twice", o->key[0], o->key[1]);
-    return check_range(o, 1, origin, message);
-}
-
 saltus_status saltus_branch_check(const saltus_branch_options *o, const saltus_spec *spec,
                                   saltus_message *message) {
-    saltus_direction direction;
-    double origin;
-    saltus_status status = saltus_spec_direction(spec, o->key[0], &direction, &origin, message);
+    saltus_direction first, second;
+    saltus_status status = check_range(o, 0, spec, &first, message);
     if (status == SALTUS_OK)
-        status = check_range(o, 0, origin, message);
-    if (status != SALTUS_OK)
-        return status;
-    status = saltus_options_check(&saltus_branch_table, o, message);
+        status = saltus_options_check(&saltus_branch_table, o, message);
     if (status != SALTUS_OK)
         return status;
     if (o->step > o->step_max)
@@ -96,7 +81,12 @@ saltus_status saltus_branch_check(const saltus_branch_options *o, const saltus_s
     if (o->value_count < 0 || o->value_count > SALTUS_BRANCH_VALUES_MAX)
         return saltus_fail(message, SALTUS_BAD_INPUT, "%d values asked for: at most %d are possible",
                            o->value_count, SALTUS_BRANCH_VALUES_MAX);
-    return o->locus ? check_locus(o, spec, message) : SALTUS_OK;
+    if (o->locus)
+        status = saltus_spec_direction(spec, o->key[1], &second, NULL, message);
+    if (status == SALTUS_OK && o->locus && memcmp(&first, &second, sizeof first) == 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%s and %s: a curve needs two parameters, not one twice", o->key[0], o->key[1]);
+    return status == SALTUS_OK && o->locus ? check_range(o, 1, spec, &second, message) : status;
 }
 
 saltus_status saltus_branch_family(const saltus_spec *spec, const saltus_branch_options *o, int parameters,
