@@ -272,18 +272,16 @@ void saltus_archive_orbits(saltus_archive *a, saltus_orbits *o) {
 
 void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
     saltus_sequence sequence = *saltus_shooting_sequence(shooting);
-    saltus_message ignored;
     saltus_archive_sequence(a, &sequence);
     if (!a->reading || !a->sound)
         return;
-    saltus_status status = saltus_shooting_shape(shooting, &sequence, &ignored);
+    saltus_status status = saltus_shooting_shape(shooting, &sequence, NULL);
     a->sound = status == SALTUS_OK;
     a->starved = a->starved || status == SALTUS_NO_MEMORY;
 }
 
 void saltus_archive_known(saltus_archive *a, saltus_orbits *o) {
     saltus_equations *e = o->equations;
-    saltus_message ignored;
     if (!saltus_archive_flag(a, e->known))
         return;
     const bool collected = saltus_archive_flag(a, saltus_shooting_collected(o->shooting, e->place));
@@ -292,7 +290,7 @@ void saltus_archive_known(saltus_archive *a, saltus_orbits *o) {
     if (!a->reading || !a->sound)
         return;
     saltus_shooting_collect(o->shooting, collected ? &o->cocycle : NULL);
-    saltus_status status = saltus_equations_evaluate(e, place, &ignored);
+    saltus_status status = saltus_equations_evaluate(e, place, NULL);
     saltus_shooting_collect(o->shooting, NULL);
     a->sound = status == SALTUS_OK;
     a->starved = a->starved || status == SALTUS_NO_MEMORY;

@@ -66,27 +66,15 @@ saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solut
     return status;
 }
 
-/* If the period is an unknown, the state at the base is the anchor of the new sequence. */
-static saltus_status anchor(saltus_orbits *o, const saltus_solution *s, const double *state, bool turning,
-                            saltus_sequence *fresh, saltus_message *message) {
-    saltus_status status = saltus_orbits_tune(o, s->parameter, fresh->omega, message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_place(o->flow, 0, saltus_time_of(fresh->base), state, fresh->contacts, message);
-    if (status == SALTUS_OK)
-        saltus_sequence_anchor(fresh, o->flow, turning);
-    return status;
-}
-
 /* Whether an orbit whose period is an unknown should begin at another *time: at a turning point (*turning,
  * with its `state` (n)) or, if all of these are near stops, elsewhere. */
 static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leaves, double *time,
                            double *state, bool *turning) {
     const double least_onward = 0.5;
     const double begin = *time = s->sequence.base;
-    saltus_message ignored;
     *turning = false;
     if (!(s->sequence.omega > 0) || (s->onward > least_onward && !leaves) || !s->survey.follows ||
-        saltus_orbits_tune(o, s->parameter, s->sequence.omega, &ignored) != SALTUS_OK)
+        saltus_orbits_tune(o, s->parameter, s->sequence.omega, NULL) != SALTUS_OK)
         return false;
     memcpy(state, s->state, (size_t)o->n * sizeof *state);
     *turning = saltus_orbit_turning(o->flow, s->sequence.periods, time, state);
@@ -95,18 +83,22 @@ static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leav
     return *turning || *time != begin;
 }
 
-/* Build a solution again with another sequence; `turning`: `state` is already the one at its base. */
+/* Build a solution again with another sequence; `turning`: `state` is already the one at its base. If the
+ * period is an unknown, that state is the anchor of a new base. */
 static saltus_status place(saltus_orbits *o, const saltus_solution *s, saltus_sequence *fresh,
                            const int *order, bool turning, double *state, saltus_solution *out) {
     const saltus_sequence *old = &s->sequence;
-    saltus_message ignored;
     const double later = fresh->base < old->base ? fresh->base + old->periods : fresh->base;
-    const bool moved = fresh->base != old->base || turning;
-    saltus_status status = turning ? SALTUS_OK : saltus_solution_state_at(o, s, later, state, &ignored);
-    if (status == SALTUS_OK && fresh->omega > 0 && moved)
-        status = anchor(o, s, state, turning, fresh, &ignored);
+    const bool anchored = fresh->omega > 0 && (fresh->base != old->base || turning);
+    saltus_status status = turning ? SALTUS_OK : saltus_solution_state_at(o, s, later, state, NULL);
+    if (status == SALTUS_OK && anchored)
+        status = saltus_orbits_tune(o, s->parameter, fresh->omega, NULL);
+    if (status == SALTUS_OK && anchored)
+        status = saltus_flow_place(o->flow, 0, saltus_time_of(fresh->base), state, fresh->contacts, NULL);
+    if (status == SALTUS_OK && anchored)
+        saltus_sequence_anchor(fresh, o->flow, turning);
     if (status == SALTUS_OK)
-        status = saltus_solution_place(o, fresh, s->parameter, state, false, out, &ignored);
+        status = saltus_solution_place(o, fresh, s->parameter, state, false, out, NULL);
     if (status != SALTUS_OK || o->family.parameters != 1)
         return status;
     double *guide = calloc((size_t)saltus_sequence_unknowns(fresh, o->n) + 1, sizeof *guide);
@@ -125,7 +117,6 @@ static bool reframe(saltus_orbits *o, bool trims, bool leaves, bool more, saltus
     const int asked = o->options.segments, own = more ? 2 * s->sequence.cuts : s->sequence.cuts;
     const int wanted = asked > 0 ? asked : own, cuts = wanted < SALTUS_CUTS_MAX ? wanted : SALTUS_CUTS_MAX;
     saltus_sequence fresh;
-    saltus_message ignored;
     double speed[SALTUS_MARKS_MAX], state[SALTUS_STATE_MAX], section;
     int unasked[SALTUS_MARKS_MAX];
     bool turning;
@@ -136,7 +127,7 @@ static bool reframe(saltus_orbits *o, bool trims, bool leaves, bool more, saltus
     else if (!saltus_sequence_reframe(&s->sequence, speed, cuts, trims, &fresh, order))
         return false;
     if (saltus_orbits_noted(o, place(o, s, &fresh, order, turning, state, scratch)) != SALTUS_OK) {
-        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, &ignored));
+        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &s->sequence, NULL));
         return false;
     }
     saltus_survey_swap(s, scratch);

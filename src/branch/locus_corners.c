@@ -160,7 +160,6 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
                  start = ahead > 5 * near_crossing ? ahead - 4 * near_crossing : 0;
     double value[samples], from[2] = {start, start}, *u = calloc((size_t)(m * (samples + 1)), sizeof *u);
     saltus_locus_point side[2] = {{.corner_count = 0}, {.corner_count = 0}};
-    saltus_message ignored;
     if (!u)
         x->orbits.starved = true;
     double *const own = u ? u + m * samples : NULL;
@@ -202,8 +201,8 @@ static bool visit_crossing(saltus_extended *x, const saltus_locus_point *here, i
     if (found) {
         memcpy(out->at.u, own, (size_t)m * sizeof *own);
         out->at.ahead = ahead;
-        found = saltus_equations_evaluate(&x->equations, out->at.u, &ignored) == SALTUS_OK &&
-                saltus_locus_see(x, out, &ignored) == SALTUS_OK;
+        found = saltus_equations_evaluate(&x->equations, out->at.u, NULL) == SALTUS_OK &&
+                saltus_locus_see(x, out, NULL) == SALTUS_OK;
     }
     saltus_locus_point_clear(&side[0]);
     saltus_locus_point_clear(&side[1]);

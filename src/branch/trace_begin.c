@@ -43,12 +43,11 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
 /* If no branch can begin at a start that was switched to, give out one point that says why. */
 static saltus_status give_up(saltus_trace *t, const saltus_branch_start *start, const char *why,
                              saltus_message *message) {
-    saltus_message ignored;
     t->trail->following = false;
     saltus_status status = saltus_solution_place(&t->orbits, &start->sequence, &start->parameter,
-                                                 start->state, false, t->here, &ignored);
+                                                 start->state, false, t->here, NULL);
     if (status == SALTUS_OK)
-        status = saltus_solution_survey(&t->orbits, t->here, &ignored);
+        status = saltus_solution_survey(&t->orbits, t->here, NULL);
     if (!start->origin || status != SALTUS_OK)
         return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     char reason[SALTUS_REASON_MAX];
@@ -109,7 +108,6 @@ static saltus_status give_first(saltus_trace *t, const saltus_branch_start *star
     const saltus_branch_options *options = t->trail->options;
     const saltus_solution *here = t->here;
     const double bound = start->heading > 0 ? t->range[1] : t->range[0];
-    saltus_message ignored;
     saltus_status status = saltus_trace_give(t, here, (saltus_notice){.accuracy = NAN}, message);
     t->trail->regular = 1;
     for (int k = 0; k < options->value_count && status == SALTUS_OK && t->trail->following; k++)
@@ -123,10 +121,10 @@ static saltus_status give_first(saltus_trace *t, const saltus_branch_start *star
         status = saltus_orbits_tune(o, here->parameter, here->sequence.omega, message);
     if (status != SALTUS_OK)
         return status;
-    saltus_status around = here->sequence.omega > 0
-                               ? saltus_cycle_around(o, here, &t->first, &ignored)
-                               : saltus_lap_around(&t->first, o->flow, here->survey.lap.points,
-                                                   here->sequence.periods, &ignored);
+    saltus_status around =
+        here->sequence.omega > 0
+            ? saltus_cycle_around(o, here, &t->first, NULL)
+            : saltus_lap_around(&t->first, o->flow, here->survey.lap.points, here->sequence.periods, NULL);
     return around == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
