@@ -4,6 +4,7 @@
 
 #include "orbit/held.h"
 
+#include <complex.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -218,9 +219,8 @@ saltus_status saltus_rests_null_vectors(saltus_rests *r, const double *u, double
 double saltus_rests_pair(saltus_rests *r, const double *u, double near, double *square) {
     int count = 0;
     double best = INFINITY, half = NAN, re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *a = r->work->matrix;
-    saltus_message ignored;
     *square = NAN;
-    if (saltus_rests_noted(r, saltus_rests_linear(r, u, NULL, 0, a, &count, &ignored)) != SALTUS_OK ||
+    if (saltus_rests_noted(r, saltus_rests_linear(r, u, NULL, 0, a, &count, NULL)) != SALTUS_OK ||
         !saltus_dense_eigenvalues(a, count, re, im))
         return NAN;
     for (int i = 0; i < count; i++)
@@ -244,10 +244,9 @@ static double special(saltus_rests *r, const double *u) {
     const saltus_rest_special *s = r->special;
     const int size = r->size, order = size + 1;
     double square, *a = r->work->aside;
-    saltus_message ignored;
     if (s->kind == SALTUS_POINT_HB)
         return saltus_rests_pair(r, u, s->square, &square) / r->rate_scale;
-    if (saltus_rests_noted(r, fill_rows(r, u, &ignored)) != SALTUS_OK)
+    if (saltus_rests_noted(r, fill_rows(r, u, NULL)) != SALTUS_OK)
         return NAN;
     for (int i = 0; i < size; i++) {
         for (int j = 0; j < size; j++)
@@ -397,21 +396,18 @@ void saltus_rest_clear(saltus_rest *s) {
 
 /* The product of the sums of all pairs of eigenvalues: zero where a pair is purely imaginary. */
 static saltus_scaled product_of_pairs(const saltus_eigenvalue *rates, int count) {
-    double re = 1, im = 0, exponent = 0;
+    double complex product = 1;
+    double exponent = 0;
     for (int i = 0; i < count; i++)
         for (int j = 0; j < i; j++) {
-            const double a = rates[i].re + rates[j].re, c = rates[i].im + rates[j].im;
-            const double next = re * a - im * c;
-            im = re * c + im * a;
-            re = next;
-            const double size = hypot(re, im);
+            product *= rates[i].re + rates[j].re + I * (rates[i].im + rates[j].im);
+            const double size = cabs(product);
             if (size > 0) {
                 exponent += log(size);
-                re /= size;
-                im /= size;
+                product /= size;
             }
         }
-    return (saltus_scaled){re, exponent};
+    return (saltus_scaled){creal(product), exponent};
 }
 
 saltus_status saltus_rest_see(saltus_rests *r, saltus_rest *s, saltus_message *message) {
