@@ -182,11 +182,8 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
     if (r->starved)
         return saltus_branch_no_memory(message);
     saltus_status status = open_bounce(&b, r, at, face, message);
-    start.parameter = at->parameter[0];
-    start.state = at->state;
     start.tangent = tangent;
     start.unknowns = r->n + 3; /* of a cycle with one impact; those beyond the state are unused */
-    start.origin = SALTUS_POINT_BE;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .count = 1};
     start.sequence.mark[0] = (saltus_mark){SALTUS_IMPACT, face, 0.5, false};
     if (status == SALTUS_OK)

@@ -29,9 +29,10 @@ struct saltus_branch {
     saltus_trail trail;
     saltus_starts starts; /* of branches of orbits */
     saltus_trace trace;
-    saltus_equilibria *equilibria; /* this and the next two are NULL unless the phase needs them */
-    saltus_rest_locus *rest_locus;
-    saltus_locus *locus;
+    saltus_equilibria equilibria; /* opened only where a run begins with them */
+    saltus_locus_starts loci;     /* of curves of special equilibria and orbits */
+    saltus_rest_locus rest_locus; /* opened only in its phase */
+    saltus_locus *locus;          /* NULL except in its phase */
     saltus_branch_point given;
     long long given_count;
 };
@@ -54,7 +55,7 @@ static saltus_status open_run(saltus_branch *b, const saltus_spec *spec, int per
         return saltus_trace_begin(&b->trace, periods, state, message);
     b->trace.orbits.options.free_period = true;
     b->phase = RUN_RESTS;
-    return saltus_equilibria_new(spec, state, &b->trail, &b->starts, &b->equilibria, message);
+    return saltus_equilibria_open(&b->equilibria, spec, state, message);
 }
 
 saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const double *state,
@@ -70,8 +71,9 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
     b->stop = options->orbit.flow.stop;
     b->phase = RUN_ORBITS;
     b->trail.options = &b->options;
-    b->trace.trail = &b->trail;
-    b->trace.starts = &b->starts;
+    b->trace.trail = b->equilibria.trail = b->rest_locus.trail = &b->trail;
+    b->trace.starts = b->equilibria.cycles = &b->starts;
+    b->rest_locus.starts = &b->loci;
     saltus_status status = open_run(b, spec, periods, state, message);
     if (status == SALTUS_OK)
         *branch = b;
@@ -87,8 +89,9 @@ void saltus_branch_free(saltus_branch *b) {
     saltus_starts_clear(&b->starts);
     saltus_branch_point_clear(&b->given);
     saltus_trace_close(&b->trace);
-    saltus_equilibria_free(b->equilibria);
-    saltus_rest_locus_free(b->rest_locus);
+    saltus_equilibria_close(&b->equilibria);
+    saltus_locus_starts_clear(&b->loci);
+    saltus_rest_locus_close(&b->rest_locus);
     saltus_locus_free(b->locus);
     free(b);
 }
@@ -98,22 +101,23 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
     const saltus_branch_options *options = &b->options;
     const saltus_orbits *o = &b->trace.orbits;
     const saltus_solution *orbit = b->trace.found;
-    const saltus_rest_start *rest = b->equilibria ? saltus_equilibria_found(b->equilibria) : NULL;
-    saltus_rest_start hopf;
+    saltus_locus_start rest = b->equilibria.found;
     saltus_message why = {.text = ""};
-    if (!orbit && !rest)
+    if (!orbit && !rest.state)
         return SALTUS_OK;
-    const double parameter = orbit ? orbit->parameter[0] : rest->parameter;
-    if (orbit && options->locus == SALTUS_POINT_HB) {
-        const double omega = orbit->sequence.omega / orbit->sequence.periods;
-        hopf = (saltus_rest_start){orbit->sequence.contacts, orbit->state, parameter, -1, omega * omega};
-        rest = &hopf;
-    }
+    const double parameter = orbit ? orbit->parameter[0] : rest.parameter[0];
+    if (orbit && options->locus == SALTUS_POINT_HB)
+        rest = (saltus_locus_start){.kind = options->locus,
+                                    .sequence = {.contacts = orbit->sequence.contacts,
+                                                 .omega = orbit->sequence.omega / orbit->sequence.periods},
+                                    .parameter = {parameter},
+                                    .state = orbit->state,
+                                    .parent = -1};
     const saltus_sequence *beyond = options->locus == SALTUS_POINT_GR ? &b->trace.beyond : NULL;
-    saltus_status status = rest
-                               ? saltus_rest_locus_new(&o->family.spec, &b->trail, rest, &b->rest_locus, &why)
-                               : saltus_locus_new(&o->family.spec, &b->trail, orbit, beyond, &b->locus, &why);
-    b->phase = rest ? RUN_REST_LOCUS : RUN_LOCUS;
+    b->phase = rest.state ? RUN_REST_LOCUS : RUN_LOCUS;
+    saltus_status status =
+        rest.state ? saltus_rest_locus_open(&b->rest_locus, &o->family.spec, &rest, &why)
+                   : saltus_locus_new(&o->family.spec, &b->trail, &b->loci, orbit, beyond, &b->locus, &why);
     return status == SALTUS_OK
                ? status
                : saltus_fail(message, status, "no curve of %s points can be begun at %s = %.12g: %.200s",
@@ -121,55 +125,46 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
                              o->origin + o->family.unit[0] * parameter, why.text);
 }
 
-/* One step along the curves of special equilibria or orbits of the present phase. */
-static saltus_status step_loci(saltus_branch *b, bool *more, saltus_message *message) {
-    return b->phase == RUN_REST_LOCUS ? saltus_rest_locus_step(b->rest_locus, more, message)
-                                      : saltus_locus_step(b->locus, more, message);
-}
-
-/* The same, or the begin of curves of the other sort that these have come to, which take over all starts. */
+/* One step along the curves of special equilibria or orbits of the present phase; where none of them is left,
+ * along those of the other sort that they have come to. */
 static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *message) {
     const saltus_spec *spec = &b->trace.orbits.family.spec;
-    const bool of_rests = b->phase == RUN_REST_LOCUS;
-    saltus_status status = step_loci(b, more, message);
-    saltus_locus_starts *starts =
-        of_rests ? saltus_rest_locus_starts(b->rest_locus) : saltus_locus_all_starts(b->locus);
-    if (status != SALTUS_OK || *more || !saltus_locus_starts_wait(starts, !of_rests))
-        return status;
-    saltus_locus *orbits = NULL;
-    saltus_rest_locus *rests = NULL;
-    status = of_rests ? saltus_locus_go_on(spec, &b->trail, starts, &orbits, message)
-                      : saltus_rest_locus_go_on(spec, &b->trail, starts, &rests, message);
-    saltus_locus_free(b->locus);
-    saltus_rest_locus_free(b->rest_locus);
-    b->locus = orbits;
-    b->rest_locus = rests;
-    b->phase = of_rests ? RUN_LOCUS : RUN_REST_LOCUS;
-    return status == SALTUS_OK ? step_loci(b, more, message) : status;
+    for (;;) {
+        const bool of_rests = b->phase == RUN_REST_LOCUS;
+        saltus_status status = of_rests ? saltus_rest_locus_step(&b->rest_locus, more, message)
+                                        : saltus_locus_step(b->locus, more, message);
+        if (status != SALTUS_OK || *more || !saltus_locus_starts_wait(&b->loci, !of_rests))
+            return status;
+        saltus_rest_locus_close(&b->rest_locus);
+        saltus_locus_free(b->locus);
+        b->locus = NULL;
+        b->phase = of_rests ? RUN_LOCUS : RUN_REST_LOCUS;
+        status = of_rests ? saltus_locus_go_on(spec, &b->trail, &b->loci, &b->locus, message)
+                          : saltus_rest_locus_open(&b->rest_locus, spec, NULL, message);
+        if (status != SALTUS_OK)
+            return status;
+    }
 }
 
-/* One step of the machine at work: of branches of orbits along the one under way, or the begin of another.
- * *more is false when all of its branches are done. */
+/* One step along the branch or curve under way, or the begin of another. *more is false when all of the
+ * present phase are done. */
 static saltus_status advance(saltus_branch *b, bool *more, saltus_message *message) {
-    switch (b->phase) {
-    case RUN_RESTS:
-        return saltus_equilibria_step(b->equilibria, more, message);
-    case RUN_REST_LOCUS:
-    case RUN_LOCUS:
-        return advance_loci(b, more, message);
-    case RUN_ORBITS:
-        break;
-    }
+    const bool of_rests = b->phase == RUN_RESTS;
+    saltus_starts *starts = of_rests ? &b->equilibria.starts : &b->starts;
     saltus_status status = SALTUS_OK;
-    *more = b->trail.following || b->starts.count > 0;
+    if (b->phase > RUN_ORBITS)
+        return advance_loci(b, more, message);
+    *more = b->trail.following || starts->count > 0;
     if (b->trail.following) {
-        status = saltus_trace_advance(&b->trace, message);
+        status = of_rests ? saltus_equilibria_advance(&b->equilibria, message)
+                          : saltus_trace_advance(&b->trace, message);
     } else if (*more) {
-        saltus_branch_start start = saltus_starts_take(&b->starts);
-        status = saltus_trace_start(&b->trace, &start, message);
+        saltus_branch_start start = saltus_starts_take(starts);
+        status = of_rests ? saltus_equilibria_start(&b->equilibria, &start, message)
+                          : saltus_trace_start(&b->trace, &start, message);
         saltus_start_clear(&start);
     }
-    return b->trace.orbits.starved ? saltus_branch_no_memory(message) : status;
+    return b->equilibria.rests.starved || b->trace.orbits.starved ? saltus_branch_no_memory(message) : status;
 }
 
 saltus_status saltus_branch_step(saltus_branch *b, const saltus_branch_point **point,
@@ -225,34 +220,12 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
     return same;
 }
 
-/* The state of the present phase; reading, its objects are created. */
-static saltus_status archive_machine(saltus_branch *b, saltus_archive *a, saltus_message *message) {
-    const saltus_spec *spec = &b->trace.orbits.family.spec;
-    saltus_status status = SALTUS_OK;
-    b->phase = (run_phase)saltus_archive_whole(a, b->phase, RUN_RESTS, RUN_LOCUS);
-    switch (b->phase) {
-    case RUN_RESTS:
-        if (!b->equilibria)
-            status = saltus_equilibria_new(spec, NULL, &b->trail, &b->starts, &b->equilibria, message);
-        return status == SALTUS_OK ? saltus_equilibria_archive(b->equilibria, a, message) : status;
-    case RUN_ORBITS:
-        if (b->trail.following)
-            saltus_trace_archive(&b->trace, a);
-        return status;
-    case RUN_REST_LOCUS:
-        if (a->reading)
-            status = saltus_rest_locus_new(spec, &b->trail, NULL, &b->rest_locus, message);
-        return status == SALTUS_OK ? saltus_rest_locus_archive(b->rest_locus, a, message) : status;
-    case RUN_LOCUS:
-        return saltus_locus_archive(spec, &b->trail, &b->locus, a, message);
-    }
-    return status;
-}
-
-/* Everything on which later steps depend; called between steps. */
+/* Everything on which later steps depend; called between steps. Reading, the objects of the present phase are
+ * created. */
 static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_message *message) {
     static const char foreign[] = "what the run goes on from is damaged or belongs to another run";
     saltus_orbits *o = &b->trace.orbits;
+    const saltus_spec *spec = &o->family.spec;
     a->n = o->n;
     a->faces = saltus_system_face_count(o->system);
     a->sound = true;
@@ -264,7 +237,30 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
     saltus_trail_archive(&b->trail, a);
     saltus_archive_starts(a, &b->starts);
     saltus_archive_orbits(a, o);
-    saltus_status status = archive_machine(b, a, message);
+    b->phase = (run_phase)saltus_archive_whole(a, b->phase, RUN_RESTS, RUN_LOCUS);
+    if (b->phase > RUN_ORBITS)
+        saltus_locus_starts_archive(a, &b->loci);
+    saltus_status status = SALTUS_OK;
+    switch (b->phase) {
+    case RUN_RESTS:
+        if (!b->equilibria.here)
+            status = saltus_equilibria_open(&b->equilibria, spec, NULL, message);
+        if (status == SALTUS_OK)
+            status = saltus_equilibria_archive(&b->equilibria, a, message);
+        break;
+    case RUN_ORBITS:
+        if (b->trail.following)
+            saltus_trace_archive(&b->trace, a);
+        break;
+    case RUN_REST_LOCUS:
+        if (a->reading)
+            status = saltus_rest_locus_open(&b->rest_locus, spec, NULL, message);
+        if (status == SALTUS_OK)
+            status = saltus_rest_locus_archive(&b->rest_locus, a, message);
+        break;
+    case RUN_LOCUS:
+        status = saltus_locus_archive(spec, &b->trail, &b->loci, &b->locus, a, message);
+    }
     b->effort.spent = spent; /* whatever reading has taken */
     if (status == SALTUS_NO_MEMORY || a->starved)
         return saltus_branch_no_memory(message);
@@ -276,7 +272,8 @@ saltus_status saltus_branch_save(saltus_branch *b, double **state, int *count, s
     saltus_archive archive = {.reading = false};
     *state = NULL;
     *count = 0;
-    if (saltus_trail_last(&b->trail) || (b->phase == RUN_LOCUS && !saltus_locus_rests(b->locus)))
+    /* There is none as long as points wait, or a locus has none yet. */
+    if (saltus_trail_last(&b->trail) || b->trail.number < 0)
         return SALTUS_OK;
     saltus_status status = archive_run(b, &archive, message);
     if (status != SALTUS_OK) {

@@ -18,27 +18,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-struct saltus_equilibria {
-    saltus_trail *trail; /* the caller's */
-    saltus_rests rests;
-    double range[2];       /* of the parameter unknown */
-    saltus_starts starts;  /* of branches of equilibria; of their sequences only the contacts count */
-    saltus_starts *cycles; /* the caller's */
-    saltus_rest solutions[4];
-    saltus_rest *here, *next, *trial, *spare;
-    bool found; /* the first point of the requested locus was found: */
-    saltus_rest_start place;
-};
-
 /* Check that the scene is unforced at both ends of the range: a forced one has no equilibria. */
 static saltus_status check_unforced(const saltus_equilibria *e, saltus_message *message) {
     const saltus_branch_options *o = e->trail->options;
     for (int side = 0; side < 2; side++) {
         const saltus_spec spec = saltus_family_spec(&e->rests.family, &e->range[side], 0);
         saltus_system *system = NULL;
-        saltus_message ignored;
         /* If no system exists there, the branch will end before. */
-        const saltus_status status = saltus_system_new(&spec, &system, &ignored);
+        const saltus_status status = saltus_system_new(&spec, &system, NULL);
         const bool forced = status == SALTUS_OK && saltus_system_forced(system);
         saltus_system_free(system);
         if (status == SALTUS_NO_MEMORY)
@@ -51,73 +38,48 @@ static saltus_status check_unforced(const saltus_equilibria *e, saltus_message *
     return SALTUS_OK;
 }
 
-/* Add both directions from the equilibrium near a state to the starts. */
-static saltus_status open_starts(saltus_equilibria *e, const double *state, saltus_message *message) {
-    saltus_equilibrium_options how = saltus_equilibrium_defaults();
-    saltus_equilibrium rest = {0};
-    saltus_branch_start start = {.parent = -1};
-    saltus_status status = saltus_equilibrium_find(e->rests.system, state, &how, &rest, message);
-    start.state = rest.state;
-    start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = rest.contacts};
-    if (status == SALTUS_OK)
-        status =
-            saltus_starts_add_ways(&e->starts, e->rests.n, &start, e->trail->options->direction, message);
-    saltus_equilibrium_clear(&rest);
-    return status;
-}
-
-saltus_status saltus_equilibria_new(const saltus_spec *spec, const double *state, saltus_trail *trail,
-                                    saltus_starts *cycles, saltus_equilibria **equilibria,
-                                    saltus_message *message) {
-    saltus_equilibria *e = calloc(1, sizeof *e);
-    *equilibria = NULL;
-    if (!e)
-        return saltus_branch_no_memory(message);
+saltus_status saltus_equilibria_open(saltus_equilibria *e, const saltus_spec *spec, const double *state,
+                                     saltus_message *message) {
+    const saltus_branch_options *options = e->trail->options;
+    const unsigned loci =
+        1u << SALTUS_POINT_REGULAR | 1u << SALTUS_POINT_HB | 1u << SALTUS_POINT_BE | 1u << SALTUS_POINT_LP;
+    const saltus_equilibrium_options how = saltus_equilibrium_defaults();
     saltus_rests *r = &e->rests;
-    e->trail = trail;
-    e->cycles = cycles;
     e->here = &e->solutions[0];
     e->next = &e->solutions[1];
     e->trial = &e->solutions[2];
     e->spare = &e->solutions[3];
-    const saltus_point_kind locus = trail->options->locus;
-    saltus_status status =
-        locus && locus != SALTUS_POINT_HB && locus != SALTUS_POINT_BE && locus != SALTUS_POINT_LP
-            ? saltus_fail(message, SALTUS_BAD_INPUT,
-                          "locus = %s: the start is an equilibrium, whose curves are those of HB, BE and LP",
-                          saltus_point_word(locus))
-            : saltus_branch_family(spec, trail->options, 1, &r->family, r->origin, &e->range, message);
+    if (!(loci >> options->locus & 1))
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "locus = %s: the start is an equilibrium, whose curves are those of HB, BE and LP",
+                           saltus_point_word(options->locus));
+    saltus_status status = saltus_branch_family(spec, options, 1, &r->family, r->origin, &e->range, message);
     if (status == SALTUS_OK)
         status = saltus_rests_open(r, message);
     if (status == SALTUS_OK)
         status = check_unforced(e, message);
-    if (status == SALTUS_OK && state)
-        status = open_starts(e, state, message);
-    if (status != SALTUS_OK) {
-        saltus_equilibria_free(e);
+    if (status != SALTUS_OK || !state)
         return status;
-    }
-    *equilibria = e;
+    saltus_equilibrium rest = {0};
+    status = saltus_equilibrium_find(r->system, state, &how, &rest, message);
+    saltus_branch_start start = {
+        .sequence = {.periods = 1, .cuts = 1, .contacts = rest.contacts}, .state = rest.state, .parent = -1};
+    if (status == SALTUS_OK)
+        status = saltus_starts_add_ways(&e->starts, r->n, &start, options->direction, message);
+    saltus_equilibrium_clear(&rest);
     return status;
 }
 
-void saltus_equilibria_free(saltus_equilibria *e) {
-    if (!e)
-        return;
+void saltus_equilibria_close(saltus_equilibria *e) {
     saltus_starts_clear(&e->starts);
     for (int k = 0; k < 4; k++)
         saltus_rest_clear(&e->solutions[k]);
     saltus_rests_close(&e->rests);
-    free(e);
 }
 
 static saltus_status give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what,
                           saltus_message *message) {
-    saltus_branch_point *point = saltus_trail_place(e->trail, message);
-    if (!point)
-        return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_rest_point(&e->rests, s, point, message);
-    return status == SALTUS_OK ? saltus_trail_give(e->trail, e->rests.system, &what, message) : status;
+    return saltus_rest_give(&e->rests, s, &what, e->trail, message);
 }
 
 static saltus_status end(saltus_equilibria *e, const saltus_rest *s, double ahead, const char *reason,
@@ -167,40 +129,46 @@ static int find_places(saltus_equilibria *e, saltus_special *places) {
     return count;
 }
 
+/* What the starts of branches that leave at an equilibrium have in common. */
+static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest *at,
+                                   saltus_point_kind origin) {
+    saltus_branch_start start = saltus_trail_leaving(e->trail);
+    start.origin = origin;
+    start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};
+    start.parameter = at->parameter[0];
+    start.state = at->state;
+    return start;
+}
+
 /* Add the branches that leave at a branch point `at`; only one if `at` is symmetric, so that they are mirror
  * images of each other. */
 static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_message *message) {
     saltus_rests *r = &e->rests;
     const double nothing[SALTUS_STATE_MAX] = {0};
     double singular, tangent[SALTUS_REST_UNKNOWNS_MAX] = {0};
-    bool shift, mirrored = saltus_system_mirror_symmetric(r->system, &shift) &&
-                           saltus_system_distance(r->system, at->state, nothing) < 1e-7;
-    saltus_status status =
-        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, tangent, &singular, message);
-    saltus_branch_start start = saltus_trail_leaving(e->trail);
-    start.origin = SALTUS_POINT_BP;
-    start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};
-    start.parameter = at->parameter[0];
-    start.state = at->state;
+    const bool mirrored = r->system->mirror && saltus_system_distance(r->system, at->state, nothing) < 1e-7;
+    saltus_branch_start start = leaving(e, at, SALTUS_POINT_BP);
     start.tangent = tangent;
     start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are unused */
+    saltus_status status =
+        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, tangent, &singular, message);
     if (status == SALTUS_OK)
         status = saltus_starts_add_ways(&e->starts, r->n, &start, mirrored, message);
     return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
 }
 
-/* The requested locus begins at `at`; no more of this branch is needed. */
+/* The requested locus begins at `at`; no more of this branch is needed. A `face` (-1: none) that is only
+ * touched does not hold. */
 static saltus_status find(saltus_equilibria *e, const saltus_rest *at, int face, double omega) {
-    /* A face that is only touched does not hold. */
-    const unsigned contacts = face < 0 ? at->contacts : at->contacts & ~(1u << face);
-    e->place = (saltus_rest_start){contacts, at->state, at->parameter[0], face, omega * omega};
-    e->found = true;
+    e->found = (saltus_locus_start){
+        .kind = e->trail->options->locus,
+        .sequence = {.contacts = face < 0 ? at->contacts : at->contacts & ~(1u << face), .omega = omega},
+        .parameter = {at->parameter[0]},
+        .state = at->state,
+        .mark = face,
+        .parent = -1};
     e->trail->following = false;
     return SALTUS_OK;
-}
-
-const saltus_rest_start *saltus_equilibria_found(const saltus_equilibria *e) {
-    return e->found ? &e->place : NULL;
 }
 
 /* Give out the Hopf point `at`, with what it says about the cycles born there. Two real eigenvalues of
@@ -209,14 +177,13 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
                                saltus_message *message) {
     const double on_axis = 1e-6;
     saltus_hopf hopf;
-    saltus_message why = {.text = ""};
     char reason[SALTUS_REASON_MAX];
     bool pair = false;
     for (int k = 0; k < at->rate_count; k++)
         pair = pair || (at->rates[k].im > 0 && fabs(at->rates[k].re) < on_axis * at->rates[k].im);
     if (!pair)
         return SALTUS_OK;
-    saltus_status status = saltus_hopf_find(&e->rests, at, &hopf, &why);
+    saltus_status status = saltus_hopf_find(&e->rests, at, &hopf, NULL);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
@@ -235,10 +202,15 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
         point->period = 2 * M_PI / hopf.omega;
         point->lyapunov_coefficient = hopf.coefficient;
     }
-    const saltus_branch_start like = saltus_trail_leaving(e->trail);
-    return status == SALTUS_OK && saltus_trail_switches(e->trail)
-               ? saltus_hopf_leave(&e->rests, at, &hopf, &like, e->cycles, message)
-               : status;
+    if (status != SALTUS_OK || !saltus_trail_switches(e->trail))
+        return status;
+    double tangent[SALTUS_STATE_MAX + 2] = {0};
+    saltus_hopf_direction(&e->rests, &hopf, tangent);
+    saltus_branch_start start = leaving(e, at, SALTUS_POINT_HB);
+    start.sequence.omega = hopf.omega;
+    start.tangent = tangent;
+    start.unknowns = e->rests.n + 2;
+    return saltus_starts_add(e->cycles, e->rests.n, &start, message);
 }
 
 /* Give out all special points of the step from `here` to `next`. */
@@ -251,11 +223,10 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
         const saltus_special *p = &places[k];
         saltus_rest *at = e->trial;
         const saltus_notice what = {.kind = p->kind, .ahead = p->ahead, .accuracy = p->accuracy};
-        saltus_message ignored;
         const bool there =
             p->kind == SALTUS_POINT_BP
                 ? saltus_rest_crossing(&e->rests, e->here, p->ahead, e->next->at.ahead, at).found
-                : saltus_rest_visit(&e->rests, e->here, p->ahead, at, &ignored) == SALTUS_OK;
+                : saltus_rest_visit(&e->rests, e->here, p->ahead, at, NULL) == SALTUS_OK;
         if (!there)
             continue;
         if (p->kind == SALTUS_POINT_UZ)
@@ -309,8 +280,8 @@ static bool change_contact(saltus_equilibria *e, const saltus_rest *at, int face
 /* Find the cycles that begin where `next` touches a face; beyond, the equilibria go on at `spare`. */
 static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, saltus_starts *born,
                                saltus_message *message) {
-    const saltus_branch_start like = saltus_trail_leaving(e->trail);
     const saltus_rest *free_one = leaves ? e->spare : e->next;
+    const saltus_branch_start like = leaving(e, free_one, SALTUS_POINT_BE);
     saltus_rests *r = &e->rests;
     saltus_status status =
         saltus_rests_shape(r, free_one->contacts, free_one->state, free_one->parameter, message);
@@ -319,10 +290,9 @@ static saltus_status find_born(saltus_equilibria *e, int face, bool leaves, salt
     if (status == SALTUS_OK)
         status =
             saltus_newborn_find(r, free_one, face, &e->trail->options->orbit, &like, e->trial, born, message);
-    saltus_message ignored;
     if (status == SALTUS_OK)
         saltus_rests_noted(
-            r, saltus_rests_shape(r, e->spare->contacts, e->spare->state, e->spare->parameter, &ignored));
+            r, saltus_rests_shape(r, e->spare->contacts, e->spare->state, e->spare->parameter, NULL));
     return status;
 }
 
@@ -331,17 +301,17 @@ static int tell_born(const saltus_branch_start *born, bool first, const char *ke
     const saltus_sequence *s = &born->sequence;
     int impacts = 0;
     bool chatters = false;
-    char meets[32] = "chatter";
+    char meets[32];
     for (int k = 0; k < s->count; k++) {
         impacts += s->mark[k].kind == SALTUS_IMPACT;
         chatters = chatters || s->mark[k].driven;
     }
-    if (!chatters)
-        snprintf(meets, sizeof meets,
-                 impacts > 1 ? "%d impacts"
-                 : impacts   ? "one impact"
-                             : "a contact",
-                 impacts);
+    snprintf(meets, sizeof meets,
+             chatters      ? "chatter"
+             : impacts > 1 ? "%d impacts"
+             : impacts     ? "one impact"
+                           : "a contact",
+             impacts);
     const char *side = born->heading > 0 ? "larger" : "smaller";
     return snprintf(text, room, "%s with %s of period %.9g %stowards %s %s", first ? "; a cycle" : ", one",
                     meets, 2 * M_PI / s->omega, first ? "begins " : "", side, key);
@@ -351,6 +321,7 @@ static int tell_born(const saltus_branch_start *born, bool first, const char *ke
 static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, saltus_message *message) {
     saltus_trail *trail = e->trail;
     const saltus_face f = e->rests.system->faces[face];
+    const saltus_breach touch = {.face = face};
     saltus_message why = {.text = ""};
     char reason[SALTUS_REASON_MAX];
     const bool leaves = e->next->contacts >> face & 1;
@@ -374,10 +345,9 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
                                       .ahead = zero.ahead,
                                       .accuracy = zero.accuracy,
                                       .reason = reason,
-                                      .after = goes_on ? saltus_rest_label(e->spare->contacts) : NULL},
+                                      .after = goes_on ? saltus_rest_label(e->spare->contacts) : NULL,
+                                      .grazing = &touch},
                       message);
-    if (status == SALTUS_OK && saltus_trail_last(trail)->kind == SALTUS_POINT_BE)
-        saltus_rest_touch(&e->rests, face, saltus_trail_last(trail));
     for (int k = 0; k < born.count && status == SALTUS_OK && saltus_trail_switches(e->trail); k++)
         status = saltus_starts_add(e->cycles, e->rests.n, &born.start[k], message);
     saltus_starts_clear(&born);
@@ -400,8 +370,7 @@ static bool hides_pairs(const saltus_equilibria *e) {
     return changed >= 4 || (changed >= 2 && !shown);
 }
 
-/* One step along the branch under way. */
-static saltus_status advance(saltus_equilibria *e, saltus_message *message) {
+saltus_status saltus_equilibria_advance(saltus_equilibria *e, saltus_message *message) {
     const double finest = 1e-4;
     saltus_rests *r = &e->rests;
     saltus_trail *trail = e->trail;
@@ -447,9 +416,9 @@ static saltus_status advance(saltus_equilibria *e, saltus_message *message) {
     return status;
 }
 
-/* Begin a branch: its first point is a regular one, and again UZ if it lies at a requested value. */
-static saltus_status begin_at(saltus_equilibria *e, const saltus_branch_start *start,
-                              saltus_message *message) {
+/* The first point is a regular one, and again UZ if it lies at a requested value. */
+saltus_status saltus_equilibria_start(saltus_equilibria *e, const saltus_branch_start *start,
+                                      saltus_message *message) {
     saltus_trail *trail = e->trail;
     saltus_rest *here = e->here;
     saltus_message why = {.text = ""};
@@ -471,19 +440,6 @@ static saltus_status begin_at(saltus_equilibria *e, const saltus_branch_start *s
     if (status == SALTUS_OK && heading && trail->following && here->parameter[0] == e->range[heading > 0])
         status = end(e, here, 0, saltus_range_ends, message);
     return status;
-}
-
-saltus_status saltus_equilibria_step(saltus_equilibria *e, bool *more, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    *more = e->trail->following || e->starts.count > 0;
-    if (e->trail->following) {
-        status = advance(e, message);
-    } else if (*more) {
-        saltus_branch_start start = saltus_starts_take(&e->starts);
-        status = begin_at(e, &start, message);
-        saltus_start_clear(&start);
-    }
-    return status == SALTUS_OK && e->rests.starved ? saltus_branch_no_memory(message) : status;
 }
 
 saltus_status saltus_equilibria_archive(saltus_equilibria *e, saltus_archive *a, saltus_message *message) {

@@ -4,26 +4,36 @@
 #ifndef SALTUS_BRANCH_EQUILIBRIA_H
 #define SALTUS_BRANCH_EQUILIBRIA_H
 
-#include "branch/rest_locus.h"
+#include "branch/locus_starts.h"
+#include "branch/rest.h"
+#include "branch/trail.h"
 
-typedef struct saltus_equilibria saltus_equilibria;
+typedef struct saltus_equilibria {
+    saltus_trail *trail;   /* the caller's: receives the points */
+    saltus_starts *cycles; /* the caller's: receives branches of cycles that leave */
+    saltus_starts starts;  /* of branches of equilibria; of their sequences only the contacts count */
+    saltus_rests rests;
+    double range[2]; /* of the parameter unknown */
+    saltus_rest *here, *next, *trial, *spare;
+    saltus_rest solutions[4];
+    saltus_locus_start found; /* where the requested locus begins, until the next step; no state: not found */
+} saltus_equilibria;
 
 /* Branches through the equilibrium near a state (length dimension; NULL: none, if saltus_equilibria_archive
- * is to read them); points go to the trail. If a locus is requested, its first point is sought. Branches of
- * cycles that leave are added to `cycles`, whose `begun` counts the branches of equilibria as they begin.
- * Trail and `cycles` are the caller's. Errors: SALTUS_BAD_INPUT, SALTUS_SINGULAR, SALTUS_NO_CONVERGENCE,
+ * is to read them). `trail` and `cycles`, whose `begun` counts the branches of equilibria as they begin, must
+ * be set. Close in any case. Errors: SALTUS_BAD_INPUT, SALTUS_SINGULAR, SALTUS_NO_CONVERGENCE,
  * SALTUS_NO_MEMORY. */
-saltus_status saltus_equilibria_new(const saltus_spec *spec, const double *state, saltus_trail *trail,
-                                    saltus_starts *cycles, saltus_equilibria **equilibria,
-                                    saltus_message *message);
-/* NULL is accepted. */
-void saltus_equilibria_free(saltus_equilibria *equilibria);
-/* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_equilibria_step(saltus_equilibria *equilibria, bool *more, saltus_message *message);
-/* Where the requested locus begins, valid until the next step; NULL: not found yet. */
-const saltus_rest_start *saltus_equilibria_found(const saltus_equilibria *equilibria);
-/* Everything, except the trail, on which later steps depend: written, or read into what saltus_equilibria_new
- * has made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
+saltus_status saltus_equilibria_open(saltus_equilibria *equilibria, const saltus_spec *spec,
+                                     const double *state, saltus_message *message);
+void saltus_equilibria_close(saltus_equilibria *equilibria);
+/* Begin a branch at a start: give out its first point. Errors: those of the equations, SALTUS_NO_MEMORY. */
+saltus_status saltus_equilibria_start(saltus_equilibria *equilibria, const saltus_branch_start *start,
+                                      saltus_message *message);
+/* One step along the branch under way. If a locus is requested the branch ends where that begins. Errors:
+ * SALTUS_NO_MEMORY. */
+saltus_status saltus_equilibria_advance(saltus_equilibria *equilibria, saltus_message *message);
+/* Everything, except the trail, on which later steps depend: written, or read into what was opened. Errors:
+ * SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_equilibria_archive(saltus_equilibria *equilibria, saltus_archive *archive,
                                         saltus_message *message);
 

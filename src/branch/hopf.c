@@ -16,6 +16,7 @@ static const double first[sides] = {4. / 5, -1. / 5, 4. / 105, -1. / 280},
 typedef struct expansion {
     int count;
     double *linear, *along[2], *twice[2], *trial; /* count x count each */
+    double *real;                                 /* a complex matrix as a real one of twice the size */
     double part[2][SALTUS_STATE_MAX];             /* the two parts of the eigenvector */
     double size[2]; /* largest entry of each as a state, in the states' scales */
 } expansion;
@@ -51,53 +52,49 @@ static void apply(const double *matrix, int count, double complex factor, const 
             out[i] += factor * matrix[i * count + j] * vector[j];
 }
 
-/* A - shift, or its transpose with the same shift, as a real matrix of twice the size with room for one more
- * column; NULL without memory. */
-static double *real_form(const expansion *x, bool transposed, double complex shift) {
+/* x->real becomes A - shift, or its transpose with the same shift. Returns the room for a vector behind it.
+ */
+static double *take_real_form(expansion *x, bool transposed, double complex shift) {
     const int c = x->count, m = 2 * c;
-    double *a = calloc((size_t)(m * m + m), sizeof *a);
-    for (int i = 0; i < c && a; i++)
+    double *a = x->real;
+    for (int i = 0; i < c; i++)
         for (int j = 0; j < c; j++) {
             const double entry = x->linear[transposed ? j * c + i : i * c + j];
             a[i * m + j] = a[(c + i) * m + c + j] = entry - (i == j ? creal(shift) : 0);
             a[i * m + c + j] = i == j ? cimag(shift) : 0;
             a[(c + i) * m + j] = i == j ? -cimag(shift) : 0;
         }
-    return a;
+    return a + m * m;
 }
 
 /* Solve (shift - A) x = right. False where it is singular. */
-static bool resolve(saltus_rests *r, const expansion *x, double complex shift, double complex *right) {
-    const int c = x->count, m = 2 * c;
-    double *a = real_form(x, false, shift), *b = a ? a + m * m : NULL;
-    int *pivots = calloc((size_t)m, sizeof *pivots);
-    bool sound = saltus_rests_noted(r, a && pivots ? SALTUS_OK : SALTUS_NO_MEMORY) == SALTUS_OK;
-    for (int i = 0; i < c && sound; i++) {
+static bool resolve(expansion *x, double complex shift, double complex *right) {
+    const int c = x->count;
+    int pivots[2 * SALTUS_STATE_MAX];
+    double *b = take_real_form(x, false, shift);
+    for (int i = 0; i < c; i++) {
         b[i] = -creal(right[i]);
         b[c + i] = -cimag(right[i]);
     }
-    sound = sound && saltus_dense_solve(a, m, b, pivots);
+    const bool sound = saltus_dense_solve(x->real, 2 * c, b, pivots);
     for (int i = 0; i < c && sound; i++)
         right[i] = b[i] + I * b[c + i];
-    free(a);
-    free(pivots);
     return sound;
 }
 
 /* The complex null vector of A - i omega, or with `left` of A' + i omega. */
-static saltus_status null_vector(const expansion *x, double omega, bool left, double complex *out,
+static saltus_status null_vector(expansion *x, double omega, bool left, double complex *out,
                                  saltus_message *message) {
-    const int c = x->count, m = 2 * c;
-    double value, *a = real_form(x, left, left ? -omega * I : omega * I);
-    saltus_status status = a ? saltus_dense_null_vectors(a, m, m, 1, a + m * m, &value) : SALTUS_NO_MEMORY;
+    const int c = x->count;
+    double value, *b = take_real_form(x, left, left ? -omega * I : omega * I);
+    saltus_status status = saltus_dense_null_vectors(x->real, 2 * c, 2 * c, 1, b, &value);
     for (int i = 0; i < c && status == SALTUS_OK; i++)
-        out[i] = a[m * m + i] + I * a[m * m + c + i];
-    free(a);
+        out[i] = b[i] + I * b[c + i];
     return status == SALTUS_OK ? status : saltus_fail(message, status, "no eigenvector at a Hopf point");
 }
 
 /* The coefficient, from the derivatives in `x` and the eigenvectors `left` and `right`. */
-static double coefficient_of(saltus_rests *r, const expansion *x, double omega, const double complex *left,
+static double coefficient_of(expansion *x, double omega, const double complex *left,
                              const double complex *right) {
     const int c = x->count;
     double complex a[SALTUS_STATE_MAX], b[SALTUS_STATE_MAX],
@@ -119,7 +116,7 @@ static double coefficient_of(saltus_rests *r, const expansion *x, double omega, 
     apply(x->twice[1], c, 1, right, cubic);
     memcpy(flat, even, sizeof flat);
     memcpy(turned, twofold, sizeof turned);
-    if (!resolve(r, x, 0, flat) || !resolve(r, x, 2 * I * omega, turned))
+    if (!resolve(x, 0, flat) || !resolve(x, 2 * I * omega, turned))
         return NAN;
     /* -2 B(q, A^-1 even), where `flat` is -A^-1 even, and B(q', (2 i omega - A)^-1 twofold). */
     apply(x->along[0], c, 2, flat, cubic);
@@ -129,32 +126,6 @@ static double coefficient_of(saltus_rests *r, const expansion *x, double omega, 
     for (int i = 0; i < c; i++)
         sum += conj(left[i]) * cubic[i];
     return creal(sum) / (2 * omega);
-}
-
-/* Try differences over several widths; keep the result at which two successive ones agree best. */
-static saltus_status find_coefficient(saltus_rests *r, const saltus_rest *at, expansion *x,
-                                      const double complex *left, const double complex *right,
-                                      saltus_hopf *hopf, saltus_message *message) {
-    static const double reach[] = {1, 0.3, 0.1, 0.03, 0.01, 0.003};
-    double before = NAN;
-    hopf->coefficient = NAN;
-    hopf->error = INFINITY;
-    for (size_t k = 0; k < sizeof reach / sizeof reach[0]; k++) {
-        saltus_message ignored;
-        saltus_status status = differentiate(r, at, x, 0, reach[k], &ignored);
-        if (status == SALTUS_OK)
-            status = differentiate(r, at, x, 1, reach[k], &ignored);
-        if (status == SALTUS_NO_MEMORY)
-            return saltus_fail(message, status, "%s", ignored.text);
-        const double now = status == SALTUS_OK ? coefficient_of(r, x, hopf->omega, left, right) : NAN;
-        if (fabs(now - before) < hopf->error) {
-            hopf->error = fabs(now - before);
-            hopf->coefficient = now;
-        }
-        before = now;
-    }
-    hopf->error += 1e-14 * fabs(hopf->coefficient);
-    return SALTUS_OK;
 }
 
 /* Eigenvectors with q*q = 1 and p*q = 1; q also goes to the expansion's parts and, as states, to `hopf`. */
@@ -185,10 +156,11 @@ static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex 
 
 saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf,
                                saltus_message *message) {
+    static const double reach[] = {1, 0.3, 0.1, 0.03, 0.01, 0.003};
     const size_t entries = (size_t)(r->n * r->n);
-    expansion x = {.linear = calloc(6 * entries, sizeof *x.linear)};
+    expansion x = {.linear = calloc(10 * entries + 2 * (size_t)r->n, sizeof *x.linear)};
     double complex left[SALTUS_STATE_MAX], right[SALTUS_STATE_MAX];
-    double least = INFINITY;
+    double least = INFINITY, before = NAN;
     *hopf = (saltus_hopf){.coefficient = NAN, .error = NAN};
     for (int k = 0; k < at->rate_count; k++)
         if (at->rates[k].im > 0 && fabs(at->rates[k].re) < least) {
@@ -202,6 +174,7 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
         x.along[k] = x.trial + (1 + k) * entries;
         x.twice[k] = x.trial + (3 + k) * entries;
     }
+    x.real = x.trial + 5 * entries;
     saltus_status status =
         hopf->omega > 0 ? SALTUS_OK
                         : saltus_fail(message, SALTUS_NO_CONVERGENCE, "no eigenvalues are a complex pair");
@@ -209,8 +182,22 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
         status = saltus_rests_linear(r, at->at.u, NULL, 0, x.linear, &x.count, message);
     if (status == SALTUS_OK)
         status = find_vectors(r, &x, left, right, hopf, message);
-    if (status == SALTUS_OK)
-        status = find_coefficient(r, at, &x, left, right, hopf, message);
+    hopf->error = status == SALTUS_OK ? INFINITY : NAN;
+    /* Try differences over several widths; keep the result at which two successive ones agree best. */
+    for (size_t k = 0; k < sizeof reach / sizeof reach[0] && status == SALTUS_OK; k++) {
+        saltus_status made = differentiate(r, at, &x, 0, reach[k], message);
+        if (made == SALTUS_OK)
+            made = differentiate(r, at, &x, 1, reach[k], message);
+        if (made == SALTUS_NO_MEMORY)
+            status = made;
+        const double now = made == SALTUS_OK ? coefficient_of(&x, hopf->omega, left, right) : NAN;
+        if (fabs(now - before) < hopf->error) {
+            hopf->error = fabs(now - before);
+            hopf->coefficient = now;
+        }
+        before = now;
+    }
+    hopf->error += 1e-14 * fabs(hopf->coefficient);
     free(x.linear);
     return status;
 }
@@ -228,22 +215,6 @@ void saltus_hopf_direction(const saltus_rests *r, const saltus_hopf *hopf, doubl
     }
     for (int i = 0; i < r->n; i++)
         tangent[i] /= size;
-}
-
-saltus_status saltus_hopf_leave(const saltus_rests *r, const saltus_rest *at, const saltus_hopf *hopf,
-                                const saltus_branch_start *like, saltus_starts *starts,
-                                saltus_message *message) {
-    saltus_branch_start start = *like;
-    double tangent[SALTUS_STATE_MAX + 2] = {0};
-    saltus_hopf_direction(r, hopf, tangent);
-    start.sequence =
-        (saltus_sequence){.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf->omega};
-    start.parameter = at->parameter[0];
-    start.state = at->state;
-    start.tangent = tangent;
-    start.unknowns = r->n + 2;
-    start.origin = SALTUS_POINT_HB;
-    return saltus_starts_add(starts, r->n, &start, message);
 }
 
 saltus_status saltus_hopf_aside(saltus_orbits *o, const double *parameters, const double *rest,

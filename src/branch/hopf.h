@@ -26,13 +26,8 @@ void saltus_hopf_direction(const saltus_rests *rests, const saltus_hopf *hopf, d
 saltus_status saltus_hopf_aside(saltus_orbits *orbits, const double *parameters, const double *rest,
                                 const double *tangent, double apart, saltus_sequence *sequence, double *state,
                                 saltus_message *message);
-/* Where the branch of cycles begins that is born at `at`: added to `starts`. `like` has what is common to
- * them. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_hopf_leave(const saltus_rests *rests, const saltus_rest *at, const saltus_hopf *hopf,
-                                const saltus_branch_start *like, saltus_starts *starts,
-                                saltus_message *message);
-/* The cycle of such a start at distance `apart` from the equilibrium along its tangent; not surveyed, with a
- * tangent away from the equilibrium. Errors: SALTUS_NO_MEMORY; others if none is found. */
+/* The cycle of a start at a Hopf point, at distance `apart` from the equilibrium along its tangent; not
+ * surveyed, with a tangent away from the equilibrium. Errors: SALTUS_NO_MEMORY; others if none is found. */
 saltus_status saltus_hopf_cycle(saltus_orbits *orbits, const saltus_branch_start *start, double apart,
                                 saltus_solution *out, saltus_message *message);
 

@@ -32,8 +32,8 @@ struct saltus_locus {
     saltus_trail *trail; /* the caller's */
     saltus_extended x;
     double origin[2];
-    double border[2][2]; /* of both parameter unknowns: low, high */
-    saltus_locus_starts starts;
+    double border[2][2];         /* of both parameter unknowns: low, high */
+    saltus_locus_starts *starts; /* the caller's */
     /* The current curve. */
     saltus_point_kind begun_at; /* point of codimension two at which it begins; REGULAR: none */
     int way_count, way;         /* directions from its first point, and those begun so far */
@@ -196,8 +196,8 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
 }
 
 /* Allocate a locus with two parameters, without any curve yet. */
-static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, saltus_locus **locus,
-                                saltus_message *message) {
+static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
+                                saltus_locus **locus, saltus_message *message) {
     const saltus_branch_options *options = trail->options;
     saltus_locus *l = calloc(1, sizeof *l);
     *locus = l;
@@ -205,7 +205,7 @@ static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, sa
         return saltus_branch_no_memory(message);
     saltus_orbits *o = &l->x.orbits;
     l->trail = trail;
-    trail->number = -1;
+    l->starts = starts;
     l->x.equations = (saltus_equations){
         .self = &l->x, .evaluate = saltus_extended_evaluate, .iterations = options->orbit.iterations};
     o->options = options->orbit;
@@ -218,8 +218,9 @@ static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, sa
     return status;
 }
 
-saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, const saltus_solution *at,
-                               const saltus_sequence *beyond, saltus_locus **locus, saltus_message *message) {
+saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
+                               const saltus_solution *at, const saltus_sequence *beyond, saltus_locus **locus,
+                               saltus_message *message) {
     const bool born = beyond && beyond->count > at->sequence.count;
     const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
     saltus_locus_start start = {.kind = trail->options->locus,
@@ -231,23 +232,20 @@ saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, con
         start.mark++;
     if (start.kind == SALTUS_POINT_NS)
         start.theta = angle_on_circle(&at->survey);
-    saltus_status status = open_locus(spec, trail, locus, message);
+    saltus_status status = open_locus(spec, trail, starts, locus, message);
     if (status != SALTUS_OK)
         return status;
+    trail->number = -1;
     (*locus)->way_count = trail->options->direction ? 1 : 2;
     return open_start(*locus, &start, message);
 }
 
 saltus_status saltus_locus_go_on(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
                                  saltus_locus **locus, saltus_message *message) {
-    const int number = trail->number;
-    saltus_status status = open_locus(spec, trail, locus, message);
+    saltus_status status = open_locus(spec, trail, starts, locus, message);
     if (status != SALTUS_OK)
         return status;
     saltus_locus *l = *locus;
-    trail->number = number;
-    l->starts = *starts;
-    *starts = (saltus_locus_starts){.count = 0};
     /* As long as there is no first point. */
     l->way = l->way_count = 1;
     l->first = (saltus_sequence){.periods = 1, .cuts = 1};
@@ -260,7 +258,6 @@ saltus_status saltus_locus_go_on(const saltus_spec *spec, saltus_trail *trail, s
 void saltus_locus_free(saltus_locus *l) {
     if (!l)
         return;
-    saltus_locus_starts_clear(&l->starts);
     saltus_extended_close(&l->x);
     saltus_locus_point_clear(&l->here);
     saltus_locus_point_clear(&l->next);
@@ -401,7 +398,7 @@ static saltus_status pass_grazing(saltus_locus *l, bool *passed, bool *closes, s
     if (status == SALTUS_OK)
         status = saltus_locus_install(&l->x, &l->here, &old, l->trial.at.tangent, 0, order, &why);
     if (status == SALTUS_OK && l->trail->options->switches)
-        status = saltus_locus_starts_pass(&l->x, &l->here.orbit, false, &l->starts, closes, &why);
+        status = saltus_locus_starts_pass(&l->x, &l->here.orbit, false, l->starts, closes, &why);
     if (status == SALTUS_OK)
         status = leave(l, true, false, passed, &why, message);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
@@ -512,9 +509,9 @@ static saltus_status give_named(saltus_locus *l, const saltus_locus_test *corner
     saltus_status status = give(l, &l->trial, corner->kind, ahead, NULL, message);
     if (status != SALTUS_OK || !t->following || t->options->switches == 0)
         return status;
-    status = saltus_locus_starts_pass(&l->x, at, corner->joins, &l->starts, closes, message);
+    status = saltus_locus_starts_pass(&l->x, at, corner->joins, l->starts, closes, message);
     return status == SALTUS_OK && t->depth < t->options->switches
-               ? saltus_locus_starts_meet(&l->x, corner, at, t->number, t->depth + 1, &l->starts, message)
+               ? saltus_locus_starts_meet(&l->x, corner, at, t->number, t->depth + 1, l->starts, message)
                : status;
 }
 
@@ -756,7 +753,7 @@ static saltus_status advance(saltus_locus *l, saltus_message *message) {
 }
 
 saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *message) {
-    saltus_locus_starts *starts = &l->starts;
+    saltus_locus_starts *starts = l->starts;
     saltus_status status = SALTUS_OK;
     *more = true;
     if (l->trail->following)
@@ -767,14 +764,6 @@ saltus_status saltus_locus_step(saltus_locus *l, bool *more, saltus_message *mes
         /* The list may grow while the curve is followed. */
         status = switch_to(l, &starts->start[starts->next++], message);
     return status == SALTUS_OK && l->x.orbits.starved ? saltus_branch_no_memory(message) : status;
-}
-
-saltus_locus_starts *saltus_locus_all_starts(saltus_locus *l) {
-    return &l->starts;
-}
-
-bool saltus_locus_rests(const saltus_locus *l) {
-    return l->trail->number >= 0;
 }
 
 /* The orbit at `here`, and the extended equations' borders and derivative there. */
@@ -835,15 +824,12 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->grazings.closer = (int)saltus_archive_whole(a, l->grazings.closer, 0, INT_MAX);
 }
 
-saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail, saltus_locus **locus,
-                                   saltus_archive *a, saltus_message *message) {
-    const int number = trail->number;
-    saltus_status status = a->reading ? open_locus(spec, trail, locus, message) : SALTUS_OK;
+saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
+                                   saltus_locus **locus, saltus_archive *a, saltus_message *message) {
+    saltus_status status = a->reading ? open_locus(spec, trail, starts, locus, message) : SALTUS_OK;
     if (status != SALTUS_OK)
         return status;
     saltus_locus *l = *locus;
-    trail->number = number;
-    saltus_locus_starts_archive(a, &l->starts);
     saltus_archive_orbits(a, &l->x.orbits);
     /* The start of the current curve, and the directions from there. */
     const saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);

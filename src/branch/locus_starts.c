@@ -53,9 +53,8 @@ static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b, do
     return a->kind != SALTUS_POINT_GR || one_touch(a, b, image);
 }
 
-/* As saltus_locus_starts_add; `image` as for one_touch(). */
-static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_start *start, double image,
-                         saltus_message *message) {
+saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
+                                      double image, saltus_message *message) {
     for (int k = 0; k < starts->count; k++)
         if (are_one(&starts->start[k], start, image)) {
             starts->start[k].done |= start->done;
@@ -76,15 +75,10 @@ static saltus_status add(saltus_locus_starts *starts, int n, const saltus_locus_
     return SALTUS_OK;
 }
 
-saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
-                                      saltus_message *message) {
-    return add(starts, n, start, NAN, message);
-}
-
 /* How many forcing periods a mirror image of an orbit is later than it; NAN: the scene has none. */
 static double image_shift(const saltus_extended *x) {
-    bool shift;
-    return !saltus_system_mirror_symmetric(x->orbits.system, &shift) ? NAN : shift ? 0.5 : 0;
+    const saltus_system *system = x->orbits.system;
+    return !system->mirror ? NAN : system->mirror_shift ? 0.5 : 0;
 }
 
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
@@ -99,18 +93,17 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
     const double image = image_shift(x);
     for (int k = 0; k < starts->count; k++)
         *closes |= k == starts->next - 1 && are_one(&starts->start[k], &own, image);
-    return add(starts, x->orbits.n, &own, image, message);
+    return saltus_locus_starts_add(starts, x->orbits.n, &own, image, message);
 }
 
 /* The least number of periods after which an orbit closes; that of its sequence if it cannot be told. */
 static int least_periods(saltus_orbits *o, const saltus_solution *at) {
     const int periods = at->sequence.periods;
     saltus_lap lap = {.system = o->system, .periods = periods};
-    saltus_message ignored;
     saltus_status status = saltus_lap_reserve(&lap, periods, o->n) ? SALTUS_OK : SALTUS_NO_MEMORY;
     for (int k = 0; k < periods && status == SALTUS_OK; k++)
         status =
-            saltus_solution_state_at(o, at, at->sequence.base + k, lap.points + (size_t)(k * o->n), &ignored);
+            saltus_solution_state_at(o, at, at->sequence.base + k, lap.points + (size_t)(k * o->n), NULL);
     const int least = saltus_orbits_noted(o, status) == SALTUS_OK
                           ? saltus_lap_least_period(&lap, &o->options.flow)
                           : periods;
@@ -164,11 +157,12 @@ int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, con
     return found;
 }
 
-/* A sequence without one of its marks. */
-static void without_mark(const saltus_sequence *old, int mark, saltus_sequence *fresh) {
-    const saltus_breach dead = {.kind = SALTUS_BREACH_SPEED, .mark = mark};
+/* A sequence without one of its marks; returns the new index of another one. */
+static int without_mark(const saltus_sequence *old, int gone, int mark, saltus_sequence *fresh) {
+    const saltus_breach dead = {.kind = SALTUS_BREACH_SPEED, .mark = gone};
     int order[SALTUS_MARKS_MAX];
     saltus_sequence_graze(old, &dead, 1, fresh, order);
+    return mark - (gone < mark);
 }
 
 /* The mark of a sequence on a face at a time of its orbit; -1: none. */
@@ -182,13 +176,11 @@ static int mark_at(const saltus_sequence *s, int face, double time) {
 
 /* The curve of an impact's grazing in two pieces: with and without another impact that grazes too. */
 static int pieces(const saltus_sequence *both, int mark, int other, saltus_locus_start *starts) {
+    starts[0].kind = starts[1].kind = SALTUS_POINT_GR;
+    starts[0].one_way = starts[1].one_way = true;
     starts[0].sequence = *both;
-    without_mark(both, other, &starts[1].sequence);
-    for (int k = 0; k < 2; k++) {
-        starts[k].kind = SALTUS_POINT_GR;
-        starts[k].mark = mark - (k == 1 && other < mark);
-        starts[k].one_way = true;
-    }
+    starts[0].mark = mark;
+    starts[1].mark = without_mark(both, other, mark, &starts[1].sequence);
     return 2;
 }
 
@@ -217,7 +209,6 @@ static int counterpart(const saltus_sequence *s, int mark, bool mirrored) {
  * Returns how many there are, 0 where they cannot be had. */
 static int grazing_of_broken(const saltus_extended *x, const saltus_sequence *whole, int mark, bool mirrored,
                              bool without, saltus_locus_start *start) {
-    bool shift;
     start->kind = SALTUS_POINT_GR;
     start->mark = mark;
     start->leaves = true;
@@ -230,25 +221,15 @@ static int grazing_of_broken(const saltus_extended *x, const saltus_sequence *wh
     if (other < 0)
         return mirrored;
     const saltus_sequence both = start->sequence;
-    const bool twice = mirrored && !saltus_system_mirror_symmetric(x->orbits.system, &shift);
+    const bool twice = mirrored && !x->orbits.system->mirror;
     for (int k = 0; k <= twice; k++) {
         const int own = k ? other : mark, gone = k ? mark : other;
         if (k)
             start[1] = start[0];
         start[k].sequence = both;
-        start[k].mark = own;
-        if (without) {
-            without_mark(&both, gone, &start[k].sequence);
-            start[k].mark -= gone < own;
-        }
+        start[k].mark = without ? without_mark(&both, gone, own, &start[k].sequence) : own;
     }
     return 1 + twice;
-}
-
-/* Whether the branch points that grazing meets go on: those of orbits with impacts need a symmetric scene. */
-static bool goes_on_branching(const saltus_extended *x, bool without) {
-    bool shift;
-    return without || saltus_system_mirror_symmetric(x->orbits.system, &shift);
 }
 
 /* Where orbits join those of half the period, or symmetric ones: the curve of grazing of these, and that of
@@ -279,11 +260,11 @@ static int joined_curves(saltus_extended *x, const saltus_locus_test *corner, co
     const bool without = at->sequence.count < repeats * whole.count;
     if (without) {
         saltus_sequence less = whole;
-        if (other >= 0)
-            without_mark(&whole, other, &less);
-        without_mark(&less, mark - (other >= 0 && other < mark), &starts[1].sequence);
+        const int left = other >= 0 ? without_mark(&whole, other, mark, &less) : mark;
+        without_mark(&less, left, 0, &starts[1].sequence);
     }
-    const int count = 1 + (!mirrored || goes_on_branching(x, without));
+    /* The branch points of orbits with impacts need a symmetric scene. */
+    const int count = 1 + (!mirrored || without || x->orbits.system->mirror);
     return count + (mirrored ? grazing_of_broken(x, &whole, mark, true, without, &starts[count]) : 0);
 }
 
@@ -302,7 +283,8 @@ static int special_curves(saltus_extended *x, const saltus_locus_test *corner, s
     starts[0].one_way = grazes;
     starts[0].mark = grazes ? 0 : mark;
     starts[0].sequence = grazes && without ? saltus_corner_without(x, at) : whole;
-    const int count = !grazes || special != SALTUS_POINT_BP || goes_on_branching(x, without);
+    /* The branch points of orbits with impacts need a symmetric scene. */
+    const int count = !grazes || special != SALTUS_POINT_BP || without || x->orbits.system->mirror;
     /* Of orbits that close after fewer periods there it is not the flip. */
     bool breaks = whole.periods == at->sequence.periods &&
                   (special == SALTUS_POINT_PD || (special == SALTUS_POINT_BP && x->mirrored));
@@ -370,7 +352,7 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
         fresh[k].depth = depth;
         fresh[k].sequence.cuts = 1;
         memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
-        status = add(starts, x->orbits.n, &fresh[k], image_shift(x), message);
+        status = saltus_locus_starts_add(starts, x->orbits.n, &fresh[k], image_shift(x), message);
     }
     return status;
 }

@@ -29,10 +29,11 @@ typedef struct saltus_locus_starts {
 
 /* Free the list. A zeroed one is accepted. */
 void saltus_locus_starts_clear(saltus_locus_starts *starts);
-/* Keep a copy; or, if there is such a start already, note that it is done if this one is. Errors:
- * SALTUS_NO_MEMORY. */
+/* Keep a copy; or, if there is such a start already, note that it is done if this one is. In a scene that is
+ * its own mirror image the curves of orbits and of their images, `image` forcing periods later, are one;
+ * otherwise it is NAN. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
-                                      saltus_message *message);
+                                      double image, saltus_message *message);
 /* The curve of kind x->kind has come to a point of codimension two, the orbit `at`, where it joins orbits of
  * half the period, or such that are their own mirror images, if `joins`: a start that waits there for this
  * very curve is done, and it is noted that the curve has been here. *closes is set where that start

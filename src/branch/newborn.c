@@ -79,15 +79,14 @@ static saltus_status follow(newborn *b, const saltus_rest *rest, double *state) 
     const double far = 1e3, turns = 3000;
     const size_t n = (size_t)b->rests->n;
     saltus_event event = {.kind = SALTUS_STEP};
-    saltus_message ignored;
     double fastest = 0;
     for (int k = 0; k < rest->rate_count; k++)
         fastest = fmax(fastest, hypot(rest->rates[k].re, rest->rates[k].im));
     const saltus_time until = saltus_time_of(turns * 2 * M_PI / fastest / saltus_system_period(b->system));
-    saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0}, state, &ignored);
+    saltus_status status = saltus_flow_start(b->flow, 0, (saltus_time){0, 0}, state, NULL);
     b->count = 0;
     while (b->count < contacts_max && status == SALTUS_OK) {
-        status = saltus_flow_advance(b->flow, until, SALTUS_WATCH_CONTACT, &event, &ignored);
+        status = saltus_flow_advance(b->flow, until, SALTUS_WATCH_CONTACT, &event, NULL);
         double *after = b->state + (size_t)b->count * n;
         saltus_flow_state(b->flow, 0, after);
         if (event.kind == SALTUS_REACHED || !(apart(b, after, rest->state) < far * b->size))
@@ -144,11 +143,10 @@ static double settled(newborn *b, double *state) {
             begin = k;
         }
     }
-    saltus_message ignored;
     const size_t n = (size_t)b->rests->n;
     memcpy(state, b->state + (size_t)begin * n, n * sizeof *state);
     saltus_status status =
-        saltus_state_carry(b->flow, (saltus_time){0, 0}, saltus_time_of(0.5 * flight), state, &ignored);
+        saltus_state_carry(b->flow, (saltus_time){0, 0}, saltus_time_of(0.5 * flight), state, NULL);
     const double time = saltus_time_periods(b->event[last].time) - saltus_time_periods(b->event[first].time);
     return status == SALTUS_OK ? time * unit : 0;
 }
@@ -157,11 +155,10 @@ static double settled(newborn *b, double *state) {
 static saltus_status polish(const newborn *b, const saltus_system *system, double period, const double *state,
                             found *f) {
     saltus_system *clocked = NULL;
-    saltus_message ignored;
     *f = (found){.lap = {.keeps_events = true}};
-    saltus_status status = saltus_system_clocked(system, 2 * M_PI / period, &clocked, &ignored);
+    saltus_status status = saltus_system_clocked(system, 2 * M_PI / period, &clocked, NULL);
     if (status == SALTUS_OK)
-        status = saltus_cycle_polish(clocked, state, &b->options, &f->orbit, &f->clocked, &f->lap, &ignored);
+        status = saltus_cycle_polish(clocked, state, &b->options, &f->orbit, &f->clocked, &f->lap, NULL);
     saltus_system_free(clocked);
     if (status != SALTUS_OK)
         return status;
@@ -173,12 +170,10 @@ static saltus_status polish(const newborn *b, const saltus_system *system, doubl
 /* The system at `parameter`, and `rest`, the equilibrium there. */
 static saltus_status tune(saltus_rests *r, const saltus_rest *at, double parameter, saltus_rest *rest,
                           saltus_system **system) {
-    saltus_message ignored;
-    saltus_status status =
-        saltus_rest_place(r, at->contacts, at->state, &parameter, true, NULL, rest, &ignored);
+    saltus_status status = saltus_rest_place(r, at->contacts, at->state, &parameter, true, NULL, rest, NULL);
     const saltus_spec spec = saltus_family_spec(&r->family, &parameter, 0);
     if (status == SALTUS_OK)
-        status = saltus_system_new(&spec, system, &ignored);
+        status = saltus_system_new(&spec, system, NULL);
     return status;
 }
 
@@ -192,7 +187,6 @@ static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, salt
     saltus_system *system = NULL;
     saltus_flow *flow = NULL;
     saltus_lap lap = {.keeps_events = true};
-    saltus_message ignored;
     double state[SALTUS_STATE_MAX];
     found less = {.speed = 0};
     for (int i = 0; i < n; i++)
@@ -210,9 +204,9 @@ static saltus_status shrinks(newborn *b, const found *f, saltus_rest *rest, salt
             fabs(shorter - period) < slack * period &&
             fabs(less.speed - part * f->speed) < slack * part * f->speed;
     if (*does)
-        status = saltus_flow_single(less.clocked, 0, &b->options.flow, &flow, &ignored);
+        status = saltus_flow_single(less.clocked, 0, &b->options.flow, &flow, NULL);
     if (*does && status == SALTUS_OK)
-        status = saltus_sequence_make(flow, 1, true, less.orbit.state, &lap, &out->sequence, &ignored);
+        status = saltus_sequence_make(flow, 1, true, less.orbit.state, &lap, &out->sequence, NULL);
     /* Extrapolate the period, which is reported, to d = 0, but not the state. */
     out->sequence.omega = 2 * M_PI / (shorter - part * (period - shorter) / (1 - part));
     for (int i = 0; i < n && *does; i++)
@@ -267,22 +261,17 @@ saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int fa
     enum { trials = 3 };
     const double distance = 1e-3;
     newborn b = {.rests = r, .options = *options, .at = at, .face = face};
-    saltus_branch_start start = *like;
-    saltus_message ignored;
     b.options.flow.stop = NULL;
     b.state = calloc((size_t)contacts_max * (size_t)r->n, sizeof *b.state);
     saltus_status status = b.state ? SALTUS_OK : saltus_branch_no_memory(message);
-    start.parameter = at->parameter[0];
-    start.state = at->state;
-    start.origin = SALTUS_POINT_BE;
     for (int side = 0; side < 2 * trials && status == SALTUS_OK; side++) {
         b.parameter = at->parameter[0] + (side % 2 ? -distance : distance);
         saltus_status made = tune(r, at, b.parameter, scratch, &b.system);
         if (made == SALTUS_OK)
-            made = saltus_flow_single(b.system, 0, &b.options.flow, &b.flow, &ignored);
+            made = saltus_flow_single(b.system, 0, &b.options.flow, &b.flow, NULL);
         b.size = made == SALTUS_OK ? apart(&b, scratch->state, at->state) : 0;
         if (made == SALTUS_OK && b.size > 0)
-            status = try(&b, side / 2, scratch, &start, starts, message);
+            status = try(&b, side / 2, scratch, like, starts, message);
         saltus_rests_noted(r, made);
         saltus_flow_free(b.flow);
         saltus_system_free(b.system);

@@ -6,75 +6,58 @@
 #include "branch/options.h"
 #include "branch/rest_point.h"
 
+#include <complex.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { tests_max = 2 };
-
-/* A function along the curve whose zero is a point of codimension two. */
-typedef struct test {
+/* Functions along the curves of a kind, whose zeros are points of codimension two. */
+static const struct {
     saltus_point_kind kind;
     bool ends; /* the curve ends there */
-    double value;
-} test;
-
-/* A point of the curve, and its tests. */
-typedef struct spot {
-    saltus_rest rest;
-    test tests[tests_max];
-} spot;
-
-struct saltus_rest_locus {
-    saltus_trail *trail;        /* the caller's */
-    saltus_locus_starts starts; /* of curves that meet those followed, and of others that its owner knows */
-    bool switched;              /* the curve under way begins at such a place */
-    saltus_rests rests;
-    saltus_rest_special special; /* what makes the equilibria special, renewed from point to point */
-    spot here, next, trial;
-    double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point */
-    double first_square;
-    double border[2][2]; /* of both parameter unknowns: low, high */
-    int ways[2], way_count, way;
+} tests[SALTUS_POINT_KINDS][SALTUS_REST_LOCUS_TESTS] = {
+    [SALTUS_POINT_HB] = {{SALTUS_POINT_BT, true}, {SALTUS_POINT_GH, false}},
+    [SALTUS_POINT_LP] = {{SALTUS_POINT_CP, false}, {SALTUS_POINT_BT, false}},
 };
 
 /* The sum over the eigenvalues of the product of all others: zero where two eigenvalues are zero. */
 static double product_of_others(const saltus_rest *s) {
     double sum = 0;
     for (int k = 0; k < s->rate_count; k++) {
-        double re = 1, im = 0;
-        for (int j = 0; j < s->rate_count; j++) {
-            const double next = re * s->rates[j].re - im * s->rates[j].im;
-            im = j == k ? im : re * s->rates[j].im + im * s->rates[j].re;
-            re = j == k ? re : next;
-        }
-        sum += re;
+        double complex product = 1;
+        for (int j = 0; j < s->rate_count; j++)
+            if (j != k)
+                product *= s->rates[j].re + I * s->rates[j].im;
+        sum += creal(product);
     }
     return sum;
 }
 
-/* The tests at a point at which the equations were just evaluated. Errors: SALTUS_NO_MEMORY. */
-static saltus_status measure(saltus_rest_locus *l, spot *s, saltus_message *message) {
+/* All that a point's unknowns tell. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
+static saltus_status look(saltus_rest_locus *l, saltus_rest_spot *s, saltus_message *message) {
     saltus_rests *r = &l->rests;
     const saltus_equations *e = &r->equations;
-    saltus_message ignored;
-    s->tests[0] = s->tests[1] = (test){.value = NAN};
-    if (l->special.kind == SALTUS_POINT_HB) {
-        saltus_hopf hopf = {.coefficient = NAN};
-        double square;
-        saltus_rests_pair(r, s->rest.at.u, l->special.square, &square);
-        s->tests[0] = (test){SALTUS_POINT_BT, true, square / (r->rate_scale * r->rate_scale)};
-        saltus_status status = square > 0 ? saltus_hopf_find(r, &s->rest, &hopf, &ignored) : SALTUS_OK;
-        s->tests[1] = (test){SALTUS_POINT_GH, false, status == SALTUS_OK ? hopf.coefficient : NAN};
-        return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
-    }
-    if (l->special.kind == SALTUS_POINT_LP) {
+    s->tests[0] = s->tests[1] = NAN;
+    saltus_status status = saltus_equations_evaluate(&r->equations, s->rest.at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_rest_see(r, &s->rest, message);
+    if (status == SALTUS_OK && l->special.kind == SALTUS_POINT_LP) {
         const double *row = e->jacobian + (ptrdiff_t)(e->count - 1) * e->unknowns;
-        s->tests[0] = (test){SALTUS_POINT_CP, false, saltus_dot(row, l->special.right, r->size)};
-        s->tests[1] = (test){SALTUS_POINT_BT, false, product_of_others(&s->rest)};
+        s->tests[0] = saltus_dot(row, l->special.right, r->size);
+        s->tests[1] = product_of_others(&s->rest);
     }
-    return SALTUS_OK;
+    if (status != SALTUS_OK || l->special.kind != SALTUS_POINT_HB)
+        return status;
+    saltus_hopf hopf;
+    double square;
+    saltus_rests_pair(r, s->rest.at.u, l->special.square, &square);
+    s->tests[0] = square / (r->rate_scale * r->rate_scale);
+    if (!(square > 0))
+        return SALTUS_OK;
+    status = saltus_hopf_find(r, &s->rest, &hopf, NULL);
+    s->tests[1] = status == SALTUS_OK ? hopf.coefficient : NAN;
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
 /* Renew what identifies the special point in the equations. If the left null vector is reversed, so is the
@@ -90,24 +73,33 @@ static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message
     memcpy(before, special->left, sizeof before);
     saltus_status status = saltus_rests_null_vectors(r, u, special->right, special->left, message);
     if (saltus_dot(before, special->left, r->size) < 0)
-        l->here.tests[0].value = -l->here.tests[0].value;
+        l->here.tests[0] = -l->here.tests[0];
     return status;
 }
 
-/* `here` becomes the first point, from a guess, with the second parameter as it is or, if it stays so along
- * the curve, with the first. */
-static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const double *state,
-                                const double parameters[2], saltus_message *message) {
+/* `here` becomes the first point of the curve through a start, with the second parameter as it is or, if that
+ * stays so along the curve, with the first. */
+static saltus_status open_curve(saltus_rest_locus *l, const saltus_locus_start *start,
+                                saltus_message *message) {
+    const double little = 1e-6; /* relative to rate_scale; identifies the two eigenvalues at BT */
     saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.rest.at;
     double anchor[SALTUS_REST_UNKNOWNS_MAX];
-    saltus_status status = saltus_rests_shape(r, contacts, state, parameters, message);
+    const double omega =
+        start->origin == SALTUS_POINT_BT ? sqrt(little) * r->rate_scale : start->sequence.omega;
+    l->special.kind = start->kind;
+    l->special.face = start->kind == SALTUS_POINT_BE ? start->mark : -1;
+    l->special.square = omega * omega;
+    l->trail->parent = start->parent;
+    l->trail->depth = start->depth;
+    saltus_status status =
+        saltus_rests_shape(r, start->sequence.contacts, start->state, start->parameter, message);
     const int m = r->equations.unknowns;
     const size_t bytes = (size_t)m * sizeof *at->u;
     if (status == SALTUS_OK && !saltus_curve_reserve(at, m))
         status = saltus_branch_no_memory(message);
     if (status == SALTUS_OK)
-        status = saltus_rests_fill(r, parameters, state, at->u, message);
+        status = saltus_rests_fill(r, start->parameter, start->state, at->u, message);
     if (status == SALTUS_OK)
         status = renew(l, at->u, message);
     if (status != SALTUS_OK)
@@ -137,93 +129,47 @@ static saltus_status open_first(saltus_rest_locus *l, unsigned contacts, const d
     return SALTUS_OK;
 }
 
-saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail,
-                                    const saltus_rest_start *place, saltus_rest_locus **locus,
-                                    saltus_message *message) {
-    const saltus_branch_options *options = trail->options;
-    saltus_rest_locus *l = calloc(1, sizeof *l);
-    *locus = l;
-    if (!l)
-        return saltus_branch_no_memory(message);
+saltus_status saltus_rest_locus_open(saltus_rest_locus *l, const saltus_spec *spec,
+                                     const saltus_locus_start *first, saltus_message *message) {
+    const saltus_branch_options *options = l->trail->options;
     saltus_rests *r = &l->rests;
-    l->trail = trail;
     r->special = &l->special;
-    l->special.kind = options->locus;
-    l->special.face = place ? place->face : 0;
-    l->special.square = place ? place->square : 0;
-    saltus_status status = saltus_branch_family(spec, options, 2, &r->family, r->origin, l->border, message);
     l->way_count = options->direction ? 1 : 2;
     l->ways[0] = options->direction < 0 ? -1 : 1;
     l->ways[1] = -1;
+    l->way = first ? 0 : l->way_count;
+    saltus_status status = saltus_branch_family(spec, options, 2, &r->family, r->origin, l->border, message);
     if (status == SALTUS_OK)
         status = saltus_rests_open(r, message);
-    if (status == SALTUS_OK && place) {
-        trail->number = trail->parent = -1;
-        trail->depth = 0;
-        status = open_first(l, place->contacts, place->state, (double[]){place->parameter, 0}, message);
-    }
-    if (status != SALTUS_OK) {
-        saltus_rest_locus_free(l);
-        *locus = NULL;
+    if (status != SALTUS_OK || !first)
+        return status;
+    l->trail->number = -1;
+    return open_curve(l, first, message);
+}
+
+void saltus_rest_locus_close(saltus_rest_locus *l) {
+    saltus_rest_clear(&l->here.rest);
+    saltus_rest_clear(&l->next.rest);
+    saltus_rest_clear(&l->trial.rest);
+    saltus_rests_close(&l->rests);
+    *l = (saltus_rest_locus){.trail = l->trail, .starts = l->starts};
+}
+
+static saltus_status give(saltus_rest_locus *l, const saltus_rest_spot *at, saltus_point_kind kind,
+                          double ahead, const char *reason, saltus_message *message) {
+    const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
+    const double square = at->tests[0];
+    saltus_status status = saltus_rest_give(&l->rests, &at->rest, &what, l->trail, message);
+    if (status == SALTUS_OK && l->special.kind == SALTUS_POINT_HB) {
+        saltus_branch_point *point = saltus_trail_last(l->trail);
+        point->lyapunov_coefficient = at->tests[1];
+        point->period = square > 0 ? 2 * M_PI / (sqrt(square) * l->rests.rate_scale) : NAN;
     }
     return status;
 }
 
-saltus_status saltus_rest_locus_go_on(const saltus_spec *spec, saltus_trail *trail,
-                                      saltus_locus_starts *starts, saltus_rest_locus **locus,
-                                      saltus_message *message) {
-    saltus_status status = saltus_rest_locus_new(spec, trail, NULL, locus, message);
-    if (status != SALTUS_OK)
-        return status;
-    (*locus)->way = (*locus)->way_count;
-    (*locus)->starts = *starts;
-    *starts = (saltus_locus_starts){.count = 0};
-    return SALTUS_OK;
-}
-
-void saltus_rest_locus_free(saltus_rest_locus *l) {
-    if (!l)
-        return;
-    saltus_rest_clear(&l->here.rest);
-    saltus_rest_clear(&l->next.rest);
-    saltus_rest_clear(&l->trial.rest);
-    saltus_locus_starts_clear(&l->starts);
-    saltus_rests_close(&l->rests);
-    free(l);
-}
-
-saltus_locus_starts *saltus_rest_locus_starts(saltus_rest_locus *l) {
-    return &l->starts;
-}
-
-static saltus_status give(saltus_rest_locus *l, const spot *at, saltus_point_kind kind, double ahead,
-                          const char *reason, saltus_message *message) {
-    const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
-    const saltus_rest *s = &at->rest;
-    const saltus_rests *r = &l->rests;
-    saltus_branch_point *point = saltus_trail_place(l->trail, message);
-    if (!point)
-        return SALTUS_NO_MEMORY;
-    saltus_status status = saltus_rest_point(r, s, point, message);
-    if (status != SALTUS_OK)
-        return status;
-    const double rest = s->value[1] - (r->origin[1] + r->family.unit[1] * s->parameter[1]);
-    point->spec = saltus_spec_shifted(&point->spec, &r->family.direction[1], rest);
-    point->locus = l->special.kind;
-    point->stable = false;
-    if (point->locus == SALTUS_POINT_HB) {
-        const double square = at->tests[0].value;
-        point->lyapunov_coefficient = at->tests[1].value;
-        point->period = square > 0 ? 2 * M_PI / (sqrt(square) * r->rate_scale) : NAN;
-    }
-    if (point->locus == SALTUS_POINT_BE)
-        saltus_rest_touch(r, l->special.face, point);
-    return saltus_trail_give(l->trail, r->system, &what, message);
-}
-
 /* Begin the next direction from the first point. */
 static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
-    saltus_rests *r = &l->rests;
     saltus_curve_point *at = &l->here.rest.at;
     const size_t bytes = (size_t)at->unknowns * sizeof *at->u;
     saltus_trail_begin(l->trail, l->trail->number + 1, l->trail->parent, l->trail->depth, false);
@@ -236,102 +182,67 @@ static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
         saltus_curve_turn(at);
     saltus_status status = renew(l, at->u, message);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&r->equations, at->u, message);
-    if (status == SALTUS_OK)
-        status = saltus_rest_see(r, &l->here.rest, message);
-    if (status == SALTUS_OK)
-        status = measure(l, &l->here, message);
+        status = look(l, &l->here, message);
     /* At the BT point itself their signs mean nothing. */
-    for (int k = 0; k < tests_max && l->switched; k++)
-        l->here.tests[k].value = NAN;
-    at->residual = r->equations.size;
+    for (int k = 0; k < SALTUS_REST_LOCUS_TESTS && l->switched; k++)
+        l->here.tests[k] = NAN;
+    at->residual = l->rests.equations.size;
     return status == SALTUS_OK ? give(l, &l->here, l->special.kind, 0, "", message) : status;
 }
 
-/* Where two eigenvalues are zero, the curve of folds passes through, and that of Hopf points ends. */
-static saltus_status meet(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
+/* Where two eigenvalues are zero, the curve of folds passes through, and that of Hopf points ends. Where the
+ * first Lyapunov coefficient is zero the latter goes through, and cycles that fold grow from the equilibrium.
+ */
+static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const saltus_rest *at,
+                          saltus_message *message) {
     const saltus_trail *trail = l->trail;
-    saltus_locus_start start = {.kind = l->special.kind,
-                                .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1},
-                                .parameter = {at->parameter[0], at->parameter[1]},
-                                .state = at->state,
-                                .origin = SALTUS_POINT_BT,
-                                .parent = trail->number,
-                                .depth = trail->depth + 1,
-                                .done = true};
-    saltus_status status = trail->options->switches == 0
-                               ? SALTUS_OK
-                               : saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
+    const bool grows = kind == SALTUS_POINT_GH;
+    saltus_hopf hopf = {.omega = 0};
+    if (trail->options->switches == 0)
+        return SALTUS_OK;
+    saltus_status status = grows ? saltus_hopf_find(&l->rests, at, &hopf, NULL) : SALTUS_OK;
+    if (status != SALTUS_OK)
+        return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    saltus_locus_start start = {
+        .kind = l->special.kind,
+        .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
+        .parameter = {at->parameter[0], at->parameter[1]},
+        .state = at->state,
+        .one_way = grows,
+        .origin = kind,
+        .parent = trail->number,
+        .depth = trail->depth + 1,
+        .done = true};
+    status = saltus_locus_starts_add(l->starts, l->rests.n, &start, NAN, message);
     if (status != SALTUS_OK || trail->depth >= trail->options->switches)
         return status;
     start.kind = start.kind == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
     start.done = false;
-    return saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
+    if (grows)
+        saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
+    return saltus_locus_starts_add(l->starts, l->rests.n, &start, NAN, message);
 }
 
-/* Where the first Lyapunov coefficient is zero the curve of Hopf points goes through, and cycles that fold
- * grow from the equilibrium. */
-static saltus_status leave_cycles(saltus_rest_locus *l, const saltus_rest *at, saltus_message *message) {
-    saltus_hopf hopf;
-    saltus_message ignored;
-    if (l->trail->options->switches == 0)
-        return SALTUS_OK;
-    saltus_status status = saltus_hopf_find(&l->rests, at, &hopf, &ignored);
-    if (status != SALTUS_OK)
-        return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
-    saltus_locus_start start = {
-        .kind = SALTUS_POINT_HB,
-        .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
-        .parameter = {at->parameter[0], at->parameter[1]},
-        .state = at->state,
-        .one_way = true,
-        .origin = SALTUS_POINT_GH,
-        .parent = l->trail->number,
-        .depth = l->trail->depth + 1,
-        .done = true};
-    status = saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
-    if (status != SALTUS_OK || l->trail->depth >= l->trail->options->switches)
-        return status;
-    start.kind = SALTUS_POINT_LP;
-    start.done = false;
-    saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
-    return saltus_locus_starts_add(&l->starts, l->rests.n, &start, message);
-}
-
-/* The way along a curve of Hopf points from where two eigenvalues are zero on which these are a pair. */
-static int way_of_pairs(saltus_rest_locus *l) {
+/* Begin a curve that was met: on a curve of Hopf points from where two eigenvalues are zero on the way on
+ * which these are a pair. */
+static saltus_status switch_to(saltus_rest_locus *l, saltus_locus_start *start, saltus_message *message) {
     const double apart = 1e-3;
     saltus_rest *aside = &l->trial.rest;
-    double square;
-    saltus_message ignored;
-    saltus_status status = saltus_rest_visit(&l->rests, &l->here.rest, apart, aside, &ignored);
-    return status == SALTUS_OK &&
-                   isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->special.square, &square)) &&
-                   square > 0
-               ? 1
-               : -1;
-}
-
-/* Begin a curve that was met. */
-static saltus_status switch_to(saltus_rest_locus *l, saltus_locus_start *start, saltus_message *message) {
-    const double little = 1e-6; /* relative to rate_scale; identifies the two eigenvalues at BT */
-    const bool through = start->kind != SALTUS_POINT_HB || start->origin != SALTUS_POINT_BT;
-    const double omega =
-        start->sequence.omega > 0 ? start->sequence.omega : sqrt(little) * l->rests.rate_scale;
     saltus_message why = {.text = ""};
+    double square;
     start->done = l->switched = true;
-    l->special.kind = start->kind;
-    l->special.face = -1;
-    l->special.square = omega * omega;
-    l->trail->parent = start->parent;
-    l->trail->depth = start->depth;
-    saltus_status status = open_first(l, start->sequence.contacts, start->state, start->parameter, &why);
+    saltus_status status = open_curve(l, start, &why);
     if (status != SALTUS_OK)
         return saltus_fail(message, status, "no curve of %s points can be begun at a %s: %.200s",
                            saltus_point_word(start->kind), saltus_point_word(start->origin), why.text);
+    const bool through = start->kind != SALTUS_POINT_HB || start->origin != SALTUS_POINT_BT;
+    const bool pairs =
+        through ||
+        (saltus_rest_visit(&l->rests, &l->here.rest, apart, aside, &why) == SALTUS_OK &&
+         isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->special.square, &square)) && square > 0);
     l->way = 0;
     l->way_count = through ? 2 : 1;
-    l->ways[0] = through ? 1 : way_of_pairs(l);
+    l->ways[0] = pairs ? 1 : -1;
     l->ways[1] = -1;
     return begin(l, message);
 }
@@ -345,50 +256,41 @@ typedef struct sought {
 static bool value_ahead(void *context, double ahead, double *value) {
     const sought *s = context;
     saltus_rest_locus *l = s->locus;
-    saltus_message ignored;
-    saltus_status status = saltus_rest_visit(&l->rests, &l->here.rest, ahead, &l->trial.rest, &ignored);
+    saltus_rest_spot *at = &l->trial;
+    saltus_status status =
+        saltus_curve_visit(&l->rests.equations, &l->here.rest.at, ahead, &at->rest.at, NULL);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&l->rests.equations, l->trial.rest.at.u, &ignored);
-    if (status == SALTUS_OK)
-        status = measure(l, &l->trial, &ignored);
+        status = look(l, at, NULL);
     if (saltus_rests_noted(&l->rests, status) != SALTUS_OK)
         return false;
-    *value = l->trial.tests[s->test].value;
+    *value = at->tests[s->test];
     return isfinite(*value);
 }
 
 /* Give out the points of codimension two between `here` and `next`, in order. */
 static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message) {
-    double place[tests_max];
-    int order[tests_max], count = 0;
+    saltus_special found[SALTUS_REST_LOCUS_TESTS];
+    int count = 0;
+    double width, value;
     saltus_status status = SALTUS_OK;
-    for (int k = 0; k < tests_max; k++) {
+    for (int k = 0; k < SALTUS_REST_LOCUS_TESTS; k++) {
         sought s = {l, k};
-        double width;
-        const double near = l->here.tests[k].value, far = l->next.tests[k].value;
-        if (!(near * far < 0) || !saltus_curve_zero(l->rests.solver, value_ahead, &s, near,
-                                                    l->next.rest.at.ahead, far, &place[k], &width))
-            continue;
-        order[count++] = k;
-        if (count == 2 && place[order[1]] < place[order[0]]) {
-            order[1] = order[0];
-            order[0] = k;
-        }
+        saltus_special own = {.kind = tests[l->special.kind][k].kind};
+        const double near = l->here.tests[k], far = l->next.tests[k];
+        if (near * far < 0 && saltus_curve_zero(l->rests.solver, value_ahead, &s, near, l->next.rest.at.ahead,
+                                                far, &own.ahead, &width))
+            count = saltus_special_insert(own, found, count);
     }
     for (int i = 0; i < count && status == SALTUS_OK && l->trail->following; i++) {
-        const int k = order[i];
-        const test *t = &l->here.tests[k];
-        sought s = {l, k};
-        double value;
-        if (!value_ahead(&s, place[k], &value))
+        const saltus_point_kind kind = found[i].kind;
+        sought s = {l, kind != tests[l->special.kind][0].kind};
+        if (!value_ahead(&s, found[i].ahead, &value))
             continue;
-        status = give(l, &l->trial, t->kind, place[k], "", message);
-        if (status == SALTUS_OK && t->kind == SALTUS_POINT_BT && l->trail->following)
-            status = meet(l, &l->trial.rest, message);
-        if (status == SALTUS_OK && t->kind == SALTUS_POINT_GH && l->trail->following)
-            status = leave_cycles(l, &l->trial.rest, message);
-        if (status == SALTUS_OK && t->ends && l->trail->following)
-            status = give(l, &l->trial, SALTUS_POINT_EP, place[k],
+        status = give(l, &l->trial, kind, found[i].ahead, "", message);
+        if (status == SALTUS_OK && kind != SALTUS_POINT_CP && l->trail->following)
+            status = meet(l, kind, &l->trial.rest, message);
+        if (status == SALTUS_OK && tests[l->special.kind][s.test].ends && l->trail->following)
+            status = give(l, &l->trial, SALTUS_POINT_EP, found[i].ahead,
                           "beyond it two real eigenvalues add up to zero: no Hopf points", message);
     }
     return status;
@@ -408,17 +310,9 @@ static bool is_closed(const saltus_rest_locus *l) {
            apart < 2 * next->ahead;
 }
 
-/* A face that the equilibrium has crossed or whose contact pulls; -1: none. */
-static int find_breach(const saltus_rest_locus *l) {
-    const double near = 1e-9;
-    for (int f = 0; f < l->rests.system->face_count; f++)
-        if (l->next.rest.breach[f] > near && !(l->special.kind == SALTUS_POINT_BE && f == l->special.face))
-            return f;
-    return -1;
-}
-
 /* One step along the current curve. */
 static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
+    const double near = 1e-9;
     saltus_rests *r = &l->rests;
     saltus_trail *trail = l->trail;
     saltus_rest *next = &l->next.rest;
@@ -429,11 +323,7 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     saltus_status status = saltus_curve_step(&r->equations, &l->here.rest.at, &trail->step, bounds, 2,
                                              &next->at, &reached, &why);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&r->equations, next->at.u, &why);
-    if (status == SALTUS_OK)
-        status = saltus_rest_see(r, next, &why);
-    if (status == SALTUS_OK)
-        status = measure(l, &l->next, &why);
+        status = look(l, &l->next, &why);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
@@ -442,8 +332,11 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     if (status != SALTUS_OK || !trail->following)
         return status;
     const double ahead = next->at.ahead;
-    const int face = find_breach(l);
-    if (face >= 0)
+    /* A face that the equilibrium has crossed or whose contact pulls. */
+    int face = 0;
+    while (face < r->system->face_count && (face == l->special.face || !(next->breach[face] > near)))
+        face++;
+    if (face < r->system->face_count)
         return give(l, &l->here, SALTUS_POINT_EP, 0,
                     r->contacts >> face & 1 ? "a contact force falls to zero"
                                             : "the equilibrium meets a stop",
@@ -460,7 +353,7 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     trail->step = saltus_curve_next_step(trail->step, next->at.iterations, trail->options->step_max);
     status = give(l, &l->next, l->special.kind, ahead, "", message);
     trail->arclength += ahead;
-    const spot swap = l->here;
+    const saltus_rest_spot swap = l->here;
     l->here = l->next;
     l->next = swap;
     saltus_curve_bend(&l->next.rest.at, &l->here.rest.at);
@@ -474,21 +367,16 @@ saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_me
         status = advance(l, message);
     else if (l->way < l->way_count)
         status = begin(l, message);
-    else if ((*more = saltus_locus_starts_wait(&l->starts, true)))
-        status = switch_to(l, &l->starts.start[l->starts.next], message);
+    else if ((*more = saltus_locus_starts_wait(l->starts, true)))
+        status = switch_to(l, &l->starts->start[l->starts->next], message);
     return status == SALTUS_OK && l->rests.starved ? saltus_branch_no_memory(message) : status;
 }
 
-static saltus_point_kind archive_kind(saltus_archive *a, saltus_point_kind kind) {
-    kind = saltus_archive_kind(a, kind);
-    a->sound = a->sound && (kind == SALTUS_POINT_HB || kind == SALTUS_POINT_BE || kind == SALTUS_POINT_LP);
-    return kind;
-}
-
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
-    saltus_locus_starts_archive(a, &l->starts);
+    const unsigned kinds = 1u << SALTUS_POINT_HB | 1u << SALTUS_POINT_BE | 1u << SALTUS_POINT_LP;
     l->switched = saltus_archive_flag(a, l->switched);
-    l->special.kind = archive_kind(a, l->special.kind);
+    l->special.kind = saltus_archive_kind(a, l->special.kind);
+    a->sound = a->sound && kinds >> l->special.kind & 1;
     l->special.face = (int)saltus_archive_whole(a, l->special.face, -1, a->faces - 1);
     l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
     for (int k = 0; k < 2; k++)
@@ -496,11 +384,10 @@ saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a,
     l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
     saltus_archive_real(a, &l->special.square);
     saltus_archive_real(a, &l->first_square);
-    for (int k = 0; k < tests_max; k++) {
-        test *own = &l->here.tests[k];
-        own->kind = saltus_archive_kind(a, own->kind);
-        own->ends = saltus_archive_flag(a, own->ends);
-        saltus_archive_real(a, &own->value);
+    for (int k = 0; k < SALTUS_REST_LOCUS_TESTS; k++) {
+        saltus_archive_kind(a, tests[l->special.kind][k].kind);
+        saltus_archive_flag(a, tests[l->special.kind][k].ends);
+        saltus_archive_real(a, &l->here.tests[k]);
     }
     saltus_rest *here = &l->here.rest;
     saltus_status status = saltus_archive_rest(a, &l->rests, here, message);

@@ -7,36 +7,40 @@
 #include "branch/rest.h"
 #include "branch/trail.h"
 
-typedef struct saltus_rest_locus saltus_rest_locus;
+enum { SALTUS_REST_LOCUS_TESTS = 2 };
 
-/* A special equilibrium of a branch in the first parameter. */
-typedef struct saltus_rest_start {
-    unsigned contacts;
-    const double *state;
-    double parameter; /* the parameter unknown */
-    int face;         /* BE: the face that is touched; -1: none */
-    double square;    /* HB: square of the pair's frequency */
-} saltus_rest_start;
+/* A point of a curve, and the values there of the functions whose zeros are points of codimension two; NAN:
+ * none. */
+typedef struct saltus_rest_spot {
+    saltus_rest rest;
+    double tests[SALTUS_REST_LOCUS_TESTS];
+} saltus_rest_spot;
 
-/* A locus through such an equilibrium; NULL: none, if saltus_rest_locus_archive is to read it. Points go to
- * the trail, the caller's. Errors: SALTUS_NO_MEMORY, SALTUS_NO_CONVERGENCE. */
-saltus_status saltus_rest_locus_new(const saltus_spec *spec, saltus_trail *trail,
-                                    const saltus_rest_start *place, saltus_rest_locus **locus,
-                                    saltus_message *message);
-/* The curves of Hopf points that wait at such starts, which become its own. Errors: SALTUS_NO_MEMORY,
- * SALTUS_BAD_INPUT. */
-saltus_status saltus_rest_locus_go_on(const saltus_spec *spec, saltus_trail *trail,
-                                      saltus_locus_starts *starts, saltus_rest_locus **locus,
-                                      saltus_message *message);
-/* NULL is accepted. */
-void saltus_rest_locus_free(saltus_rest_locus *locus);
+typedef struct saltus_rest_locus {
+    saltus_trail *trail;         /* the caller's: receives the points */
+    saltus_locus_starts *starts; /* the caller's: receives places at which other curves begin, at generalised
+                                    Hopf points of cycles that fold */
+    bool switched;               /* the curve under way begins at such a place */
+    saltus_rests rests;
+    saltus_rest_special special; /* what makes the equilibria special, renewed from point to point */
+    saltus_rest_spot here, next, trial;
+    double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point */
+    double first_square;
+    double border[2][2]; /* of both parameter unknowns: low, high */
+    int ways[2], way_count, way;
+} saltus_rest_locus;
+
+/* A locus through a special equilibrium of a branch in the first parameter; NULL: none, if it is to begin at
+ * one of the starts, or if saltus_rest_locus_archive is to read it. `trail` and `starts` must be set. Close
+ * in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_rest_locus_open(saltus_rest_locus *locus, const saltus_spec *spec,
+                                     const saltus_locus_start *first, saltus_message *message);
+/* It can be opened again, with the same trail and starts. */
+void saltus_rest_locus_close(saltus_rest_locus *locus);
 /* One step, which may give out points; *more is false when all is done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_rest_locus_step(saltus_rest_locus *locus, bool *more, saltus_message *message);
-/* Curves of cycles that begin where the curves followed have come to, generalised Hopf points, from which
- * cycles that fold grow, beside the starts that it was given; its own. */
-saltus_locus_starts *saltus_rest_locus_starts(saltus_rest_locus *locus);
-/* All that later steps depend on, but for the trail, written, or read into what saltus_rest_locus_new has
- * made. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
+/* All that later steps depend on, but for trail and starts, written, or read into what was opened. Errors:
+ * SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *locus, saltus_archive *archive,
                                         saltus_message *message);
 

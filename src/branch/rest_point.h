@@ -5,13 +5,12 @@
 
 #include "branch/rest.h"
 #include "branch/solution.h"
+#include "branch/trail.h"
 
-/* Fill a point with what an equilibrium tells; it owns its arrays (saltus_branch_point_clear). Errors:
- * SALTUS_NO_MEMORY. */
-saltus_status saltus_rest_point(const saltus_rests *rests, const saltus_rest *rest,
-                                saltus_branch_point *point, saltus_message *message);
-/* Record a face as the stop and side that are touched. */
-void saltus_rest_touch(const saltus_rests *rests, int face, saltus_branch_point *point);
+/* Give out an equilibrium as a point of a branch or, if the equations are those of special ones, of a locus.
+ * A BE, and each point of their locus, tells the face that is touched. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_rest_give(const saltus_rests *rests, const saltus_rest *rest, const saltus_notice *what,
+                               saltus_trail *trail, saltus_message *message);
 /* With one parameter: the tangent's component in it. */
 double saltus_rest_heading(const saltus_rest *rest);
 /* "equilibrium" or "held". */
