@@ -107,15 +107,14 @@ static int find_places(saltus_equilibria *e, saltus_special *places) {
     const double reach = e->next->at.ahead;
     int count = 0;
     for (int k = 0; k < kinds + e->trail->options->value_count; k++) {
-        saltus_special found = {.kind = SALTUS_POINT_UZ, .test = SALTUS_TEST_VALUE};
-        if (k < kinds)
-            found = (saltus_special){.kind = tests[k].kind, .test = tests[k].test};
-        else
-            found.target = e->trail->options->values[k - kinds];
+        const bool own = k < kinds;
+        saltus_special found = {.kind = own ? tests[k].kind : SALTUS_POINT_UZ,
+                                .test = own ? tests[k].test : SALTUS_TEST_VALUE,
+                                .target = own ? 0 : e->trail->options->values[k - kinds]};
         const saltus_rest_asked asked = {found.test, -1, found.target};
         const double near = saltus_rest_value(asked, e->here, e->here),
                      far = saltus_rest_value(asked, e->next, e->here);
-        if ((k < kinds && e->trail->fresh) || !saltus_test_crosses(near, far))
+        if ((own && e->trail->fresh) || !saltus_test_crosses(near, far))
             continue;
         const saltus_zero zero =
             found.kind == SALTUS_POINT_BP

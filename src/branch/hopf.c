@@ -21,24 +21,26 @@ typedef struct expansion {
     double size[2]; /* largest entry of each as a state, in the states' scales */
 } expansion;
 
-/* First and second derivative of the Jacobian along a part; the greatest displacement is `reach`. */
-static saltus_status differentiate(saltus_rests *r, const saltus_rest *at, expansion *x, int part,
-                                   double reach, saltus_message *message) {
+/* First and second derivatives of the Jacobian along both parts; the greatest displacement is `reach`. */
+static saltus_status differentiate(saltus_rests *r, const saltus_rest *at, expansion *x, double reach,
+                                   saltus_message *message) {
     const int entries = x->count * x->count;
-    const double step = reach / (sides * x->size[part]);
     saltus_status status = SALTUS_OK;
-    for (int k = 0; k < entries; k++) {
-        x->along[part][k] = 0;
-        x->twice[part][k] = middle * x->linear[k] / (step * step);
-    }
-    for (int k = 0; k < 2 * sides && status == SALTUS_OK; k++) {
-        const int place = k / 2, way = k % 2 ? -1 : 1;
-        int count;
-        status = saltus_rests_linear(r, at->at.u, x->part[part], way * (place + 1) * step, x->trial, &count,
-                                     message);
-        for (int j = 0; j < entries && status == SALTUS_OK; j++) {
-            x->along[part][j] += way * first[place] * x->trial[j] / step;
-            x->twice[part][j] += second[place] * x->trial[j] / (step * step);
+    for (int part = 0; part < 2; part++) {
+        const double step = reach / (sides * x->size[part]);
+        for (int k = 0; k < entries; k++) {
+            x->along[part][k] = 0;
+            x->twice[part][k] = middle * x->linear[k] / (step * step);
+        }
+        for (int k = 0; k < 2 * sides && status == SALTUS_OK; k++) {
+            const int place = k / 2, way = k % 2 ? -1 : 1;
+            int count;
+            status = saltus_rests_linear(r, at->at.u, x->part[part], way * (place + 1) * step, x->trial,
+                                         &count, message);
+            for (int j = 0; j < entries && status == SALTUS_OK; j++) {
+                x->along[part][j] += way * first[place] * x->trial[j] / step;
+                x->twice[part][j] += second[place] * x->trial[j] / (step * step);
+            }
         }
     }
     return status;
@@ -185,9 +187,7 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
     hopf->error = status == SALTUS_OK ? INFINITY : NAN;
     /* Try differences over several widths; keep the result at which two successive ones agree best. */
     for (size_t k = 0; k < sizeof reach / sizeof reach[0] && status == SALTUS_OK; k++) {
-        saltus_status made = differentiate(r, at, &x, 0, reach[k], message);
-        if (made == SALTUS_OK)
-            made = differentiate(r, at, &x, 1, reach[k], message);
+        const saltus_status made = differentiate(r, at, &x, reach[k], message);
         if (made == SALTUS_NO_MEMORY)
             status = made;
         const double now = made == SALTUS_OK ? coefficient_of(&x, hopf->omega, left, right) : NAN;

@@ -193,7 +193,6 @@ double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int p
     const saltus_orbits *o = &x->orbits;
     saltus_sequence sequence = s->sequence;
     saltus_shooting *shooting = NULL;
-    saltus_message ignored;
     double largest = 0, *u = NULL;
     if (parts <= 2)
         return saltus_solution_half_distance(&x->orbits, s, parts == 1);
@@ -201,7 +200,7 @@ double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int p
         return INFINITY;
     sequence.cuts = 2;
     sequence.cut[1] = sequence.base + (double)sequence.periods / parts;
-    saltus_status status = saltus_orbits_shoot(o, &sequence, s->parameter, s->state, &shooting, &u, &ignored);
+    saltus_status status = saltus_orbits_shoot(o, &sequence, s->parameter, s->state, &shooting, &u, NULL);
     if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK)
         largest = INFINITY;
     for (int i = 0; i < o->n && status == SALTUS_OK; i++)
@@ -292,9 +291,8 @@ bool saltus_locus_strays(const saltus_locus_point *here, const saltus_locus_poin
 
 bool saltus_locus_visit(saltus_extended *x, const saltus_locus_point *here, double ahead,
                         saltus_locus_point *out) {
-    saltus_message ignored;
-    return saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, &ignored) == SALTUS_OK &&
-           !saltus_locus_strays(here, out) && saltus_locus_see(x, out, &ignored) == SALTUS_OK;
+    return saltus_curve_visit(&x->equations, &here->at, ahead, &out->at, NULL) == SALTUS_OK &&
+           !saltus_locus_strays(here, out) && saltus_locus_see(x, out, NULL) == SALTUS_OK;
 }
 
 void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, double theta,
@@ -303,7 +301,6 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
     const double apart = 0.02;
     int m = here->at.unknowns;
     double square[samples], *u = calloc((size_t)(m * samples), sizeof *u);
-    saltus_message ignored;
     bool found = u;
     if (!u)
         x->orbits.starved = true;
@@ -311,7 +308,7 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
         double aside = apart * (k + 1);
         square[k] = aside * aside;
         found = saltus_curve_meet(&x->equations, &here->at, m - 1, theta > 1 ? theta - aside : aside,
-                                  &scratch->at, &ignored) == SALTUS_OK;
+                                  &scratch->at, NULL) == SALTUS_OK;
         for (int j = 0; j < m && found; j++)
             u[j * samples + k] = scratch->at.u[j];
     }
@@ -319,7 +316,7 @@ void saltus_locus_sharpen(saltus_extended *x, const saltus_locus_point *here, do
         at->at.u[j] = j < m - 1 ? saltus_curve_interpolate(square, u + j * samples, samples) : theta;
     free(u);
     if (found)
-        saltus_locus_see_orbit(x, at, &ignored);
+        saltus_locus_see_orbit(x, at, NULL);
 }
 
 saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_point *here,
@@ -327,7 +324,6 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     enum { halvings = 40 };
     const double reach = 1e-3, nothing = 1e-4, sharp = 1e-11;
     double low = 0, high = reach, usual = x->equations.tolerance;
-    saltus_message ignored;
     saltus_locus_test contact = {.kind = SALTUS_POINT_GR_GR, .breach = true};
     saltus_status status = SALTUS_OK;
     *found = false;
@@ -335,9 +331,9 @@ saltus_status saltus_locus_end_contact(saltus_extended *x, const saltus_locus_po
     x->equations.tolerance = fmin(usual, sharp);
     for (int k = 0; k <= halvings && status != SALTUS_NO_MEMORY; k++) {
         double middle = k < halvings ? 0.5 * (low + high) : low;
-        status = saltus_curve_visit(&x->equations, &here->at, middle, &at->at, &ignored);
+        status = saltus_curve_visit(&x->equations, &here->at, middle, &at->at, NULL);
         if (status == SALTUS_OK)
-            status = saltus_locus_see_orbit(x, at, &ignored);
+            status = saltus_locus_see_orbit(x, at, NULL);
         *found = status == SALTUS_OK && saltus_corner_breach(x, &at->orbit) <= 0;
         *(*found ? &low : &high) = middle;
     }

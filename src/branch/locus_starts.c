@@ -96,21 +96,6 @@ saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_so
     return saltus_locus_starts_add(starts, x->orbits.n, &own, image, message);
 }
 
-/* The least number of periods after which an orbit closes; that of its sequence if it cannot be told. */
-static int least_periods(saltus_orbits *o, const saltus_solution *at) {
-    const int periods = at->sequence.periods;
-    saltus_lap lap = {.system = o->system, .periods = periods};
-    saltus_status status = saltus_lap_reserve(&lap, periods, o->n) ? SALTUS_OK : SALTUS_NO_MEMORY;
-    for (int k = 0; k < periods && status == SALTUS_OK; k++)
-        status =
-            saltus_solution_state_at(o, at, at->sequence.base + k, lap.points + (size_t)(k * o->n), NULL);
-    const int least = saltus_orbits_noted(o, status) == SALTUS_OK
-                          ? saltus_lap_least_period(&lap, &o->options.flow)
-                          : periods;
-    saltus_lap_close(&lap);
-    return least;
-}
-
 /* A touch moved into the first `periods` periods of an orbit. */
 static saltus_breach fold_touch(const saltus_sequence *s, int periods, saltus_breach touch) {
     while (touch.time >= s->base + periods)
@@ -123,13 +108,23 @@ static saltus_breach fold_touch(const saltus_sequence *s, int periods, saltus_br
 int saltus_locus_starts_grazing(saltus_orbits *o, const saltus_solution *at, const saltus_breach *touch,
                                 saltus_sequence *with) {
     const double together = 1e-7, near = 1e-4;
-    int order[SALTUS_MARKS_MAX], count = 0, found = -1, periods = least_periods(o, at);
+    int order[SALTUS_MARKS_MAX], count = 0, found = -1, periods = at->sequence.periods;
     saltus_sequence less;
+    saltus_lap lap = {.system = o->system, .periods = periods};
     saltus_breach *touches = calloc((size_t)at->breach_count + 1, sizeof *touches);
-    if (!touches) {
+    if (!touches || !saltus_lap_reserve(&lap, periods, o->n)) {
+        free(touches);
         saltus_orbits_noted(o, SALTUS_NO_MEMORY);
         return -1;
     }
+    /* The least number of periods after which the orbit closes; that of its sequence if it cannot be told. */
+    saltus_status status = SALTUS_OK;
+    for (int k = 0; k < periods && status == SALTUS_OK; k++)
+        status =
+            saltus_solution_state_at(o, at, at->sequence.base + k, lap.points + (size_t)(k * o->n), NULL);
+    if (status == SALTUS_OK)
+        periods = saltus_lap_least_period(&lap, &o->options.flow);
+    saltus_lap_close(&lap);
     for (int k = 0; k < at->breach_count; k++)
         if (at->breaches[k].kind == SALTUS_BREACH_SPEED)
             touches[count++] = at->breaches[k];

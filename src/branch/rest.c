@@ -29,13 +29,15 @@ saltus_status saltus_rests_noted(saltus_rests *r, saltus_status status) {
 
 static void reserve(saltus_rests *r) {
     work *w = r->work;
-    const size_t n = (size_t)r->n;
+    const size_t n = (size_t)r->n, order = (size_t)(r->width + r->first->face_count + 1);
     w->state = saltus_arena_doubles(&w->arena, n);
     w->field = saltus_arena_doubles(&w->arena, n);
     w->jacobian = saltus_arena_doubles(&w->arena, n * (n + 2));
     w->basis = saltus_arena_doubles(&w->arena, n * n);
     w->matrix = saltus_arena_doubles(&w->arena, n * n);
     w->product = saltus_arena_doubles(&w->arena, n * n);
+    w->aside = saltus_arena_doubles(&w->arena, order * order);
+    r->row_scale = saltus_arena_doubles(&w->arena, (size_t)r->width);
     for (int d = 0; d < r->family.parameters; d++)
         saltus_variation_reserve(&w->varied[d], r->first, &w->arena);
 }
@@ -85,8 +87,7 @@ void saltus_rests_close(saltus_rests *r) {
         saltus_arena_close(&r->work->arena);
         saltus_flow_free(r->work->flow);
     }
-    if (r->solver)
-        gsl_root_fsolver_free(r->solver);
+    gsl_root_fsolver_free(r->solver);
     if (r->system != r->first)
         saltus_system_free(r->system);
     saltus_system_free(r->first);
@@ -305,14 +306,6 @@ static saltus_status evaluate(void *self, const double *u, saltus_message *messa
     return status;
 }
 
-static void reserve_shape(saltus_rests *r, int unknowns) {
-    const size_t order = (size_t)r->size + 1;
-    saltus_arena *arena = &r->work->shape_arena;
-    saltus_equations_reserve(&r->equations, unknowns, arena);
-    r->row_scale = saltus_arena_doubles(arena, (size_t)r->width);
-    r->work->aside = saltus_arena_doubles(arena, order * order);
-}
-
 saltus_status saltus_rests_shape(saltus_rests *r, unsigned contacts, const double *state,
                                  const double *parameters, saltus_message *message) {
     work *w = r->work;
@@ -326,11 +319,11 @@ saltus_status saltus_rests_shape(saltus_rests *r, unsigned contacts, const doubl
     const int unknowns = r->size + r->family.parameters;
     r->equations = (saltus_equations){
         .self = r, .evaluate = evaluate, .tolerance = 1e-11, .iterations = 20, .kind = "equilibrium"};
-    reserve_shape(r, unknowns);
+    saltus_equations_reserve(&r->equations, unknowns, &w->shape_arena);
     if (!saltus_dense_lu_open(&r->equations.lu, unknowns) || !saltus_arena_open(&w->shape_arena) ||
         !saltus_dense_lu_open(&w->lu, r->size + 1))
         return saltus_branch_no_memory(message);
-    reserve_shape(r, unknowns);
+    saltus_equations_reserve(&r->equations, unknowns, &w->shape_arena);
     take_state(r, parameters, state, r->equations.trial);
     for (int i = 0; i < r->width; i++)
         r->row_scale[i] = 1;

@@ -128,16 +128,15 @@ saltus_zero saltus_rest_crossing(saltus_rests *r, const saltus_rest *from, doubl
     enum { passes = 3 };
     sought s = {r, {.test = SALTUS_TEST_CROSSING}, from, out};
     const size_t m = (size_t)from->at.unknowns;
-    double spread, apart = fmin(0.1 * reach, 4e-3), middle = ahead, *work = calloc(7 * m, sizeof *work);
-    saltus_zero zero = {.accuracy = INFINITY};
+    double spread, apart = fmin(0.1 * reach, 4e-3), *work = calloc(7 * m, sizeof *work);
+    saltus_zero zero = {.ahead = ahead, .accuracy = INFINITY};
     saltus_rests_noted(r, work ? SALTUS_OK : SALTUS_NO_MEMORY);
     for (int pass = 0; pass < passes && work; pass++) {
-        if (!saltus_curve_cross(value_ahead, &s, &from->at, &out->at, middle, apart, pass > 0, work,
+        if (!saltus_curve_cross(value_ahead, &s, &from->at, &out->at, zero.ahead, apart, pass > 0, work,
                                 &zero.ahead, &spread))
             break;
         zero.found = pass > 0;
         zero.accuracy = r->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
-        middle = zero.ahead;
         apart = fmin(apart, 3e-4);
     }
     if (zero.found) {
