@@ -96,39 +96,42 @@ void saltus_branch_free(saltus_branch *b) {
     free(b);
 }
 
+/* Open the curves of special points of the present phase, with one through `first`; NULL: with none yet. */
+static saltus_status open_loci(saltus_branch *b, const saltus_locus_start *first, saltus_message *message) {
+    const saltus_spec *spec = &b->trace.orbits.family.spec;
+    return b->phase == RUN_REST_LOCUS
+               ? saltus_rest_locus_open(&b->rest_locus, spec, first, message)
+               : saltus_locus_new(spec, &b->trail, &b->loci, first, &b->locus, message);
+}
+
 /* If a branch has reached the first point of the requested locus, begin the locus there. */
 static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
     const saltus_branch_options *options = &b->options;
+    const saltus_point_kind kind = options->locus;
     const saltus_orbits *o = &b->trace.orbits;
     const saltus_solution *orbit = b->trace.found;
-    saltus_locus_start rest = b->equilibria.found;
+    const bool of_rests = !orbit || kind == SALTUS_POINT_HB;
+    saltus_locus_start first = b->equilibria.found;
     saltus_message why = {.text = ""};
-    if (!orbit && !rest.state)
+    if (orbit)
+        first = saltus_locus_start_at(kind, orbit, kind == SALTUS_POINT_GR ? &b->trace.beyond : NULL);
+    if (!first.state)
         return SALTUS_OK;
-    const double parameter = orbit ? orbit->parameter[0] : rest.parameter[0];
-    if (orbit && options->locus == SALTUS_POINT_HB)
-        rest = (saltus_locus_start){.kind = options->locus,
-                                    .sequence = {.contacts = orbit->sequence.contacts,
-                                                 .omega = orbit->sequence.omega / orbit->sequence.periods},
-                                    .parameter = {parameter},
-                                    .state = orbit->state,
-                                    .parent = -1};
-    const saltus_sequence *beyond = options->locus == SALTUS_POINT_GR ? &b->trace.beyond : NULL;
-    b->phase = rest.state ? RUN_REST_LOCUS : RUN_LOCUS;
-    saltus_status status =
-        rest.state ? saltus_rest_locus_open(&b->rest_locus, &o->family.spec, &rest, &why)
-                   : saltus_locus_new(&o->family.spec, &b->trail, &b->loci, orbit, beyond, &b->locus, &why);
+    if (orbit && of_rests)
+        first.sequence = (saltus_sequence){.contacts = orbit->sequence.contacts,
+                                           .omega = orbit->sequence.omega / orbit->sequence.periods};
+    b->phase = of_rests ? RUN_REST_LOCUS : RUN_LOCUS;
+    saltus_status status = open_loci(b, &first, &why);
     return status == SALTUS_OK
                ? status
                : saltus_fail(message, status, "no curve of %s points can be begun at %s = %.12g: %.200s",
-                             saltus_point_word(options->locus), options->key[0],
-                             o->origin + o->family.unit[0] * parameter, why.text);
+                             saltus_point_word(kind), options->key[0],
+                             o->origin + o->family.unit[0] * first.parameter[0], why.text);
 }
 
 /* One step along the curves of special equilibria or orbits of the present phase; where none of them is left,
  * along those of the other sort that they have come to. */
 static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *message) {
-    const saltus_spec *spec = &b->trace.orbits.family.spec;
     for (;;) {
         const bool of_rests = b->phase == RUN_REST_LOCUS;
         saltus_status status = of_rests ? saltus_rest_locus_step(&b->rest_locus, more, message)
@@ -139,8 +142,7 @@ static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *
         saltus_locus_free(b->locus);
         b->locus = NULL;
         b->phase = of_rests ? RUN_LOCUS : RUN_REST_LOCUS;
-        status = of_rests ? saltus_locus_go_on(spec, &b->trail, &b->loci, &b->locus, message)
-                          : saltus_rest_locus_open(&b->rest_locus, spec, NULL, message);
+        status = open_loci(b, NULL, message);
         if (status != SALTUS_OK)
             return status;
     }
@@ -225,7 +227,6 @@ static bool archive_identity(saltus_branch *b, saltus_archive *a) {
 static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_message *message) {
     static const char foreign[] = "what the run goes on from is damaged or belongs to another run";
     saltus_orbits *o = &b->trace.orbits;
-    const saltus_spec *spec = &o->family.spec;
     a->n = o->n;
     a->faces = saltus_system_face_count(o->system);
     a->sound = true;
@@ -238,13 +239,15 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
     saltus_archive_starts(a, &b->starts);
     saltus_archive_orbits(a, o);
     b->phase = (run_phase)saltus_archive_whole(a, b->phase, RUN_RESTS, RUN_LOCUS);
+    saltus_status status = SALTUS_OK;
     if (b->phase > RUN_ORBITS)
         saltus_locus_starts_archive(a, &b->loci);
-    saltus_status status = SALTUS_OK;
+    if (b->phase > RUN_ORBITS && a->reading)
+        status = open_loci(b, NULL, message);
     switch (b->phase) {
     case RUN_RESTS:
         if (!b->equilibria.here)
-            status = saltus_equilibria_open(&b->equilibria, spec, NULL, message);
+            status = saltus_equilibria_open(&b->equilibria, &o->family.spec, NULL, message);
         if (status == SALTUS_OK)
             status = saltus_equilibria_archive(&b->equilibria, a, message);
         break;
@@ -253,13 +256,12 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
             saltus_trace_archive(&b->trace, a);
         break;
     case RUN_REST_LOCUS:
-        if (a->reading)
-            status = saltus_rest_locus_open(&b->rest_locus, spec, NULL, message);
         if (status == SALTUS_OK)
             status = saltus_rest_locus_archive(&b->rest_locus, a, message);
         break;
     case RUN_LOCUS:
-        status = saltus_locus_archive(spec, &b->trail, &b->loci, &b->locus, a, message);
+        if (status == SALTUS_OK)
+            status = saltus_locus_archive(b->locus, a, message);
     }
     b->effort.spent = spent; /* whatever reading has taken */
     if (status == SALTUS_NO_MEMORY || a->starved)

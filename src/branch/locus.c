@@ -195,9 +195,25 @@ static saltus_status open_start(saltus_locus *l, const saltus_locus_start *start
     return SALTUS_OK;
 }
 
-/* Allocate a locus with two parameters, without any curve yet. */
-static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
-                                saltus_locus **locus, saltus_message *message) {
+saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_solution *at,
+                                         const saltus_sequence *beyond) {
+    const bool born = beyond && beyond->count > at->sequence.count;
+    const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
+    saltus_locus_start start = {.kind = kind,
+                                .sequence = *more,
+                                .parameter = {at->parameter[0], 0},
+                                .state = at->state,
+                                .parent = -1};
+    while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
+        start.mark++;
+    if (kind == SALTUS_POINT_NS)
+        start.theta = angle_on_circle(&at->survey);
+    return start;
+}
+
+saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
+                               const saltus_locus_start *first, saltus_locus **locus,
+                               saltus_message *message) {
     const saltus_branch_options *options = trail->options;
     saltus_locus *l = calloc(1, sizeof *l);
     *locus = l;
@@ -214,43 +230,17 @@ static saltus_status open_locus(const saltus_spec *spec, saltus_trail *trail, sa
     o->origin = l->origin[0];
     if (status == SALTUS_OK)
         status = saltus_orbits_open(o, message);
-    o->options.free_period = status == SALTUS_OK && !saltus_system_forced(o->system);
-    return status;
-}
-
-saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
-                               const saltus_solution *at, const saltus_sequence *beyond, saltus_locus **locus,
-                               saltus_message *message) {
-    const bool born = beyond && beyond->count > at->sequence.count;
-    const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
-    saltus_locus_start start = {.kind = trail->options->locus,
-                                .sequence = *more,
-                                .parameter = {at->parameter[0], 0},
-                                .state = at->state,
-                                .parent = -1};
-    while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
-        start.mark++;
-    if (start.kind == SALTUS_POINT_NS)
-        start.theta = angle_on_circle(&at->survey);
-    saltus_status status = open_locus(spec, trail, starts, locus, message);
     if (status != SALTUS_OK)
         return status;
-    trail->number = -1;
-    (*locus)->way_count = trail->options->direction ? 1 : 2;
-    return open_start(*locus, &start, message);
-}
-
-saltus_status saltus_locus_go_on(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
-                                 saltus_locus **locus, saltus_message *message) {
-    saltus_status status = open_locus(spec, trail, starts, locus, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_locus *l = *locus;
-    /* As long as there is no first point. */
+    o->options.free_period = !saltus_system_forced(o->system);
+    if (first) {
+        trail->number = -1;
+        l->way_count = options->direction ? 1 : 2;
+        return open_start(l, first, message);
+    }
     l->way = l->way_count = 1;
     l->first = (saltus_sequence){.periods = 1, .cuts = 1};
-    l->beginning =
-        calloc((size_t)saltus_sequence_unknowns(&l->first, l->x.orbits.n) + 2, sizeof *l->beginning);
+    l->beginning = calloc((size_t)saltus_sequence_unknowns(&l->first, o->n) + 2, sizeof *l->beginning);
     become(l, SALTUS_POINT_LP, false);
     return l->beginning ? SALTUS_OK : saltus_branch_no_memory(message);
 }
@@ -824,12 +814,7 @@ static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->grazings.closer = (int)saltus_archive_whole(a, l->grazings.closer, 0, INT_MAX);
 }
 
-saltus_status saltus_locus_archive(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
-                                   saltus_locus **locus, saltus_archive *a, saltus_message *message) {
-    saltus_status status = a->reading ? open_locus(spec, trail, starts, locus, message) : SALTUS_OK;
-    if (status != SALTUS_OK)
-        return status;
-    saltus_locus *l = *locus;
+saltus_status saltus_locus_archive(saltus_locus *l, saltus_archive *a, saltus_message *message) {
     saltus_archive_orbits(a, &l->x.orbits);
     /* The start of the current curve, and the directions from there. */
     const saltus_point_kind kind = saltus_locus_start_kind(a, l->x.kind);

@@ -82,14 +82,14 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
                                                  : saltus_boundary_cycle(o, start, apart[0][k], here, why));
         return status;
     }
+    const int most = start->parent < 0 ? SALTUS_CUTS_MAX : 1;
     o->equations->bold = start->parent < 0;
-    status = saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->tangent, here, why);
-    for (int cuts = 2;
-         start->parent < 0 && cuts <= SALTUS_CUTS_MAX && status != SALTUS_OK && status != SALTUS_NO_MEMORY;
-         cuts *= 2) {
-        saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, order);
-        status = saltus_solution_place(o, &sequence, &start->parameter, start->state, true, here, why);
-        if (status == SALTUS_NO_CONVERGENCE && isfinite(o->equations->size))
+    for (int cuts = 1; cuts <= most && status != SALTUS_OK && status != SALTUS_NO_MEMORY; cuts *= 2) {
+        if (cuts > 1)
+            saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, order);
+        status =
+            saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->tangent, here, why);
+        if (cuts > 1 && status == SALTUS_NO_CONVERGENCE && isfinite(o->equations->size))
             growth = fmax(growth, saltus_shooting_growth(o->shooting));
     }
     o->equations->bold = false;
