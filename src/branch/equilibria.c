@@ -95,39 +95,6 @@ static void swap(saltus_rest **a, saltus_rest **b) {
     *b = kept;
 }
 
-/* Find all special points between `here` and `next`, in order; returns their number. */
-static int find_places(saltus_equilibria *e, saltus_special *places) {
-    static const struct {
-        saltus_point_kind kind;
-        saltus_test test;
-    } tests[] = {{SALTUS_POINT_LP, SALTUS_TEST_FOLD},
-                 {SALTUS_POINT_BP, SALTUS_TEST_CROSSING},
-                 {SALTUS_POINT_HB, SALTUS_TEST_PAIR}};
-    enum { kinds = sizeof tests / sizeof tests[0] };
-    const double reach = e->next->at.ahead;
-    int count = 0;
-    for (int k = 0; k < kinds + e->trail->options->value_count; k++) {
-        const bool own = k < kinds;
-        saltus_special found = {.kind = own ? tests[k].kind : SALTUS_POINT_UZ,
-                                .test = own ? tests[k].test : SALTUS_TEST_VALUE,
-                                .target = own ? 0 : e->trail->options->values[k - kinds]};
-        const saltus_rest_asked asked = {found.test, -1, found.target};
-        const double near = saltus_rest_value(asked, e->here, e->here),
-                     far = saltus_rest_value(asked, e->next, e->here);
-        if ((own && e->trail->fresh) || !saltus_test_crosses(near, far))
-            continue;
-        const saltus_zero zero =
-            found.kind == SALTUS_POINT_BP
-                ? saltus_rest_crossing(&e->rests, e->here, reach * near / (near - far), reach, e->trial)
-                : saltus_rest_zero(&e->rests, asked, e->here, e->next, e->trial);
-        found.ahead = zero.ahead;
-        found.accuracy = zero.accuracy;
-        if (zero.found)
-            count = saltus_special_insert(found, places, count);
-    }
-    return count;
-}
-
 /* What the starts of branches that leave at an equilibrium have in common. */
 static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest *at,
                                    saltus_point_kind origin) {
@@ -212,31 +179,56 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
     return saltus_starts_add(e->cycles, e->rests.n, &start, message);
 }
 
-/* Give out all special points of the step from `here` to `next`. */
+/* Find all special points of the step from `here` to `next`, and give them out in order. */
 static saltus_status give_specials(saltus_equilibria *e, saltus_message *message) {
-    saltus_special places[SALTUS_BRANCH_VALUES_MAX + 3];
-    const saltus_point_kind locus = e->trail->options->locus;
-    int count = find_places(e, places);
+    static const struct {
+        saltus_point_kind kind;
+        saltus_test test;
+    } tests[] = {{SALTUS_POINT_LP, SALTUS_TEST_FOLD},
+                 {SALTUS_POINT_BP, SALTUS_TEST_CROSSING},
+                 {SALTUS_POINT_HB, SALTUS_TEST_PAIR}};
+    enum { kinds = sizeof tests / sizeof tests[0] };
+    const saltus_branch_options *options = e->trail->options;
+    const double reach = e->next->at.ahead;
+    saltus_rest *at = e->trial;
+    saltus_special places[SALTUS_BRANCH_VALUES_MAX + kinds];
     saltus_status status = SALTUS_OK;
+    int count = 0;
+    for (int k = 0; k < kinds + options->value_count; k++) {
+        const bool own = k < kinds;
+        saltus_special found = {.kind = own ? tests[k].kind : SALTUS_POINT_UZ,
+                                .test = own ? tests[k].test : SALTUS_TEST_VALUE,
+                                .target = own ? 0 : options->values[k - kinds]};
+        const saltus_rest_asked asked = {found.test, -1, found.target};
+        const double near = saltus_rest_value(asked, e->here, e->here),
+                     far = saltus_rest_value(asked, e->next, e->here);
+        if ((own && e->trail->fresh) || !saltus_test_crosses(near, far))
+            continue;
+        const saltus_zero zero =
+            found.kind == SALTUS_POINT_BP
+                ? saltus_rest_crossing(&e->rests, e->here, reach * near / (near - far), reach, at)
+                : saltus_rest_zero(&e->rests, asked, e->here, e->next, at);
+        found.ahead = zero.ahead;
+        found.accuracy = zero.accuracy;
+        if (zero.found)
+            count = saltus_special_insert(found, places, count);
+    }
     for (int k = 0; k < count && status == SALTUS_OK && e->trail->following; k++) {
         const saltus_special *p = &places[k];
-        saltus_rest *at = e->trial;
         const saltus_notice what = {.kind = p->kind, .ahead = p->ahead, .accuracy = p->accuracy};
-        const bool there =
-            p->kind == SALTUS_POINT_BP
-                ? saltus_rest_crossing(&e->rests, e->here, p->ahead, e->next->at.ahead, at).found
-                : saltus_rest_visit(&e->rests, e->here, p->ahead, at, NULL) == SALTUS_OK;
-        if (!there)
+        const bool crosses = p->kind == SALTUS_POINT_BP;
+        if (crosses ? !saltus_rest_crossing(&e->rests, e->here, p->ahead, reach, at).found
+                    : saltus_rest_visit(&e->rests, e->here, p->ahead, at, NULL) != SALTUS_OK)
             continue;
         if (p->kind == SALTUS_POINT_UZ)
             at->value[0] = p->target;
         if (p->kind == SALTUS_POINT_HB)
             status = give_hopf(e, at, what, message);
-        else if (p->kind == SALTUS_POINT_LP && locus == SALTUS_POINT_LP)
+        else if (p->kind == SALTUS_POINT_LP && options->locus == SALTUS_POINT_LP)
             status = find(e, at, -1, 0);
         else
             status = give(e, at, what, message);
-        if (status == SALTUS_OK && p->kind == SALTUS_POINT_BP && saltus_trail_switches(e->trail))
+        if (status == SALTUS_OK && crosses && saltus_trail_switches(e->trail))
             status = leave(e, at, message);
     }
     return status;

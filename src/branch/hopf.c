@@ -244,11 +244,7 @@ saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *sta
     saltus_status status = saltus_hopf_aside(o, &start->parameter, start->state, start->tangent, apart,
                                              &sequence, state, message);
     if (status == SALTUS_OK)
-        status = saltus_shooting_shape(o->shooting, &sequence, message);
-    if (status == SALTUS_OK && !saltus_curve_reserve(&out->at, e->unknowns))
-        status = saltus_branch_no_memory(message);
-    if (status == SALTUS_OK)
-        status = saltus_shooting_fill(o->shooting, &start->parameter, state, out->at.u, message);
+        status = saltus_solution_place(o, &sequence, &start->parameter, state, false, out, message);
     if (status != SALTUS_OK)
         return status;
     memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
@@ -257,8 +253,5 @@ saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *sta
         status = saltus_equations_evaluate(e, out->at.u, message);
     if (status == SALTUS_OK)
         status = saltus_solution_see(o, out, message);
-    if (status == SALTUS_OK)
-        status = saltus_curve_orient(e, normal, &out->at, message);
-    out->at.ahead = 0;
-    return status;
+    return status == SALTUS_OK ? saltus_curve_orient(e, normal, &out->at, message) : status;
 }

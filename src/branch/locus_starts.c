@@ -32,25 +32,21 @@ void saltus_locus_starts_clear(saltus_locus_starts *starts) {
     *starts = (saltus_locus_starts){.count = 0};
 }
 
-/* Whether two starts graze with the same impact, in whichever period of the orbit; or one with the mirror
- * image of the other's. In a scene that is its own mirror image these are `image` forcing periods apart
- * (otherwise NAN), and the curves of orbits and of their images are one. */
-static bool one_touch(const saltus_locus_start *a, const saltus_locus_start *b, double image) {
-    const double near = 1e-4;
-    const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
-    const double apart = one->face == other->face ? 0 : image;
-    return fabs(remainder(one->time - other->time - apart, 1)) < near;
-}
-
-/* Whether two starts belong to one curve: at the same place, with the same number of events and the same
- * grazing impact. */
+/* Whether two starts belong to one curve: at the same place, with the same number of events and, in whichever
+ * period of the orbit, the same grazing impact; or one with the mirror image of the other's. In a scene that
+ * is its own mirror image these are `image` forcing periods apart (otherwise NAN), and the curves of orbits
+ * and of their images are one. */
 static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b, double image) {
-    const double near = 1e-6;
+    const double near = 1e-6, near_time = 1e-4;
     if (a->kind != b->kind || a->leaves != b->leaves || a->sequence.contacts != b->sequence.contacts ||
         a->sequence.periods != b->sequence.periods || a->sequence.count != b->sequence.count ||
         fabs(a->parameter[0] - b->parameter[0]) > near || fabs(a->parameter[1] - b->parameter[1]) > near)
         return false;
-    return a->kind != SALTUS_POINT_GR || one_touch(a, b, image);
+    if (a->kind != SALTUS_POINT_GR)
+        return true;
+    const saltus_mark *one = &a->sequence.mark[a->mark], *other = &b->sequence.mark[b->mark];
+    const double apart = one->face == other->face ? 0 : image;
+    return fabs(remainder(one->time - other->time - apart, 1)) < near_time;
 }
 
 saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
