@@ -301,8 +301,8 @@ bool saltus_locus_halves_ahead(saltus_extended *x, const saltus_locus_point *her
     const int parts = saltus_corner_breach(x, &next->orbit) > -little ? 0 : may_join(x, &next->orbit);
     if (!parts)
         return false;
-    const double own = saltus_solution_halves(&x->orbits, &here->orbit, parts == 1, from);
-    const double other = saltus_solution_halves(&x->orbits, &next->orbit, parts == 1, to);
+    const double own = saltus_solution_part_distance(&x->orbits, &here->orbit, parts == 1 ? 1 : 2, from);
+    const double other = saltus_solution_part_distance(&x->orbits, &next->orbit, parts == 1 ? 1 : 2, to);
     if (!isfinite(own) || !isfinite(other))
         return false;
     for (int i = 0; i < x->orbits.n; i++)

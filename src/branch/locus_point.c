@@ -59,24 +59,20 @@ saltus_status saltus_locus_take_up(saltus_extended *x, saltus_locus_point *here,
 
 saltus_status saltus_locus_find_first(saltus_extended *x, saltus_locus_point *here, int k,
                                       saltus_message *message) {
-    int m = x->equations.unknowns;
-    double *normal = calloc((size_t)m, sizeof *normal), *anchor = calloc((size_t)m, sizeof *anchor);
-    saltus_status status = normal && anchor ? SALTUS_OK : saltus_branch_no_memory(message);
-    if (status == SALTUS_OK) {
-        normal[k] = 1;
-        memcpy(anchor, here->at.u, (size_t)m * sizeof *anchor);
-        status =
-            saltus_newton(&x->equations, here->at.u, normal, anchor, true, &here->at.iterations, message);
-    }
-    if (status == SALTUS_OK)
-        saltus_extended_renew(x, here->at.u);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(&x->equations, here->at.u, message);
-    if (status == SALTUS_OK)
-        status = saltus_curve_orient(&x->equations, NULL, &here->at, message);
+    const size_t m = (size_t)x->equations.unknowns;
+    double *normal = calloc(2 * m, sizeof *normal);
+    if (!normal)
+        return saltus_branch_no_memory(message);
+    normal[k] = 1;
+    const double *anchor = memcpy(normal + m, here->at.u, m * sizeof *normal);
+    saltus_status status =
+        saltus_newton(&x->equations, here->at.u, normal, anchor, true, &here->at.iterations, message);
     free(normal);
-    free(anchor);
-    return status;
+    if (status != SALTUS_OK)
+        return status;
+    saltus_extended_renew(x, here->at.u);
+    status = saltus_equations_evaluate(&x->equations, here->at.u, message);
+    return status == SALTUS_OK ? saltus_curve_orient(&x->equations, NULL, &here->at, message) : status;
 }
 
 saltus_status saltus_locus_find_again(saltus_extended *x, saltus_locus_point *here, const double *u,
@@ -190,24 +186,7 @@ saltus_status saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here,
 }
 
 double saltus_locus_distance(saltus_extended *x, const saltus_solution *s, int parts) {
-    const saltus_orbits *o = &x->orbits;
-    saltus_sequence sequence = s->sequence;
-    saltus_shooting *shooting = NULL;
-    double largest = 0, *u = NULL;
-    if (parts <= 2)
-        return saltus_solution_half_distance(&x->orbits, s, parts == 1);
-    if (sequence.periods % parts)
-        return INFINITY;
-    sequence.cuts = 2;
-    sequence.cut[1] = sequence.base + (double)sequence.periods / parts;
-    saltus_status status = saltus_orbits_shoot(o, &sequence, s->parameter, s->state, &shooting, &u, NULL);
-    if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK)
-        largest = INFINITY;
-    for (int i = 0; i < o->n && status == SALTUS_OK; i++)
-        largest = fmax(largest, fabs(u[o->n + i] - u[i]));
-    saltus_shooting_free(shooting);
-    free(u);
-    return largest;
+    return saltus_solution_part_distance(&x->orbits, s, parts, NULL);
 }
 
 double saltus_locus_apart(saltus_extended *x, const saltus_solution *s, int *parts) {

@@ -315,26 +315,25 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *o, const saltus_sequence 
 }
 
 double saltus_solution_half_distance(saltus_orbits *o, const saltus_solution *s, bool mirrored) {
-    double apart[SALTUS_STATE_MAX];
-    return saltus_solution_halves(o, s, mirrored, apart);
+    return saltus_solution_part_distance(o, s, mirrored ? 1 : 2, NULL);
 }
 
-double saltus_solution_halves(saltus_orbits *o, const saltus_solution *s, bool mirrored, double *apart) {
-    saltus_sequence halves = s->sequence;
+double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s, int parts, double *apart) {
+    saltus_sequence cut = s->sequence;
     saltus_shooting *shooting = NULL;
-    saltus_message ignored;
     double largest = INFINITY, *u = NULL;
-    if (halves.periods % 2 && !mirrored)
+    if (cut.periods % parts)
         return largest;
-    halves.cuts = 2;
-    halves.cut[1] = halves.base + 0.5 * halves.periods;
-    saltus_status status = saltus_orbits_shoot(o, &halves, s->parameter, s->state, &shooting, &u, &ignored);
-    if (saltus_orbits_noted(o, status) == SALTUS_OK) {
+    cut.cuts = 2;
+    cut.cut[1] = cut.base + (double)cut.periods / (parts == 1 ? 2 : parts);
+    saltus_status status = saltus_orbits_shoot(o, &cut, s->parameter, s->state, &shooting, &u, NULL);
+    if (saltus_orbits_noted(o, status) == SALTUS_OK)
         largest = 0;
-        for (int i = 0; i < o->n; i++) {
-            apart[i] = u[o->n + i] + (mirrored ? u[i] : -u[i]);
-            largest = fmax(largest, fabs(apart[i]));
-        }
+    for (int i = 0; i < o->n && status == SALTUS_OK; i++) {
+        const double own = u[o->n + i] + (parts == 1 ? u[i] : -u[i]);
+        largest = fmax(largest, fabs(own));
+        if (apart)
+            apart[i] = own;
     }
     saltus_shooting_free(shooting);
     free(u);

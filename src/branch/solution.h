@@ -144,9 +144,11 @@ saltus_status saltus_orbits_shoot(const saltus_orbits *orbits, const saltus_sequ
 /* The scaled distance between an orbit's states half a period apart; INFINITY for an odd period. `mirrored`:
  * the distance of the second from the mirror image of the first. */
 double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored);
-/* The same; if finite, the scaled difference is stored in `apart` (n). */
-double saltus_solution_halves(saltus_orbits *orbits, const saltus_solution *solution, bool mirrored,
-                              double *apart);
+/* The same from an orbit that closes after one of `parts` equal parts of the period, INFINITY unless these
+ * are whole periods; 1: from one that is its own mirror image. The scaled difference goes to `apart` (n; may
+ * be NULL) if it is known. */
+double saltus_solution_part_distance(saltus_orbits *orbits, const saltus_solution *solution, int parts,
+                                     double *apart);
 /* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
 bool saltus_pair_on_circle(const saltus_survey *survey);
 

@@ -255,7 +255,7 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
     int order[SALTUS_MARKS_MAX];
     saltus_sequence sequence = at->sequence;
     saltus_message ignored;
-    if (!isfinite(saltus_solution_halves(o, at, mirrored, apart)))
+    if (!isfinite(saltus_solution_part_distance(o, at, mirrored ? 1 : 2, apart)))
         return SALTUS_NO_CONVERGENCE;
     for (int i = 0; i < o->n; i++)
         state[i] = at->state[i] + (mirrored ? -0.5 : 0.5) * apart[i] * scale[i];
