@@ -498,8 +498,7 @@ static saltus_status continue_hopf(trial *t) {
 static saltus_status run_sweep(trial *t, const saltus_axis *axes, int count, bool basins) {
     saltus_scene scene;
     saltus_sweep *sweep = NULL;
-    feeder f = {.next = 0};
-    const saltus_sweep_feed feed = {.context = &f, .next = next_task, .take = take_result};
+    saltus_sweep_output *output = NULL;
     saltus_sweep_options how = saltus_sweep_defaults();
     how.threads = 1;
     how.seeds = basins ? 1 : 2;
@@ -513,11 +512,11 @@ static saltus_status run_sweep(trial *t, const saltus_axis *axes, int count, boo
     load("impact-oscillator", &scene);
     saltus_status status = saltus_sweep_new(&scene, axes, count, &how, &sweep, &t->message);
     if (status == SALTUS_OK)
-        status = saltus_sweep_output_open(t->path, sweep, basins, false, NULL, &f.output, &t->message);
-    f.sweep = sweep;
+        status = saltus_sweep_output_open(t->path, sweep, basins, false, NULL, &output, &t->message);
+    const saltus_sweep_feed feed = {.context = output, .take = take_result};
     if (status == SALTUS_OK)
         status = saltus_sweep_run(sweep, &feed, &t->message);
-    saltus_status closed = saltus_sweep_output_close(f.output, status == SALTUS_OK ? &t->message : NULL);
+    saltus_status closed = saltus_sweep_output_close(output, status == SALTUS_OK ? &t->message : NULL);
     saltus_sweep_free(sweep);
     return status == SALTUS_OK ? closed : status;
 }

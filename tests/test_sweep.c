@@ -1106,13 +1106,7 @@ static void an_error_of_the_taker_ends_the_run(void **unused) {
 typedef struct row_keeper {
     const saltus_sweep *sweep;
     saltus_sweep_row *rows;
-    long long handed;
 } row_keeper;
-
-static long long next_row_task(void *context) {
-    row_keeper *k = context;
-    return k->handed < saltus_sweep_tasks(k->sweep) ? k->handed++ : -1;
-}
 
 static saltus_status keep_rows(void *context, const saltus_sweep_result *result, saltus_message *message) {
     row_keeper *k = context;
@@ -1144,7 +1138,7 @@ static saltus_status small_sweep(saltus_sweep_row *rows) {
         status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, &message);
     if (status == SALTUS_OK) {
         row_keeper keeper = {.sweep = sweep, .rows = rows};
-        saltus_sweep_feed feed = {.context = &keeper, .next = next_row_task, .take = keep_rows};
+        saltus_sweep_feed feed = {.context = &keeper, .take = keep_rows};
         status = saltus_sweep_run(sweep, &feed, &message);
     }
     saltus_sweep_free(sweep);

@@ -162,7 +162,7 @@ typedef struct saltus_sweep_result {
  * are called by one thread at a time. */
 typedef struct saltus_sweep_feed {
     void *context;
-    /* The next task, or -1 when there is none. */
+    /* The next task, or -1 when there is none; NULL: each task once, in order. */
     long long (*next)(void *context);
     /* Receive a result. Any status other than SALTUS_OK ends the run with that status. */
     saltus_status (*take)(void *context, const saltus_sweep_result *result, saltus_message *message);

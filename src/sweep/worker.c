@@ -25,6 +25,7 @@
 /* Access to the feed of a sweep, one thread at a time. */
 typedef struct schedule {
     const saltus_sweep_feed *feed;
+    long long handed, tasks; /* handed out in order where the feed does not say otherwise; all of the sweep */
     const volatile sig_atomic_t *stop;
     atomic_int status; /* the first failure */
     saltus_message *message;
@@ -34,7 +35,11 @@ typedef struct schedule {
 /* The next task, or -1 if there is none. */
 static long long next_task(schedule *s) {
     pthread_mutex_lock(&s->lock);
-    long long task = s->status == SALTUS_OK ? s->feed->next(s->feed->context) : -1;
+    long long task = -1;
+    if (s->status == SALTUS_OK && s->feed->next)
+        task = s->feed->next(s->feed->context);
+    else if (s->status == SALTUS_OK && s->handed < s->tasks)
+        task = s->handed++;
     pthread_mutex_unlock(&s->lock);
     return task;
 }
@@ -387,14 +392,16 @@ static void run_worker(const saltus_sweep *sweep, schedule *schedule) {
 saltus_status saltus_sweep_run(const saltus_sweep *sweep, const saltus_sweep_feed *feed,
                                saltus_message *message) {
     saltus_message own;
-    schedule s = {.feed = feed, .stop = sweep->options.flow.stop, .message = message ? message : &own};
+    schedule s = {.feed = feed,
+                  .tasks = saltus_sweep_tasks(sweep),
+                  .stop = sweep->options.flow.stop,
+                  .message = message ? message : &own};
     pthread_mutex_init(&s.lock, NULL);
 #ifdef _OPENMP
     const int wanted = sweep->options.threads > 0 ? sweep->options.threads : omp_get_max_threads();
     /* At most one thread for each task, and not so many that they only compete for the cores. */
     const int crowd = 16 * omp_get_num_procs(), useful = wanted < crowd ? wanted : crowd;
-    const long long tasks = saltus_sweep_tasks(sweep);
-    const int threads = tasks < useful ? (int)(tasks > 0 ? tasks : 1) : useful;
+    const int threads = s.tasks < useful ? (int)(s.tasks > 0 ? s.tasks : 1) : useful;
 #pragma omp parallel num_threads(threads)
 #endif
     run_worker(sweep, &s);

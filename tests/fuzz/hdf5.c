@@ -119,11 +119,11 @@ static void make_branch(bench *b, const char *path) {
 
 static void make_sweep(const saltus_sweep *sweep, bool basins, const char *path) {
     saltus_message message = {.text = ""};
-    feeder f = {.sweep = sweep};
-    const saltus_sweep_feed feed = {.context = &f, .next = next_task, .take = take_result};
-    check(saltus_sweep_output_open(path, sweep, basins, false, NULL, &f.output, &message), &message);
+    saltus_sweep_output *output;
+    check(saltus_sweep_output_open(path, sweep, basins, false, NULL, &output, &message), &message);
+    const saltus_sweep_feed feed = {.context = output, .take = take_result};
     check(saltus_sweep_run(sweep, &feed, &message), &message);
-    check(saltus_sweep_output_close(f.output, &message), &message);
+    check(saltus_sweep_output_close(output, &message), &message);
 }
 
 static void open_sweeps(bench *b) {

@@ -169,25 +169,13 @@ saltus_status own_period(const saltus_system *system, const program *p, const do
 
 /* The library's own sweeps. */
 
-typedef struct feed_state {
-    const saltus_sweep *sweep;
-    long long next;
-    motion *motions;
-} feed_state;
-
 saltus_axis engine_axis(void) {
     return (saltus_axis){.key = "omega", .spacing = SALTUS_LINEAR, .count = 1000, .low = 0.5, .high = 55};
 }
 
-static long long next_task(void *context) {
-    feed_state *f = context;
-    return f->next < saltus_sweep_tasks(f->sweep) ? f->next++ : -1;
-}
-
 static saltus_status take(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    feed_state *f = context;
     const saltus_sweep_row *row = result->rows;
-    motion *m = &f->motions[result->place];
+    motion *m = (motion *)context + result->place;
     (void)message;
     motion_clear(m);
     m->failed = saltus_verdict_nothing((saltus_verdict)row->verdict);
@@ -222,8 +210,7 @@ saltus_status engine_sweep(const program *p, motion *motions, sweep_cost *cost, 
     if (status == SALTUS_OK)
         status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, message);
     if (status == SALTUS_OK) {
-        feed_state state = {.sweep = sweep, .motions = motions};
-        const saltus_sweep_feed feed = {.context = &state, .next = next_task, .take = take};
+        const saltus_sweep_feed feed = {.context = motions, .take = take};
         const double cpu = processor_seconds(), wall = clock_seconds(CLOCK_MONOTONIC);
         status = saltus_sweep_run(sweep, &feed, message);
         cost->seconds = processor_seconds() - cpu;

@@ -7,22 +7,11 @@
 
 enum { periods_at_most = 500, periods_measured = 2000 };
 
-typedef struct harvest_of_start {
-    trial_survey *survey;
-    int start;
-    long long next, tasks;
-} harvest_of_start;
-
-static long long next_task(void *context) {
-    harvest_of_start *h = context;
-    return h->next < h->tasks ? h->next++ : -1;
-}
-
+/* `context` is the first value's cell of the sweep's start. */
 static saltus_status take(void *context, const saltus_sweep_result *result, saltus_message *message) {
-    harvest_of_start *h = context;
     const saltus_sweep_row *row = result->rows;
     const bool settled = row->verdict == SALTUS_PERIODIC || row->verdict == SALTUS_EQUILIBRIUM;
-    trial_cell *cell = &h->survey->cells[result->place * trial_starts + h->start];
+    trial_cell *cell = (trial_cell *)context + result->place * trial_starts;
     (void)message;
     cell->kind = row->verdict == SALTUS_HELD                            ? TRIAL_HELD
                  : saltus_verdict_nothing((saltus_verdict)row->verdict) ? TRIAL_FAILED
@@ -69,11 +58,9 @@ saltus_status trial_survey_exact(trial_survey *survey, saltus_message *message) 
         for (int i = 0; i < dimension; i++)
             scene.initial[i] = states[start * dimension + i];
         status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, message);
-        if (status == SALTUS_OK) {
-            harvest_of_start h = {.survey = survey, .start = start, .tasks = saltus_sweep_tasks(sweep)};
-            saltus_sweep_feed feed = {.context = &h, .next = next_task, .take = take};
+        const saltus_sweep_feed feed = {.context = survey->cells + start, .take = take};
+        if (status == SALTUS_OK)
             status = saltus_sweep_run(sweep, &feed, message);
-        }
         saltus_sweep_free(sweep);
     }
     free(values);

@@ -67,20 +67,9 @@ static saltus_scene draw(unsigned long seed, int k, char text[128]) {
     return scene;
 }
 
-/* Receives the rows of a sweep with one axis. */
-typedef struct rows {
-    witness *seen;
-    long long handed;
-} rows;
-
-static long long next_row(void *context) {
-    rows *r = context;
-    return r->handed < followers ? r->handed++ : -1;
-}
-
 static saltus_status take_row(void *context, const saltus_sweep_result *result, saltus_message *message) {
     (void)message;
-    witness *seen = ((rows *)context)->seen;
+    witness *seen = context;
     const saltus_sweep_row *row = result->rows;
     seen->watched += (double)row->settled;
     if (saltus_verdict_settled((saltus_verdict)row->verdict)) {
@@ -109,8 +98,7 @@ static witness follow(const saltus_scene *scene, const saltus_motion *motion, lo
     options.transient = periods;
     options.longest = 64;
     options.threads = 1;
-    rows r = {.seen = &seen};
-    saltus_sweep_feed feed = {.context = &r, .next = next_row, .take = take_row};
+    const saltus_sweep_feed feed = {.context = &seen, .take = take_row};
     saltus_status status = saltus_sweep_new(&there, &axis, 1, &options, &sweep, &message);
     if (status == SALTUS_OK)
         status = saltus_sweep_run(sweep, &feed, &message);
