@@ -15,34 +15,13 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { largest_file = 1 << 28, path_size = 4096, word_size = 64 };
+enum { path_size = 4096, word_size = 64 };
 
 /* A file's name and the part of it that is selected. */
 typedef struct source {
     char path[path_size];
     char part[word_size]; /* after the last colon; "" for the whole file */
 } source;
-
-static saltus_status split_source(const char *text, source *s, saltus_message *message) {
-    struct stat facts;
-    const char *colon = strrchr(text, ':');
-    size_t length = strlen(text);
-    bool whole = stat(text, &facts) == 0 || !colon || strchr(colon, '/') || strlen(colon) > word_size;
-    if (!whole)
-        length = (size_t)(colon - text);
-    if (length == 0 || length >= path_size)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: is no file name", text);
-    memcpy(s->path, text, length);
-    s->path[length] = '\0';
-    snprintf(s->part, sizeof s->part, "%s", whole ? "" : colon + 1);
-    if (stat(s->path, &facts) != 0)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: cannot be opened (%s)", s->path,
-                           strerror(errno));
-    if (S_ISDIR(facts.st_mode))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: is a folder, not a file with an orbit",
-                           s->path);
-    return SALTUS_OK;
-}
 
 /* The text as a whole number from 1 on; 0 if it is none. */
 static long part_number(const char *text) {
@@ -113,26 +92,6 @@ __attribute__((format(printf, 3, 4))) static saltus_status refuse(const source *
                        what);
 }
 
-/* Read the whole file; *text is to be freed. */
-static saltus_status read_text(const source *s, char **text, size_t *length, saltus_message *message) {
-    FILE *file = fopen(s->path, "rb");
-    struct stat facts;
-    *text = NULL;
-    if (!file)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: cannot be opened (%s)", s->path,
-                           strerror(errno));
-    bool plain = fstat(fileno(file), &facts) == 0 && S_ISREG(facts.st_mode);
-    saltus_status status = SALTUS_OK;
-    if (!plain || facts.st_size > largest_file)
-        status = refuse(s, message, plain ? "is too large for an orbit" : "is not a plain file");
-    else if (!(*text = malloc((size_t)facts.st_size + 1)))
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %.300s", s->path);
-    else
-        *length = fread(*text, 1, (size_t)facts.st_size, file);
-    fclose(file);
-    return status;
-}
-
 /* The text of line `number`, counted from 1; false if there are fewer lines. */
 static bool find_line(const char **text, size_t *length, long number) {
     const char *at = *text, *end = *text + *length;
@@ -144,17 +103,6 @@ static bool find_line(const char **text, size_t *length, long number) {
     *length = (size_t)((feed ? feed : end) - at);
     *text = at;
     return *length > 0;
-}
-
-/* A JSON text: the whole file, or one of its lines. */
-static saltus_source json_source(const source *s, const char *text, size_t length, int lines_before,
-                                 saltus_message *message) {
-    return (saltus_source){.text = text,
-                           .length = length,
-                           .origin = s->path,
-                           .language = "JSON",
-                           .lines_before = lines_before,
-                           .message = message};
 }
 
 /* Read a text that must be one object. */
@@ -175,7 +123,8 @@ static saltus_status read_document(const source *s, const saltus_source *json, s
 /* Read the object that describes the orbit: the whole text, one of its lines, or an entry of a list of
  * attractors. *json tells what was read. */
 static saltus_status find_object(const source *s, saltus_source *json, saltus_document *document,
-                                 const saltus_node **object, saltus_message *message) {
+                                 const saltus_node **object) {
+    saltus_message *message = json->message;
     const char *text = json->text;
     size_t length = json->length;
     long number = part_number(s->part);
@@ -194,7 +143,9 @@ static saltus_status find_object(const source *s, saltus_source *json, saltus_do
         saltus_document_close(document);
         if (!find_line(&text, &length, number))
             return refuse(s, message, "there is no such line in the file");
-        *json = json_source(s, text, length, (int)number - 1, message);
+        json->text = text;
+        json->length = length;
+        json->lines_before = (int)number - 1;
         status = read_document(s, json, document);
         *object = document->root;
     } else if (status != SALTUS_OK && message->cause == SALTUS_CAUSE_SEVERAL &&
@@ -237,31 +188,10 @@ static saltus_status read_parameters(const source *s, const saltus_source *json,
     return status;
 }
 
-static saltus_status read_state(const source *s, const saltus_node *object, saltus_start *start,
-                                saltus_message *message) {
-    const saltus_node *state = saltus_node_member(object, "state");
-    saltus_system *system = NULL;
-    saltus_status status = saltus_system_new(&start->spec, &system, message);
-    start->dimension = status == SALTUS_OK ? saltus_system_dimension(system) : 0;
-    saltus_system_free(system);
-    if (status != SALTUS_OK)
-        return status;
-    if (!state || state->kind != SALTUS_NODE_LIST)
-        return refuse(s, message, "state: must be a list of numbers");
-    if (state->count != start->dimension || state->count > SALTUS_SCENE_STATE_MAX)
-        return refuse(s, message, "state: has %d entries, its parameters make it %d", state->count,
-                      start->dimension);
-    int i = 0;
-    for (const saltus_node *entry = state->first; entry; entry = entry->next, i++)
-        if (!number_of(entry, &start->state[i]))
-            return refuse(s, message, "state: entry %d must be a finite number", i + 1);
-    return SALTUS_OK;
-}
-
 static saltus_status read_object(const source *s, const saltus_source *json, const saltus_node *object,
                                  saltus_start *start) {
     saltus_message *message = json->message;
-    double periods = 0;
+    double periods = 0, period;
     if (!word_of(object, "version"))
         return refuse(s, message,
                       "is not an orbit of classify, orbit or continue --json: it has no key version");
@@ -277,27 +207,56 @@ static saltus_status read_object(const source *s, const saltus_source *json, con
         return refuse(s, message, "holds no periodic orbit (the motion is %s, periods is 0)", start->label);
     start->periods = (int)periods;
     saltus_status status = read_parameters(s, json, object, start);
-    double period;
     start->own_period = saltus_node_member(object, "trivial_multiplier") != NULL;
     if (status == SALTUS_OK && start->own_period) {
         if (!number_of(saltus_node_member(object, "period"), &period) || !(period > 0))
             return refuse(s, message, "period: must be a number greater than 0");
         saltus_spec_set_omega(&start->spec, 2 * M_PI / period);
     }
-    return status == SALTUS_OK ? read_state(s, object, start, message) : status;
+    saltus_system *system = NULL;
+    if (status == SALTUS_OK)
+        status = saltus_system_new(&start->spec, &system, message);
+    start->dimension = status == SALTUS_OK ? saltus_system_dimension(system) : 0;
+    saltus_system_free(system);
+    const saltus_node *state = saltus_node_member(object, "state");
+    if (status != SALTUS_OK)
+        return status;
+    if (!state || state->kind != SALTUS_NODE_LIST)
+        return refuse(s, message, "state: must be a list of numbers");
+    if (state->count != start->dimension || state->count > SALTUS_SCENE_STATE_MAX)
+        return refuse(s, message, "state: has %d entries, its parameters make it %d", state->count,
+                      start->dimension);
+    int i = 0;
+    for (const saltus_node *entry = state->first; entry; entry = entry->next, i++)
+        if (!number_of(entry, &start->state[i]))
+            return refuse(s, message, "state: entry %d must be a finite number", i + 1);
+    return SALTUS_OK;
 }
 
 static saltus_status read_json(const source *s, saltus_start *start, saltus_message *message) {
-    char *text;
+    enum { largest_file = 1 << 28 };
+    struct stat facts;
+    FILE *file = fopen(s->path, "rb");
+    char *text = NULL;
     size_t length = 0;
     const saltus_node *object = NULL;
     saltus_document document = {NULL, NULL};
-    saltus_status status = read_text(s, &text, &length, message);
-    saltus_source json = json_source(s, text, length, 0, message);
-    if (status == SALTUS_OK && length == 0)
+    saltus_status status = SALTUS_OK;
+    if (!file)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: cannot be opened (%s)", s->path,
+                           strerror(errno));
+    bool plain = fstat(fileno(file), &facts) == 0 && S_ISREG(facts.st_mode);
+    if (!plain || facts.st_size > largest_file)
+        status = refuse(s, message, plain ? "is too large for an orbit" : "is not a plain file");
+    else if (!(text = malloc((size_t)facts.st_size + 1)))
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for reading %.300s", s->path);
+    else if ((length = fread(text, 1, (size_t)facts.st_size, file)) == 0)
         status = refuse(s, message, "is empty");
+    fclose(file);
+    saltus_source json = {
+        .text = text, .length = length, .origin = s->path, .language = "JSON", .message = message};
     if (status == SALTUS_OK)
-        status = find_object(s, &json, &document, &object, message);
+        status = find_object(s, &json, &document, &object);
     if (status == SALTUS_OK)
         status = read_object(s, &json, object, start);
     saltus_document_close(&document);
@@ -305,42 +264,33 @@ static saltus_status read_json(const source *s, saltus_start *start, saltus_mess
     return status;
 }
 
-/* A state on a row's motion: one that the file keeps, or the last of the same trajectory run again. */
-static saltus_status row_state(const source *s, const saltus_sweep_file *file, const saltus_sweep *sweep,
-                               long long row, double *state, saltus_message *message) {
-    const saltus_sweep_row *told = &file->rows[row];
-    const size_t size = (size_t)file->dimension * sizeof *state;
-    const int attractor = told->attractor;
-    char label[SALTUS_LABEL_MAX], other[SALTUS_LABEL_MAX];
-    saltus_sweep_row again;
-    if (file->basins && attractor >= 0 && file->attractor_points[attractor] > 0) {
-        memcpy(state, file->attractor_states + file->attractor_first[attractor] * file->dimension, size);
-        return SALTUS_OK;
-    }
-    if (!file->basins && file->strobe_count && file->strobe_count[row] > 0) {
-        memcpy(state, file->strobes + file->strobe_first[row] * file->dimension, size);
-        return SALTUS_OK;
-    }
-    saltus_status status = saltus_sweep_row_again(sweep, row, &again, state, message);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_sweep_label(told, label);
-    saltus_sweep_label(&again, other);
-    return strcmp(label, other) == 0
-               ? SALTUS_OK
-               : refuse(s, message,
-                        "is %s there, but %s when run again; the sweep was made by another program", label,
-                        other);
-}
-
-/* The motion of a row, at the parameters of its grid point. */
+/* The motion of a row, at the parameters of its grid point, with a state on it: one that the file keeps, or
+ * the last of the same trajectory run again. */
 static saltus_status take_row(const source *s, const saltus_sweep_file *file, const saltus_sweep *sweep,
                               long long row, saltus_start *start, saltus_message *message) {
     const saltus_sweep_row *told = &file->rows[row];
     const bool periodic = told->verdict == SALTUS_PERIODIC;
+    const int attractor = told->attractor;
+    const double *kept = NULL;
+    char other[SALTUS_LABEL_MAX];
+    saltus_sweep_row again;
     saltus_scene scene;
     saltus_system *system = NULL;
-    saltus_status status = row_state(s, file, sweep, row, start->state, message);
+    saltus_status status = SALTUS_OK;
+    saltus_sweep_label(told, start->label);
+    if (file->basins && attractor >= 0 && file->attractor_points[attractor] > 0)
+        kept = file->attractor_states + file->attractor_first[attractor] * file->dimension;
+    else if (!file->basins && file->strobe_count && file->strobe_count[row] > 0)
+        kept = file->strobes + file->strobe_first[row] * file->dimension;
+    if (kept)
+        memcpy(start->state, kept, (size_t)file->dimension * sizeof *kept);
+    else if ((status = saltus_sweep_row_again(sweep, row, &again, start->state, message)) == SALTUS_OK) {
+        saltus_sweep_label(&again, other);
+        if (strcmp(start->label, other) != 0)
+            status = refuse(s, message,
+                            "is %s there, but %s when run again; the sweep was made by another program",
+                            start->label, other);
+    }
     if (status == SALTUS_OK)
         status = saltus_sweep_scene_at(sweep, row / file->options.seeds % file->points, &scene, message);
     if (status == SALTUS_OK)
@@ -349,7 +299,6 @@ static saltus_status take_row(const source *s, const saltus_sweep_file *file, co
         return status;
     const bool forced = saltus_system_forced(system);
     saltus_system_free(system);
-    saltus_sweep_label(told, start->label);
     start->spec = scene.spec;
     start->periods = periodic ? told->periods : 0;
     start->dimension = file->dimension;
@@ -430,18 +379,30 @@ void saltus_start_release(saltus_start *start) {
 
 saltus_status saltus_start_read(const char *text, const volatile sig_atomic_t *stop, saltus_start *start,
                                 saltus_message *message) {
+    struct stat file;
     source s;
     saltus_message own; /* its cause decides what to try next */
     message = message ? message : &own;
     *start = (saltus_start){0};
-    saltus_status status = split_source(text, &s, message);
-    if (status != SALTUS_OK)
-        return status;
+    /* What follows the last colon is a part, unless there is a file of the whole name. */
+    const char *colon = strrchr(text, ':');
+    const bool whole = stat(text, &file) == 0 || !colon || strchr(colon, '/') || strlen(colon) > word_size;
+    const size_t length = whole ? strlen(text) : (size_t)(colon - text);
+    if (length == 0 || length >= path_size)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: is no file name", text);
+    snprintf(s.path, sizeof s.path, "%.*s", (int)length, text);
+    snprintf(s.part, sizeof s.part, "%s", whole ? "" : colon + 1);
+    if (stat(s.path, &file) != 0)
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: cannot be opened (%s)", s.path,
+                           strerror(errno));
+    if (S_ISDIR(file.st_mode))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%.300s: is a folder, not a file with an orbit",
+                           s.path);
     const saltus_file_facts facts = saltus_file_identify(s.path);
     const bool rows = strcmp(facts.kind, "sweep") == 0 || strcmp(facts.kind, "basins") == 0;
-    status = rows         ? read_row(&s, stop, start, message)
-             : facts.hdf5 ? read_point(&s, start, message)
-                          : read_json(&s, start, message);
+    saltus_status status = rows         ? read_row(&s, stop, start, message)
+                           : facts.hdf5 ? read_point(&s, start, message)
+                                        : read_json(&s, start, message);
     if (status == SALTUS_OK)
         status = note_rest(start, message);
     /* A start read from JSON may own a model even after a failure; the other starts share the model of their
