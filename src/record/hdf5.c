@@ -335,24 +335,6 @@ static saltus_status get_parameters(const saltus_h5_reader *r, const saltus_mode
     return SALTUS_OK;
 }
 
-/* The model of a file: a built-in one, or built from its equations; to be released. */
-static saltus_status get_model(const saltus_h5_reader *r, const char *name, const saltus_model **model) {
-    *model = saltus_model_find(name);
-    if (*model)
-        return SALTUS_OK;
-    char *text = malloc(SALTUS_MODEL_TEXT_MAX);
-    saltus_message reason = {.text = ""};
-    if (!text)
-        return saltus_h5_no_memory(r);
-    saltus_status status = SALTUS_BAD_INPUT;
-    if (saltus_h5_get_text(r->file, "equations", text, SALTUS_MODEL_TEXT_MAX))
-        status = saltus_model_of_text(text, model, &reason);
-    else
-        saltus_fail(&reason, status, "the model %.40s is not known", name);
-    free(text);
-    return status == SALTUS_OK ? status : saltus_fail(r->message, status, "%s: %s", r->path, reason.text);
-}
-
 void saltus_h5_head_clear(saltus_h5_head *head) {
     saltus_model_release(head->spec.model);
     head->spec.model = NULL;
@@ -384,10 +366,21 @@ saltus_status saltus_h5_get_head(const saltus_h5_reader *r, const char *other_ki
     if (!saltus_h5_get_integer(r->file, "complete", &complete))
         return saltus_h5_refuse(r, "its attribute complete must be a whole number");
     head->complete = complete != 0;
-    const saltus_model *model;
-    saltus_status status = get_model(r, head->model, &model);
-    if (status == SALTUS_OK)
-        status = get_parameters(r, model, &head->spec);
+    /* The model: a built-in one, or built from the file's equations. */
+    const saltus_model *model = saltus_model_find(head->model);
+    saltus_message reason = {.text = ""};
+    saltus_status status = SALTUS_OK;
+    char *text = model ? NULL : malloc(SALTUS_MODEL_TEXT_MAX);
+    if (!model && !text)
+        return saltus_h5_no_memory(r);
+    if (text && saltus_h5_get_text(r->file, "equations", text, SALTUS_MODEL_TEXT_MAX))
+        status = saltus_model_of_text(text, &model, &reason);
+    else if (text)
+        status = saltus_fail(&reason, SALTUS_BAD_INPUT, "the model %.40s is not known", head->model);
+    free(text);
+    if (status != SALTUS_OK)
+        return saltus_fail(r->message, status, "%s: %s", r->path, reason.text);
+    status = get_parameters(r, model, &head->spec);
     if (status != SALTUS_OK)
         saltus_model_release(model);
     return status;

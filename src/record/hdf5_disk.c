@@ -116,30 +116,21 @@ static const H5FD_class_t disk_class = {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
 };
 
-/* Open files with the driver above, in the oldest format that can hold them, for any version of HDF5. The
- * driver must be kept alive until the file is closed: HDF5 1.10 frees a driver that only the file holds
- * before it calls its close function. */
-static hid_t access_list(saltus_h5 *w) {
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    w->driver = H5FDregister(&disk_class);
-    bool sound = access >= 0 && w->driver >= 0 && H5Pset_driver(access, w->driver, &w) >= 0 &&
-                 H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
-                 H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_V18) >= 0;
-    if (!sound && access >= 0)
-        H5Pclose(access);
-    return sound ? access : -1;
-}
-
+/* The file is of the oldest format that can hold it, for any version of HDF5. The driver must be kept alive
+ * until the file is closed: HDF5 1.10 frees a driver that only the file holds before it calls its close
+ * function. */
 void saltus_h5_create(saltus_h5 *w, const char *path) {
     *w = (saltus_h5){.file = -1, .sound = true, .driver = -1};
     w->descriptor = open(path, O_RDWR | O_TRUNC | O_CLOEXEC);
     if (w->descriptor < 0)
         w->reason = errno;
-    hid_t access = w->reason ? -1 : access_list(w);
-    if (access >= 0) {
+    const hid_t access = w->reason ? -1 : H5Pcreate(H5P_FILE_ACCESS);
+    w->driver = w->reason ? -1 : H5FDregister(&disk_class);
+    if (access >= 0 && w->driver >= 0 && H5Pset_driver(access, w->driver, &w) >= 0 &&
+        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0 &&
+        H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_V18) >= 0)
         w->file = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-        H5Pclose(access);
-    }
+    saltus_h5_close(access);
     saltus_h5_note(w, w->file >= 0);
 }
 

@@ -155,17 +155,18 @@ static void put_agreement(FILE *file, const saltus_lyapunov *l) {
                 "", l->slow ? ", or quiet stretches are as long as the run" : "");
 }
 
+/* How long was measured and, of a finite exponent, how precisely. */
 static void put_measured(FILE *file, const saltus_system *system, const saltus_lyapunov_options *o,
                          const saltus_lyapunov *l) {
+    const double error = l->standard_errors[0], part = error / fabs(l->exponents[0]);
     fprintf(file, "  %-14s%.6g per period; sticks: %.6g per period\n", "impacts", l->impacts_per_period,
             l->sticks_per_period);
-    if (l->members == 0 && l->periods == 0) {
-        fprintf(file, "  %-14snothing: these are the eigenvalues of an equilibrium\n", "measured");
-        return;
-    }
     if (l->members == 0) {
-        fprintf(file, "  %-14snothing: these are the multipliers of an orbit of period %lld T\n", "measured",
-                l->periods);
+        if (l->periods == 0)
+            fprintf(file, "  %-14snothing: these are the eigenvalues of an equilibrium\n", "measured");
+        else
+            fprintf(file, "  %-14snothing: these are the multipliers of an orbit of period %lld T\n",
+                    "measured", l->periods);
         return;
     }
     fprintf(file, "  %-14s%lld periods (%.6g units of time) by all trajectories together (%s)%s\n",
@@ -175,10 +176,8 @@ static void put_measured(FILE *file, const saltus_system *system, const saltus_l
     if (l->transient > o->transient)
         fprintf(file, ": %lld as asked for, then until directions and exponent had settled", o->transient);
     fputc('\n', file);
-}
-
-static void put_precision(FILE *file, const saltus_lyapunov_options *o, const saltus_lyapunov *l) {
-    double error = l->standard_errors[0], part = error / fabs(l->exponents[0]);
+    if (saltus_lyapunov_sense(l) == SALTUS_SENSE_MEET)
+        return;
     saltus_put_word(file, "precision");
     if (!isfinite(error))
         fputs("NOT reached: too few values for a standard error\n", file);
@@ -202,7 +201,7 @@ static void put_precision(FILE *file, const saltus_lyapunov_options *o, const sa
 
 void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                 const saltus_lyapunov_options *options, const saltus_lyapunov *l) {
-    const bool finite = saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET, measured = finite && l->members > 0;
+    const bool finite = saltus_lyapunov_sense(l) != SALTUS_SENSE_MEET;
     const double value = l->exponents[0], error = l->standard_errors[0];
     const saltus_uncertain own = saltus_uncertain_text(value, error),
                            period = saltus_uncertain_text(value * l->period, error * l->period);
@@ -217,11 +216,9 @@ void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const sal
                 own.value, own.error, period.value, period.error, l->period);
     put_meaning(file, system, l);
     put_spectrum(file, system, l);
-    if (measured)
+    if (finite && l->members > 0)
         put_agreement(file, l);
     put_measured(file, system, options, l);
-    if (measured)
-        put_precision(file, options, l);
 }
 
 void saltus_write_lyapunov_json(FILE *file, const saltus_scene *scene, const saltus_system *system,

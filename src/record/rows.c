@@ -271,24 +271,6 @@ saltus_status saltus_h5_find_rows(const saltus_h5_reader *r, const char *group,
     return SALTUS_OK;
 }
 
-/* Read the dataset of a field; false if it is of another type. */
-static bool read_column(const saltus_h5_reader *r, const char *group, const saltus_field *field,
-                        const saltus_h5_shape *wanted, void *data) {
-    saltus_h5_shape there;
-    bool empty = false;
-    hid_t set = find_column(r, group, field->name, &there), memory = entry_type(field, false);
-    hid_t type = set >= 0 && memory >= 0 && same_extent(&there, wanted) ? H5Dget_type(set) : -1;
-    bool fits = type >= 0 && H5Tget_class(type) == H5Tget_class(memory) &&
-                (field->type != SALTUS_TEXT || H5Tis_variable_str(type) == 0);
-    for (int k = 0; k < wanted->rank; k++)
-        empty = empty || wanted->size[k] == 0;
-    fits = fits && (empty || H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
-    saltus_h5_close(type);
-    saltus_h5_close(memory);
-    saltus_h5_close(set);
-    return fits;
-}
-
 /* Whether `count` values are valid for the field; flags are normalised to 0 or 1. */
 static bool is_sound(const saltus_field *field, unsigned char *data, size_t count) {
     size_t bytes = saltus_field_bytes(field);
@@ -322,11 +304,21 @@ saltus_status saltus_h5_get_rows(const saltus_h5_reader *r, const char *group, c
     for (int k = 0; k < kind->count && status == SALTUS_OK; k++) {
         const saltus_field *field = &kind->fields[k];
         const saltus_h5_shape wanted = column_shape(field, counts, shape);
-        size_t bytes = row_bytes(field, counts);
-        if (bytes && (!read_column(r, group, field, &wanted, data) ||
-                      !is_sound(field, data, rows * bytes / saltus_field_bytes(field))))
+        const size_t bytes = row_bytes(field, counts);
+        saltus_h5_shape there;
+        if (!bytes)
+            continue;
+        hid_t set = find_column(r, group, field->name, &there), memory = entry_type(field, false);
+        hid_t type = set >= 0 && memory >= 0 && same_extent(&there, &wanted) ? H5Dget_type(set) : -1;
+        bool fits = type >= 0 && H5Tget_class(type) == H5Tget_class(memory) &&
+                    (field->type != SALTUS_TEXT || H5Tis_variable_str(type) == 0);
+        fits = fits && (rows == 0 || H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+        saltus_h5_close(type);
+        saltus_h5_close(memory);
+        saltus_h5_close(set);
+        if (!fits || !is_sound(field, data, rows * bytes / saltus_field_bytes(field)))
             status = saltus_h5_refuse_part(r, group, field->name);
-        for (size_t i = 0; i < rows && bytes && status == SALTUS_OK; i++)
+        for (size_t i = 0; i < rows && status == SALTUS_OK; i++)
             saltus_field_unpack(field, counts, data + i * bytes, (unsigned char *)records + i * stride);
     }
     free(data);

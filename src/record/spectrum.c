@@ -75,34 +75,6 @@ static void put_lines(FILE *file, const saltus_spectrum *s) {
         fprintf(file, "    ... the %d strongest\n", count);
 }
 
-static void put_spectrum(FILE *file, const saltus_spectrum *s, const char *name) {
-    if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
-        fprintf(file, "  %-14sdoes not move: %.10g throughout\n", name, s->mean);
-        return;
-    }
-    fprintf(file, "  %-14smean %.10g, total power %.10g, broadband fraction %.3g\n", name, s->mean,
-            s->variance, s->broadband);
-    if (s->kind == SALTUS_SPECTRUM_LINES) {
-        char part[16] = "";
-        if (s->periods > 1)
-            snprintf(part, sizeof part, "/%d", s->periods);
-        fprintf(file, "    lines at multiples of omega%s, bins every omega/%d", part, s->periods * s->orbits);
-        if (s->orbits > 1)
-            fprintf(file, "; between the lines at most %.2g of the highest", s->between);
-        fputc('\n', file);
-    } else
-        fprintf(file,
-                "    resolution omega/%lld; %.3g degrees of freedom: %g %% band from %.2f to %.2f dB about "
-                "the density\n",
-                s->segment_periods, s->degrees, 100 * s->confidence, 10 * log10(s->low), 10 * log10(s->high));
-    if (isnan(s->trustworthy))
-        fputs("    aliasing was not looked at\n", file);
-    else
-        fprintf(file, "    highest trustworthy frequency %.6g omega (aliasing below 1 %%), of %.6g sampled\n",
-                s->trustworthy, s->per_period / 2.0);
-    put_lines(file, s);
-}
-
 void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const saltus_system *system,
                                const saltus_motion *motion, const saltus_spectra *spectra) {
     char verdict[64], method[256];
@@ -111,8 +83,38 @@ void saltus_write_spectra_text(FILE *file, const saltus_scene *scene, const salt
     fprintf(file, "%s: %s\n", scene->name, verdict);
     saltus_put_scene(file, scene, system);
     fprintf(file, "  %-14s%s\n", "analysed", method);
-    for (int k = 0; k < spectra->count; k++)
-        put_spectrum(file, &spectra->spectra[k], saltus_quantity_name(system, spectra->quantities[k]).text);
+    for (int k = 0; k < spectra->count; k++) {
+        const saltus_spectrum *s = &spectra->spectra[k];
+        const saltus_state_name name = saltus_quantity_name(system, spectra->quantities[k]);
+        if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
+            fprintf(file, "  %-14sdoes not move: %.10g throughout\n", name.text, s->mean);
+            continue;
+        }
+        fprintf(file, "  %-14smean %.10g, total power %.10g, broadband fraction %.3g\n", name.text, s->mean,
+                s->variance, s->broadband);
+        if (s->kind == SALTUS_SPECTRUM_LINES) {
+            char part[16] = "";
+            if (s->periods > 1)
+                snprintf(part, sizeof part, "/%d", s->periods);
+            fprintf(file, "    lines at multiples of omega%s, bins every omega/%d", part,
+                    s->periods * s->orbits);
+            if (s->orbits > 1)
+                fprintf(file, "; between the lines at most %.2g of the highest", s->between);
+            fputc('\n', file);
+        } else
+            fprintf(file,
+                    "    resolution omega/%lld; %.3g degrees of freedom: %g %% band from %.2f to %.2f dB "
+                    "about the density\n",
+                    s->segment_periods, s->degrees, 100 * s->confidence, 10 * log10(s->low),
+                    10 * log10(s->high));
+        if (isnan(s->trustworthy))
+            fputs("    aliasing was not looked at\n", file);
+        else
+            fprintf(file,
+                    "    highest trustworthy frequency %.6g omega (aliasing below 1 %%), of %.6g sampled\n",
+                    s->trustworthy, s->per_period / 2.0);
+        put_lines(file, s);
+    }
 }
 
 void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const saltus_system *system,

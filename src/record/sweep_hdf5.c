@@ -118,44 +118,12 @@ static size_t entry_bytes(const maker *m, const cloud *c) {
     return c->kind->bytes ? c->kind->bytes : (size_t)saltus_sweep_dimension(m->sweep) * sizeof(double);
 }
 
-static void open_cloud(maker *m, cloud *c, long long total) {
-    static const double nothing[SALTUS_STATE_MAX] = {0};
-    const saltus_span none = {0, 0};
-    const int dimension = saltus_sweep_dimension(m->sweep);
-    hsize_t room = chunk_bytes / (c->kind->bytes ? sizeof(double) : entry_bytes(m, c));
-    c->shape = (saltus_h5_shape){1, {(hsize_t)total}, {room < (hsize_t)total ? room : (hsize_t)total}};
-    hid_t group = saltus_h5_open_group(m->w, c->kind->group, c->kind->description);
-    open_rows(m, group, &saltus_span_fields, 4, &none, &c->spans);
-    c->entries.rows =
-        (saltus_rows){.kind = &c->kind->fields, .counts = {[SALTUS_COUNT_DIMENSION] = dimension}};
-    saltus_h5_series_open(m->w, group, &c->shape, nothing, &c->entries);
-    saltus_h5_close(group);
-}
-
 /* Write the buffered entries of a cloud. */
 static void flush(maker *m, cloud *c) {
     const hsize_t count = (hsize_t)c->entries.rows.count;
     if (count)
         saltus_h5_series_write(m->w, &c->entries, &c->shape, &c->written, &count);
     c->written += count;
-}
-
-/* Add the clouds of the place just read. */
-static void put_cloud(maker *m, int which, int seeds) {
-    cloud *c = &m->clouds[which];
-    const long long *counts;
-    const unsigned char *entries = saltus_sweep_stream_cloud(m->stream, which, &counts);
-    for (int s = 0; s < seeds; s++) {
-        const long long count = counts ? counts[s] : 0;
-        const saltus_span span = {count ? c->next : 0, count};
-        saltus_h5_note_memory(m->w, saltus_rows_add(&c->spans.rows, &span));
-        for (long long i = 0; i < count && m->w->sound; i++, entries += entry_bytes(m, c)) {
-            saltus_h5_note_memory(m->w, saltus_rows_add(&c->entries.rows, entries));
-            if ((hsize_t)c->entries.rows.count == c->shape.part[0])
-                flush(m, c);
-        }
-        c->next += count;
-    }
 }
 
 /* Write the tile that begins at pass, row and column `first`; its places are consecutive. */
@@ -177,9 +145,23 @@ static saltus_status put_tile(maker *m, const hsize_t *first) {
         for (int s = 0; s < seeds; s++)
             saltus_h5_note_memory(m->w, saltus_rows_add(&m->lines.rows, &m->stream->lines[s]));
         saltus_h5_note_memory(m->w, saltus_rows_add(&m->distinct.rows, &m->stream->distinct));
-        for (int c = 0; c < SALTUS_CLOUDS; c++)
-            if (m->clouds[c].kept)
-                put_cloud(m, c, seeds);
+        for (int which = 0; which < SALTUS_CLOUDS; which++) {
+            cloud *c = &m->clouds[which];
+            const long long *counts = NULL;
+            const unsigned char *entries =
+                c->kept ? saltus_sweep_stream_cloud(m->stream, which, &counts) : NULL;
+            for (int s = 0; s < seeds && c->kept; s++) {
+                const long long number = counts ? counts[s] : 0;
+                const saltus_span span = {number ? c->next : 0, number};
+                saltus_h5_note_memory(m->w, saltus_rows_add(&c->spans.rows, &span));
+                for (long long i = 0; i < number && m->w->sound; i++, entries += entry_bytes(m, c)) {
+                    saltus_h5_note_memory(m->w, saltus_rows_add(&c->entries.rows, entries));
+                    if ((hsize_t)c->entries.rows.count == c->shape.part[0])
+                        flush(m, c);
+                }
+                c->next += number;
+            }
+        }
     }
     if (!there || status != SALTUS_OK || !m->w->sound)
         return status;
@@ -214,11 +196,22 @@ static void open_all(maker *m) {
     open_rows(m, group, &saltus_distinct_fields, 3, &none, &m->distinct);
     saltus_h5_close(group);
     for (int k = 0; k < SALTUS_CLOUDS; k++) {
+        static const double nothing[SALTUS_STATE_MAX] = {0};
+        const saltus_span none_yet = {0, 0};
         cloud *c = &m->clouds[k];
         c->kind = &saltus_clouds[k];
         c->kept = (saltus_sweep_choices(sweep)->keep & c->kind->keep) != 0;
-        if (c->kept)
-            open_cloud(m, c, m->stream->journal->total[k]);
+        if (!c->kept)
+            continue;
+        const hsize_t total = (hsize_t)m->stream->journal->total[k],
+                      room = chunk_bytes / (c->kind->bytes ? sizeof(double) : entry_bytes(m, c));
+        c->shape = (saltus_h5_shape){1, {total}, {room < total ? room : total}};
+        group = saltus_h5_open_group(m->w, c->kind->group, c->kind->description);
+        open_rows(m, group, &saltus_span_fields, 4, &none_yet, &c->spans);
+        c->entries.rows = (saltus_rows){.kind = &c->kind->fields,
+                                        .counts = {[SALTUS_COUNT_DIMENSION] = saltus_sweep_dimension(sweep)}};
+        saltus_h5_series_open(m->w, group, &c->shape, nothing, &c->entries);
+        saltus_h5_close(group);
     }
 }
 

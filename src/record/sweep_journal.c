@@ -7,7 +7,7 @@
  * A record is written in one call as soon as its result is computed, so a killed run loses no result. When a
  * journal is resumed, everything from the first incomplete record on is cut off: after a kill or a full disk
  * at most the last record. If a result is stored twice, the first one counts. Memory holds only the offset of
- * each place's record, 8 bytes per place; results are read back through a window of the file.
+ * each place's record, 8 bytes per place; results are read back one at a time.
  *
  * Two runs writing to one journal would destroy it, so the file is locked while it is open. Without resuming,
  * an existing journal is replaced, and so is the file made from it.
@@ -69,28 +69,15 @@ static bool make_room(unsigned char **block, size_t *room, size_t needed) {
     return true;
 }
 
-/* Move the window over the bytes [begin, begin + length), which must exist in the file. While results are
- * requested in the order of the file, the window grows. */
+/* Read the bytes [begin, begin + length), which must exist in the file. They last until the next call. */
 static saltus_status look(saltus_journal *j, long long begin, size_t length, const unsigned char **bytes,
                           saltus_message *message) {
-    enum { least = 1 << 12, most = 1 << 18 };
-    long long end = begin + (long long)length;
-    if (begin < j->window_begin || end > j->window_end) {
-        bool onwards = begin >= j->window_begin && begin <= j->window_end + least;
-        j->ahead = onwards && j->ahead < most ? 2 * j->ahead : j->ahead;
-        j->ahead = onwards && j->ahead >= least ? j->ahead : least;
-        if (end < begin + j->ahead)
-            end = begin + j->ahead < j->end ? begin + j->ahead : j->end;
-        const size_t size = (size_t)(end - begin);
-        j->window_begin = j->window_end = begin;
-        if (!make_room(&j->window, &j->window_room, size))
-            return no_memory(j, message);
-        if (saltus_read_at(j->file, j->window, size, begin) < size)
-            return saltus_fail(message, SALTUS_IO, "%s: cannot be read back: %s", j->path, strerror(errno));
-        j->window_end = end;
-    }
-    *bytes = j->window + (begin - j->window_begin);
-    return SALTUS_OK;
+    if (!make_room(&j->read, &j->read_room, length))
+        return no_memory(j, message);
+    *bytes = j->read;
+    return saltus_read_at(j->file, j->read, length, begin) == length
+               ? SALTUS_OK
+               : saltus_fail(message, SALTUS_IO, "%s: cannot be read back: %s", j->path, strerror(errno));
 }
 
 /* Whether a complete record begins at `begin`; *bytes then points to its contents. */
@@ -148,7 +135,6 @@ static saltus_status scan(saltus_journal *j, long long begin, saltus_message *me
         return saltus_fail(message, SALTUS_IO, "%s: its damaged end cannot be cut off: %s", j->path,
                            strerror(errno));
     j->end = begin;
-    j->window_end = j->window_begin;
     return SALTUS_OK;
 }
 
@@ -189,32 +175,10 @@ static saltus_status take_up(saltus_journal *j, const char *identity, bool *ther
     return status == SALTUS_OK ? scan(j, (long long)(sizeof h + room), message) : status;
 }
 
-/* Open and lock the file at the path. While this run waits for the lock, the run that holds it may remove the
- * file, so check that the path still names the same file. */
-static saltus_status open_locked(saltus_journal *j, saltus_message *message) {
-    struct stat facts, named;
-    for (int k = 0; k < 100; k++) {
-        bool existed = access(j->path, F_OK) == 0;
-        j->file = open(j->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (j->file < 0 || fstat(j->file, &facts) != 0)
-            return saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", j->path, strerror(errno));
-        if (!S_ISREG(facts.st_mode))
-            return saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", j->path);
-        j->made = !existed;
-        j->end = facts.st_size;
-        if (flock(j->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-            return saltus_fail(message, SALTUS_IO, "%s: is in use by another run", j->path);
-        if (stat(j->path, &named) == 0 && named.st_ino == facts.st_ino && named.st_dev == facts.st_dev)
-            return SALTUS_OK;
-        close(j->file);
-    }
-    j->file = -1;
-    return saltus_fail(message, SALTUS_IO, "%s: is removed again and again", j->path);
-}
-
 saltus_status saltus_journal_open(saltus_journal *journal, const char *path, const saltus_sweep *sweep,
                                   const char *identity, bool resume, bool *there, saltus_message *message) {
     long long places = saltus_sweep_pass_count(sweep) * saltus_sweep_points(sweep);
+    struct stat facts, named;
     *there = false;
     *journal = (saltus_journal){.sweep = sweep, .file = -1, .places = places};
     journal->path = strdup(path);
@@ -222,8 +186,26 @@ saltus_status saltus_journal_open(saltus_journal *journal, const char *path, con
     saltus_status status = SALTUS_OK;
     if (!journal->path || !journal->offset)
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the results in %s", path);
-    if (status == SALTUS_OK)
-        status = open_locked(journal, message);
+    /* Before this run has locked the file, the run that held it may remove it: then the path no longer names
+     * the same file. */
+    bool locked = false;
+    for (int k = 0; k < 100 && status == SALTUS_OK && !locked; k++) {
+        if (journal->file >= 0)
+            close(journal->file);
+        journal->made = access(path, F_OK) != 0;
+        journal->file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (journal->file < 0 || fstat(journal->file, &facts) != 0)
+            status = saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", path, strerror(errno));
+        else if (!S_ISREG(facts.st_mode))
+            status = saltus_fail(message, SALTUS_BAD_INPUT, "%s: is not a plain file", path);
+        else if (flock(journal->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+            status = saltus_fail(message, SALTUS_IO, "%s: is in use by another run", path);
+        else
+            locked = stat(path, &named) == 0 && named.st_ino == facts.st_ino && named.st_dev == facts.st_dev;
+    }
+    if (status == SALTUS_OK && !locked)
+        status = saltus_fail(message, SALTUS_IO, "%s: is removed again and again", path);
+    journal->end = status == SALTUS_OK ? facts.st_size : 0;
     if (status == SALTUS_OK && resume && journal->end)
         status = take_up(journal, identity, there, message);
     if (status != SALTUS_OK)
@@ -244,7 +226,6 @@ saltus_status saltus_journal_begin(saltus_journal *journal, const char *identity
     int reason = errno;
     free(bytes);
     journal->end = (long long)whole;
-    journal->window_begin = journal->window_end = 0;
     return sound
                ? SALTUS_OK
                : saltus_fail(message, SALTUS_IO, "%s cannot be written: %s", journal->path, strerror(reason));
@@ -287,7 +268,7 @@ void saltus_journal_close(saltus_journal *journal, bool discard) {
     }
     free(journal->path);
     free(journal->offset);
-    free(journal->window);
+    free(journal->read);
     free(journal->record);
     *journal = (saltus_journal){.file = -1};
 }

@@ -57,19 +57,6 @@ static saltus_status exchange(saltus_sweep_output *o, bool last, saltus_message 
     return status;
 }
 
-/* Test that the file can be of the requested kind and can be written, before hours of computation. */
-static saltus_status test_target(const char *path, const saltus_sweep *sweep, saltus_message *message) {
-    static const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
-    bool table = saltus_path_ends(path, ".csv");
-    if (!table && !saltus_path_ends(path, ".h5"))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5 or .csv", path);
-    if (table && saltus_sweep_choices(sweep)->keep & clouds)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "%s: turning points, impacts and stroboscopic points are kept in .h5 files only",
-                           path);
-    return saltus_output_test(path, true, message);
-}
-
 static saltus_status open_journal(saltus_sweep_output *o, bool resume, bool exists, saltus_message *message) {
     const saltus_sweep_file head = saltus_sweep_head(o->sweep, o->basins != NULL, false);
     char *text = saltus_sweep_identity_text(&head);
@@ -114,16 +101,24 @@ static void release(saltus_sweep_output *o, bool discard) {
 saltus_status saltus_sweep_output_open(const char *path, const saltus_sweep *sweep, bool basins, bool resume,
                                        const saltus_origin *origin, saltus_sweep_output **output,
                                        saltus_message *message) {
-    const bool exists = access(path, F_OK) == 0;
+    static const unsigned clouds = SALTUS_KEEP_TURNING | SALTUS_KEEP_IMPACTS | SALTUS_KEEP_STROBOSCOPIC;
+    const bool exists = access(path, F_OK) == 0, table = saltus_path_ends(path, ".csv");
     *output = NULL;
-    saltus_status status = test_target(path, sweep, message);
+    /* What cannot become a file is told before hours of computation. */
+    if (!table && !saltus_path_ends(path, ".h5"))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s: the ending must be .h5 or .csv", path);
+    if (table && saltus_sweep_choices(sweep)->keep & clouds)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "%s: turning points, impacts and stroboscopic points are kept in .h5 files only",
+                           path);
+    saltus_status status = saltus_output_test(path, true, message);
     if (status != SALTUS_OK)
         return status;
     saltus_sweep_output *o = calloc(1, sizeof *o);
     if (!o)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);
     o->sweep = sweep;
-    o->table = saltus_path_ends(path, ".csv");
+    o->table = table;
     o->path = strdup(path);
     if (!(saltus_h5_origin_keep(&o->origin, origin) && o->path))
         status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for writing %s", path);

@@ -27,10 +27,8 @@ typedef struct saltus_journal {
     long long places, found, end;   /* number of places, results present, length of the file in bytes */
     long long *offset;              /* per place: where its record begins; 0: no result */
     long long total[SALTUS_CLOUDS]; /* entries of each cloud over all results */
-    unsigned char *window;          /* the part of the file held in memory */
-    long long window_begin, window_end;
-    size_t window_room;
-    long long ahead;       /* bytes to read at once */
+    unsigned char *read;            /* the bytes last read back */
+    size_t read_room;
     unsigned char *record; /* the record being written */
     size_t record_room;
 } saltus_journal;

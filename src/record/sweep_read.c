@@ -137,43 +137,38 @@ static bool split_spans(const saltus_span *spans, size_t rows, long long total, 
     return true;
 }
 
-/* A cloud, if kept: its entries, and those of each row. */
-static saltus_status read_cloud(reader *r, int which, long long **first, long long **count, void **entries,
-                                long long *total) {
-    const saltus_cloud_kind *cloud = &saltus_clouds[which];
-    const size_t rows = (size_t)r->made->row_count,
-                 stride = cloud->bytes ? cloud->bytes : (size_t)r->made->dimension * sizeof(double);
-    *total = 0;
-    if (!(r->made->options.keep & cloud->keep))
-        return SALTUS_OK;
-    saltus_status status = saltus_h5_get_all(&r->h5, cloud->group, &cloud->fields, r->counts,
-                                             LLONG_MAX / 1024, stride, entries, total);
-    if (status == SALTUS_OK)
-        status = saltus_h5_find_rows(&r->h5, cloud->group, &saltus_span_fields, NULL, most_rows,
-                                     !r->made->complete, &r->grid);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_span *spans = calloc(rows, sizeof *spans);
-    *first = malloc(rows * sizeof **first);
-    *count = malloc(rows * sizeof **count);
-    status = spans && *first && *count ? saltus_h5_get_rows(&r->h5, cloud->group, &saltus_span_fields, NULL,
-                                                            &r->grid, spans, sizeof *spans)
-                                       : saltus_h5_no_memory(&r->h5);
-    if (status == SALTUS_OK && !split_spans(spans, rows, *total, *first, *count))
-        status = saltus_h5_refuse_part(&r->h5, cloud->group, "first, count");
-    free(spans);
-    return status;
-}
-
+/* The clouds that were kept: their entries, and those of each row. */
 static saltus_status read_clouds(reader *r) {
     saltus_sweep_file *made = r->made;
+    const size_t rows = (size_t)made->row_count;
     void *entries[SALTUS_CLOUDS] = {NULL, NULL, NULL};
     long long **const first[] = {&made->turning_first, &made->impact_first, &made->strobe_first},
                       **const count[] = {&made->turning_count, &made->impact_count, &made->strobe_count},
                       total[SALTUS_CLOUDS] = {0, 0, 0};
     saltus_status status = SALTUS_OK;
-    for (int c = 0; c < SALTUS_CLOUDS && status == SALTUS_OK; c++)
-        status = read_cloud(r, c, first[c], count[c], &entries[c], &total[c]);
+    for (int c = 0; c < SALTUS_CLOUDS && status == SALTUS_OK; c++) {
+        const saltus_cloud_kind *cloud = &saltus_clouds[c];
+        const size_t stride = cloud->bytes ? cloud->bytes : (size_t)made->dimension * sizeof(double);
+        if (!(made->options.keep & cloud->keep))
+            continue;
+        status = saltus_h5_get_all(&r->h5, cloud->group, &cloud->fields, r->counts, LLONG_MAX / 1024, stride,
+                                   &entries[c], &total[c]);
+        if (status == SALTUS_OK)
+            status = saltus_h5_find_rows(&r->h5, cloud->group, &saltus_span_fields, NULL, most_rows,
+                                         !made->complete, &r->grid);
+        if (status != SALTUS_OK)
+            break;
+        saltus_span *spans = calloc(rows, sizeof *spans);
+        *first[c] = malloc(rows * sizeof **first[c]);
+        *count[c] = malloc(rows * sizeof **count[c]);
+        status = spans && *first[c] && *count[c]
+                     ? saltus_h5_get_rows(&r->h5, cloud->group, &saltus_span_fields, NULL, &r->grid, spans,
+                                          sizeof *spans)
+                     : saltus_h5_no_memory(&r->h5);
+        if (status == SALTUS_OK && !split_spans(spans, rows, total[c], *first[c], *count[c]))
+            status = saltus_h5_refuse_part(&r->h5, cloud->group, "first, count");
+        free(spans);
+    }
     made->turning = entries[0];
     made->impacts = entries[1];
     made->strobes = entries[2];

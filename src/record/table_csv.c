@@ -188,29 +188,6 @@ static void put_legend(FILE *file, const rows *t, int which) {
     }
 }
 
-/* The parameters that a branch was continued in, with their ranges. */
-static void put_ranges(FILE *file, const saltus_h5_reader *r) {
-    hid_t group = saltus_h5_find_group(r->file, "continuation");
-    if (group >= 0)
-        fputs("# these are the parameters and stops of the start; continued were\n", file);
-    for (int k = 1; k <= 2 && group >= 0; k++) {
-        char names[3][8], key[SALTUS_KEY_MAX];
-        double low = 0, high = 0;
-        snprintf(names[0], sizeof names[0], "key%d", k);
-        snprintf(names[1], sizeof names[1], "low%d", k);
-        snprintf(names[2], sizeof names[2], "high%d", k);
-        if (!saltus_h5_get_text(group, names[0], key, sizeof key) || !key[0] ||
-            !saltus_h5_get_double(group, names[1], &low) || !saltus_h5_get_double(group, names[2], &high))
-            continue;
-        fprintf(file, "# key%d: %s, from ", k, key);
-        saltus_put_number(file, low);
-        fputs(" to ", file);
-        saltus_put_number(file, high);
-        fputc('\n', file);
-    }
-    saltus_h5_close(group);
-}
-
 static saltus_status write_table(const char *to, const saltus_h5_reader *r, int which,
                                  const saltus_h5_head *head, const rows *t) {
     saltus_scene scene = {.initial_count = 0};
@@ -226,7 +203,22 @@ static saltus_status write_table(const char *to, const saltus_h5_reader *r, int 
     saltus_put_table_head(output.file, what, &scene, NULL, &head->spec);
     if (!head->complete)
         fputs("# complete: 0\n", output.file);
-    put_ranges(output.file, r);
+    /* The parameters that a branch was continued in, with their ranges. */
+    hid_t group = saltus_h5_find_group(r->file, "continuation");
+    if (group >= 0)
+        fputs("# these are the parameters and stops of the start; continued were\n", output.file);
+    for (int k = 1; k <= 2 && group >= 0; k++) {
+        char names[3][8], key[SALTUS_KEY_MAX], low_text[SALTUS_NUMBER_MAX], high_text[SALTUS_NUMBER_MAX];
+        double low = 0, high = 0;
+        snprintf(names[0], sizeof names[0], "key%d", k);
+        snprintf(names[1], sizeof names[1], "low%d", k);
+        snprintf(names[2], sizeof names[2], "high%d", k);
+        if (saltus_h5_get_text(group, names[0], key, sizeof key) && key[0] &&
+            saltus_h5_get_double(group, names[1], &low) && saltus_h5_get_double(group, names[2], &high))
+            fprintf(output.file, "# key%d: %s, from %s to %s\n", k, key, saltus_number(low, low_text),
+                    saltus_number(high, high_text));
+    }
+    saltus_h5_close(group);
     put_legend(output.file, t, which);
     for (long long k = -1; k < t->count && !ferror(output.file); k++)
         put_line(output.file, t, which, k);

@@ -58,14 +58,21 @@ static void observe(const source *s, long long row, double *seen) {
                               seen);
 }
 
-/* Comment lines and one row per sample; failures are left in the file's error flag. */
-static saltus_status write_csv(const source *s, FILE *file, saltus_message *message) {
+/* Comment lines and one row per sample. */
+static saltus_status write_table(const char *path, const source *s, saltus_message *message) {
     const saltus_trajectory *r = s->record;
     const int observables = saltus_system_observable_count(s->system);
-    double *seen = calloc((size_t)observables + 1, sizeof *seen);
+    saltus_output output;
     long long event = 0;
-    if (!seen)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the observed quantities");
+    saltus_status status = saltus_output_open(&output, path, message);
+    if (status != SALTUS_OK)
+        return status;
+    double *seen = calloc((size_t)observables + 1, sizeof *seen);
+    if (!seen) {
+        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the observed quantities");
+        return saltus_output_close(&output, status, message);
+    }
+    FILE *file = output.file;
     put_header(s, file);
     fputs("time_over_T,displacement,velocity", file);
     for (int i = 0; i < r->dimension; i++)
@@ -94,7 +101,7 @@ static saltus_status write_csv(const source *s, FILE *file, saltus_message *mess
             fputs(",,,\n", file);
     }
     free(seen);
-    return SALTUS_OK;
+    return saltus_output_close(&output, SALTUS_OK, message);
 }
 
 /* A group of rows; `names`, where given, of the columns of its dataset `set`. */
@@ -154,13 +161,6 @@ static saltus_status put_file(saltus_h5 *w, void *context, saltus_message *messa
     saltus_rows_clear(&events);
     put_rows(w, "strobe", "stroboscopic points", &strobe, NULL, NULL);
     return SALTUS_OK;
-}
-
-static saltus_status write_table(const char *path, const source *s, saltus_message *message) {
-    saltus_output output;
-    saltus_status status = saltus_output_open(&output, path, message);
-    return status == SALTUS_OK ? saltus_output_close(&output, write_csv(s, output.file, message), message)
-                               : status;
 }
 
 saltus_status saltus_write_trajectory(const char *path, const saltus_scene *scene,
