@@ -145,20 +145,6 @@ trial_verdict trial_verdict_of(const double *shares, int count) {
     return full == count ? TRIAL_HOLDS : some ? TRIAL_IN_PART : TRIAL_DOES_NOT_HOLD;
 }
 
-/* Read a stored finding: its verdict, its numbers on one line, and its prose. */
-static bool read_finding(FILE *file, trial_finding *finding) {
-    int verdict, c;
-    bool good = fscanf(file, "%d\n", &verdict) == 1;
-    while (good && (c = fgetc(file)) != EOF && c != '\n')
-        fputc(c, finding->numbers);
-    while (good && (c = fgetc(file)) != EOF)
-        fputc(c, finding->prose);
-    if (good)
-        finding->verdict = (trial_verdict)verdict;
-    fclose(file);
-    return good;
-}
-
 saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
                           saltus_message *message) {
     bool on_points = claim->judge == trial_judge_point;
@@ -167,11 +153,22 @@ saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_fi
     finding->prose = open_memstream(&finding->prose_text, &finding->prose_size);
     if (!finding->numbers || !finding->prose)
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a finding");
-    FILE *kept = on_points ? trial_kept(&bench->request, claim->id) : NULL;
-    bool known = kept && read_finding(kept, finding);
-    saltus_status status =
-        known ? SALTUS_OK
-              : (claim->judge ? claim->judge : trial_judge_clauses)(claim, bench, finding, message);
+    /* A stored finding: its verdict, its numbers on one line, and its prose. */
+    FILE *kept = on_points ? trial_kept(&bench->request, claim->id) : NULL, *to = finding->numbers;
+    int verdict = 0;
+    const bool known = kept && fscanf(kept, "%d\n", &verdict) == 1;
+    for (int c; known && (c = fgetc(kept)) != EOF;)
+        if (c == '\n' && to == finding->numbers)
+            to = finding->prose;
+        else
+            fputc(c, to);
+    if (kept)
+        fclose(kept);
+    saltus_status status = SALTUS_OK;
+    if (known)
+        finding->verdict = (trial_verdict)verdict;
+    else
+        status = (claim->judge ? claim->judge : trial_judge_clauses)(claim, bench, finding, message);
     if (fflush(finding->numbers) || fflush(finding->prose))
         return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a finding");
     if (status != SALTUS_OK || !on_points || known || !bench->request.keep)
@@ -179,7 +176,10 @@ saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_fi
     FILE *stream = tmpfile();
     if (stream)
         fprintf(stream, "%d\n%s\n%s", (int)finding->verdict, finding->numbers_text, finding->prose_text);
-    return trial_keep_whole(&bench->request, claim->id, stream, message);
+    status = trial_keep(&bench->request, claim->id, stream, message);
+    if (stream)
+        fclose(stream);
+    return status;
 }
 
 void trial_finding_clear(trial_finding *finding) {

@@ -78,12 +78,8 @@ void trial_finding_clear(trial_finding *finding);
 trial_judgement trial_judge_clauses, trial_judge_displacement, trial_judge_growth, trial_judge_restitution,
     trial_judge_point;
 
-/* Building blocks of findings. */
+/* The share of a clause among every so many values of a survey. */
 double trial_share(const trial_survey *survey, const trial_clause *clause, int every);
-/* Kinds and labels within a range, most frequent first. */
-void trial_write_labels(FILE *file, const trial_survey *survey, double low, double high, int most);
-/* The ranges where at least half of the starts satisfy the condition. */
-void trial_write_ranges(FILE *file, const trial_survey *survey, trial_predicate asks);
 
 /* page.c: the page of verdicts. */
 /* Write a claim as a row of the table, or as a section. */

@@ -36,7 +36,8 @@ static int more_frequent(const void *a, const void *b) {
     return x->count != y->count ? (x->count < y->count ? 1 : -1) : strcmp(x->label, y->label);
 }
 
-void trial_write_labels(FILE *file, const trial_survey *survey, double low, double high, int most) {
+/* Kinds and labels within a range, most frequent first. */
+static void write_labels(FILE *file, const trial_survey *survey, double low, double high) {
     label_count counts[kept_labels] = {0};
     int kinds = 0, all = 0, shown = 0;
     for (int k = 0; k < survey->values * trial_starts; k++) {
@@ -55,35 +56,10 @@ void trial_write_labels(FILE *file, const trial_survey *survey, double low, doub
         all++;
     }
     qsort(counts, (size_t)kinds, sizeof counts[0], more_frequent);
-    for (int k = 0; k < kinds && k < most; k++, shown++)
+    for (int k = 0; k < kinds && k < shown_labels; k++, shown++)
         fprintf(file, "%s%s %.0f %%", k ? ", " : "", counts[k].label, 100.0 * counts[k].count / all);
     if (shown < kinds)
         fprintf(file, ", %d others", kinds - shown);
-}
-
-/* Whether at least half of the starts at the k-th value satisfy the condition. */
-static bool mostly(const trial_survey *survey, int k, trial_predicate asks) {
-    int fit = 0;
-    for (int s = 0; s < trial_starts; s++)
-        fit += asks(&survey->cells[k * trial_starts + s]);
-    return 2 * fit >= trial_starts;
-}
-
-void trial_write_ranges(FILE *file, const trial_survey *survey, trial_predicate asks) {
-    int shorter = 0, written = 0;
-    for (int k = 0, end; k < survey->values; k = end + 1) {
-        for (end = k; end < survey->values && mostly(survey, end, asks); end++)
-            ;
-        if (end - k >= shortest_range)
-            fprintf(file, "%s%g-%g", written++ ? ", " : "", survey->cells[k * trial_starts].value,
-                    survey->cells[(end - 1) * trial_starts].value);
-        else
-            shorter += end > k;
-    }
-    if (!written)
-        fprintf(file, "nowhere over %d values in a row or more", shortest_range);
-    if (shorter)
-        fprintf(file, ", and %d shorter ranges", shorter);
 }
 
 static saltus_status judge_clause(const trial_clause *clause, trial_bench *bench, double *share,
@@ -98,7 +74,7 @@ static saltus_status judge_clause(const trial_clause *clause, trial_bench *bench
             100 * *share);
     fprintf(finding->prose, "%s %g-%g, asked: %s. %.1f %% of the trajectories. Found: ", survey->figure->key,
             clause->low, clause->high, clause->words, 100 * *share);
-    trial_write_labels(finding->prose, survey, clause->low, clause->high, shown_labels);
+    write_labels(finding->prose, survey, clause->low, clause->high);
     /* How much of the range is chaotic and how much has only a long period, how frequent impacts are, and how
      * long contacts last. */
     for (int k = 0; k < survey->values * trial_starts; k++) {
@@ -139,7 +115,26 @@ saltus_status trial_judge_clauses(const trial_claim *claim, trial_bench *bench, 
         if (status != SALTUS_OK)
             break;
         fprintf(finding->prose, "In the whole figure: %s for %s ", clause->words, survey->figure->key);
-        trial_write_ranges(finding->prose, survey, clause->asks);
+        /* The ranges where at least half of the starts satisfy the condition. */
+        int shorter = 0, written = 0;
+        for (int v = 0, end; v < survey->values; v = end + 1) {
+            for (end = v; end < survey->values; end++) {
+                int fit = 0;
+                for (int s = 0; s < trial_starts; s++)
+                    fit += clause->asks(&survey->cells[end * trial_starts + s]);
+                if (2 * fit < trial_starts)
+                    break;
+            }
+            if (end - v >= shortest_range)
+                fprintf(finding->prose, "%s%g-%g", written++ ? ", " : "",
+                        survey->cells[v * trial_starts].value, survey->cells[(end - 1) * trial_starts].value);
+            else
+                shorter += end > v;
+        }
+        if (!written)
+            fprintf(finding->prose, "nowhere over %d values in a row or more", shortest_range);
+        if (shorter)
+            fprintf(finding->prose, ", and %d shorter ranges", shorter);
         fprintf(finding->prose, ".\n");
     }
     return status;

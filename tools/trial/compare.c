@@ -19,44 +19,40 @@ static bool same_class(const trial_cell *a, const trial_cell *b) {
     return same_label(a, b) || (impacts && a->impacts * b->periods == b->impacts * a->periods);
 }
 
-/* One figure at one step: fractions of the naive method's trajectories, at the values in both surveys. */
-static void write_difference(FILE *table, const trial_survey *exact, const trial_survey *naive) {
-    double all = 0, class = 0, unknown = 0, kind = 0, depth = 0;
-    for (int k = 0; k < naive->values; k++) {
-        const trial_cell *there = naive->cells + (size_t)k * trial_starts, *right = exact->cells;
-        int e = 0;
-        while (e < exact->values && !(fabs(right->value - there->value) < 0.01 * exact->figure->step)) {
-            right += trial_starts;
-            e++;
-        }
-        for (int s = 0; s < trial_starts && e < exact->values; s++) {
-            bool known = false;
-            for (int other = 0; other < trial_starts; other++)
-                known |= same_class(&there[s], &right[other]);
-            all++;
-            class += !same_class(&there[s], &right[s]);
-            unknown += !known;
-            kind += there[s].kind != right[s].kind;
-            depth = fmax(depth, there[s].depth);
-        }
-    }
-    fprintf(table, "| %s | %g | %.0f | %.1f %% | %.1f %% | %.1f %% | %.1e |\n", naive->figure->name, naive->h,
-            all, class / (all / 100), unknown / (all / 100), kind / (all / 100), depth);
-}
-
 saltus_status trial_write_figures(FILE *table, trial_bench *bench, saltus_message *message) {
     fprintf(table, "| figure | h | trajectories | another class than from the same start | a class that no "
                    "start has | another kind | deepest |\n| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (int k = 0; k < trial_figures; k++)
-        for (int step = 0; step < trial_coarse_steps; step++) {
-            const trial_survey *exact, *naive;
-            saltus_status status = trial_bench_survey(bench, trial_figure_list[k].name, -1, &exact, message);
-            if (status == SALTUS_OK)
-                status = trial_bench_survey(bench, trial_figure_list[k].name, step, &naive, message);
-            if (status != SALTUS_OK)
-                return status;
-            write_difference(table, exact, naive);
+    for (int k = 0; k < trial_figures * trial_coarse_steps; k++) {
+        const char *figure = trial_figure_list[k / trial_coarse_steps].name;
+        const trial_survey *exact, *naive;
+        double all = 0, class = 0, unknown = 0, kind = 0, depth = 0;
+        saltus_status status = trial_bench_survey(bench, figure, -1, &exact, message);
+        if (status == SALTUS_OK)
+            status = trial_bench_survey(bench, figure, k % trial_coarse_steps, &naive, message);
+        if (status != SALTUS_OK)
+            return status;
+        /* The naive method's trajectories at the values in both surveys. */
+        for (int v = 0; v < naive->values; v++) {
+            const trial_cell *there = naive->cells + (size_t)v * trial_starts, *right = exact->cells;
+            int e = 0;
+            while (e < exact->values && !(fabs(right->value - there->value) < 0.01 * exact->figure->step)) {
+                right += trial_starts;
+                e++;
+            }
+            for (int s = 0; s < trial_starts && e < exact->values; s++) {
+                bool known = false;
+                for (int other = 0; other < trial_starts; other++)
+                    known |= same_class(&there[s], &right[other]);
+                all++;
+                class += !same_class(&there[s], &right[s]);
+                unknown += !known;
+                kind += there[s].kind != right[s].kind;
+                depth = fmax(depth, there[s].depth);
+            }
         }
+        fprintf(table, "| %s | %g | %.0f | %.1f %% | %.1f %% | %.1f %% | %.1e |\n", figure, naive->h, all,
+                class / (all / 100), unknown / (all / 100), kind / (all / 100), depth);
+    }
     return SALTUS_OK;
 }
 

@@ -31,14 +31,6 @@ saltus_status trial_scene(const trial_figure *figure, saltus_scene *scene, saltu
     return status;
 }
 
-saltus_status trial_scene_at(const trial_figure *figure, double value, saltus_scene *scene,
-                             saltus_message *message) {
-    char assignment[64];
-    snprintf(assignment, sizeof assignment, "%s=%.17g", figure->key, value);
-    saltus_status status = trial_scene(figure, scene, message);
-    return status == SALTUS_OK ? saltus_scene_set(scene, assignment, message) : status;
-}
-
 /* A random state within the clearance on the side of the stops. */
 static void draw(const saltus_system *system, gsl_rng *rng, double clearance, bool both, double *state) {
     const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);

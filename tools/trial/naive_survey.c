@@ -10,14 +10,17 @@ enum { settling_periods = 50 };
 static const double settling_time = 40;
 static const double displacement_unit = 0.03; /* unit for distances between section points */
 
-static saltus_status run_value(trial_survey *survey, int k, const double *states) {
+/* False if the naive method cannot describe the scene at that value. */
+static bool run_value(trial_survey *survey, int k, const double *states) {
     trial_cell *cells = survey->cells + (size_t)k * trial_starts;
     saltus_scene scene;
     naive_pipe pipe;
     naive_class classes[naive_lanes];
-    saltus_status status = trial_scene_at(survey->figure, cells->value, &scene, NULL);
-    if (status != SALTUS_OK || !naive_pipe_from(&scene.spec, &pipe))
-        return SALTUS_BAD_INPUT;
+    char assignment[64];
+    snprintf(assignment, sizeof assignment, "%s=%.17g", survey->figure->key, cells->value);
+    if (trial_scene(survey->figure, &scene, NULL) != SALTUS_OK ||
+        saltus_scene_set(&scene, assignment, NULL) != SALTUS_OK || !naive_pipe_from(&scene.spec, &pipe))
+        return false;
     int warm = (int)fmax(settling_periods, ceil(settling_time * pipe.omega / (2 * acos(-1))));
     naive_classify(&pipe, survey->h, false, states, warm, displacement_unit, classes);
     for (int l = 0; l < trial_starts; l++, cells++) {
@@ -38,7 +41,7 @@ static saltus_status run_value(trial_survey *survey, int k, const double *states
         for (int w = 0; w <= naive_watched; w++)
             cells->reach = fmax(cells->reach, fabs(class->points[w][0]));
     }
-    return SALTUS_OK;
+    return true;
 }
 
 _Static_assert((int)naive_lanes == (int)trial_starts, "a pack of lanes is a value's starts");
@@ -58,7 +61,7 @@ saltus_status trial_survey_naive(trial_survey *survey, saltus_message *message) 
 #pragma omp parallel for schedule(dynamic) reduction(+ : failed)
 #endif
     for (int k = 0; k < survey->values; k++)
-        failed += run_value(survey, k, states) != SALTUS_OK;
+        failed += !run_value(survey, k, states);
     return failed ? saltus_fail(message, SALTUS_BAD_INPUT, "the naive method cannot describe this scene")
                   : SALTUS_OK;
 }

@@ -55,29 +55,6 @@ saltus_status trial_judge_displacement(const trial_claim *claim, trial_bench *be
     return SALTUS_OK;
 }
 
-/* Rank correlation between impacts per period and omega over a range, without lasting contacts. */
-static saltus_status rank_correlation(const trial_survey *survey, double low, double high,
-                                      double *correlation, double *first, double *last,
-                                      saltus_message *message) {
-    size_t room = (size_t)survey->values * trial_starts, count = 0;
-    double *table = malloc(4 * room * sizeof *table);
-    if (!table)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for ranks");
-    for (size_t k = 0; k < room; k++) {
-        const trial_cell *cell = &survey->cells[k];
-        if (cell->value < low - 1e-9 || cell->value > high + 1e-9 || cell->contact > 0)
-            continue;
-        table[count] = cell->value;
-        table[room + count++] = cell->rate;
-    }
-    *correlation = count > 2 ? gsl_stats_spearman(table, 1, table + room, 1, count, table + 2 * room) : NAN;
-    size_t part = count / 10 + 1;
-    *first = count > 2 ? gsl_stats_mean(table + room, 1, part) : NAN;
-    *last = count > 2 ? gsl_stats_mean(table + room + count - part, 1, part) : NAN;
-    free(table);
-    return SALTUS_OK;
-}
-
 /* F6d: in every range for which other claims state impact motions. Growth means a rank correlation above
  * 1/2. */
 saltus_status trial_judge_growth(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
@@ -97,11 +74,30 @@ saltus_status trial_judge_growth(const trial_claim *claim, trial_bench *bench, t
         const trial_survey *survey;
         double correlation = NAN, first = NAN, last = NAN;
         saltus_status status = trial_bench_survey(bench, windows[k].figure, -1, &survey, message);
-        if (status == SALTUS_OK)
-            status = rank_correlation(survey, windows[k].low, windows[k].high, &correlation, &first, &last,
-                                      message);
         if (status != SALTUS_OK)
             return status;
+        /* All trajectories there without lasting contacts. */
+        const size_t room = (size_t)survey->values * trial_starts;
+        size_t count = 0;
+        double *table = malloc(4 * room * sizeof *table);
+        if (!table)
+            return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for ranks");
+        double *rates = table + room;
+        for (size_t c = 0; c < room; c++) {
+            const trial_cell *cell = &survey->cells[c];
+            if (cell->value < windows[k].low - 1e-9 || cell->value > windows[k].high + 1e-9 ||
+                cell->contact > 0)
+                continue;
+            table[count] = cell->value;
+            rates[count++] = cell->rate;
+        }
+        if (count > 2) {
+            const size_t part = count / 10 + 1;
+            correlation = gsl_stats_spearman(table, 1, rates, 1, count, table + 2 * room);
+            first = gsl_stats_mean(rates, 1, part);
+            last = gsl_stats_mean(rates + count - part, 1, part);
+        }
+        free(table);
         grow += correlation > 0.5;
         fprintf(finding->prose,
                 "Figure %s, omega %g-%g: from %.2f impacts per period in the first tenth to %.2f in the "

@@ -16,34 +16,6 @@ static const point points[] = {{"F3", "fig3", "2/2", "sdof14", 100, 20},
                                {"F7a", "fig7a", "chaotic", NULL, 6, 2},
                                {"F7c", "fig7c", "chaotic", NULL, 6, 2}};
 
-/* Distance from the reference orbit's first section point, or its mirror image, to the nearest section point
- * of a motion. */
-static double distance_to(const reference *r, const saltus_motion *motion) {
-    double nearest = INFINITY, state[16];
-    for (int k = 0; k < motion->periods; k++)
-        for (int sign = 1; sign >= -1; sign -= 2) {
-            for (int i = 0; i < r->n; i++)
-                state[i] = sign * motion->section_states[k * motion->dimension + i];
-            nearest = fmin(nearest, reference_distance(r, state, 0));
-        }
-    return nearest;
-}
-
-static void compare(const point *p, const saltus_motion *motion, FILE *file) {
-    reference r;
-    if (!reference_read("data/reference", p->reference, &r)) {
-        fprintf(file, "The reference data/reference/%s.json is not here to compare with.\n", p->reference);
-        return;
-    }
-    if (motion->multiplier_count && motion->periods == r.periods)
-        fprintf(file,
-                "Against the independent 128-bit orbit data/reference/%s.json (%s): section points agree "
-                "to %.1e, the largest multiplier's modulus is %.10f, there %.10f.\n",
-                p->reference, r.label, distance_to(&r, motion), exp(motion->multipliers[0].log_modulus),
-                hypot(r.multipliers[0][0], r.multipliers[0][1]));
-    free(r.text);
-}
-
 static void describe(const saltus_attractors *attractors, FILE *file) {
     fprintf(file, "%d random initial states (Gaussian with the system's scales) lead to ", attractors->seeds);
     for (int k = 0; k < attractors->count; k++) {
@@ -64,13 +36,32 @@ static double share_of(const saltus_attractors *attractors, const char *label) {
     return (double)fit / attractors->seeds;
 }
 
+/* The orbit, beside the independent one. */
 static void tell_orbit(const point *p, const saltus_attractors *attractors, trial_finding *finding) {
     const saltus_motion *first = &attractors->motions[0];
+    reference r;
     if (first->multiplier_count)
         fprintf(finding->numbers, ", stable, largest multiplier modulus %.4f",
                 exp(first->multipliers[0].log_modulus));
     describe(attractors, finding->prose);
-    compare(p, first, finding->prose);
+    if (!reference_read("data/reference", p->reference, &r))
+        fprintf(finding->prose, "The reference data/reference/%s.json is not here to compare with.\n",
+                p->reference);
+    else if (first->multiplier_count && first->periods == r.periods) {
+        /* From its first section point, or the mirror image of that, to the nearest one of the motion. */
+        double nearest = INFINITY, state[16];
+        for (int k = 0; k < 2 * first->periods; k++) {
+            for (int i = 0; i < r.n; i++)
+                state[i] = (k % 2 ? -1 : 1) * first->section_states[k / 2 * first->dimension + i];
+            nearest = fmin(nearest, reference_distance(&r, state, 0));
+        }
+        fprintf(finding->prose,
+                "Against the independent 128-bit orbit data/reference/%s.json (%s): section points agree "
+                "to %.1e, the largest multiplier's modulus is %.10f, there %.10f.\n",
+                p->reference, r.label, nearest, exp(first->multipliers[0].log_modulus),
+                hypot(r.multipliers[0][0], r.multipliers[0][1]));
+    }
+    free(r.text);
     if (strcmp(p->claim, "F7b") == 0)
         fputs("What the paper's own method makes of this scene depends on its step: see the table of "
               "steps.\n",

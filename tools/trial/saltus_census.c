@@ -188,35 +188,30 @@ static row look(unsigned long seed, int k) {
 static const char head[] = "point,scene,verdict,seconds,exponent,error,lifetime_at_least,followers_settled,"
                            "on,periods_followed,exponent_followed,error_followed,judgement\n";
 
-/* The next field of a line; advances *line past it. */
-static char *field(char **line) {
-    char *word = *line ? *line : "";
-    char *end = *line ? strpbrk(*line, ",\n") : NULL;
-    *line = end && *end == ',' ? end + 1 : NULL;
-    if (end)
-        *end = 0;
-    return word;
-}
-
 /* The number of the point in a table line, or -1 for other lines. */
 static int read_row(char *line, row *r) {
+    enum { columns = 13 };
+    char *cells[columns];
     if (line[0] < '0' || line[0] > '9' || !strchr(line, '\n'))
         return -1;
-    int k = atoi(field(&line));
-    *r = (row){0};
-    snprintf(r->scene, sizeof r->scene, "%s", field(&line));
-    snprintf(r->label, sizeof r->label, "%s", field(&line));
-    r->seconds = atof(field(&line));
-    r->exponent = atof(field(&line));
-    r->error = atof(field(&line));
-    r->lifetime_at_least = atof(field(&line));
-    r->seen.settled = atoi(field(&line));
-    snprintf(r->seen.label, sizeof r->seen.label, "%s", field(&line));
-    r->seen.watched = atof(field(&line));
-    r->seen.exponent = atof(field(&line));
-    r->seen.error = atof(field(&line));
-    snprintf(r->judgement, sizeof r->judgement, "%s", field(&line));
-    return k;
+    line[strcspn(line, "\n")] = '\0';
+    for (int k = 0; k < columns; k++) {
+        char *cell = strsep(&line, ",");
+        cells[k] = cell ? cell : "";
+    }
+    *r = (row){.seconds = atof(cells[3]),
+               .exponent = atof(cells[4]),
+               .error = atof(cells[5]),
+               .lifetime_at_least = atof(cells[6]),
+               .seen = {.settled = atoi(cells[7]),
+                        .watched = atof(cells[9]),
+                        .exponent = atof(cells[10]),
+                        .error = atof(cells[11])}};
+    snprintf(r->scene, sizeof r->scene, "%s", cells[1]);
+    snprintf(r->label, sizeof r->label, "%s", cells[2]);
+    snprintf(r->seen.label, sizeof r->seen.label, "%s", cells[8]);
+    snprintf(r->judgement, sizeof r->judgement, "%s", cells[12]);
+    return atoi(cells[0]);
 }
 
 static void summarise(counts *c) {

@@ -59,19 +59,6 @@ static double exact_point(const stage *s, int k) {
     return g;
 }
 
-/* Largest distance, in displacement, from a trajectory's section points to the nearest ones of the exact
- * orbit. */
-static double distance_from_orbit(const stage *s, const naive_class *class) {
-    double largest = 0;
-    for (int k = 0; k <= naive_watched; k++) {
-        double nearest = INFINITY;
-        for (int p = 0; p < s->orbit.periods; p++)
-            nearest = fmin(nearest, fabs(class->points[k][0] - exact_point(s, p)));
-        largest = fmax(largest, nearest);
-    }
-    return largest;
-}
-
 /* Results over all starts: labels by frequency, and ranges of measures. */
 typedef struct outcome {
     char labels[starts][trial_label_max];
@@ -110,21 +97,15 @@ static void count(const stage *s, const naive_class *class, outcome *o) {
     o->least_rate = fmin(o->least_rate, class->rate);
     o->most_rate = fmax(o->most_rate, class->rate);
     o->deepest = fmax(o->deepest, class->deepest);
-    o->distance = fmax(o->distance, class->finite ? distance_from_orbit(s, class) : INFINITY);
-}
-
-static outcome try_step(const stage *s, double h, bool divides) {
-    naive_class classes[starts];
-    outcome o = {.least_rate = INFINITY};
-#ifdef _OPENMP
-#pragma omp parallel for
-#endif
-    for (int b = 0; b < batches; b++)
-        naive_classify(&s->pipe, h, divides, s->states + b * naive_lanes * s->dimension, warm, s->pipe.d,
-                       classes + b * naive_lanes);
-    for (int k = 0; k < starts; k++)
-        count(s, &classes[k], &o);
-    return o;
+    /* From the section points to the nearest ones of the exact orbit. */
+    for (int w = 0; w <= naive_watched && class->finite; w++) {
+        double nearest = INFINITY;
+        for (int p = 0; p < s->orbit.periods; p++)
+            nearest = fmin(nearest, fabs(class->points[w][0] - exact_point(s, p)));
+        o->distance = fmax(o->distance, nearest);
+    }
+    if (!class->finite)
+        o->distance = INFINITY;
 }
 
 static void write_names(FILE *file, const outcome *o, const char *between, int most) {
@@ -141,7 +122,16 @@ static saltus_status write_step(FILE *table, FILE *rows, const stage *s, double 
     snprintf(kept_name, sizeof kept_name, "naive-step-%g", h);
     FILE *lines = trial_kept(request, kept_name), *made = lines ? NULL : tmpfile(), *to = table;
     if (made) {
-        outcome plain = try_step(s, h, false), dividing = try_step(s, h, true);
+        naive_class classes[2 * starts];
+        outcome plain = {.least_rate = INFINITY}, dividing = plain;
+#ifdef _OPENMP
+#pragma omp parallel for
+#endif
+        for (int b = 0; b < 2 * batches; b++)
+            naive_classify(&s->pipe, h, b >= batches, s->states + b % batches * naive_lanes * s->dimension,
+                           warm, s->pipe.d, classes + b * naive_lanes);
+        for (int k = 0; k < 2 * starts; k++)
+            count(s, &classes[k], k < starts ? &plain : &dividing);
         fprintf(made, "| %g | %.0f | %d | %d | ", h, s->period / h, plain.right, plain.claimed);
         write_names(made, &plain, ", ", names_shown);
         fprintf(made, " | %.2f to %.2f | %.1e | %.1e | ", plain.least_rate, plain.most_rate,
@@ -155,10 +145,13 @@ static saltus_status write_step(FILE *table, FILE *rows, const stage *s, double 
             write_names(made, o, " ", starts);
             fprintf(made, "\n");
         }
-        lines = trial_keep(request, kept_name, made);
+        lines = made;
     }
-    if (!lines)
+    if (!lines || (made && trial_keep(request, kept_name, made, NULL) != SALTUS_OK)) {
+        if (lines)
+            fclose(lines);
         return saltus_fail(message, SALTUS_IO, "cannot keep the step %g", h);
+    }
     for (int c; (c = fgetc(lines)) != EOF;) {
         fputc(c, to);
         to = c == '\n' ? rows : to;

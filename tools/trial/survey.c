@@ -20,16 +20,6 @@ void trial_label(const trial_cell *cell, char label[trial_label_max]) {
         snprintf(label, trial_label_max, "%s", trial_kind_words[cell->kind]);
 }
 
-static void write_survey(const trial_survey *survey, FILE *file) {
-    fprintf(file, "%d values\n%s\n", survey->values, columns);
-    for (int k = 0; k < survey->values * trial_starts; k++) {
-        const trial_cell *c = &survey->cells[k];
-        fprintf(file, "%.17g,%d,%s,%d,%d,%d,%.8g,%.8g,%.8g,%.8g,%.8g,%.8g\n", c->value, c->start,
-                trial_kind_words[c->kind], c->impacts, c->periods, c->chaotic, c->lyapunov, c->rate, c->speed,
-                c->contact, c->reach, c->depth);
-    }
-}
-
 /* Whether the file holds this survey. */
 static bool read_survey(trial_survey *survey, FILE *file) {
     char names[sizeof columns + 1], word[16];
@@ -51,7 +41,7 @@ static bool read_survey(trial_survey *survey, FILE *file) {
     return read;
 }
 
-void trial_survey_clear(trial_survey *survey) {
+static void clear_survey(trial_survey *survey) {
     free(survey->cells);
     *survey = (trial_survey){0};
 }
@@ -68,31 +58,6 @@ static saltus_status open_survey(const trial_figure *figure, double h, const tri
         survey->cells[k].start = k % trial_starts;
     }
     return SALTUS_OK;
-}
-
-saltus_status trial_survey_get(const trial_figure *figure, double h, const trial_request *request,
-                               trial_survey *survey, saltus_message *message) {
-    char name[64];
-    snprintf(name, sizeof name, h > 0 ? "figure%s-naive-%g" : "figure%s-exact", figure->name, h);
-    saltus_status status = open_survey(figure, h, request, survey, message);
-    FILE *kept = status == SALTUS_OK ? trial_kept(request, name) : NULL;
-    if (kept && read_survey(survey, kept))
-        return SALTUS_OK;
-    if (kept) {
-        trial_survey_clear(survey);
-        status = open_survey(figure, h, request, survey, message);
-    }
-    if (status == SALTUS_OK)
-        status = h > 0 ? trial_survey_naive(survey, message) : trial_survey_exact(survey, message);
-    if (status == SALTUS_OK && request->keep) {
-        FILE *stream = tmpfile();
-        if (stream)
-            write_survey(survey, stream);
-        status = trial_keep_whole(request, name, stream, message);
-    }
-    if (status != SALTUS_OK)
-        trial_survey_clear(survey);
-    return status;
 }
 
 static void keep_path(const trial_request *request, const char *name, char *path, size_t size) {
@@ -114,33 +79,59 @@ FILE *trial_kept(const trial_request *request, const char *name) {
     return NULL;
 }
 
-FILE *trial_keep(const trial_request *request, const char *name, FILE *stream) {
-    char path[512];
-    bool good = !ferror(stream);
-    rewind(stream);
-    if (request->keep) {
+saltus_status trial_keep(const trial_request *request, const char *name, FILE *stream,
+                         saltus_message *message) {
+    bool good = stream && !ferror(stream);
+    if (good)
+        rewind(stream);
+    if (good && request->keep) {
+        char path[512];
         keep_path(request, name, path, sizeof path);
         FILE *file = fopen(path, "w");
-        good = good && file && fprintf(file, "saltus %s\n", SALTUS_VERSION) > 0;
+        good = file && fprintf(file, "saltus %s\n", SALTUS_VERSION) > 0;
         for (int c; good && (c = fgetc(stream)) != EOF;)
             fputc(c, file);
         good = good && !ferror(stream) && !ferror(file);
-        good &= file && !fclose(file);
+        good = !(file && fclose(file)) && good;
         rewind(stream);
     }
-    if (good)
-        return stream;
-    fclose(stream);
-    return NULL;
+    return good ? SALTUS_OK
+                : saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", name,
+                              request->keep ? request->keep : "a temporary file");
 }
 
-saltus_status trial_keep_whole(const trial_request *request, const char *name, FILE *stream,
-                               saltus_message *message) {
-    stream = stream ? trial_keep(request, name, stream) : NULL;
-    if (!stream)
-        return saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", name, request->keep);
-    fclose(stream);
-    return SALTUS_OK;
+/* Read a survey from the folder, or make and store it. h = 0: the event-driven flow. */
+static saltus_status get_survey(const trial_figure *figure, double h, const trial_request *request,
+                                trial_survey *survey, saltus_message *message) {
+    char name[64];
+    snprintf(name, sizeof name, h > 0 ? "figure%s-naive-%g" : "figure%s-exact", figure->name, h);
+    saltus_status status = open_survey(figure, h, request, survey, message);
+    FILE *kept = status == SALTUS_OK ? trial_kept(request, name) : NULL;
+    if (kept && read_survey(survey, kept))
+        return SALTUS_OK;
+    if (kept) {
+        clear_survey(survey);
+        status = open_survey(figure, h, request, survey, message);
+    }
+    if (status == SALTUS_OK)
+        status = h > 0 ? trial_survey_naive(survey, message) : trial_survey_exact(survey, message);
+    if (status == SALTUS_OK && request->keep) {
+        FILE *stream = tmpfile();
+        if (stream)
+            fprintf(stream, "%d values\n%s\n", survey->values, columns);
+        for (int k = 0; k < survey->values * trial_starts && stream; k++) {
+            const trial_cell *c = &survey->cells[k];
+            fprintf(stream, "%.17g,%d,%s,%d,%d,%d,%.8g,%.8g,%.8g,%.8g,%.8g,%.8g\n", c->value, c->start,
+                    trial_kind_words[c->kind], c->impacts, c->periods, c->chaotic, c->lyapunov, c->rate,
+                    c->speed, c->contact, c->reach, c->depth);
+        }
+        status = trial_keep(request, name, stream, message);
+        if (stream)
+            fclose(stream);
+    }
+    if (status != SALTUS_OK)
+        clear_survey(survey);
+    return status;
 }
 
 const double trial_coarse[trial_coarse_steps] = {0.01, 0.005, 0.001, 0.0002};
@@ -155,13 +146,13 @@ saltus_status trial_bench_survey(trial_bench *bench, const char *figure, int ste
     *survey = wanted;
     return wanted->cells
                ? SALTUS_OK
-               : trial_survey_get(there, step < 0 ? 0 : trial_coarse[step], &bench->request, wanted, message);
+               : get_survey(there, step < 0 ? 0 : trial_coarse[step], &bench->request, wanted, message);
 }
 
 void trial_bench_clear(trial_bench *bench) {
     for (int k = 0; k < trial_figures; k++) {
-        trial_survey_clear(&bench->exact[k]);
+        clear_survey(&bench->exact[k]);
         for (int s = 0; s < trial_coarse_steps; s++)
-            trial_survey_clear(&bench->naive[k][s]);
+            clear_survey(&bench->naive[k][s]);
     }
 }

@@ -71,27 +71,17 @@ typedef struct trial_request {
 /* Finished work is kept as files in the folder, so that an interrupted trial can continue. Open what is kept
  * under a name, after the line with the version; NULL if nothing is kept. */
 FILE *trial_kept(const trial_request *request, const char *name);
-/* Store a stream under a name, if a folder is set, and return it for reading from the beginning; NULL if
- * writing failed. */
-FILE *trial_keep(const trial_request *request, const char *name, FILE *stream);
-/* The same, and close the stream (NULL: it could not be made). Errors: SALTUS_IO. */
-saltus_status trial_keep_whole(const trial_request *request, const char *name, FILE *stream,
-                               saltus_message *message);
-
-/* Read a survey from the folder, or make and store it. h = 0: the event-driven flow. Free the cells with
- * trial_survey_clear. Errors: SALTUS_NO_MEMORY, SALTUS_IO, those of sweeps. */
-saltus_status trial_survey_get(const trial_figure *figure, double h, const trial_request *request,
-                               trial_survey *survey, saltus_message *message);
-void trial_survey_clear(trial_survey *survey);
+/* Store a stream (NULL: it could not be made) under a name, if a folder is set, and rewind it. Errors:
+ * SALTUS_IO. */
+saltus_status trial_keep(const trial_request *request, const char *name, FILE *stream,
+                         saltus_message *message);
 
 /* Make a survey by either method; the cells of `survey` are allocated. */
 saltus_status trial_survey_exact(trial_survey *survey, saltus_message *message);
 saltus_status trial_survey_naive(trial_survey *survey, saltus_message *message);
 
-/* The scene of a figure, and the scene at one value of its key. */
+/* The scene of a figure. */
 saltus_status trial_scene(const trial_figure *figure, saltus_scene *scene, saltus_message *message);
-saltus_status trial_scene_at(const trial_figure *figure, double value, saltus_scene *scene,
-                             saltus_message *message);
 /* Initial states of a scene (trial_starts x dimension), the same at all values of a figure: the first is the
  * scene's own, the others are Gaussian with the system's scales, on the admissible side of `clearance` (NAN:
  * no stop). Errors: SALTUS_NO_MEMORY, those of systems. */
