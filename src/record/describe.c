@@ -103,19 +103,6 @@ void saltus_put_tolerances(FILE *file, const saltus_system *system, const saltus
             saltus_integrator_used(system, flow->integrator));
 }
 
-void saltus_put_section(FILE *file, const saltus_system *system) {
-    const saltus_poincare section = saltus_system_poincare(system);
-    if (section.kind == SALTUS_POINCARE_ZERO)
-        fprintf(file, "the zeros of %s, %s", section.text, section.direction > 0 ? "rising" : "falling");
-    else if (section.kind == SALTUS_POINCARE_IMPACT)
-        fprintf(file, "the impacts on stop %d%s", section.stop + 1,
-                section.side > 0   ? ", upper side"
-                : section.side < 0 ? ", lower side"
-                                   : "");
-    else
-        fputs("the maxima of the displacement", file);
-}
-
 void saltus_put_stop_place(FILE *file, const saltus_spec *spec, int stop, int digits) {
     int count;
     char text[SALTUS_NUMBER_MAX];

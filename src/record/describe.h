@@ -37,8 +37,6 @@ bool saltus_key_means(const char *key, const char *name, int s);
 double saltus_impacts_per_response(const saltus_system *system, const saltus_motion *motion);
 /* Whether to show a parameter: it has an effect and is not an optional element that is absent. */
 bool saltus_parameter_shown(const saltus_spec *spec, int k);
-/* The section of a scene without forcing: "the maxima of the displacement", "the impacts on stop 1", ... */
-void saltus_put_section(FILE *file, const saltus_system *system);
 /* Where a stop acts, as `key = value` with so many digits. */
 void saltus_put_stop_place(FILE *file, const saltus_spec *spec, int stop, int digits);
 /* A stop as `key = value` phrases with all digits. */

@@ -7,18 +7,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Whether the comments at the head of a table say that it was interrupted. */
-static bool is_cut(FILE *file) {
-    char *line = NULL;
-    size_t room = 0;
-    bool cut = false;
-    rewind(file);
-    while (!cut && getline(&line, &room, file) > 0 && line[0] == '#')
-        cut = strcmp(line, "# complete: 0\n") == 0;
-    free(line);
-    return cut;
-}
-
 bool saltus_h5_is_locus(hid_t file) {
     char second[SALTUS_KEY_MAX] = "";
     hid_t group = saltus_h5_find_group(file, "continuation");
@@ -53,7 +41,13 @@ saltus_file_facts saltus_file_identify(const char *path) {
     char version[16] = "", kind[26] = "";
     if (sscanf(head, "# Saltus %15s %25[A-Za-z ]", version, kind) == 2) {
         snprintf(facts.kind, sizeof facts.kind, strchr(version, ':') ? "script" : "%s table", kind);
-        facts.complete = !is_cut(file);
+        /* The comments at its head say whether it was interrupted. */
+        char *line = NULL;
+        size_t room = 0;
+        rewind(file);
+        while (facts.complete && getline(&line, &room, file) > 0 && line[0] == '#')
+            facts.complete = strcmp(line, "# complete: 0\n") != 0;
+        free(line);
     }
     fclose(file);
     facts.hdf5 = strcmp(facts.kind, "hdf5") == 0;

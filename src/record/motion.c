@@ -26,8 +26,17 @@ static void put_motion(FILE *file, const saltus_system *system, const saltus_mot
         fprintf(file, "%lld impact%s", motion->impacts, saltus_plural(motion->impacts));
     fprintf(file, cycle ? " in %d return%s to the section, " : " in %d forcing period%s", motion->periods,
             saltus_plural(motion->periods));
+    const saltus_poincare section = saltus_system_poincare(system);
     if (cycle) {
-        saltus_put_section(file, system);
+        if (section.kind == SALTUS_POINCARE_ZERO)
+            fprintf(file, "the zeros of %s, %s", section.text, section.direction > 0 ? "rising" : "falling");
+        else if (section.kind == SALTUS_POINCARE_IMPACT)
+            fprintf(file, "the impacts on stop %d%s", section.stop + 1,
+                    section.side > 0   ? ", upper side"
+                    : section.side < 0 ? ", lower side"
+                                       : "");
+        else
+            fputs("the maxima of the displacement", file);
         fprintf(file, "; period %.13g", motion->period);
     } else if (motion->impacts >= 0)
         fprintf(file, ", %.6g per response cycle%s", saltus_impacts_per_response(system, motion),

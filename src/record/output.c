@@ -58,29 +58,6 @@ static int take_name(saltus_output *output, char *name) {
     return result;
 }
 
-/* Create a file beside the target; permissions follow the umask. It has no name yet, but where there are no
- * such files, or where the running program cannot name its open files (without /proc). */
-static int open_beside(saltus_output *output) {
-    int descriptor = -1;
-    output->temporary = malloc(room_of(output));
-    if (!output->temporary) {
-        errno = ENOMEM;
-        return -1;
-    }
-#ifdef O_TMPFILE
-    const char *name = saltus_path_name(output->path);
-    snprintf(output->temporary, room_of(output), "%.*s.", (int)(name - output->path), output->path);
-    descriptor = open(output->temporary, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
-    snprintf(output->temporary, room_of(output), "/proc/self/fd/%d", descriptor);
-    if (descriptor >= 0 && access(output->temporary, F_OK) != 0) {
-        close(descriptor);
-        descriptor = -1;
-    }
-#endif
-    output->nameless = descriptor >= 0;
-    return descriptor >= 0 ? descriptor : take_name(output, output->temporary);
-}
-
 static void release(saltus_output *output) {
     free(output->path);
     free(output->temporary);
@@ -108,8 +85,25 @@ saltus_status saltus_output_open(saltus_output *output, const char *path, saltus
         descriptor = open(output->path, O_WRONLY | O_CLOEXEC);
     else if (exists && access(output->path, W_OK) != 0)
         errno = EACCES;
-    else
-        descriptor = open_beside(output);
+    else if (!(output->temporary = malloc(room_of(output))))
+        errno = ENOMEM;
+    else {
+        /* Beside the target; permissions follow the umask. It has no name yet, but where there are no such
+         * files, or where the running program cannot name its open files (without /proc). */
+#ifdef O_TMPFILE
+        const char *name = saltus_path_name(output->path);
+        snprintf(output->temporary, room_of(output), "%.*s.", (int)(name - output->path), output->path);
+        descriptor = open(output->temporary, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+        snprintf(output->temporary, room_of(output), "/proc/self/fd/%d", descriptor);
+        if (descriptor >= 0 && access(output->temporary, F_OK) != 0) {
+            close(descriptor);
+            descriptor = -1;
+        }
+#endif
+        output->nameless = descriptor >= 0;
+        if (!output->nameless)
+            descriptor = take_name(output, output->temporary);
+    }
     output->file = descriptor >= 0 ? fdopen(descriptor, "wb") : NULL;
     if (output->file)
         return SALTUS_OK;

@@ -38,27 +38,6 @@ typedef struct rows {
     saltus_system *system; /* the system of the rows */
 } rows;
 
-/* For each event of a branch the number of its point. */
-static saltus_status find_owners(const saltus_h5_reader *r, rows *t) {
-    static const saltus_field fields[] = {
-        SALTUS_MEMBER(saltus_span, first, "event_first", "1", "", SALTUS_LONG),
-        SALTUS_MEMBER(saltus_span, count, "event_count", "1", "", SALTUS_LONG)};
-    static const saltus_field_table spans = SALTUS_TABLE(fields);
-    void *records;
-    long long points = 0;
-    saltus_status status =
-        saltus_h5_get_all(r, "points", &spans, NULL, 1000000000, sizeof(saltus_span), &records, &points);
-    for (long long k = 0; k < points && status == SALTUS_OK; k++) {
-        const saltus_span own = ((const saltus_span *)records)[k];
-        if (own.count < 0 || own.first < 0 || own.first > t->count - own.count)
-            status = saltus_h5_refuse_part(r, "points", "event_first");
-        for (long long i = 0; i < own.count && status == SALTUS_OK; i++)
-            t->numbers[own.first + i] = k + 1;
-    }
-    free(records);
-    return status;
-}
-
 static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltus_spec *spec, rows *to) {
     const size_t align = sizeof(double);
     const saltus_field_table *kind = tables[which].fields;
@@ -91,7 +70,25 @@ static saltus_status read_rows(const saltus_h5_reader *r, int which, const saltu
         return saltus_h5_no_memory(r);
     for (long long k = 0; k < to->count; k++)
         to->numbers[k] = k + (kind == &saltus_point_fields);
-    return kind == &saltus_event_fields ? find_owners(r, to) : SALTUS_OK;
+    /* Of each event of a branch it is that of its point. */
+    static const saltus_field span_fields[] = {
+        SALTUS_MEMBER(saltus_span, first, "event_first", "1", "", SALTUS_LONG),
+        SALTUS_MEMBER(saltus_span, count, "event_count", "1", "", SALTUS_LONG)};
+    static const saltus_field_table spans = SALTUS_TABLE(span_fields);
+    long long points = 0;
+    void *own_events = NULL;
+    if (kind == &saltus_event_fields)
+        status = saltus_h5_get_all(r, "points", &spans, NULL, 1000000000, sizeof(saltus_span), &own_events,
+                                   &points);
+    for (long long k = 0; k < points && status == SALTUS_OK; k++) {
+        const saltus_span own = ((const saltus_span *)own_events)[k];
+        if (own.count < 0 || own.first < 0 || own.first > to->count - own.count)
+            status = saltus_h5_refuse_part(r, "points", "event_first");
+        for (long long i = 0; i < own.count && status == SALTUS_OK; i++)
+            to->numbers[own.first + i] = k + 1;
+    }
+    free(own_events);
+    return status;
 }
 
 /* The column of an entry of a field: a parameter's or state's name, a stop's key of --set, else the field's
