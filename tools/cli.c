@@ -247,23 +247,6 @@ static int take_option(int count, char **arguments, cli_request *request) {
     return used;
 }
 
-/* Process an argument that belongs to no option: the scene, or an input file. */
-static bool take_input(char **argument, cli_request *request) {
-    int room = request->command->inputs ? request->command->inputs : 1;
-    keep_words(request, 1, argument);
-    for (int k = 0; k < request->input_count; k++)
-        if (request->command->inputs && strcmp(*argument, request->inputs[k]) == 0)
-            return cli_refuse(false, "%s: is given twice", *argument);
-    if (request->input_count < room) {
-        request->inputs[request->input_count++] = *argument;
-        return true;
-    }
-    if (request->command->inputs)
-        return cli_refuse(false, "%s: only %d files can be given", *argument, room);
-    return cli_refuse(false, "%s: unexpected; the %s is already %s", *argument,
-                      request->command->needs_scene ? "scene" : "file", request->inputs[0]);
-}
-
 bool cli_parse(const cli_command *command, int count, char **arguments, cli_request *request) {
     *request = (cli_request){.command = command,
                              .flow = saltus_flow_defaults(),
@@ -280,11 +263,26 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
         &request->classify.flow, &request->spectrum.flow, &request->sweep.flow,   &request->lyapunov.flow};
     for (size_t k = 0; k < sizeof flows / sizeof flows[0]; k++)
         flows[k]->stop = interrupt_flag();
-    for (int k = 0, used; k < count; k += used) {
-        bool option = arguments[k][0] == '-' && arguments[k][1] != '\0';
-        used = option ? take_option(count - k, arguments + k, request) : take_input(arguments + k, request);
+    const int room = command->inputs ? command->inputs : 1;
+    for (int k = 0, used = 1; k < count; k += used) {
+        const char *word = arguments[k];
+        used = word[0] == '-' && word[1] != '\0' ? take_option(count - k, arguments + k, request) : -1;
         if (used == 0)
             return false;
+        if (used > 0)
+            continue;
+        /* The scene, or an input file. */
+        used = 1;
+        keep_words(request, 1, arguments + k);
+        for (int other = 0; other < request->input_count && command->inputs; other++)
+            if (strcmp(word, request->inputs[other]) == 0)
+                return cli_refuse(false, "%s: is given twice", word);
+        if (request->input_count == room && command->inputs)
+            return cli_refuse(false, "%s: only %d files can be given", word, room);
+        if (request->input_count == room)
+            return cli_refuse(false, "%s: unexpected; the %s is already %s", word,
+                              command->needs_scene ? "scene" : "file", request->inputs[0]);
+        request->inputs[request->input_count++] = word;
     }
     request->scene = request->inputs[0];
     request->output = cli_text(request, "-o");
@@ -293,37 +291,35 @@ bool cli_parse(const cli_command *command, int count, char **arguments, cli_requ
     return true;
 }
 
-/* "column", "two-columns", "W" or "WxH". */
-static bool read_size(const char *text, double *width, double *height) {
-    char *end = NULL;
-    for (int k = 0; size_words[k]; k++)
-        if (strcmp(text, size_words[k]) == 0) {
-            *width = size_widths[k];
-            return true;
-        }
-    *width = strtod(text, &end);
-    if (end != text && *end == 'x' && isdigit((unsigned char)end[1])) {
-        *height = strtod(end + 1, &end);
-        if (!(*height > 0))
-            return false;
-    }
-    bool hexadecimal = text[0] == '0' && text[1] == 'x';
-    return isdigit((unsigned char)text[0]) && !hexadecimal && *end == '\0' && *width > 0 &&
-           isfinite(*width) && isfinite(*height);
-}
-
 /* Set the layout of figures from the options; false after a message. */
 static bool choose_look(cli_request *request) {
     saltus_figure_options *look = &request->look;
     const cli_list *logarithmic = cli_values(request, "--log");
     const char *size = cli_text(request, "--size"), *output = request->output;
+    bool sized = true;
     look->no_heading = cli_given(request, "--no-heading");
     look->title = cli_text(request, "--title");
     look->script = cli_text(request, "--keep-script");
     look->swap = cli_given(request, "--swap");
     look->logarithmic = logarithmic->items;
     look->logarithmic_count = logarithmic->count;
-    if (size && !read_size(size, &look->width, &look->height))
+    int named = 0;
+    while (size && size_words[named] && strcmp(size, size_words[named]) != 0)
+        named++;
+    if (size && size_words[named])
+        look->width = size_widths[named];
+    else if (size) { /* W or WxH */
+        char *end = NULL;
+        const bool hexadecimal = size[0] == '0' && size[1] == 'x';
+        look->width = strtod(size, &end);
+        sized = end != size && look->width > 0 && isfinite(look->width);
+        if (sized && *end == 'x' && isdigit((unsigned char)end[1])) {
+            look->height = strtod(end + 1, &end);
+            sized = look->height > 0 && isfinite(look->height);
+        }
+        sized = sized && isdigit((unsigned char)size[0]) && !hexadecimal && *end == '\0';
+    }
+    if (!sized)
         return cli_refuse(false, "--size %s: must be column, two-columns, W or WxH in mm, such as 85x100",
                           size);
     for (int k = 0; k < look->logarithmic_count; k++)
@@ -375,16 +371,12 @@ int cli_run(const cli_command *command, cli_request *request) {
     return target_close(&out, code);
 }
 
-int cli_code(saltus_status status) {
-    return status == SALTUS_OK ? CLI_DONE : status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
-}
-
 int cli_report_cause(saltus_status status, const saltus_message *message) {
     if (status == SALTUS_INTERRUPTED)
         return interrupt_report("there is no result yet");
     if (status != SALTUS_OK)
         fprintf(stderr, "saltus: %s\n", message->text[0] ? message->text : saltus_status_name(status));
-    return cli_code(status);
+    return status == SALTUS_OK ? CLI_DONE : status == SALTUS_BAD_INPUT ? CLI_BAD_INPUT : CLI_FAILED;
 }
 
 int cli_report(saltus_status status, const saltus_message *message) {

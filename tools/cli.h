@@ -176,8 +176,6 @@ long cli_whole(const cli_request *request, const char *flag);
 int cli_run(const cli_command *command, cli_request *request);
 /* The same check alone, of a command that writes to files. */
 int cli_check(const cli_command *command, cli_request *request);
-/* The exit code for a status. */
-int cli_code(saltus_status status);
 /* Print "saltus: ..." on stderr; a failure after a signal is reported as an interruption. Returns the exit
  * code for the status. */
 int cli_report(saltus_status status, const saltus_message *message);

@@ -12,17 +12,6 @@
 static const cli_option derivatives =
     CLI_OPTION("--derivatives", CLI_FLAG, NULL, "compare all derivatives with differences of whole runs");
 
-static void print_stop(const saltus_spec *spec, int s) {
-    const saltus_stop *stop = &spec->stops[s];
-    const char *law = saltus_restitution_law(spec, s);
-    printf("stop %d: %s side%s, d = %g, r = %g, ", s + 1, saltus_sides_word(stop->sides),
-           stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
-    if (law)
-        printf("which is the limit of %s at small closing speeds, ", law);
-    saltus_put_stop_place(stdout, spec, s, 6);
-    fputc('\n', stdout);
-}
-
 /* The entries of the state, and the equations of a text model. */
 static void print_equations(const saltus_system *system) {
     const int dof = saltus_system_dof(system), extra = saltus_system_extra(system),
@@ -100,8 +89,17 @@ static saltus_status check_scene(const cli_request *request, cli_setup *setup, c
     print_equations(setup->system);
     for (int k = 0; k < count; k++)
         printf("  %-6s %-12.9g %s\n", table[k].name, spec->parameters[k], table[k].meaning);
-    for (int s = 0; s < saltus_system_spec(setup->system)->stop_count; s++)
-        print_stop(saltus_system_spec(setup->system), s);
+    const saltus_spec *built = saltus_system_spec(setup->system);
+    for (int s = 0; s < built->stop_count; s++) {
+        const saltus_stop *stop = &built->stops[s];
+        const char *law = saltus_restitution_law(built, s);
+        printf("stop %d: %s side%s, d = %g, r = %g, ", s + 1, saltus_sides_word(stop->sides),
+               stop->sides == SALTUS_BOTH ? "s" : "", stop->d, stop->r);
+        if (law)
+            printf("which is the limit of %s at small closing speeds, ", law);
+        saltus_put_stop_place(stdout, built, s, 6);
+        fputc('\n', stdout);
+    }
     if (spec->stop_count)
         print_metric(setup->system);
     printf("symmetry: %s\n", !symmetric ? "none found under a change of all signs"

@@ -21,37 +21,32 @@ static void show_seeds(void *context, double done, double seeds) {
                   100 * (done - floor(done)));
 }
 
-static saltus_status classify_seeds(const cli_request *request, const cli_setup *setup, const char **cut,
-                                    saltus_message *message) {
+static saltus_status classify(const cli_request *request, cli_setup *setup, const char **cut,
+                              saltus_message *message) {
     const long seeds = cli_whole(request, "--seeds"), seed = cli_whole(request, "--seed");
     saltus_classify_options how = cli_classify_options(request);
     saltus_attractors found;
-    if (cli_shows_progress(request))
-        how.progress.show = show_seeds;
-    saltus_status status =
-        saltus_attractors_find(setup->system, (int)seeds, (unsigned long)seed, &how, &found, message);
-    cli_progress_end(request);
-    if (status != SALTUS_OK)
-        return status;
-    saltus_write_attractors(stdout, &setup->scene, setup->system, &found, cli_given(request, "--json"));
-    *cut = found.seeds < seeds ? so_far : NULL;
-    saltus_attractors_clear(&found);
-    return SALTUS_OK;
-}
-
-static saltus_status classify(const cli_request *request, cli_setup *setup, const char **cut,
-                              saltus_message *message) {
-    if (cli_given(request, "--seeds"))
-        return classify_seeds(request, setup, cut, message);
-    saltus_classify_options how = cli_classify_options(request);
     saltus_motion motion;
-    saltus_status status = saltus_classify(setup->system, setup->start.state, &how, &motion, message);
+    saltus_status status;
+    if (seeds && cli_shows_progress(request))
+        how.progress.show = show_seeds;
+    if (seeds)
+        status =
+            saltus_attractors_find(setup->system, (int)seeds, (unsigned long)seed, &how, &found, message);
+    else
+        status = saltus_classify(setup->system, setup->start.state, &how, &motion, message);
     cli_progress_end(request);
     if (status != SALTUS_OK)
         return status;
-    cli_print_motion(request, setup, &motion);
-    *cut = interrupt_asked() && motion.verdict == SALTUS_UNDECIDED ? so_far : NULL;
-    saltus_motion_clear(&motion);
+    if (seeds) {
+        saltus_write_attractors(stdout, &setup->scene, setup->system, &found, cli_given(request, "--json"));
+        *cut = found.seeds < seeds ? so_far : NULL;
+        saltus_attractors_clear(&found);
+    } else {
+        cli_print_motion(request, setup, &motion);
+        *cut = interrupt_asked() && motion.verdict == SALTUS_UNDECIDED ? so_far : NULL;
+        saltus_motion_clear(&motion);
+    }
     return SALTUS_OK;
 }
 

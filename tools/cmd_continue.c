@@ -72,37 +72,33 @@ static bool read_options(run_state *run) {
     return true;
 }
 
-/* Without forcing, start from the end of the range where the branch begins, unless --set gives the
- * parameter. */
-static saltus_status go_to_first(run_state *run, saltus_message *message) {
-    const saltus_branch_options *o = &run->options;
-    const cli_list *settings = cli_values(run->request, "--set");
-    cli_setup *setup = &run->setup;
-    char setting[SALTUS_KEY_MAX + 32];
-    if (saltus_system_forced(setup->system))
-        return SALTUS_OK;
-    for (int k = 0; k < settings->count; k++)
-        if (saltus_scene_overrides(&setup->scene, o->key[0], settings->items[k]))
-            return SALTUS_OK;
-    snprintf(setting, sizeof setting, "%s=%.17g", o->key[0], o->direction < 0 ? o->high[0] : o->low[0]);
-    saltus_status status = saltus_scene_set(&setup->scene, setting, message);
-    saltus_system_free(setup->system);
-    setup->system = NULL;
-    if (status == SALTUS_OK)
-        status = saltus_system_new(&setup->scene.spec, &setup->system, message);
-    return status == SALTUS_OK ? saltus_scene_state(&setup->scene, setup->system, setup->start.state, message)
-                               : status;
-}
-
-/* Without --from: start from the orbit that the scene settles on, or without forcing from the equilibrium. */
+/* Without --from: start from the orbit that the scene settles on, or without forcing from the equilibrium, at
+ * the end of the range where the branch begins unless --set gives the parameter. */
 static saltus_status classify_start(run_state *run, saltus_message *message) {
     saltus_classify_options how = cli_classify_options(run->request);
     how.measure = 0; /* without a period there is no orbit to start from, so the exponent is not needed */
-    saltus_start *start = &run->setup.start;
+    const saltus_branch_options *o = &run->options;
+    const cli_list *settings = cli_values(run->request, "--set");
+    cli_setup *setup = &run->setup;
+    saltus_start *start = &setup->start;
     saltus_motion motion = {0};
-    saltus_status status = go_to_first(run, message);
+    saltus_status status = SALTUS_OK;
+    bool anywhere = !saltus_system_forced(setup->system);
+    for (int k = 0; k < settings->count; k++)
+        anywhere = anywhere && !saltus_scene_overrides(&setup->scene, o->key[0], settings->items[k]);
+    if (anywhere) {
+        char setting[SALTUS_KEY_MAX + 32];
+        snprintf(setting, sizeof setting, "%s=%.17g", o->key[0], o->direction < 0 ? o->high[0] : o->low[0]);
+        status = saltus_scene_set(&setup->scene, setting, message);
+        saltus_system_free(setup->system);
+        setup->system = NULL;
+        if (status == SALTUS_OK)
+            status = saltus_system_new(&setup->scene.spec, &setup->system, message);
+        if (status == SALTUS_OK)
+            status = saltus_scene_state(&setup->scene, setup->system, start->state, message);
+    }
     if (status == SALTUS_OK)
-        status = saltus_classify(run->setup.system, start->state, &how, &motion, message);
+        status = saltus_classify(setup->system, start->state, &how, &motion, message);
     cli_progress_end(run->request);
     start->rests = status == SALTUS_OK && motion.eigenvalues;
     if (status == SALTUS_OK && motion.periods < 1 && !start->rests)
@@ -140,34 +136,28 @@ static int begin_anew(run_state *run, saltus_message *message) {
     return cli_report(status, message);
 }
 
-/* Whether the command line describes the run stored in the file. */
-static bool same_run(const run_state *run, saltus_message *message) {
-    const saltus_branch_file *file = &run->earlier;
-    const saltus_branch_options *a = &run->options, *b = &file->options;
-    saltus_scene changed = {.spec = file->spec};
-    bool same = strcmp(run->setup.scene.name, file->scene) == 0 && a->locus == b->locus &&
-                saltus_model_same(run->setup.scene.spec.model, file->spec.model);
-    for (int k = 0; k < 2; k++)
-        same = same && strcmp(a->key[k], b->key[k]) == 0 &&
-               (!a->key[k][0] || (a->low[k] == b->low[k] && a->high[k] == b->high[k]));
-    if (same && cli_apply_settings(run->request, &changed, message) == SALTUS_OK &&
-        saltus_spec_equal(&changed.spec, &file->spec))
-        return true;
-    saltus_fail(message, SALTUS_BAD_INPUT,
-                "--resume: %.200s holds another run (of %.60s in %s from %g to %g); repeat its command line",
-                run->request->output, file->scene, b->key[0], b->low[0], b->high[0]);
-    return false;
-}
-
 /* Restore the start, the options and the points of an interrupted run. */
 static int begin_again(run_state *run, saltus_message *message) {
     saltus_branch_file *file = &run->earlier;
     saltus_scene *scene = &run->setup.scene;
+    const saltus_branch_options *a = &run->options, *b = &file->options;
     saltus_status status = saltus_branch_file_read(run->request->output, file, message);
     if (status == SALTUS_OK)
         status = cli_read_scene(run->request->scene, scene, message);
-    if (status == SALTUS_OK && !same_run(run, message))
-        status = SALTUS_BAD_INPUT;
+    /* The command line must describe the run stored in the file. */
+    saltus_scene changed = {.spec = file->spec};
+    bool same = status == SALTUS_OK && strcmp(scene->name, file->scene) == 0 && a->locus == b->locus &&
+                saltus_model_same(scene->spec.model, file->spec.model);
+    for (int k = 0; k < 2; k++)
+        same = same && strcmp(a->key[k], b->key[k]) == 0 &&
+               (!a->key[k][0] || (a->low[k] == b->low[k] && a->high[k] == b->high[k]));
+    same = same && cli_apply_settings(run->request, &changed, message) == SALTUS_OK &&
+           saltus_spec_equal(&changed.spec, &file->spec);
+    if (status == SALTUS_OK && !same)
+        status = saltus_fail(message, SALTUS_BAD_INPUT,
+                             "--resume: %.200s holds another run (of %.60s in %s from %g to %g); repeat its "
+                             "command line",
+                             run->request->output, file->scene, b->key[0], b->low[0], b->high[0]);
     if (status == SALTUS_OK && file->dimension > SALTUS_SCENE_STATE_MAX)
         status =
             saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: the state is too long", run->request->output);
@@ -228,26 +218,6 @@ static saltus_status follow(run_state *run, saltus_message *message) {
     return run->interrupted ? SALTUS_OK : status;
 }
 
-/* Copy the points of the interrupted run that remain valid into the new file. */
-static saltus_status take_over(run_state *run, saltus_message *message) {
-    const saltus_branch_file *file = &run->earlier;
-    saltus_message why = {.text = ""};
-    int kept = file->complete ? file->point_count : 0;
-    saltus_status status = SALTUS_OK;
-    if (!file->complete && file->resume_count)
-        status = saltus_branch_resume(run->branch, file->resume, file->resume_count, &kept, &why);
-    if (status == SALTUS_OK && kept > file->point_count)
-        status = saltus_fail(&why, SALTUS_BAD_INPUT, "it has %d points and goes on after the %dth",
-                             file->point_count, kept);
-    if (status != SALTUS_OK)
-        return saltus_fail(message, status, "--resume: %.200s: %.300s", run->request->output, why.text);
-    if (cli_given(run->request, "--resume"))
-        status = saltus_branch_output_take_over(run->output, file, kept, message);
-    for (int k = 0; k < kept && status == SALTUS_OK; k++)
-        tell(run, &file->points[k]);
-    return status;
-}
-
 /* If Newton's method fails at the start, the start is no orbit: SALTUS_BAD_INPUT. */
 static int open_branch(run_state *run, saltus_message *message) {
     const saltus_start *start = &run->setup.start;
@@ -280,7 +250,22 @@ static int compute(run_state *run) {
         code = open_branch(run, &message);
     if (code != CLI_DONE)
         return code;
-    saltus_status status = take_over(run, &message);
+    /* The points of the interrupted run that remain valid go into the new file. */
+    const saltus_branch_file *file = &run->earlier;
+    saltus_message why = {.text = ""};
+    int kept = file->complete ? file->point_count : 0;
+    saltus_status status = SALTUS_OK;
+    if (!file->complete && file->resume_count)
+        status = saltus_branch_resume(run->branch, file->resume, file->resume_count, &kept, &why);
+    if (status == SALTUS_OK && kept > file->point_count)
+        status = saltus_fail(&why, SALTUS_BAD_INPUT, "it has %d points and goes on after the %dth",
+                             file->point_count, kept);
+    if (status != SALTUS_OK)
+        saltus_fail(&message, status, "--resume: %.200s: %.300s", run->request->output, why.text);
+    else if (cli_given(run->request, "--resume"))
+        status = saltus_branch_output_take_over(run->output, file, kept, &message);
+    for (int k = 0; k < kept && status == SALTUS_OK; k++)
+        tell(run, &file->points[k]);
     if (status == SALTUS_OK && !run->earlier.complete)
         status = follow(run, &message);
     bool complete = status == SALTUS_OK && !run->interrupted && !ferror(stdout);
@@ -288,16 +273,16 @@ static int compute(run_state *run) {
     run->output = NULL;
     /* The special points in the file as a table. */
     if (!cli_given(run->request, "--json") && status == SALTUS_OK && written == SALTUS_OK && run->rows) {
-        saltus_branch_file file = {.point_count = 0};
-        status = saltus_branch_file_read(run->request->output, &file, &message);
+        saltus_branch_file made = {.point_count = 0};
+        status = saltus_branch_file_read(run->request->output, &made, &message);
         if (status == SALTUS_OK) {
             const bool quiet = cli_given(run->request, "--quiet");
             printf("%s: %d point%s on %d branch%s%s%s\n", run->setup.scene.name, run->rows,
                    run->rows == 1 ? "" : "s", run->branches, run->branches == 1 ? "" : "es",
                    quiet ? "" : " in ", quiet ? "" : run->request->output);
-            saltus_write_branch_text(stdout, &file);
+            saltus_write_branch_text(stdout, &made);
         }
-        saltus_branch_file_clear(&file);
+        saltus_branch_file_clear(&made);
     }
     if (status != SALTUS_OK || written != SALTUS_OK)
         return cli_report(status != SALTUS_OK ? status : written, status != SALTUS_OK ? &message : &closing);

@@ -17,44 +17,11 @@ static void show(void *context, double done, double at_most) {
     progress_line("%.0f %% of at most %.0f periods%s", 100 * done / at_most, at_most, found);
 }
 
-/* Print the numbers first, so that they are not lost if the figure fails. */
-static saltus_status deliver(const cli_request *request, const cli_setup *setup,
-                             const saltus_lyapunov_options *how, const saltus_lyapunov *result,
-                             saltus_message *message) {
-    const bool json = cli_given(request, "--json");
-    (json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, &setup->scene, setup->system,
-                                                                     how, result);
-    if (!request->output)
-        return SALTUS_OK;
-    saltus_status status = saltus_write_convergence(request->output, &setup->scene, setup->system, how,
-                                                    result, &request->look, message);
-    return json ? status : cli_tell_written(request, "convergence", status);
-}
-
-/* The exponents of an orbit or an equilibrium given by --from follow from its multipliers or eigenvalues. */
-static saltus_status take_orbit(const cli_request *request, cli_setup *setup,
-                                const saltus_lyapunov_options *how, saltus_lyapunov *result,
-                                saltus_message *message) {
-    saltus_classify_options describing = saltus_classify_defaults();
-    saltus_motion motion;
-    if (request->output)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "-o %.200s: the exponents of %s converge to nothing, they are those of its %s",
-                           request->output, setup->start.rests ? "an equilibrium" : "an orbit",
-                           setup->start.rests ? "eigenvalues" : "multipliers");
-    describing.flow = how->flow;
-    saltus_status status = cli_orbit(request, setup, &describing, &motion, message);
-    int count = how->exponents ? how->exponents : saltus_system_dimension(setup->system);
-    if (status == SALTUS_OK)
-        status = saltus_motion_exponents(setup->system, &motion, &how->flow, count, result, message);
-    saltus_motion_clear(&motion);
-    return status;
-}
-
 static saltus_status measure(const cli_request *request, cli_setup *setup, const char **cut,
                              saltus_message *message) {
     const int given = request->lyapunov.exponents, dimension = saltus_system_dimension(setup->system);
-    const bool all = cli_given(request, "--all"), shown = cli_shows_progress(request);
+    const bool all = cli_given(request, "--all"), shown = cli_shows_progress(request),
+               json = cli_given(request, "--json");
     saltus_lyapunov_options how = request->lyapunov;
     saltus_lyapunov result = {0};
     saltus_status status;
@@ -66,9 +33,17 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
                            given);
     if (how.exponents > dimension)
         return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %d: the scene has %d", given, dimension);
-    if (cli_on_orbit(setup))
-        status = take_orbit(request, setup, &how, &result, message);
-    else {
+    if (cli_on_orbit(setup)) {
+        /* The exponents of an orbit or an equilibrium follow from its multipliers or eigenvalues. */
+        saltus_classify_options describing = saltus_classify_defaults();
+        saltus_motion motion = {0};
+        describing.flow = how.flow;
+        status = cli_orbit(request, setup, &describing, &motion, message);
+        const int count = how.exponents ? how.exponents : saltus_system_dimension(setup->system);
+        if (status == SALTUS_OK)
+            status = saltus_motion_exponents(setup->system, &motion, &how.flow, count, &result, message);
+        saltus_motion_clear(&motion);
+    } else {
         how.progress = (saltus_progress){shown ? show : NULL, &result};
         if (shown)
             progress_line("settling: %lld periods", how.transient);
@@ -76,8 +51,16 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
         interrupted = result.interrupted;
         cli_progress_end(request);
     }
+    /* The numbers come first, so that they are not lost if the figure fails. */
     if (status == SALTUS_OK)
-        status = deliver(request, setup, &how, &result, message);
+        (json ? saltus_write_lyapunov_json : saltus_write_lyapunov_text)(stdout, &setup->scene, setup->system,
+                                                                         &how, &result);
+    if (status == SALTUS_OK && request->output) {
+        status = saltus_write_convergence(request->output, &setup->scene, setup->system, &how, &result,
+                                          &request->look, message);
+        if (!json)
+            cli_tell_written(request, "convergence", status);
+    }
     if (status == SALTUS_OK && interrupted)
         *cut = "the numbers rest on what was measured so far";
     saltus_lyapunov_clear(&result);

@@ -24,67 +24,14 @@ static void print_step(void *context, int iteration, double residual, const char
     fprintf(stderr, "step %2d  residual %.3e  %s\n", iteration, residual, what);
 }
 
-/* With forcing: an orbit of `periods` forcing periods. Without: one of as many returns to the section, or the
- * orbit of --from. */
-static saltus_status find_orbit(const cli_request *request, const cli_setup *setup, int periods,
-                                saltus_motion *motion, saltus_message *message) {
-    const saltus_start *start = &setup->start;
-    const bool forced = saltus_system_forced(setup->system);
-    saltus_classify_options describing = saltus_classify_defaults();
-    saltus_orbit_options how = request->orbit;
-    saltus_orbit orbit = {0};
-    describing.flow = forced ? how.flow : request->harvest.flow;
-    if (!forced)
-        return start->own_period && periods == start->periods
-                   ? saltus_motion_cycle(setup->system, start->state, &describing, motion, message)
-                   : saltus_motion_returning(setup->system, start->state, periods, &describing, motion,
-                                             message);
-    if (how.tolerance < 100 * how.flow.rtol)
-        how.tolerance = 100 * how.flow.rtol;
-    if (cli_given(request, "--verbose"))
-        how.history = print_step;
-    saltus_status status = saltus_orbit_find(setup->system, periods, start->state, &how, &orbit, message);
-    if (status == SALTUS_OK)
-        status = saltus_motion_describe(setup->system, &orbit, &describing, motion, message);
-    saltus_orbit_clear(&orbit);
-    return status;
-}
-
-/* Newton's method from the settled trajectory, the file's orbit, or its mirror image; without a period an
- * equilibrium is found. */
-static saltus_status find_one(const cli_request *request, cli_setup *setup, int periods,
-                              saltus_message *message) {
-    const saltus_equilibrium_options how = saltus_equilibrium_defaults();
-    const saltus_flow_options *flow = &request->orbit.flow;
-    const long transient = cli_whole(request, "--transient");
-    double *state = setup->start.state;
-    saltus_equilibrium rest = {0};
-    saltus_motion motion = {0};
-    saltus_status status = SALTUS_OK;
-    if (!cli_on_orbit(setup))
-        status = saltus_motion_settle(setup->system, flow, transient, state, message);
-    if (status == SALTUS_OK && cli_given(request, "--mirror"))
-        status = saltus_motion_mirror(setup->system, flow, state, message);
-    if (status == SALTUS_OK)
-        status = periods ? find_orbit(request, setup, periods, &motion, message)
-                         : saltus_equilibrium_find(setup->system, state, &how, &rest, message);
-    if (status == SALTUS_OK && periods)
-        cli_print_motion(request, setup, &motion);
-    else if (status == SALTUS_OK)
-        (cli_given(request, "--json") ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(
-            stdout, &setup->scene, setup->system, &rest);
-    saltus_equilibrium_clear(&rest);
-    saltus_motion_clear(&motion);
-    return status;
-}
-
 static void show_share(void *context, double done, double all) {
     (void)context;
     progress_line("searching: %3.0f %%", 100 * done / all);
 }
 
 /* All orbits along a trajectory; in JSON one object per orbit and line, in the format of classify. */
-static saltus_status harvest(const cli_request *request, const cli_setup *setup, saltus_message *message) {
+static saltus_status harvest(const cli_request *request, const cli_setup *setup, const char **cut,
+                             saltus_message *message) {
     const int longest = (int)cli_whole(request, "--periods");
     const bool json = cli_given(request, "--json");
     saltus_classify_options describing = saltus_classify_defaults();
@@ -112,19 +59,59 @@ static saltus_status harvest(const cli_request *request, const cli_setup *setup,
         saltus_motion_clear(&motion);
     }
     saltus_harvest_clear(&found);
+    if (status == SALTUS_OK && interrupt_asked())
+        *cut = "these are the orbits found so far";
     return status;
 }
 
+/* Newton's method from the settled trajectory, the file's orbit, or its mirror image. With forcing: an orbit
+ * of `periods` forcing periods; without: one of as many returns to the section, or the orbit of --from, and
+ * without periods an equilibrium. */
 static saltus_status find_orbits(const cli_request *request, cli_setup *setup, const char **cut,
                                  saltus_message *message) {
+    if (cli_given(request, "--unstable"))
+        return harvest(request, setup, cut, message);
     const int given = (int)cli_whole(request, "--periods"), periods = given ? given : setup->start.periods;
-    if (!cli_given(request, "--unstable") && !periods && saltus_system_forced(setup->system))
+    const bool forced = saltus_system_forced(setup->system), json = cli_given(request, "--json");
+    const saltus_equilibrium_options resting = saltus_equilibrium_defaults();
+    const saltus_start *start = &setup->start;
+    saltus_classify_options describing = saltus_classify_defaults();
+    saltus_orbit_options how = request->orbit;
+    double *state = setup->start.state;
+    saltus_equilibrium rest = {0};
+    saltus_orbit orbit = {0};
+    saltus_motion motion = {0};
+    saltus_status status = SALTUS_OK;
+    if (!periods && forced)
         return saltus_fail(message, SALTUS_BAD_INPUT, "orbit: needs --periods p, or --from an orbit");
-    if (!cli_given(request, "--unstable"))
-        return find_one(request, setup, periods, message);
-    saltus_status status = harvest(request, setup, message);
-    if (status == SALTUS_OK && interrupt_asked())
-        *cut = "these are the orbits found so far";
+    describing.flow = forced ? how.flow : request->harvest.flow;
+    if (how.tolerance < 100 * how.flow.rtol)
+        how.tolerance = 100 * how.flow.rtol;
+    if (cli_given(request, "--verbose"))
+        how.history = print_step;
+    if (!cli_on_orbit(setup))
+        status = saltus_motion_settle(setup->system, &request->orbit.flow, cli_whole(request, "--transient"),
+                                      state, message);
+    if (status == SALTUS_OK && cli_given(request, "--mirror"))
+        status = saltus_motion_mirror(setup->system, &request->orbit.flow, state, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (!periods)
+        status = saltus_equilibrium_find(setup->system, state, &resting, &rest, message);
+    else if (!forced && start->own_period && periods == start->periods)
+        status = saltus_motion_cycle(setup->system, state, &describing, &motion, message);
+    else if (!forced)
+        status = saltus_motion_returning(setup->system, state, periods, &describing, &motion, message);
+    else if ((status = saltus_orbit_find(setup->system, periods, state, &how, &orbit, message)) == SALTUS_OK)
+        status = saltus_motion_describe(setup->system, &orbit, &describing, &motion, message);
+    if (status == SALTUS_OK && periods)
+        cli_print_motion(request, setup, &motion);
+    else if (status == SALTUS_OK)
+        (json ? saltus_write_equilibrium_json : saltus_write_equilibrium_text)(stdout, &setup->scene,
+                                                                               setup->system, &rest);
+    saltus_equilibrium_clear(&rest);
+    saltus_orbit_clear(&orbit);
+    saltus_motion_clear(&motion);
     return status;
 }
 

@@ -39,12 +39,6 @@ static const cli_option over = CLI_OPTION("--over", CLI_FILES, "file.h5 ...",
                                           "draw files of saltus continue over a sweep: branches over a "
                                           "diagram, curves of special points over a map");
 
-/* The data that the plot options point to. */
-typedef struct plot_wishes {
-    saltus_plot_part parts[CLI_LIST_MAX];
-    saltus_plot_label labels[CLI_LIST_MAX];
-} plot_wishes;
-
 /* Read "key=value," at the beginning of a text; returns the rest, or NULL. */
 static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double *value) {
     size_t length = strcspn(text, "=,");
@@ -56,20 +50,20 @@ static const char *read_place(const char *text, char key[SALTUS_KEY_MAX], double
     return end && *end == ',' ? end + 1 : NULL;
 }
 
-static bool read_wishes(const cli_list *ranges, const cli_list *labels, plot_wishes *wishes) {
-    for (int k = 0; k < ranges->count; k++) {
-        saltus_plot_part *part = &wishes->parts[k];
-        if (!cli_parse_range("--range", ranges->items[k], part->key, &part->low, &part->high))
+/* Read the values of --range and --label; false after a message. */
+static bool read_wishes(const cli_list *ranges, saltus_plot_part *parts, const cli_list *texts,
+                        saltus_plot_label *labels) {
+    for (int k = 0; k < ranges->count; k++)
+        if (!cli_parse_range("--range", ranges->items[k], parts[k].key, &parts[k].low, &parts[k].high))
             return false;
-    }
-    for (int k = 0; k < labels->count; k++) {
-        saltus_plot_label *wanted = &wishes->labels[k];
-        const char *rest = labels->items[k];
+    for (int k = 0; k < texts->count; k++) {
+        saltus_plot_label *wanted = &labels[k];
+        const char *rest = texts->items[k];
         for (int axis = 0; axis < 2 && rest; axis++)
             rest = read_place(rest, wanted->key[axis], &wanted->value[axis]);
         if (!rest || !*rest)
             return cli_refuse(false, "--label %s: must have the form key=value,key=value,text",
-                              labels->items[k]);
+                              texts->items[k]);
         wanted->text = rest;
     }
     return true;
@@ -84,11 +78,12 @@ static int run(const cli_request *request) {
     const char *first = request->inputs[0];
     saltus_message message = {.text = ""};
     saltus_status status;
-    plot_wishes wishes;
+    saltus_plot_part parts[CLI_LIST_MAX];
+    saltus_plot_label placed[CLI_LIST_MAX];
     int shown = -1, viewed = -1;
     if (!first || !request->output)
         return cli_refuse(CLI_BAD_INPUT, "plot: needs a file and -o figure.png, figure.pdf or figure.svg");
-    if (!cli_choose(request, "--show", shows, &shown) || !read_wishes(ranges, labels, &wishes))
+    if (!cli_choose(request, "--show", shows, &shown) || !read_wishes(ranges, parts, labels, placed))
         return CLI_BAD_INPUT;
     if (strcmp(saltus_file_identify(first).kind, "trajectory") == 0) {
         if (several || shows_what || has_view || ranges->count || labels->count || over->count ||
@@ -105,7 +100,7 @@ static int run(const cli_request *request) {
                 "plot: --view and --over are of one sweep, --show and --label of files of saltus continue");
         const saltus_sweep_view how = {.look = *look,
                                        .view = (saltus_view)(viewed + 1),
-                                       .parts = wishes.parts,
+                                       .parts = parts,
                                        .part_count = ranges->count,
                                        .branches = over->items,
                                        .branch_count = over->count};
@@ -114,9 +109,9 @@ static int run(const cli_request *request) {
         saltus_plot_options how = saltus_plot_defaults();
         how.look = *look;
         how.show = (saltus_show)(shown + 1);
-        how.parts = wishes.parts;
+        how.parts = parts;
         how.part_count = ranges->count;
-        how.labels = wishes.labels;
+        how.labels = placed;
         how.label_count = labels->count;
         status = saltus_plot(request->output, request->inputs, request->input_count, &how, &message);
     }

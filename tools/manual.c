@@ -190,30 +190,26 @@ void manual_topic_page(const manual_topic *topic, FILE *file) {
     put_see(topic->see, file);
 }
 
-static void put_program_page(FILE *file) {
-    fputs(
-        ".SH NAME\nsaltus \\- non\\-smooth dynamics of structures that hit rigid stops\n"
-        ".SH SYNOPSIS\n\\fBsaltus\\fR \\fIcommand\\fR ...\n.br\n\\fBsaltus help\\fR [\\fIcommand\\fR]\n.br\n"
-        "\\fBsaltus \\-\\-version\\fR\n.SH COMMANDS\n",
-        file);
-    for (int k = 0; manual_commands[k]; k++)
-        fprintf(file, ".TP\n.BR saltus\\-%s (1)\n%s\n", manual_commands[k]->name,
-                manual_commands[k]->summary);
-    for (int k = 0; manual_topics[k]; k++)
-        fprintf(file, ".TP\n.BR saltus\\-%s (5)\n%s\n", manual_topics[k]->name, manual_topics[k]->summary);
-    fputs(".SH NOTES\n", file);
-    put_roff(scenes_and_exits, ".PP", file);
-    fputs("\n.SH EXAMPLES\n.TP\n\\fBsaltus classify impact\\-oscillator\\fR\nwhat the scene settles on\n"
-          ".TP\n\\fBsaltus scenes impact\\-oscillator > mine.yaml\\fR\na scene to change\n",
-          file);
-}
-
 void manual_page(const cli_command *command, FILE *file) {
     cli_entry entry;
     char text[SALTUS_FIELD_TEXT_MAX];
     put_title(command ? command->name : "", "1 \"\" \"Saltus " SALTUS_VERSION "\" \"User commands\"", file);
     if (!command) {
-        put_program_page(file);
+        fputs(".SH NAME\nsaltus \\- non\\-smooth dynamics of structures that hit rigid stops\n"
+              ".SH SYNOPSIS\n\\fBsaltus\\fR \\fIcommand\\fR ...\n.br\n"
+              "\\fBsaltus help\\fR [\\fIcommand\\fR]\n.br\n\\fBsaltus \\-\\-version\\fR\n.SH COMMANDS\n",
+              file);
+        for (int k = 0; manual_commands[k]; k++)
+            fprintf(file, ".TP\n.BR saltus\\-%s (1)\n%s\n", manual_commands[k]->name,
+                    manual_commands[k]->summary);
+        for (int k = 0; manual_topics[k]; k++)
+            fprintf(file, ".TP\n.BR saltus\\-%s (5)\n%s\n", manual_topics[k]->name,
+                    manual_topics[k]->summary);
+        put_part(".SH NOTES\n", scenes_and_exits,
+                 "\n.SH EXAMPLES\n.TP\n\\fBsaltus classify impact\\-oscillator\\fR\nwhat the scene "
+                 "settles on\n.TP\n\\fBsaltus scenes impact\\-oscillator > mine.yaml\\fR\na scene to "
+                 "change\n",
+                 file);
         return;
     }
     fprintf(file, ".SH NAME\nsaltus\\-%s \\- %s\n.SH SYNOPSIS\n\\fBsaltus %s\\fR ", command->name,
@@ -295,34 +291,32 @@ void manual_completion(FILE *file) {
           file);
 }
 
-/* Write a file with a page, that of the program if `command` and `topic` are NULL, or with the completion. */
-static bool write_file(const char *folder, const char *name, const cli_command *command,
-                       const manual_topic *topic) {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "w");
-    if (file && strcmp(name, "saltus.bash") == 0)
-        manual_completion(file);
-    else if (file && topic)
-        manual_topic_page(topic, file);
-    else if (file)
-        manual_page(command, file);
-    bool good = file && !ferror(file);
-    if ((file && fclose(file) != 0) || !good)
-        return cli_refuse(false, "%s: cannot be written: %s", path, strerror(errno));
-    return true;
-}
-
 int manual_write(const char *folder) {
-    char name[64];
-    bool good = write_file(folder, "saltus.1", NULL, NULL) && write_file(folder, "saltus.bash", NULL, NULL);
-    for (int k = 0; manual_commands[k] && good; k++) {
-        snprintf(name, sizeof name, "saltus-%s.1", manual_commands[k]->name);
-        good = write_file(folder, name, manual_commands[k], NULL);
+    int commands = 0, topics = 0;
+    while (manual_commands[commands])
+        commands++;
+    while (manual_topics[topics])
+        topics++;
+    /* The program's page, the completion, then the pages of commands and topics. */
+    for (int k = -2; k < commands + topics; k++) {
+        const cli_command *command = k >= 0 && k < commands ? manual_commands[k] : NULL;
+        const manual_topic *topic = k >= commands ? manual_topics[k - commands] : NULL;
+        char path[4096];
+        if (k < 0)
+            snprintf(path, sizeof path, "%s/saltus.%s", folder, k == -2 ? "1" : "bash");
+        else
+            snprintf(path, sizeof path, "%s/saltus-%s.%s", folder, command ? command->name : topic->name,
+                     command ? "1" : "5");
+        FILE *file = fopen(path, "w");
+        if (file && k == -1)
+            manual_completion(file);
+        else if (file && topic)
+            manual_topic_page(topic, file);
+        else if (file)
+            manual_page(command, file);
+        bool good = file && !ferror(file);
+        if ((file && fclose(file) != 0) || !good)
+            return cli_refuse(CLI_FAILED, "%s: cannot be written: %s", path, strerror(errno));
     }
-    for (int k = 0; manual_topics[k] && good; k++) {
-        snprintf(name, sizeof name, "saltus-%s.5", manual_topics[k]->name);
-        good = write_file(folder, name, NULL, manual_topics[k]);
-    }
-    return good ? CLI_DONE : CLI_FAILED;
+    return CLI_DONE;
 }

@@ -24,20 +24,6 @@ static void put_word(FILE *file, const char *word) {
     fputc('\'', file);
 }
 
-static char *command_line(const cli_request *request) {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *file = open_memstream(&text, &length);
-    if (!file)
-        return NULL;
-    fprintf(file, "saltus %s", request->command->name);
-    for (int k = 0; k < request->word_count; k++) {
-        fputc(' ', file);
-        put_word(file, request->words[k]);
-    }
-    return saltus_close_text(file, &text);
-}
-
 /* The text of a built-in scene or of a file; NULL if there is none or memory is lacking. Other inputs, such
  * as pipes, have been consumed already. */
 static char *scene_text(const char *name, bool *memory) {
@@ -69,9 +55,18 @@ saltus_status cli_origin_new(const cli_request *request, cli_origin *origin, sal
     time_t now = epoch && end != epoch && *end == '\0' ? (time_t)seconds : time(NULL);
     struct tm parts;
     bool memory = true;
+    size_t length = 0;
     if (!gmtime_r(&now, &parts) || !strftime(origin->date, sizeof origin->date, "%Y-%m-%dT%H:%M:%SZ", &parts))
         origin->date[0] = '\0';
-    origin->command = command_line(request);
+    origin->command = NULL;
+    FILE *file = open_memstream(&origin->command, &length);
+    if (file)
+        fprintf(file, "saltus %s", request->command->name);
+    for (int k = 0; k < request->word_count && file; k++) {
+        fputc(' ', file);
+        put_word(file, request->words[k]);
+    }
+    origin->command = saltus_close_text(file, &origin->command);
     origin->scene = request->scene ? scene_text(request->scene, &memory) : NULL;
     origin->told = (saltus_origin){origin->command, origin->date, origin->scene};
     if (origin->command && memory)

@@ -53,10 +53,18 @@ typedef struct sweep_sink {
     atomic_llong points; /* points in the file, those of earlier runs included */
 } sweep_sink;
 
+/* How a rank has prepared or ended its part. */
+typedef struct rank_outcome {
+    saltus_status status;
+    saltus_message message;
+} rank_outcome;
+
 /* What the threads of a rank share. */
 typedef struct sweep_exchange {
     const saltus_sweep *sweep; /* NULL if this rank failed to make it */
     int ranks, here;
+    rank_outcome *all;           /* room on the first rank for those of all */
+    progress bar;                /* of the attending thread */
     volatile sig_atomic_t *stop; /* computing threads read it without the lock */
     pthread_mutex_t lock;        /* held to use what follows but `sink`, and anything of ranks.h */
     pthread_cond_t changed;
@@ -68,12 +76,6 @@ typedef struct sweep_exchange {
     sweep_mail mail;
     sweep_sink sink;
 } sweep_exchange;
-
-/* How a rank has prepared or ended its part. */
-typedef struct rank_outcome {
-    saltus_status status;
-    saltus_message message;
-} rank_outcome;
 
 saltus_status sweep_tally_add(sweep_tally *tally, const saltus_sweep_row *row, saltus_message *message) {
     char label[32];
@@ -142,34 +144,31 @@ static saltus_status write_result(sweep_exchange *exchange, const saltus_sweep_r
     return status;
 }
 
-/* Take further numbers of tasks: several at a time while plenty remain, towards the end one, so that no rank
- * is idle there. The caller holds the lock. */
-static void take_numbers(sweep_exchange *exchange) {
+/* The next task; -1: none, or stop. The first rank waits until every other rank has its first tasks. */
+static long long next_task(void *context) {
     enum { usual_lanes = 8, at_a_time = 4 };
+    sweep_exchange *exchange = context;
     sweep_queue *queue = &exchange->queue;
     const saltus_sweep_options *how = saltus_sweep_choices(exchange->sweep);
     /* Approximate number of trajectories that this rank computes at a time. */
     const int hands = (how->lanes ? how->lanes : usual_lanes) * (how->threads ? how->threads : 1);
-    const long long share = (queue->tasks - queue->end) / (2 * exchange->ranks), most = at_a_time * hands;
-    const long long wish = exchange->here == 0 || share < 1 ? 1 : share < most ? share : most;
-    queue->next = ranks_count_up(&exchange->counters, COUNT_TASKS, wish);
-    queue->end = queue->next + wish < queue->tasks ? queue->next + wish : queue->tasks;
-    if (exchange->here > 0 && !queue->met)
-        ranks_count_up(&exchange->counters, COUNT_MET, 1);
-    queue->met |= exchange->here > 0;
-}
-
-/* The next task; -1: none, or stop. The first rank waits until every other rank has its first tasks. */
-static long long next_task(void *context) {
-    sweep_exchange *exchange = context;
-    sweep_queue *queue = &exchange->queue;
     long long task = -1;
     pthread_mutex_lock(&exchange->lock);
     while (!*exchange->stop && exchange->here == 0 && !queue->met)
         pthread_cond_wait(&exchange->changed, &exchange->lock);
     while (task < 0 && !*exchange->stop) {
-        if (queue->next >= queue->end)
-            take_numbers(exchange);
+        if (queue->next >= queue->end) {
+            /* Further numbers of tasks: several at a time while plenty remain, towards the end one, so that
+             * no rank is idle there. */
+            const long long share = (queue->tasks - queue->end) / (2 * exchange->ranks),
+                            most = at_a_time * hands;
+            const long long wish = exchange->here == 0 || share < 1 ? 1 : share < most ? share : most;
+            queue->next = ranks_count_up(&exchange->counters, COUNT_TASKS, wish);
+            queue->end = queue->next + wish < queue->tasks ? queue->next + wish : queue->tasks;
+            if (exchange->here > 0 && !queue->met)
+                ranks_count_up(&exchange->counters, COUNT_MET, 1);
+            queue->met |= exchange->here > 0;
+        }
         if (queue->next >= queue->end)
             break;
         task = (queue->longest + queue->next++) % queue->tasks;
@@ -262,17 +261,10 @@ static bool look_around(sweep_exchange *exchange) {
     return over;
 }
 
-/* Arguments of the attending thread. */
-typedef struct attendant {
-    sweep_exchange *exchange;
-    progress *bar;
-} attendant;
-
 /* Handle signals, packets and progress until this rank's part is over. */
 static void *attend(void *context) {
     static const double nap = 1e-4, longest_nap = 2e-3, alone = 0.1;
-    const attendant *own = context;
-    sweep_exchange *exchange = own->exchange;
+    sweep_exchange *exchange = context;
     const bool together = exchange->ranks > 1;
     double pause = nap;
     for (bool over = false; !over;) {
@@ -283,7 +275,7 @@ static void *attend(void *context) {
             busy = true;
         over = look_around(exchange);
         if (exchange->here == 0)
-            progress_show(own->bar, exchange->sink.points);
+            progress_show(&exchange->bar, exchange->sink.points);
         pause = busy ? nap : pause < longest_nap ? 2 * pause : pause;
         if (!over && !busy) {
             /* Wait until the threads have ended, or for the given time. */
@@ -302,10 +294,9 @@ static void *attend(void *context) {
 }
 
 /* Collect how all ranks have fared; the first rank gets the reason of any failure. */
-static saltus_status gather(const sweep_exchange *exchange, rank_outcome *all, saltus_status status,
-                            saltus_message *message) {
-    const rank_outcome own = {status, *message};
-    ranks_gather(&own, sizeof own, all);
+static saltus_status gather(const sweep_exchange *exchange, saltus_status status, saltus_message *message) {
+    const rank_outcome own = {status, *message}, *all = exchange->all;
+    ranks_gather(&own, sizeof own, exchange->all);
     for (int k = 1; k < exchange->ranks && exchange->here == 0 && status == SALTUS_OK; k++) {
         status = all[k].status;
         if (status != SALTUS_OK)
@@ -316,11 +307,10 @@ static saltus_status gather(const sweep_exchange *exchange, rank_outcome *all, s
 }
 
 /* Compute this rank's part. */
-static saltus_status compute(sweep_exchange *exchange, progress *bar, saltus_message *message) {
-    attendant own = {exchange, bar};
+static saltus_status compute(sweep_exchange *exchange, saltus_message *message) {
     pthread_t thread;
     const saltus_sweep_feed feed = {.context = exchange, .next = next_task, .take = take_result};
-    const bool attended = pthread_create(&thread, NULL, attend, &own) == 0;
+    const bool attended = pthread_create(&thread, NULL, attend, exchange) == 0;
     saltus_status status = attended
                                ? saltus_sweep_run(exchange->sweep, &feed, message)
                                : saltus_fail(message, SALTUS_NO_MEMORY, "no further thread can be started");
@@ -333,23 +323,9 @@ static saltus_status compute(sweep_exchange *exchange, progress *bar, saltus_mes
     if (attended)
         pthread_join(thread, NULL);
     else
-        attend(&own);
+        attend(exchange);
     *message = exchange->message;
     return exchange->status;
-}
-
-/* Before the ranks meet: find the longest tasks, and make room for the list of those done by an earlier run.
- */
-static saltus_status prepare(sweep_exchange *exchange, const sweep_order *order, saltus_message *message) {
-    const saltus_sweep *sweep = exchange->sweep;
-    sweep_queue *queue = &exchange->queue;
-    queue->tasks = saltus_sweep_tasks(sweep);
-    while (queue->longest < queue->tasks && saltus_sweep_task_length(sweep, queue->longest) == 1)
-        queue->longest++;
-    queue->settled = order->resume ? calloc((size_t)queue->tasks / 8 + 1, 1) : NULL;
-    return order->resume && !queue->settled
-               ? saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the list of tasks")
-               : SALTUS_OK;
 }
 
 /* On the first rank: open the file before anything is computed, and mark the tasks done by an earlier run. */
@@ -373,36 +349,43 @@ static saltus_status open_output(sweep_exchange *exchange, const sweep_order *or
 
 /* Run a sweep from the preparations of all ranks to the completed file; returns the exit code, the same on
  * all. */
-static int run_exchange(sweep_exchange *exchange, const sweep_order *order, rank_outcome *all,
-                        saltus_status status, saltus_message *message, sweep_report *report) {
+static int run_exchange(sweep_exchange *exchange, const sweep_order *order, saltus_status status,
+                        saltus_message *message, sweep_report *report) {
     const bool first = exchange->here == 0;
     const char *where = order->to_stdout ? "standard output" : order->path;
     sweep_queue *queue = &exchange->queue;
     saltus_message closing = {.text = ""};
-    progress bar;
-    if (status == SALTUS_OK)
-        status = prepare(exchange, order, message);
+    /* Before the ranks meet: find the longest tasks, and make room for the list of those done by an earlier
+     * run. */
+    if (status == SALTUS_OK) {
+        queue->tasks = saltus_sweep_tasks(order->sweep);
+        while (queue->longest < queue->tasks && saltus_sweep_task_length(order->sweep, queue->longest) == 1)
+            queue->longest++;
+        queue->settled = order->resume ? calloc((size_t)queue->tasks / 8 + 1, 1) : NULL;
+        if (order->resume && !queue->settled)
+            status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the list of tasks");
+    }
     /* A signal arrived before the start: leave the file as it is. */
     if (status == SALTUS_OK && interrupt_asked())
         status = saltus_fail(message, SALTUS_INTERRUPTED, "interrupted");
-    status = gather(exchange, all, status, message);
+    status = gather(exchange, status, message);
     if (status == SALTUS_OK && first)
         status = open_output(exchange, order, message);
     const bool begun = ranks_agree(status == SALTUS_OK);
     const long long places =
         begun ? saltus_sweep_points(order->sweep) * saltus_sweep_pass_count(order->sweep) : 0;
     double begin = saltus_seconds();
-    progress_begin(&bar, order->quiet, places, exchange->sink.points);
+    progress_begin(&exchange->bar, order->quiet, places, exchange->sink.points);
     if (begun) {
         if (queue->settled)
             ranks_share(queue->settled, (size_t)queue->tasks / 8 + 1);
         ranks_counters_open(&exchange->counters);
-        status = gather(exchange, all, compute(exchange, &bar, message), message);
+        status = gather(exchange, compute(exchange, message), message);
     }
     report->seconds = saltus_seconds() - begin;
-    progress_wipe(&bar, "writing ...");
+    progress_wipe(&exchange->bar, "writing ...");
     saltus_status written = saltus_sweep_output_close(exchange->sink.output, &closing);
-    progress_wipe(&bar, NULL);
+    progress_wipe(&exchange->bar, NULL);
     report->tally = exchange->sink.tally;
     report->computed = exchange->sink.computed;
     int code = CLI_DONE;
@@ -428,9 +411,10 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
     if (order->sweep)
         report->rows = saltus_sweep_rows(order->sweep);
     sweep_exchange *exchange = calloc(1, sizeof *exchange);
-    rank_outcome *all = calloc((size_t)report->ranks, sizeof *all);
     int code = CLI_FAILED;
-    if (exchange && all) {
+    if (exchange)
+        exchange->all = calloc((size_t)report->ranks, sizeof *exchange->all);
+    if (exchange && exchange->all) {
         exchange->sweep = order->sweep;
         exchange->ranks = report->ranks;
         exchange->here = ranks_here();
@@ -441,14 +425,15 @@ int run_sweep(const sweep_order *order, saltus_status status, const saltus_messa
         pthread_condattr_destroy(&clock);
         pthread_mutex_init(&exchange->lock, NULL);
         pthread_mutex_init(&exchange->sink.writing, NULL);
-        code = run_exchange(exchange, order, all, status, &message, report);
+        code = run_exchange(exchange, order, status, &message, report);
         free(exchange->queue.settled);
         pthread_mutex_destroy(&exchange->sink.writing);
         pthread_mutex_destroy(&exchange->lock);
         pthread_cond_destroy(&exchange->changed);
     } else
         fprintf(stderr, "saltus: no memory\n");
-    free(all);
+    if (exchange)
+        free(exchange->all);
     free(exchange);
     return code;
 }

@@ -32,17 +32,6 @@ static double percent(long long part, long long whole) {
     return whole > 0 ? 100 * (double)part / (double)whole : 0;
 }
 
-/* Trajectories without an attractor, by what is told of each. */
-static saltus_status count_others(const saltus_sweep_file *file, sweep_tally *others,
-                                  saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    for (long long k = 0; k < file->row_count && status == SALTUS_OK; k++)
-        if (file->rows[k].attractor < 0)
-            status = sweep_tally_add(others, &file->rows[k], message);
-    sweep_tally_sort(others);
-    return status;
-}
-
 /* Number of trajectories in the tally: all in the file, or without a file those of this run. */
 static long long counted(const sweep_report *report) {
     long long sum = 0;
@@ -189,8 +178,11 @@ static saltus_status print_report(const sweep_order *order, sweep_report *report
             shares[file.rows[k].attractor].count++;
     if (shares)
         qsort(shares, (size_t)file.attractor_count, sizeof *shares, larger_share);
-    if (status == SALTUS_OK && shares)
-        status = count_others(&file, &none, message);
+    /* Trajectories without an attractor, by what is told of each. */
+    for (long long k = 0; k < file.row_count && shares && status == SALTUS_OK; k++)
+        if (file.rows[k].attractor < 0)
+            status = sweep_tally_add(&none, &file.rows[k], message);
+    sweep_tally_sort(&none);
     sweep_tally_sort(&report->tally);
     if (status == SALTUS_OK && json)
         put_json(order, report, &file, shares);

@@ -18,8 +18,6 @@ typedef struct place {
     const char *const *endings;
 } place;
 
-static const char *const data_endings[] = {".h5", NULL};
-
 __attribute__((format(printf, 3, 4))) static int refuse(int code, const place *p, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
@@ -28,12 +26,6 @@ __attribute__((format(printf, 3, 4))) static int refuse(int code, const place *p
     fputc('\n', stderr);
     va_end(arguments);
     return code;
-}
-
-static bool has_ending(const char *path, const char *const *endings) {
-    while (*endings && !saltus_path_ends(path, *endings))
-        endings++;
-    return *endings;
 }
 
 /* Write a list of endings: ".png, .pdf or .svg". */
@@ -45,25 +37,6 @@ static void list_endings(const char *const *endings, char text[64]) {
                                  : endings[k + 1] ? ", "
                                                   : " or ",
                                  endings[k]);
-}
-
-/* Check the folder of an output file. */
-static int check_folder(const place *p) {
-    struct stat facts;
-    char folder[4096] = ".";
-    const char *slash = strrchr(p->path, '/');
-    if (slash && (size_t)(slash - p->path) + 1 >= sizeof folder)
-        return refuse(CLI_FAILED, p, "the name is too long");
-    if (slash)
-        snprintf(folder, sizeof folder, "%.*s", (int)(slash > p->path ? slash - p->path : 1), p->path);
-    const char *called = slash ? "the folder " : "the current folder", *name = slash ? folder : "";
-    if (stat(folder, &facts) != 0)
-        return refuse(CLI_FAILED, p, "%s%s cannot be used: %s", called, name, strerror(errno));
-    if (!S_ISDIR(facts.st_mode))
-        return refuse(CLI_FAILED, p, "%s is no folder", folder);
-    if (access(folder, W_OK | X_OK) != 0)
-        return refuse(CLI_FAILED, p, "in %s%s nothing can be written: %s", called, name, strerror(errno));
-    return CLI_DONE;
 }
 
 /* Whether an input, possibly followed by ":" and a part, is this file. */
@@ -118,11 +91,13 @@ static int check_earlier(const cli_command *command, const cli_request *request,
 
 static int check_place(const cli_command *command, const cli_request *request, const place *p) {
     struct stat facts;
-    char endings[64];
-    bool there = stat(p->path, &facts) == 0;
+    char endings[64], folder[4096] = ".";
+    bool there = stat(p->path, &facts) == 0, ends = !p->endings;
     if (there && S_ISDIR(facts.st_mode))
         return refuse(CLI_FAILED, p, "is a folder, not a file that can be written");
-    if (p->endings && !has_ending(p->path, p->endings)) {
+    for (int k = 0; p->endings && p->endings[k]; k++)
+        ends = ends || saltus_path_ends(p->path, p->endings[k]);
+    if (!ends) {
         list_endings(p->endings, endings);
         return refuse(CLI_BAD_INPUT, p, "the ending must be %s", endings);
     }
@@ -142,27 +117,20 @@ static int check_place(const cli_command *command, const cli_request *request, c
         return CLI_DONE;
     if (there && access(p->path, W_OK) != 0)
         return refuse(CLI_FAILED, p, "cannot be written: %s", strerror(errno));
-    int code = check_folder(p);
-    return code == CLI_DONE ? check_earlier(command, request, p, there) : code;
-}
-
-/* Check the files of --data: the record, and gnuplot's script beside it. */
-static int check_data(const cli_command *command, const cli_request *request) {
-    char script[4096];
-    struct stat one, other;
-    const char *path = cli_text(request, "--data");
-    const place data = {"--data", path, data_endings};
-    int code = check_place(command, request, &data);
-    if (code != CLI_DONE)
-        return code;
-    if ((size_t)snprintf(script, sizeof script, "%.*s.gp", (int)(strlen(path) - strlen(".h5")), path) >=
-        sizeof script)
-        return refuse(CLI_FAILED, &data, "the name is too long");
-    if (stat(path, &one) == 0 && stat(request->output, &other) == 0 && one.st_dev == other.st_dev &&
-        one.st_ino == other.st_ino)
-        return refuse(CLI_BAD_INPUT, &data, "is the same file as -o %s", request->output);
-    const place beside = {"--data", script, NULL};
-    return cli_given(request, "--keep-script") ? CLI_DONE : check_place(command, request, &beside);
+    /* The folder that it is, or will be, in. */
+    const char *slash = strrchr(p->path, '/');
+    if (slash && (size_t)(slash - p->path) + 1 >= sizeof folder)
+        return refuse(CLI_FAILED, p, "the name is too long");
+    if (slash)
+        snprintf(folder, sizeof folder, "%.*s", (int)(slash > p->path ? slash - p->path : 1), p->path);
+    const char *called = slash ? "the folder " : "the current folder", *name = slash ? folder : "";
+    if (stat(folder, &facts) != 0)
+        return refuse(CLI_FAILED, p, "%s%s cannot be used: %s", called, name, strerror(errno));
+    if (!S_ISDIR(facts.st_mode))
+        return refuse(CLI_FAILED, p, "%s is no folder", folder);
+    if (access(folder, W_OK | X_OK) != 0)
+        return refuse(CLI_FAILED, p, "in %s%s nothing can be written: %s", called, name, strerror(errno));
+    return check_earlier(command, request, p, there);
 }
 
 static void go_on(int number) {
@@ -227,53 +195,60 @@ int target_open(const cli_command *command, cli_request *request, target *out) {
                           cli_text(request, "--format"));
     if (!request->output)
         return CLI_DONE;
-    static const char *const script_endings[] = {".gp", NULL};
+    static const char *const script_endings[] = {".gp", NULL}, *const data_endings[] = {".h5", NULL};
     const place result = {"-o", request->output, command->endings},
                 script = {"--keep-script", cli_text(request, "--keep-script"), script_endings};
     int code = to_stdout ? divert(command, request, out) : check_place(command, request, &result);
     if (code == CLI_DONE && script.path)
         code = check_place(command, request, &script);
-    return code == CLI_DONE && cli_given(request, "--data") ? check_data(command, request) : code;
+    const char *path = cli_text(request, "--data");
+    if (code != CLI_DONE || !path)
+        return code;
+    /* The record of --data, and gnuplot's script beside it. */
+    char beside[4096];
+    struct stat one, other;
+    const place data = {"--data", path, data_endings}, data_script = {"--data", beside, NULL};
+    if ((code = check_place(command, request, &data)) != CLI_DONE)
+        return code;
+    if ((size_t)snprintf(beside, sizeof beside, "%.*s.gp", (int)(strlen(path) - strlen(".h5")), path) >=
+        sizeof beside)
+        return refuse(CLI_FAILED, &data, "the name is too long");
+    if (stat(path, &one) == 0 && stat(request->output, &other) == 0 && one.st_dev == other.st_dev &&
+        one.st_ino == other.st_ino)
+        return refuse(CLI_BAD_INPUT, &data, "is the same file as -o %s", request->output);
+    return script.path ? CLI_DONE : check_place(command, request, &data_script);
 }
 
-/* Copy the file to standard output. Returns 0 or the errno of reading or, if *writing, of writing. A missing
- * file is no error. */
-static int copy(const char *path, bool *writing) {
+int target_close(target *out, int code) {
     char block[65536];
     size_t length;
-    int reason = 0;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return errno == ENOENT ? 0 : errno;
-    while (!reason && (length = fread(block, 1, sizeof block, file)) > 0)
+    int reason = 0, writing = 0; /* the errno of a failure, and of one in writing */
+    if (!out->folder[0])
+        return code;
+    fflush(stdout);
+    dup2(out->descriptor, STDOUT_FILENO);
+    close(out->descriptor);
+    FILE *file = fopen(out->path, "rb");
+    if (!file && errno != ENOENT)
+        reason = errno;
+    while (file && !reason && (length = fread(block, 1, sizeof block, file)) > 0)
         for (size_t done = 0; done < length && !reason;) {
             const ssize_t put = write(STDOUT_FILENO, block + done, length - done);
             if (put >= 0)
                 done += (size_t)put;
             else if (errno != EINTR)
-                reason = errno;
+                reason = writing = errno;
         }
-    *writing = reason != 0;
-    if (!reason && ferror(file))
+    if (file && !reason && ferror(file))
         reason = errno;
-    fclose(file);
-    return reason;
-}
-
-int target_close(target *out, int code) {
-    if (!out->folder[0])
-        return code;
-    bool writing = false;
-    fflush(stdout);
-    dup2(out->descriptor, STDOUT_FILENO);
-    close(out->descriptor);
-    const int reason = copy(out->path, &writing);
+    if (file)
+        fclose(file);
     unlink(out->path);
     unlink(out->journal);
     rmdir(out->folder);
     interrupt_clears(NULL);
     signal(SIGPIPE, out->broken_pipe);
-    if (writing && reason == EPIPE && out->broken_pipe == SIG_DFL)
+    if (writing == EPIPE && out->broken_pipe == SIG_DFL)
         raise(SIGPIPE);
     if (reason)
         code = cli_refuse(code ? code : CLI_FAILED,

@@ -23,7 +23,7 @@ from collections import Counter, defaultdict
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from sites import Finder
 
-ROOMS = ("base", "signal", "system", "scene", "flow", "map", "orbit", "branch", "motion", "sweep", "io", "record",
+ROOMS = ("base", "signal", "system", "scene", "flow", "map", "orbit", "branch", "motion", "sweep", "record",
          "figure")
 MUST_REACH = ("flow", "orbit", "motion", "sweep")
 COPIED = ("CMakeLists.txt", "CMakePresets.json", "src", "include", "tools", "tests", "data")
@@ -154,8 +154,6 @@ def write_tree(root, tree, chosen, finder):
                 text = stream.read()
             for start, end, new in sorted(edits.get(name, []), reverse=True):
                 text = text[:start] + new.encode() + text[end:]
-            if name == "CMakeLists.txt":
-                text = text.replace(b"set(SALTUS_SOURCES\n", b"set(SALTUS_SOURCES\n    src/base/saltus_mutant.c\n")
             put(os.path.join(tree, name), text, os.stat(os.path.join(root, name)).st_mode)
             wanted.add(name)
     put(os.path.join(tree, "src/base/saltus_mutant.h"), SELECTOR_H.encode(), 0o644)

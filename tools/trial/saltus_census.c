@@ -117,20 +117,6 @@ static saltus_verdict verdict_of(const row *r) {
     return SALTUS_PERIODIC;
 }
 
-static bool is_wrong(const row *r) {
-    const witness *seen = &r->seen;
-    switch (verdict_of(r)) {
-    case SALTUS_CHAOTIC:
-        return seen->settled > 0;
-    case SALTUS_QUASIPERIODIC:
-        return seen->settled > 0 || !(fabs(seen->exponent) <= 3 * seen->error);
-    case SALTUS_LONG_PERIOD:
-        return seen->exponent > 3 * seen->error;
-    default:
-        return false;
-    }
-}
-
 static void count(counts *c, const row *r) {
     saltus_verdict verdict = verdict_of(r);
     if (verdict == SALTUS_CHAOTIC)
@@ -181,7 +167,14 @@ static row look(unsigned long seed, int k) {
     r.lifetime_at_least = motion.evidence.lifetime_at_least;
     saltus_motion_clear(&motion);
     saltus_system_free(system);
-    snprintf(r.judgement, sizeof r.judgement, "%s", is_wrong(&r) ? "wrong" : "");
+    const saltus_verdict verdict = verdict_of(&r);
+    const bool regular = r.seen.settled > 0;
+    const bool wrong = verdict == SALTUS_CHAOTIC ? regular
+                       : verdict == SALTUS_QUASIPERIODIC
+                           ? regular || !(fabs(r.seen.exponent) <= 3 * r.seen.error)
+                       : verdict == SALTUS_LONG_PERIOD ? r.seen.exponent > 3 * r.seen.error
+                                                       : false;
+    snprintf(r.judgement, sizeof r.judgement, "%s", wrong ? "wrong" : "");
     return r;
 }
 
