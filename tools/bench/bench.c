@@ -6,15 +6,16 @@
  * time of repeated runs, the evaluations of the vector field (for Taylor series: orders), and the error of
  * the leading multipliers with the CPU time when tangent vectors are carried along.
  *
- * usage: saltus_bench [--quick] [--only problem] [--to folder] [--cost-only] [folder of references]
- * Tables go to `folder` (work-precision.csv, cost.csv, README.md), a summary to the standard output.
+ * usage: saltus_bench [--quick] [--only problem] [--to folder] [--cost-only] [--modes] [folder of references]
+ * Tables go to `folder` (work-precision.csv, cost.csv, README.md), a summary to the standard output. With
+ * --modes the only output is a table of pipes with few to many modes (modes.c).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "cost.h"
 #include "report.h"
 
 typedef struct request {
     const char *references, *to, *only;
-    bool quick, cost_only;
+    bool quick, cost_only, modes;
     effort effort;
 } request;
 
@@ -55,20 +56,6 @@ static void measure_all(const request *q, results *r) {
         }
 }
 
-static FILE *open_output(const request *q, const char *name) {
-    char path[1024];
-    snprintf(path, sizeof path, "%s/%s", q->to, name);
-    FILE *file = fopen(path, "w");
-    if (!file)
-        fprintf(stderr, "saltus_bench: %s cannot be written\n", path);
-    return file;
-}
-
-static bool close_output(FILE *file) {
-    const bool written = file && !ferror(file);
-    return (file == NULL || fclose(file) == 0) && written;
-}
-
 static void write_page(FILE *page, const results *r, const cost_table *costs) {
     fprintf(page, "# Error against run time, and what each feature costs\n\nMade by `tools/bench.sh`.\n\n");
     report_machine(page, "- ");
@@ -95,21 +82,29 @@ static void write_page(FILE *page, const results *r, const cost_table *costs) {
 }
 
 static bool write_all(const request *q, const results *r, const cost_table *costs) {
-    FILE *csv = q->cost_only ? NULL : open_output(q, "work-precision.csv");
-    FILE *cost = open_output(q, "cost.csv"), *page = q->cost_only ? NULL : open_output(q, "README.md");
-    if (csv) {
-        report_machine(csv, "# ");
-        report_csv(csv, r);
+    static const char *const names[] = {"cost.csv", "work-precision.csv", "README.md"};
+    bool done = true;
+    for (int k = 0; k < (q->cost_only ? 1 : 3); k++) {
+        char path[1024];
+        snprintf(path, sizeof path, "%s/%s", q->to, names[k]);
+        FILE *file = fopen(path, "w");
+        done = done && file;
+        if (!file) {
+            fprintf(stderr, "saltus_bench: %s cannot be written\n", path);
+            continue;
+        }
+        if (k < 2)
+            report_machine(file, "# ");
+        if (k == 0)
+            cost_csv(file, costs);
+        else if (k == 1)
+            report_csv(file, r);
+        else
+            write_page(file, r, costs);
+        done = !ferror(file) && done;
+        done = fclose(file) == 0 && done;
     }
-    if (cost) {
-        report_machine(cost, "# ");
-        cost_csv(cost, costs);
-    }
-    if (page)
-        write_page(page, r, costs);
-    const bool done[] = {q->cost_only || close_output(csv), close_output(cost),
-                         q->cost_only || close_output(page)};
-    return done[0] && done[1] && done[2];
+    return done;
 }
 
 static bool read_arguments(int count, char **arguments, request *q) {
@@ -119,6 +114,8 @@ static bool read_arguments(int count, char **arguments, request *q) {
             q->quick = true;
         else if (strcmp(arguments[k], "--cost-only") == 0)
             q->cost_only = true;
+        else if (strcmp(arguments[k], "--modes") == 0)
+            q->modes = true;
         else if (strcmp(arguments[k], "--only") == 0 && k + 1 < count)
             q->only = arguments[++k];
         else if (strcmp(arguments[k], "--to") == 0 && k + 1 < count)
@@ -133,47 +130,41 @@ static bool read_arguments(int count, char **arguments, request *q) {
 }
 
 int main(int count, char **arguments) {
+    static problem places[problems_max];
+    static cost_table costs;
+    static results r = {.methods = {{"Saltus Taylor", "taylor", SALTUS_TAYLOR, NULL},
+                                    {"Saltus Radau", "radau", SALTUS_RADAU, NULL},
+                                    {"Saltus mixed", "mixed", SALTUS_MIXED, NULL}},
+                        .method_count = 3};
     request q;
     if (!read_arguments(count, arguments, &q)) {
-        fprintf(stderr, "usage: saltus_bench [--quick] [--only problem] [--cost-only] [--to folder] "
-                        "[folder of references]\n");
+        fprintf(stderr, "usage: saltus_bench [--quick] [--only problem] [--cost-only] [--modes] "
+                        "[--to folder] [folder of references]\n");
         return 2;
     }
-    problem *places = calloc(problems_max, sizeof *places);
-    results *r = calloc(1, sizeof *r);
-    cost_table *costs = calloc(1, sizeof *costs);
-    bool done = places && r && costs;
-    if (done) {
-        *r = (results){.methods = {{"Saltus Taylor", "taylor", SALTUS_TAYLOR, NULL},
-                                   {"Saltus Radau", "radau", SALTUS_RADAU, NULL},
-                                   {"Saltus mixed", "mixed", SALTUS_MIXED, NULL}},
-                       .method_count = 3};
-        for (int k = 0; k < saltus_rival_count && r->method_count < methods_max; k++)
-            r->methods[r->method_count++] =
-                (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};
-        for (int digits = 3; digits <= 15; digits += q.quick ? 3 : 1)
-            r->tolerances[r->tolerance_count++] = pow(10, -digits);
-        for (size_t k = 0; k < sizeof known / sizeof known[0] && !q.cost_only; k++) {
-            problem *p = &places[r->problem_count];
-            if (q.only && strcmp(q.only, known[k][0]) != 0)
-                continue;
-            if (problem_open(q.references, known[k][0], known[k][1], p))
-                r->problems[r->problem_count++] = p;
-            else
-                fprintf(stderr, "saltus_bench: %s/%s.json cannot be read: left out\n", q.references,
-                        known[k][0]);
-        }
-        measure_all(&q, r);
-        done = (q.only || cost_measure(costs, q.quick)) && write_all(&q, r, costs);
-        printf("\n");
-        report_summary(stdout, r);
-        report_worst(stdout, r);
-        cost_print(stdout, costs);
-        for (int p = 0; p < r->problem_count; p++)
-            problem_close(r->problems[p]);
+    for (int k = 0; k < saltus_rival_count && r.method_count < methods_max; k++)
+        r.methods[r.method_count++] =
+            (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};
+    if (q.modes)
+        return !modes_print(&r);
+    for (int digits = 3; digits <= 15; digits += q.quick ? 3 : 1)
+        r.tolerances[r.tolerance_count++] = pow(10, -digits);
+    for (size_t k = 0; k < sizeof known / sizeof known[0] && !q.cost_only; k++) {
+        problem *p = &places[r.problem_count];
+        if (q.only && strcmp(q.only, known[k][0]) != 0)
+            continue;
+        if (problem_open(q.references, known[k][0], known[k][1], p))
+            r.problems[r.problem_count++] = p;
+        else
+            fprintf(stderr, "saltus_bench: %s/%s.json cannot be read: left out\n", q.references, known[k][0]);
     }
-    free(costs);
-    free(r);
-    free(places);
+    measure_all(&q, &r);
+    const bool done = (q.only || cost_measure(&costs, q.quick)) && write_all(&q, &r, &costs);
+    printf("\n");
+    report_summary(stdout, &r);
+    report_worst(stdout, &r);
+    cost_print(stdout, &costs);
+    for (int p = 0; p < r.problem_count; p++)
+        problem_close(r.problems[p]);
     return done ? 0 : 1;
 }

@@ -15,70 +15,66 @@
 
 enum { repeats = 3 };
 
-/* One measured run. */
-typedef struct measured {
-    double seconds;
-    long points, special, iterations, evaluations;
-    long ruled; /* points with all multipliers resolved */
-    double residual, sum_rule;
-} measured;
+/* What Newton's method took in a run. */
+typedef struct effort {
+    long iterations, evaluations;
+} effort;
 
 static void count_iteration(void *context, int iteration, double residual, const char *what) {
-    measured *m = context;
+    effort *e = context;
     (void)residual;
     (void)what;
-    m->evaluations++;
-    m->iterations += iteration > 0;
+    e->evaluations++;
+    e->iterations += iteration > 0;
 }
 
-static bool run(const reference *r, double step_max, measured *m) {
+/* Print the line of a largest step. */
+static bool measure(const reference *r, double step_max) {
     saltus_branch_options options = saltus_branch_defaults();
     saltus_message message = {.text = ""};
-    saltus_branch *branch = NULL;
-    const saltus_branch_point *point = NULL;
-    *m = (measured){0};
+    effort spent;
+    double seconds[repeats], residual = 0, sum_rule = 0;
+    long points = 0, special = 0, ruled = 0; /* ruled: with all multipliers resolved */
+    saltus_status status = SALTUS_OK;
     snprintf(options.key[0], sizeof options.key[0], "omega");
     options.low[0] = 35;
     options.high[0] = 56;
     options.step_max = step_max;
     options.orbit.history = count_iteration;
-    options.orbit.context = m;
-    double begin = processor_seconds();
-    saltus_status status = saltus_branch_new(&r->spec, r->periods, r->states[0], &options, &branch, &message);
-    while (status == SALTUS_OK) {
-        status = saltus_branch_step(branch, &point, &message);
-        if (!point)
-            break;
-        m->points++;
-        m->special += point->kind != SALTUS_POINT_REGULAR;
-        m->residual = fmax(m->residual, point->residual);
-        /* At grazing the monodromy matrix is unbounded. */
-        const double off = fabs(point->log_volume - point->sum_rule);
-        if (point->kind != SALTUS_POINT_GR && !isnan(off)) {
-            m->ruled++;
-            m->sum_rule = fmax(m->sum_rule, off);
+    options.orbit.context = &spent;
+    for (int k = 0; k < repeats && status == SALTUS_OK; k++) {
+        saltus_branch *branch = NULL;
+        const saltus_branch_point *point = NULL;
+        const double begin = processor_seconds();
+        spent = (effort){0, 0};
+        points = special = ruled = 0;
+        status = saltus_branch_new(&r->spec, r->periods, r->states[0], &options, &branch, &message);
+        while (status == SALTUS_OK) {
+            status = saltus_branch_step(branch, &point, &message);
+            if (!point)
+                break;
+            points++;
+            special += point->kind != SALTUS_POINT_REGULAR;
+            residual = fmax(residual, point->residual);
+            /* At grazing the monodromy matrix is unbounded. */
+            const double off = fabs(point->log_volume - point->sum_rule);
+            if (point->kind != SALTUS_POINT_GR && !isnan(off)) {
+                ruled++;
+                sum_rule = fmax(sum_rule, off);
+            }
         }
+        seconds[k] = processor_seconds() - begin;
+        saltus_branch_free(branch);
     }
-    m->seconds = processor_seconds() - begin;
-    saltus_branch_free(branch);
-    if (status != SALTUS_OK)
+    if (status != SALTUS_OK) {
         fprintf(stderr, "saltus_branch_bench: %s\n", message.text);
-    return status == SALTUS_OK;
-}
-
-static bool measure(const reference *r, double step_max) {
-    measured m;
-    double seconds[repeats];
-    for (int k = 0; k < repeats; k++) {
-        if (!run(r, step_max, &m))
-            return false;
-        seconds[k] = m.seconds;
+        return false;
     }
     gsl_sort(seconds, 1, repeats);
-    double total = gsl_stats_median_from_sorted_data(seconds, 1, repeats), points = (double)m.points;
-    printf("| %g | %ld | %ld | %.2f | %.2f | %.1f | %.1f | %.1e | %.1e (%ld) |\n", step_max, m.points,
-           m.special, total, 1e3 * total / points, (double)m.iterations / points,
-           (double)m.evaluations / points, m.residual, m.sum_rule, m.ruled);
+    const double total = gsl_stats_median_from_sorted_data(seconds, 1, repeats), each = (double)points;
+    printf("| %g | %ld | %ld | %.2f | %.2f | %.1f | %.1f | %.1e | %.1e (%ld) |\n", step_max, points, special,
+           total, 1e3 * total / each, (double)spent.iterations / each, (double)spent.evaluations / each,
+           residual, sum_rule, ruled);
     return true;
 }
 

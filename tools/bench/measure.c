@@ -55,13 +55,30 @@ static bool around(const problem *p, saltus_flow *flow, const double *start, out
     return true;
 }
 
-static bool run_own(const problem *p, const method *m, double rtol, int batch, outcome *out,
-                    double *tangents) {
+/* The mean over a batch of runs from a state. */
+static bool run(const problem *p, const method *m, double rtol, int batch, const double *start, outcome *out,
+                double *tangents) {
+    if (m->rival) {
+        rival_event events[happened_max];
+        rival_result result = {.events = events,
+                               .capacity = happened_max,
+                               .state = out->state,
+                               .tangents = tangents,
+                               .repeats = batch};
+        if (!m->rival->run(&p->scene, start, p->orbit.periods, rtol, rtol, &result))
+            return false;
+        out->events.count = 0;
+        for (int k = 0; k < result.count && k < result.capacity; k++)
+            note(&out->events, "isr"[events[k].kind], events[k].time_over_T);
+        out->evaluations = (double)result.field_evaluations;
+        out->seconds = result.cpu_seconds;
+        return true;
+    }
     saltus_flow *flow = open_flow(p, m->own, rtol, tangents != NULL);
     bool done = flow != NULL;
     const double before = processor_seconds();
     for (int b = 0; b < batch && done; b++)
-        done = around(p, flow, p->orbit.states[0], out);
+        done = around(p, flow, start, out);
     out->seconds = (processor_seconds() - before) / batch;
     if (done) {
         saltus_flow_state(flow, 0, out->state);
@@ -73,36 +90,13 @@ static bool run_own(const problem *p, const method *m, double rtol, int batch, o
     return done;
 }
 
-static bool run_rival(const problem *p, const method *m, double rtol, int batch, const double *start,
-                      outcome *out, double *tangents) {
-    rival_event events[happened_max];
-    rival_result result = {.events = events,
-                           .capacity = happened_max,
-                           .state = out->state,
-                           .tangents = tangents,
-                           .repeats = batch};
-    if (m->rival->run(&p->scene, start, p->orbit.periods, rtol, rtol, &result) != RIVAL_OK)
-        return false;
-    out->events.count = 0;
-    for (int k = 0; k < result.count && k < result.capacity; k++)
-        note(&out->events, "isr"[events[k].kind], events[k].time_over_T);
-    out->evaluations = (double)result.field_evaluations;
-    out->seconds = result.cpu_seconds;
-    return true;
-}
-
-static bool run(const problem *p, const method *m, double rtol, int batch, outcome *out, double *tangents) {
-    return m->rival ? run_rival(p, m, rtol, batch, p->orbit.states[0], out, tangents)
-                    : run_own(p, m, rtol, batch, out, tangents);
-}
-
 /* The median over repeated batches; the first run determines the length and number of batches. */
 static bool repeat(const problem *p, const method *m, double rtol, const effort *e, outcome *out,
                    double *tangents) {
     enum { repeats_max = 64, batch_max = 2000 };
     const double shortest_batch = 3e-4;
     double seconds[repeats_max];
-    if (!run(p, m, rtol, 1, out, tangents))
+    if (!run(p, m, rtol, 1, p->start, out, tangents))
         return false;
     if (out->seconds > e->patience)
         return true;
@@ -110,7 +104,7 @@ static bool repeat(const problem *p, const method *m, double rtol, const effort 
     int repeats = (int)fmin(fmin(repeats_max, e->repeats), e->budget / (batch * out->seconds));
     repeats = repeats < 3 ? 3 : repeats;
     for (int k = 0; k < repeats; k++) {
-        if (!run(p, m, rtol, batch, out, tangents))
+        if (!run(p, m, rtol, batch, p->start, out, tangents))
             return false;
         seconds[k] = out->seconds;
     }
@@ -128,9 +122,9 @@ static bool differentiate(const problem *p, const method *m, double rtol, outcom
         const double step = cbrt(rtol) * (displacement ? 1e-2 : 1);
         for (int sign = 1; sign >= -1; sign -= 2) {
             double start[reference_dimension];
-            memcpy(start, p->orbit.states[0], (size_t)n * sizeof *start);
+            memcpy(start, p->start, (size_t)n * sizeof *start);
             start[j] += sign * step;
-            if (!run_rival(p, m, rtol, 1, start, out, NULL))
+            if (!run(p, m, rtol, 1, start, out, NULL))
                 return false;
             seconds += out->seconds;
             evaluations += out->evaluations;

@@ -11,6 +11,7 @@ enum { happened_max = 4096 };
 typedef struct problem {
     const char *name, *what;
     reference orbit;
+    const double *start; /* from which a run once around ends in the orbit's first section state */
     saltus_system *system;
     rival_scene scene;
     rival_oscillator oscillator;
@@ -21,6 +22,9 @@ typedef struct problem {
 
 /* Read folder/name.json; false if it is missing or no reference orbit. */
 bool problem_open(const char *folder, const char *name, const char *what, problem *p);
+/* A pipe of so many modes at omega = 42, nearly settled: its problem is the next forcing period, without
+ * events or multipliers. False after a message. */
+bool problem_pipe(int modes, bool stop, problem *p);
 void problem_close(problem *p);
 
 /* The contact events of a run in order: 'i' impact, 's' stick, 'r' release; times in T. */

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { reference_events = 512, reference_periods = 16, reference_dimension = 64 };
+enum { reference_events = 512, reference_periods = 16, reference_dimension = 128 };
 
 typedef struct reference {
     char *text;

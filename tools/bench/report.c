@@ -154,40 +154,32 @@ void report_summary(FILE *file, const results *r) {
     print_ratios(file, r, of_motion, "CPU time over our best at error 1e-6 / 1e-9 / 1e-12");
 }
 
-typedef struct defeats {
-    int all, of_one_mode;
-} defeats;
-
-/* List the cases where a rival reaches an error sooner, or is the only one to reach it. */
-static void print_defeats(FILE *file, const results *r, quantity q, const char *what, defeats *count) {
-    for (int p = 0; p < r->problem_count; p++)
-        for (int e = 0; e < levels; e++)
-            for (int m = 0; m < r->method_count; m++) {
-                const double time = time_at(r, p, m, errors[e], q);
-                const double ours = best_of_ours(r, p, errors[e], q);
-                if (!r->methods[m].rival || isnan(time) || time >= ours)
-                    continue;
-                count->all++;
-                count->of_one_mode += r->problems[p]->orbit.n == 2;
-                fprintf(file, "- %s, %s %.0e: %s takes %.4g µs, ours ", r->problems[p]->name, what, errors[e],
-                        r->methods[m].name, 1e6 * time);
-                fprintf(file, isnan(ours) ? "does not reach it\n" : "%.4g µs\n", 1e6 * ours);
-            }
-}
-
 void report_details(FILE *file, const results *r) {
-    defeats count = {0, 0};
+    int defeats = 0, of_one_mode = 0;
     fprintf(file, "### Multipliers\n\nThe same for an error of the two leading Floquet multipliers, the time "
                   "with tangent vectors included. Ours are carried along by the flow; the rivals integrate "
                   "the variational equations with the state and apply the saltation matrix at each impact; "
                   "CVODE BDF takes central differences of its period map.\n\n");
     print_ratios(file, r, of_multipliers, "CPU time over our best at error 1e-6 / 1e-9 / 1e-12");
     fprintf(file, "### Where ours is not the fastest\n\n");
-    print_defeats(file, r, of_motion, "error", &count);
-    print_defeats(file, r, of_multipliers, "multipliers' error", &count);
-    if (count.all == 0)
+    /* The cases where a rival reaches an error sooner, or is the only one to reach it. */
+    for (int k = 0; k < 2 * r->problem_count * levels; k++)
+        for (int m = 0; m < r->method_count; m++) {
+            const quantity q = k / levels < r->problem_count ? of_motion : of_multipliers;
+            const int p = k / levels % r->problem_count, e = k % levels;
+            const double time = time_at(r, p, m, errors[e], q), ours = best_of_ours(r, p, errors[e], q);
+            if (!r->methods[m].rival || isnan(time) || time >= ours)
+                continue;
+            defeats++;
+            of_one_mode += r->problems[p]->orbit.n == 2;
+            fprintf(file, "- %s, %s %.0e: %s takes %.4g µs, ours ", r->problems[p]->name,
+                    q == of_motion ? "error" : "multipliers' error", errors[e], r->methods[m].name,
+                    1e6 * time);
+            fprintf(file, isnan(ours) ? "does not reach it\n" : "%.4g µs\n", 1e6 * ours);
+        }
+    if (defeats == 0)
         fprintf(file, "Nowhere in this run.\n");
-    if (count.of_one_mode > 0)
+    if (of_one_mode > 0)
         fprintf(file, "\nWith one mode or mass an evaluation of the vector field costs little more than its "
                       "call, while a Taylor coefficient of order k takes a product of k terms for each "
                       "nonlinearity: where little accuracy is asked, a Runge-Kutta method of order eight "

@@ -28,5 +28,7 @@ void report_details(FILE *file, const results *r);
 void report_asked(FILE *file, const results *r);
 /* Sentences on the worst factors between error and tolerance, and on the smallest error. */
 void report_worst(FILE *file, const results *r);
+/* modes.c: print the methods' times on pipes with few to many modes at equal error. False after a message. */
+bool modes_print(const results *r);
 
 #endif

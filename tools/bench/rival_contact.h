@@ -168,19 +168,6 @@ static inline void release(struct scene_field *field, double tau, double *state,
     field->contact_order = 3;
 }
 
-static inline bool valid(const rival_scene *scene, const double *state0, int periods, double rtol,
-                         double atol, const rival_result *result) {
-    if (!scene || !state0 || !result || !result->state || scene->modes < 1 || !(scene->omega > 0) ||
-        periods < 0 || !(rtol >= 0) || !(atol > 0) || (!result->events && result->capacity > 0))
-        return false;
-    if (scene->sides != RIVAL_FREE &&
-        (!(scene->r >= 0 && scene->r <= 1) || (scene->sides == RIVAL_BOTH && !(scene->d > 0))))
-        return false;
-    return scene->oscillator
-               ? scene->modes <= 2
-               : scene->beta >= 0 && (scene->sides == RIVAL_FREE || (scene->xi > 0 && scene->xi < 1));
-}
-
 /* Returns to the start, in free flight or held by the stop; tangent vectors become the identity matrix. */
 static inline void start_over(struct scene_field *field, rival_result *result) {
     const size_t length = 2 * (size_t)field->modes;
@@ -201,20 +188,16 @@ static inline void start_over(struct scene_field *field, rival_result *result) {
                   pressing(field, face, 0, field->vector), field->vector, result);
 }
 
-static inline int begin(const rival_scene *scene, const double *state0, double rtol, double atol, int periods,
-                        const rival_result *result, struct scene_field **made) {
-    if (!valid(scene, state0, periods, rtol, atol, result))
-        return RIVAL_BAD_ARGUMENT;
+/* The field of a run, to be freed; NULL without memory, or if the start lies beyond the stop. */
+static inline struct scene_field *begin(const rival_scene *scene, const double *state0, double rtol,
+                                        double atol, const rival_result *result) {
     struct scene_field *field = new_field(scene, state0, result->tangents != NULL, rtol, atol);
-    if (!field)
-        return RIVAL_NO_MEMORY;
-    for (int face = 0; face < field->faces; face++)
+    for (int face = 0; field && face < field->faces; face++)
         if (contact_gap(field, face, state0) > field->tolerance) {
             free(field);
-            return RIVAL_BAD_ARGUMENT;
+            field = NULL;
         }
-    *made = field;
-    return RIVAL_OK;
+    return field;
 }
 
 static inline void hand_out(const struct scene_field *field, const double *vector, rival_result *result) {
@@ -226,17 +209,17 @@ static inline void hand_out(const struct scene_field *field, const double *vecto
 }
 
 /* The run as often as asked for, each time from the start, and the mean time that it takes. */
-static inline int run_repeatedly(struct scene_field *field, int periods, rival_result *result,
-                                 int integrate(void *run, double end, rival_result *result), void *run) {
+static inline bool run_repeatedly(struct scene_field *field, int periods, rival_result *result,
+                                  bool integrate(void *run, double end, rival_result *result), void *run) {
     const int repeats = result->repeats > 1 ? result->repeats : 1;
     const double before = processor_seconds();
-    int status = RIVAL_OK;
-    for (int k = 0; k < repeats && status == RIVAL_OK; k++) {
+    bool done = true;
+    for (int k = 0; k < repeats && done; k++) {
         start_over(field, result);
-        status = integrate(run, periods * (2 * pi / field->omega), result);
+        done = integrate(run, periods * (2 * pi / field->omega), result);
     }
     result->cpu_seconds = (processor_seconds() - before) / repeats;
-    return status;
+    return done;
 }
 
 #endif

@@ -143,7 +143,7 @@ bool take_step(run<method, vector> &r, double end, double wanted, bool shortened
 }
 
 template <template <class> class method, class vector>
-int integrate(run<method, vector> &r, double end, rival_result *result) {
+bool integrate(run<method, vector> &r, double end, rival_result *result) {
     trajectory<vector> &t = r.path;
     double usual = t.field->first_step, due = INFINITY;
     t.tau = 0;
@@ -152,68 +152,67 @@ int integrate(run<method, vector> &r, double end, rival_result *result) {
     while (t.tau < end) {
         const bool shortened = flight_allowance * due < usual;
         if (!take_step(r, end, shortened ? flight_allowance * due : usual, shortened, usual))
-            return RIVAL_FAILED;
+            return false;
         result->steps++;
         rival_step step = last_step(r);
         const int event = step_events(&step, &t.tau, &due, result);
         if (event < 0)
-            return RIVAL_FAILED;
+            return false;
         if (event > 0)
             rate<vector>{t.field}(t.state[t.now], t.derivative[t.now], t.tau);
     }
-    return RIVAL_OK;
+    return true;
 }
 
 template <template <class> class method, class vector>
-int repeat(scene_field *field, int periods, double rtol, double atol, rival_result *result) {
+bool repeat(scene_field *field, int periods, double rtol, double atol, rival_result *result) {
     run<method, vector> r{method<vector>(atol, rtol), trajectory<vector>(field)};
-    int status = run_repeatedly(
+    const bool done = run_repeatedly(
         field, periods, result,
         [](void *it, double end, rival_result *found) {
             return integrate(*static_cast<run<method, vector> *>(it), end, found);
         },
         &r);
     hand_out(field, r.path.state[r.path.now].data(), result);
-    return status;
+    return done;
 }
 
 template <template <class> class method>
-int run_odeint(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
-               rival_result *result) {
-    scene_field *field = nullptr;
-    int status = begin(scene, state0, rtol, atol, periods, result, &field);
-    if (status != RIVAL_OK)
-        return status;
+bool run_odeint(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
+                rival_result *result) {
+    scene_field *field = begin(scene, state0, rtol, atol, result);
+    bool done = false;
+    if (!field)
+        return false;
     try {
         switch (field->count) {
         case 2:
-            status = repeat<method, std::array<double, 2>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::array<double, 2>>(field, periods, rtol, atol, result);
             break;
         case 10:
-            status = repeat<method, std::array<double, 10>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::array<double, 10>>(field, periods, rtol, atol, result);
             break;
         case 40:
-            status = repeat<method, std::array<double, 40>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::array<double, 40>>(field, periods, rtol, atol, result);
             break;
         default:
-            status = repeat<method, std::vector<double>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::vector<double>>(field, periods, rtol, atol, result);
         }
     } catch (const std::bad_alloc &) {
-        status = RIVAL_NO_MEMORY;
     }
     free(field);
-    return status;
+    return done;
 }
 
 } // namespace
 
-extern "C" int rival_odeint_dopri5(const rival_scene *scene, const double *state0, int periods, double rtol,
-                                   double atol, rival_result *result) {
+extern "C" bool rival_odeint_dopri5(const rival_scene *scene, const double *state0, int periods, double rtol,
+                                    double atol, rival_result *result) {
     return run_odeint<dopri5>(scene, state0, periods, rtol, atol, result);
 }
 
-extern "C" int rival_odeint_fehlberg78(const rival_scene *scene, const double *state0, int periods,
-                                       double rtol, double atol, rival_result *result) {
+extern "C" bool rival_odeint_fehlberg78(const rival_scene *scene, const double *state0, int periods,
+                                        double rtol, double atol, rival_result *result) {
     return run_odeint<fehlberg78>(scene, state0, periods, rtol, atol, result);
 }
 

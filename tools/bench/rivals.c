@@ -41,7 +41,7 @@ static bool gsl_again(void *stepper, double length) {
                                  evolve->dydt_in, run->last.trial_rate, &run->system) == GSL_SUCCESS;
 }
 
-static int gsl_integrate(void *it, double end, rival_result *result) {
+static bool gsl_integrate(void *it, double end, rival_result *result) {
     struct gsl_run *run = it;
     double tau = 0, usual = run->field->first_step, due = INFINITY;
     gsl_odeiv2_evolve_reset(run->evolve);
@@ -51,52 +51,45 @@ static int gsl_integrate(void *it, double end, rival_result *result) {
         run->last.start = tau;
         if (gsl_odeiv2_evolve_apply(run->evolve, run->control, run->stepper, &run->system, &tau, end, &step,
                                     run->field->vector) != GSL_SUCCESS)
-            return RIVAL_FAILED;
+            return false;
         run->last.length = run->evolve->last_step;
         result->steps++;
         usual = shortened && step < usual ? usual : step;
         const int event = step_events(&run->last, &tau, &due, result);
         if (event < 0)
-            return RIVAL_FAILED;
+            return false;
         if (event > 0)
             gsl_odeiv2_evolve_reset(run->evolve);
     }
-    return RIVAL_OK;
-}
-
-static bool gsl_set_up(struct gsl_run *run, double rtol, double atol) {
-    const size_t dimension = run->field->count;
-    run->system = (gsl_odeiv2_system){gsl_rate, NULL, dimension, run->field};
-    run->stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, dimension);
-    run->control = gsl_odeiv2_control_standard_new(atol, rtol, 1, 0);
-    run->evolve = gsl_odeiv2_evolve_alloc(dimension);
-    run->error = malloc(3 * dimension * sizeof *run->error);
-    if (!run->stepper || !run->control || !run->evolve || !run->error)
-        return false;
-    run->last = (struct rival_step){.field = run->field,
-                                    .begin = run->evolve->y0,
-                                    .begin_rate = run->evolve->dydt_in,
-                                    .end = run->field->vector,
-                                    .end_rate = run->evolve->dydt_out,
-                                    .trial = run->error + dimension,
-                                    .trial_rate = run->error + 2 * dimension,
-                                    .again = gsl_again,
-                                    .stepper = run};
     return true;
 }
 
-static int run_gsl_rk8pd(const rival_scene *scene, const double *state0, int periods, double rtol,
-                         double atol, rival_result *result) {
-    struct gsl_run run = {0};
-    int status = begin(scene, state0, rtol, atol, periods, result, &run.field);
-    if (status != RIVAL_OK)
-        return status;
+static bool run_gsl_rk8pd(const rival_scene *scene, const double *state0, int periods, double rtol,
+                          double atol, rival_result *result) {
+    struct gsl_run run = {.field = begin(scene, state0, rtol, atol, result)};
+    bool done = false;
+    if (!run.field)
+        return false;
     gsl_error_handler_t *const handler = gsl_set_error_handler_off();
-    if (gsl_set_up(&run, rtol, atol)) {
-        status = run_repeatedly(run.field, periods, result, gsl_integrate, &run);
+    const size_t dimension = run.field->count;
+    run.system = (gsl_odeiv2_system){gsl_rate, NULL, dimension, run.field};
+    run.stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, dimension);
+    run.control = gsl_odeiv2_control_standard_new(atol, rtol, 1, 0);
+    run.evolve = gsl_odeiv2_evolve_alloc(dimension);
+    run.error = malloc(3 * dimension * sizeof *run.error);
+    if (run.stepper && run.control && run.evolve && run.error) {
+        run.last = (struct rival_step){.field = run.field,
+                                       .begin = run.evolve->y0,
+                                       .begin_rate = run.evolve->dydt_in,
+                                       .end = run.field->vector,
+                                       .end_rate = run.evolve->dydt_out,
+                                       .trial = run.error + dimension,
+                                       .trial_rate = run.error + 2 * dimension,
+                                       .again = gsl_again,
+                                       .stepper = &run};
+        done = run_repeatedly(run.field, periods, result, gsl_integrate, &run);
         hand_out(run.field, run.field->vector, result);
-    } else
-        status = RIVAL_NO_MEMORY;
+    }
     free(run.error);
     if (run.evolve)
         gsl_odeiv2_evolve_free(run.evolve);
@@ -106,7 +99,7 @@ static int run_gsl_rk8pd(const rival_scene *scene, const double *state0, int per
         gsl_odeiv2_step_free(run.stepper);
     free(run.field);
     gsl_set_error_handler(handler);
-    return status;
+    return done;
 }
 
 #ifdef SALTUS_WITH_SUNDIALS
@@ -201,7 +194,7 @@ static bool arkode_redo(struct sundials_run *run, int face, double *tau) {
     return true;
 }
 
-static int arkode_integrate(void *it, double end, rival_result *result) {
+static bool arkode_integrate(void *it, double end, rival_result *result) {
     struct sundials_run *run = it;
     struct scene_field *field = run->field;
     double tau = 0, usual = field->first_step, due = INFINITY;
@@ -212,17 +205,17 @@ static int arkode_integrate(void *it, double end, rival_result *result) {
             (ARKStepReset(run->memory, tau, run->state) ||
              ARKStepSetInitStep(run->memory, fmin(fmin(usual, flight_allowance * due), end - tau)) ||
              ARKStepSetStopTime(run->memory, end)))
-            return RIVAL_FAILED;
+            return false;
         int found[2 * faces_max];
         const int status = ARKStepEvolve(run->memory, end, run->state, &tau, ARK_NORMAL);
         if (status < 0 || (status == ARK_ROOT_RETURN && ARKStepGetRootInfo(run->memory, found)))
-            return RIVAL_FAILED;
+            return false;
         restart = status == ARK_ROOT_RETURN && (face = face_hit(field, found)) >= 0;
         if (!restart)
             continue;
         double step;
         if (ARKStepGetLastStep(run->memory, &step) || !arkode_redo(run, face, &tau))
-            return RIVAL_FAILED;
+            return false;
         if (!(due < usual) || step > usual)
             usual = step;
         due = INFINITY;
@@ -231,7 +224,7 @@ static int arkode_integrate(void *it, double end, rival_result *result) {
         else
             due = rebound(field, face, tau, values(run->state), result);
     }
-    return RIVAL_OK;
+    return true;
 }
 
 static void swallow_message(int code, const char *module, const char *function, char *message, void *data) {
@@ -278,7 +271,7 @@ static bool arkode_set_up(struct sundials_run *run, double rtol, double atol) {
 
 /* The interpolant of a multistep method has the method's own order, so that the state at a root needs no
  * redoing. */
-static int cvode_integrate(void *it, double end, rival_result *result) {
+static bool cvode_integrate(void *it, double end, rival_result *result) {
     struct sundials_run *run = it;
     struct scene_field *field = run->field;
     double tau = 0;
@@ -286,18 +279,18 @@ static int cvode_integrate(void *it, double end, rival_result *result) {
     bool restart = true;
     while (tau < end) {
         if (restart && (CVodeReInit(run->memory, tau, run->state) || CVodeSetStopTime(run->memory, end)))
-            return RIVAL_FAILED;
+            return false;
         int found[2 * faces_max];
         const int status = CVode(run->memory, end, run->state, &tau, CV_NORMAL);
         if (status < 0 || (status == CV_ROOT_RETURN && CVodeGetRootInfo(run->memory, found)))
-            return RIVAL_FAILED;
+            return false;
         restart = status == CV_ROOT_RETURN && (face = face_hit(field, found)) >= 0;
         if (restart && field->sticking)
             release(field, tau, values(run->state), result);
         else if (restart)
             rebound(field, face, tau, values(run->state), result);
     }
-    return RIVAL_OK;
+    return true;
 }
 
 static int cvode_jacobian(realtype tau, N_Vector state, N_Vector rate, SUNMatrix jacobian, void *data,
@@ -309,47 +302,44 @@ static int cvode_jacobian(realtype tau, N_Vector state, N_Vector rate, SUNMatrix
     return 0;
 }
 
-static bool cvode_set_up_adams(struct sundials_run *run) {
-    run->iteration = SUNNonlinSol_FixedPoint(run->state, 0, run->context);
-    return run->iteration && !CVodeSetNonlinearSolver(run->memory, run->iteration);
-}
-
-/* Newton's method with the exact Jacobian, factorised by LU. */
-static bool cvode_set_up_bdf(struct sundials_run *run) {
-    const sunindextype n = 2 * run->field->modes;
-    run->unit = calloc((size_t)(n * n), sizeof *run->unit);
-    run->jacobian = SUNDenseMatrix(n, n, run->context);
-    run->solver = run->jacobian ? SUNLinSol_Dense(run->state, run->jacobian, run->context) : NULL;
-    if (!run->unit || !run->solver)
-        return false;
-    for (sunindextype i = 0; i < n; i++)
-        run->unit[i * n + i] = 1;
-    return !CVodeSetLinearSolver(run->memory, run->solver, run->jacobian) &&
-           !CVodeSetJacFn(run->memory, cvode_jacobian);
-}
-
+/* Adams with a fixed-point iteration; BDF with Newton's method and the exact Jacobian, factorised by LU. */
 static bool cvode_set_up(struct sundials_run *run, int method, double rtol, double atol) {
     int rising[2 * faces_max] = {1, 1, 1, 1};
+    const sunindextype n = 2 * run->field->modes;
     run->memory = CVodeCreate(method, run->context);
-    return run->memory && !CVodeSetErrHandlerFn(run->memory, swallow_message, NULL) &&
-           !CVodeInit(run->memory, sundials_rate, 0, run->state) && !CVodeSetUserData(run->memory, run) &&
-           !CVodeSStolerances(run->memory, rtol, atol) && !CVodeSetMaxNumSteps(run->memory, -1) &&
-           (method == CV_BDF ? cvode_set_up_bdf : cvode_set_up_adams)(run) &&
-           (run->field->faces == 0 ||
-            (!CVodeRootInit(run->memory, 2 * run->field->faces, sundials_roots) &&
-             !CVodeSetRootDirection(run->memory, rising) && !CVodeSetNoInactiveRootWarn(run->memory)));
+    if (!run->memory || CVodeSetErrHandlerFn(run->memory, swallow_message, NULL) ||
+        CVodeInit(run->memory, sundials_rate, 0, run->state) || CVodeSetUserData(run->memory, run) ||
+        CVodeSStolerances(run->memory, rtol, atol) || CVodeSetMaxNumSteps(run->memory, -1))
+        return false;
+    if (method == CV_ADAMS)
+        run->iteration = SUNNonlinSol_FixedPoint(run->state, 0, run->context);
+    if (method == CV_ADAMS && (!run->iteration || CVodeSetNonlinearSolver(run->memory, run->iteration)))
+        return false;
+    if (method == CV_BDF) {
+        run->unit = calloc((size_t)(n * n), sizeof *run->unit);
+        run->jacobian = SUNDenseMatrix(n, n, run->context);
+        run->solver = run->jacobian ? SUNLinSol_Dense(run->state, run->jacobian, run->context) : NULL;
+        for (sunindextype i = 0; i < n && run->unit; i++)
+            run->unit[i * n + i] = 1;
+        if (!run->unit || !run->solver || CVodeSetLinearSolver(run->memory, run->solver, run->jacobian) ||
+            CVodeSetJacFn(run->memory, cvode_jacobian))
+            return false;
+    }
+    return run->field->faces == 0 ||
+           (!CVodeRootInit(run->memory, 2 * run->field->faces, sundials_roots) &&
+            !CVodeSetRootDirection(run->memory, rising) && !CVodeSetNoInactiveRootWarn(run->memory));
 }
 
 /* ARKODE, if `method` is none of CVODE's. CVODE resets its count of steps when it restarts. */
-static int run_sundials(int method, const rival_scene *scene, const double *state0, int periods, double rtol,
-                        double atol, rival_result *result) {
-    struct sundials_run run = {0};
+static bool run_sundials(int method, const rival_scene *scene, const double *state0, int periods, double rtol,
+                         double atol, rival_result *result) {
     const bool arkode = method == 0;
-    if (result && result->tangents && method == CV_BDF)
-        return RIVAL_BAD_ARGUMENT;
-    int status = begin(scene, state0, rtol, atol, periods, result, &run.field);
-    if (status != RIVAL_OK)
-        return status;
+    if (result->tangents && method == CV_BDF)
+        return false;
+    struct sundials_run run = {.field = begin(scene, state0, rtol, atol, result)};
+    bool done = false;
+    if (!run.field)
+        return false;
     if (SUNContext_Create(NULL, &run.context) == 0) {
         const sunindextype dimension = (sunindextype)run.field->count;
         run.state = N_VMake_Serial(dimension, run.field->vector, run.context);
@@ -359,14 +349,12 @@ static int run_sundials(int method, const rival_scene *scene, const double *stat
         run.state->ops->nvlinearcombination = linear_combination;
     if (run.state && run.start &&
         (arkode ? arkode_set_up(&run, rtol, atol) : cvode_set_up(&run, method, rtol, atol))) {
-        status =
-            run_repeatedly(run.field, periods, result, arkode ? arkode_integrate : cvode_integrate, &run);
+        done = run_repeatedly(run.field, periods, result, arkode ? arkode_integrate : cvode_integrate, &run);
         if (arkode && ARKStepGetNumSteps(run.memory, &result->steps))
-            status = RIVAL_FAILED;
+            done = false;
         result->steps /= result->repeats > 1 ? result->repeats : 1;
         hand_out(run.field, values(run.state), result);
-    } else
-        status = RIVAL_NO_MEMORY;
+    }
     if (run.memory)
         (arkode ? ARKStepFree : CVodeFree)(&run.memory);
     if (run.iteration)
@@ -383,21 +371,21 @@ static int run_sundials(int method, const rival_scene *scene, const double *stat
         SUNContext_Free(&run.context);
     free(run.unit);
     free(run.field);
-    return status;
+    return done;
 }
 
-static int run_arkode(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
-                      rival_result *result) {
+static bool run_arkode(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
+                       rival_result *result) {
     return run_sundials(0, scene, state0, periods, rtol, atol, result);
 }
 
-static int run_cvode_adams(const rival_scene *scene, const double *state0, int periods, double rtol,
-                           double atol, rival_result *result) {
+static bool run_cvode_adams(const rival_scene *scene, const double *state0, int periods, double rtol,
+                            double atol, rival_result *result) {
     return run_sundials(CV_ADAMS, scene, state0, periods, rtol, atol, result);
 }
 
-static int run_cvode_bdf(const rival_scene *scene, const double *state0, int periods, double rtol,
-                         double atol, rival_result *result) {
+static bool run_cvode_bdf(const rival_scene *scene, const double *state0, int periods, double rtol,
+                          double atol, rival_result *result) {
     return run_sundials(CV_BDF, scene, state0, periods, rtol, atol, result);
 }
 

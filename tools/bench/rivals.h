@@ -14,14 +14,6 @@
 extern "C" {
 #endif
 
-/* What a rival's `run` returns. After a bad argument or a failed allocation nothing was integrated. */
-enum rival_status {
-    RIVAL_OK = 0,
-    RIVAL_BAD_ARGUMENT, /* a parameter is out of range, or the start lies beyond the stop */
-    RIVAL_NO_MEMORY,    /* an allocation failed */
-    RIVAL_FAILED        /* the library gave up or an event was not located; the result ends there */
-};
-
 typedef enum { RIVAL_UPPER = 0, RIVAL_LOWER, RIVAL_BOTH, RIVAL_FREE } rival_sides;
 
 /* One or two masses in a chain, driven by F cos(omega t); a single mass uses only the first entries. */
@@ -72,9 +64,11 @@ typedef struct {
 /* Integrates from tau = 0 and `state0` (2 N values: q then q', on the free side of the stop or at rest on it)
  * to exactly tau = periods * T. `rtol` (at least 0) and `atol` (positive) are the library's local tolerances
  * on every component of the state, those of the variational equations included.
- * Thread-safe except where its table entry says otherwise. Returns a `rival_status`. */
-typedef int (*rival_run)(const rival_scene *scene, const double *state0, int periods, double rtol,
-                         double atol, rival_result *result);
+ * Thread-safe except where its table entry says otherwise. False if the start lies beyond the stop, memory
+ * was lacking, the library gave up or an event was not located; in the last two cases the result ends there.
+ */
+typedef bool (*rival_run)(const rival_scene *scene, const double *state0, int periods, double rtol,
+                          double atol, rival_result *result);
 
 typedef struct {
     const char *name; /* library and method; static storage */
@@ -94,10 +88,10 @@ void saltus_rivals_versions(char *text, size_t size);
 
 /* Boost.Odeint: events are located on the dense output of dopri5; Fehlberg 7(8) has none, so its steps are
  * repeated. */
-int rival_odeint_dopri5(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
-                        rival_result *result);
-int rival_odeint_fehlberg78(const rival_scene *scene, const double *state0, int periods, double rtol,
-                            double atol, rival_result *result);
+bool rival_odeint_dopri5(const rival_scene *scene, const double *state0, int periods, double rtol,
+                         double atol, rival_result *result);
+bool rival_odeint_fehlberg78(const rival_scene *scene, const double *state0, int periods, double rtol,
+                             double atol, rival_result *result);
 const char *rival_odeint_version(void);
 
 #ifdef __cplusplus

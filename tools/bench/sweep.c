@@ -101,34 +101,29 @@ static const program engines[] = {
      .adaptive = true}};
 enum { engine_count = sizeof engines / sizeof engines[0] };
 
-/* A program at several tolerances. */
-static bool calibrate_one(sweep *s, program p, double first, double last, double spacing) {
-    row r;
-    for (double digits = first; digits < last + 0.01; digits += spacing) {
-        p.rtol = pow(10, -digits);
-        if (!sweep_measure(s, &p, 1, p.kind == program_rival ? 1 : own_repeats, &r))
-            return false;
-        print_row(&r, (measures){1, 1});
-    }
-    return true;
-}
-
+/* Every program at several tolerances. */
 static bool calibrate(sweep *s, bool rivals) {
     static const int orders[] = {0, 8, 9, 10, 12};
-    program list[rows_max];
-    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC),
-              count = rivals ? list_rivals(list) : 0;
-    print_head();
-    for (size_t k = 0; k < sizeof orders / sizeof *orders; k++) {
-        char name[32];
-        snprintf(name, sizeof name, orders[k] ? "Saltus, order %d" : "Saltus, automatic", orders[k]);
-        const program p = {name, program_flow, .lanes = lanes, .order = orders[k]};
-        if (!calibrate_one(s, p, 6.5, 8.5, 0.25))
-            return false;
+    enum { own = sizeof orders / sizeof *orders };
+    program list[own + rows_max];
+    char names[own][32];
+    const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC);
+    for (int k = 0; k < own; k++) {
+        snprintf(names[k], sizeof names[k], orders[k] ? "Saltus, order %d" : "Saltus, automatic", orders[k]);
+        list[k] = (program){names[k], program_flow, .lanes = lanes, .order = orders[k]};
     }
-    for (int k = 0; k < count; k++)
-        if (!calibrate_one(s, list[k], 7, 9, 0.5))
-            return false;
+    const int count = own + (rivals ? list_rivals(list + own) : 0);
+    print_head();
+    for (int k = 0; k < count; k++) {
+        const double first = k < own ? 6.5 : 7, spacing = k < own ? 0.25 : 0.5;
+        for (double digits = first; digits < first + 2.01; digits += spacing) {
+            row r;
+            list[k].rtol = pow(10, -digits);
+            if (!sweep_measure(s, &list[k], 1, k < own ? own_repeats : 1, &r))
+                return false;
+            print_row(&r, (measures){1, 1});
+        }
+    }
     return true;
 }
 

@@ -43,19 +43,16 @@ void sweep_tear_down(sweep *s) {
     free(s->events);
 }
 
-static bool with_strobe(motion *motions, int count) {
-    for (int k = 0; k < count; k++)
-        if (!(motions[k].strobe = malloc((recorded_periods + 1) * sizeof *motions[k].strobe)))
-            return false;
-    return true;
-}
-
 saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
     program tight = {
         .lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), .rtol = exact, .strobe = true};
     sweep_cost cost;
-    if (!with_strobe(s->reference, s->count) || !with_strobe(s->found, s->count))
-        return SALTUS_NO_MEMORY;
+    for (int k = 0; k < 2 * s->count; k++) {
+        motion *m = k < s->count ? &s->reference[k] : &s->found[k - s->count];
+        m->strobe = malloc((recorded_periods + 1) * sizeof *m->strobe);
+        if (!m->strobe)
+            return SALTUS_NO_MEMORY;
+    }
     saltus_status status = own_sweep(s->stopped, s->count, &tight, s->reference, &cost, message);
     tight.rtol = more_exact;
     if (status == SALTUS_OK)
@@ -72,35 +69,29 @@ saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
     return status;
 }
 
-/* One period of a program's motion. */
-static bool one_period(sweep *s, const program *p, const saltus_system *system, const double *state,
-                       double *end, int *impacts) {
-    if (p->kind != program_rival)
-        return own_period(system, p, state, end, impacts, NULL) == SALTUS_OK;
-    const rival_scene scene = rival_scene_of(saltus_system_spec(system), NULL);
-    rival_result result = {.events = s->events, .capacity = rival_events_max, .state = end};
-    const bool done = p->run(&scene, state, 1, p->rtol, p->rtol, &result) == RIVAL_OK;
-    *impacts = 0;
-    for (int k = 0; k < result.count && k < result.capacity; k++)
-        *impacts += s->events[k].kind == RIVAL_IMPACT;
-    return done;
-}
-
 /* Whether a program, continued from its own settled state, finds the same count in every period as exact
  * integration. */
 static bool counts_its_own(sweep *s, const program *p, int omega) {
     const program tight = {.rtol = exact};
+    const saltus_system *system = s->stopped[omega];
+    const rival_scene scene = rival_scene_of(saltus_system_spec(system), NULL);
     double state[motion_dimension], next[motion_dimension], exact_next[motion_dimension];
+    bool same = true;
     memcpy(state, s->found[omega].settled, sizeof state);
-    for (int k = 0; k < recorded_periods; k++) {
-        int impacts, exact_impacts;
-        if (!one_period(s, p, s->stopped[omega], state, next, &impacts) ||
-            own_period(s->stopped[omega], &tight, state, exact_next, &exact_impacts, NULL) != SALTUS_OK ||
-            impacts != exact_impacts)
-            return false;
+    for (int k = 0; k < recorded_periods && same; k++) {
+        rival_result result = {.events = s->events, .capacity = rival_events_max, .state = next};
+        int impacts = 0, exact_impacts = 0;
+        if (p->kind == program_rival)
+            same = p->run(&scene, state, 1, p->rtol, p->rtol, &result);
+        else
+            same = own_period(system, p, state, next, &impacts, NULL) == SALTUS_OK;
+        for (int e = 0; e < result.count && e < result.capacity; e++)
+            impacts += s->events[e].kind == RIVAL_IMPACT;
+        same = same && own_period(system, &tight, state, exact_next, &exact_impacts, NULL) == SALTUS_OK &&
+               impacts == exact_impacts;
         memcpy(state, next, sizeof state);
     }
-    return true;
+    return same;
 }
 
 /* Fill in a row's errors and counts from the motions found. */
@@ -130,24 +121,6 @@ static void judge(sweep *s, const program *p, row *r) {
     r->worst = errors[count - 1];
 }
 
-static bool run_saltus(sweep *s, const program *p, row *r) {
-    saltus_system *const *systems = p->unstopped ? s->unstopped : s->stopped;
-    saltus_message message = {.text = ""};
-    const sweep_cost before = r->cost;
-    saltus_status status = p->kind == program_engine
-                               ? engine_sweep(p, s->found, &r->cost, &message)
-                               : own_sweep(systems, s->count, p, s->found, &r->cost, &message);
-    if (status != SALTUS_OK) {
-        fprintf(stderr, "saltus_sweep_bench: %s: %s\n", p->name, message.text);
-        return false;
-    }
-    if (before.seconds > 0) {
-        r->cost.seconds = fmin(before.seconds, r->cost.seconds);
-        r->cost.wall = fmin(before.wall, r->cost.wall);
-    }
-    return true;
-}
-
 /* The forcing is periodic, so the recorded periods may begin at time 0 again. */
 static void run_rival(sweep *s, const program *p, row *r) {
     double start[SALTUS_SCENE_STATE_MAX], end[motion_dimension], simulated = 0, all = 0;
@@ -165,7 +138,7 @@ static void run_rival(sweep *s, const program *p, row *r) {
             rival_result result = {
                 .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
             memcpy(end, m->settled, sizeof end);
-            m->failed |= p->run(&scene, end, periods[stage], p->rtol, p->rtol, &result) != RIVAL_OK;
+            m->failed |= !p->run(&scene, end, periods[stage], p->rtol, p->rtol, &result);
             for (int e = 0; e < result.count && e < result.capacity; e++) {
                 const rival_event *event = &result.events[e];
                 if (event->kind == RIVAL_IMPACT)
@@ -185,29 +158,38 @@ static void run_rival(sweep *s, const program *p, row *r) {
     r->cost.wall = r->cost.seconds;
 }
 
-static bool measure(sweep *s, const program *p, bool judged, row *r) {
-    if (p->kind == program_rival)
-        run_rival(s, p, r);
-    else if (!run_saltus(s, p, r))
-        return false;
-    const bool engine = p->kind == program_engine;
-    r->labels = 0;
-    for (int k = 0; k < s->count && judged && !p->unstopped && engine; k++)
-        r->labels += s->period[k] > 0 && s->found[k].orbit_periods == s->period[k] &&
-                     s->found[k].orbit_impacts == motion_orbit_impacts(&s->reference[k], s->period[k]);
-    /* Only programs that record all impacts can be judged. */
-    if (judged && !p->unstopped && (!engine || (!p->adaptive && p->keep & SALTUS_KEEP_IMPACTS)))
-        judge(s, p, r);
-    return true;
-}
-
 bool sweep_measure(sweep *s, const program *list, int count, int repeats, row *rows) {
-    for (int k = 0; k < count; k++)
-        rows[k] =
-            (row){.program = &list[k], .judged = -1, .share = 1, .median = NAN, .high = NAN, .worst = NAN};
-    for (int repeat = 1; repeat <= repeats; repeat++)
-        for (int k = 0; k < count; k++)
-            if (!measure(s, &list[k], repeat == repeats, &rows[k]))
-                return false;
+    for (int k = 0; k < count * repeats; k++) {
+        const program *p = &list[k % count];
+        row *r = &rows[k % count];
+        const bool engine = p->kind == program_engine, judged = k / count == repeats - 1 && !p->unstopped;
+        saltus_message message = {.text = ""};
+        saltus_status status = SALTUS_OK;
+        if (k < count)
+            *r = (row){.program = p, .judged = -1, .share = 1, .median = NAN, .high = NAN, .worst = NAN};
+        const sweep_cost before = r->cost;
+        if (p->kind == program_rival)
+            run_rival(s, p, r);
+        else if (engine)
+            status = engine_sweep(p, s->found, &r->cost, &message);
+        else
+            status = own_sweep(p->unstopped ? s->unstopped : s->stopped, s->count, p, s->found, &r->cost,
+                               &message);
+        if (status != SALTUS_OK) {
+            fprintf(stderr, "saltus_sweep_bench: %s: %s\n", p->name, message.text);
+            return false;
+        }
+        if (p->kind != program_rival && before.seconds > 0) {
+            r->cost.seconds = fmin(before.seconds, r->cost.seconds);
+            r->cost.wall = fmin(before.wall, r->cost.wall);
+        }
+        r->labels = 0;
+        for (int o = 0; o < s->count && judged && engine; o++)
+            r->labels += s->period[o] > 0 && s->found[o].orbit_periods == s->period[o] &&
+                         s->found[o].orbit_impacts == motion_orbit_impacts(&s->reference[o], s->period[o]);
+        /* Only programs that record all impacts can be judged. */
+        if (judged && (!engine || (!p->adaptive && p->keep & SALTUS_KEEP_IMPACTS)))
+            judge(s, p, r);
+    }
     return true;
 }

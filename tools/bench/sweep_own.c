@@ -67,29 +67,6 @@ static saltus_status fill(worker *w, int lane) {
     return SALTUS_OK;
 }
 
-static saltus_status reached(worker *w, int lane) {
-    lane_task *task = &w->tasks[lane];
-    const saltus_time now = saltus_flow_time(w->flow, lane);
-    motion *m = &w->motions[task->index];
-    const bool whole = now.phase == 0 && now.cycle >= settling_periods;
-    if (whole && w->program->strobe)
-        saltus_flow_state(w->flow, lane, m->strobe[now.cycle - settling_periods]);
-    if (whole && now.cycle == settling_periods) {
-        saltus_flow_state(w->flow, lane, m->settled);
-        task->settled = saltus_flow_information(w->flow, lane).sticks;
-    }
-    if (now.cycle == settling_periods + recorded_periods) {
-        const saltus_flow_info info = saltus_flow_information(w->flow, lane);
-        m->sticks = (int)(info.sticks - task->settled);
-        w->cost->steps += info.steps;
-        w->cost->evaluations += info.field_evaluations;
-        return fill(w, lane);
-    }
-    task->target++;
-    aim(w, lane);
-    return SALTUS_OK;
-}
-
 static saltus_status run_lanes(worker *w) {
     int lane;
     saltus_event event;
@@ -103,12 +80,31 @@ static saltus_status run_lanes(worker *w) {
         status = saltus_flow_run(w->flow, &lane, &event, w->message);
         if (status != SALTUS_OK)
             return status;
-        if (event.kind == SALTUS_REACHED) {
-            status = reached(w, lane);
-            live -= w->tasks[lane].index < 0;
-        } else {
+        lane_task *task = &w->tasks[lane];
+        motion *m = &w->motions[task->index];
+        if (event.kind != SALTUS_REACHED) {
             const double time = (double)(event.time.cycle - settling_periods) + event.time.phase;
-            motion_add_impact(&w->motions[w->tasks[lane].index], time, event.velocity_before);
+            motion_add_impact(m, time, event.velocity_before);
+            aim(w, lane);
+            continue;
+        }
+        const saltus_time now = saltus_flow_time(w->flow, lane);
+        const saltus_flow_info info = saltus_flow_information(w->flow, lane);
+        const bool whole = now.phase == 0 && now.cycle >= settling_periods;
+        if (whole && w->program->strobe)
+            saltus_flow_state(w->flow, lane, m->strobe[now.cycle - settling_periods]);
+        if (whole && now.cycle == settling_periods) {
+            saltus_flow_state(w->flow, lane, m->settled);
+            task->settled = info.sticks;
+        }
+        if (now.cycle == settling_periods + recorded_periods) {
+            m->sticks = (int)(info.sticks - task->settled);
+            w->cost->steps += info.steps;
+            w->cost->evaluations += info.field_evaluations;
+            status = fill(w, lane);
+            live -= task->index < 0;
+        } else {
+            task->target++;
             aim(w, lane);
         }
     }

@@ -79,14 +79,6 @@ static saltus_system *build(const char *text, const char *name, bool stops) {
 
 typedef enum { by_hand, interpreted, compiled, way_count } way;
 
-/* Without a compiler, times of compiled equations are omitted. */
-static bool compile(saltus_flow *flow, const saltus_system *system) {
-    const struct timespec tenth = {.tv_nsec = 100000000};
-    for (int k = 0; k < 300 && !saltus_fixed_ask(&flow->fixed, system); k++)
-        nanosleep(&tenth, NULL);
-    return flow->fixed.function != NULL;
-}
-
 static void follow(saltus_flow *flow, const saltus_system *system, int lanes, long long periods) {
     saltus_message message = {.text = ""};
     const bool pipe = saltus_system_dimension(system) >= 10;
@@ -129,43 +121,42 @@ static void check(saltus_flow *flow, const saltus_system *system, int lanes, dou
     saltus_flow_free(flow);
 }
 
-/* Nanoseconds per period and lane for each description, and errors. The descriptions take turns, so that
- * other load on the machine affects all. */
-static void measure(const problem *p, const saltus_system *own, const saltus_system *text, int lanes,
-                    int columns, const double *exact, double *cost, double *error) {
-    const double *scale = saltus_system_scale(own);
-    saltus_flow *flow[way_count];
-    double state[dimension_max];
-    bool ready[way_count];
-    for (way how = by_hand; how < way_count; how++) {
-        flow[how] = open_flow(how ? text : own, how, lanes, columns, 1e-10);
-        ready[how] = how != compiled || compile(flow[how], text);
-        cost[how] = INFINITY;
-    }
-    for (int repeat = 0; repeat < repeats; repeat++)
-        for (way how = by_hand; how < way_count; how++) {
-            const double begin = processor_seconds();
-            for (int s = 0; s < p->starts && ready[how]; s++)
-                follow(flow[how], how ? text : own, lanes, periods_timed);
-            cost[how] = ready[how] ? fmin(cost[how], processor_seconds() - begin) : INFINITY;
-        }
-    for (way how = by_hand; how < way_count; how++) {
-        cost[how] *= 1e9 / ((double)periods_timed * p->starts * lanes);
-        check(flow[how], how ? text : own, lanes, state);
-        error[how] = 0;
-        for (int i = 0; i < saltus_system_dimension(own); i++)
-            error[how] = fmax(error[how], fabs(state[i] - exact[i]) / scale[i]);
-    }
-}
-
+/* A line for each number of lanes and tangent vectors: nanoseconds per period and lane for each description,
+ * and errors. The descriptions take turns, so that other load on the machine affects all. Without a compiler,
+ * times of compiled equations are omitted. */
 static void compare(const problem *p, bool stops) {
+    static const struct timespec tenth = {.tv_nsec = 100000000};
     saltus_system *own = build(p->built_in, p->name, stops), *text = build(p->text, p->name, stops);
     const int all = saltus_flow_width(own, SALTUS_AUTOMATIC), n = saltus_system_dimension(own);
     const int lanes[] = {1, 1, all}, columns[] = {0, n, 0};
-    double exact[dimension_max], error[way_count], cost[way_count];
+    const double *scale = saltus_system_scale(own);
+    double exact[dimension_max], state[dimension_max], error[way_count], cost[way_count];
     check(open_flow(own, by_hand, 1, 0, 1e-15), own, 1, exact);
     for (int k = 0; k < 3; k++) {
-        measure(p, own, text, lanes[k], columns[k], exact, cost, error);
+        saltus_flow *flow[way_count];
+        bool ready[way_count];
+        for (way how = by_hand; how < way_count; how++) {
+            flow[how] = open_flow(how ? text : own, how, lanes[k], columns[k], 1e-10);
+            for (int wait = 0; how == compiled && wait < 300 && !saltus_fixed_ask(&flow[how]->fixed, text);
+                 wait++)
+                nanosleep(&tenth, NULL);
+            ready[how] = how != compiled || flow[how]->fixed.function != NULL;
+            cost[how] = INFINITY;
+        }
+        for (int repeat = 0; repeat < repeats; repeat++)
+            for (way how = by_hand; how < way_count; how++) {
+                const double begin = processor_seconds();
+                for (int s = 0; s < p->starts && ready[how]; s++)
+                    follow(flow[how], how ? text : own, lanes[k], periods_timed);
+                cost[how] = ready[how] ? fmin(cost[how], processor_seconds() - begin) : INFINITY;
+            }
+        for (way how = by_hand; how < way_count; how++) {
+            cost[how] *= 1e9 / ((double)periods_timed * p->starts * lanes[k]);
+            check(flow[how], how ? text : own, lanes[k], state);
+            error[how] = 0;
+            for (int i = 0; i < n; i++)
+                error[how] = fmax(error[how], fabs(state[i] - exact[i]) / scale[i]);
+        }
         printf("| %s%s | %d | %d | %.0f | %.0f | %.0f | %.2f | %.2f | %.1e | %.1e |\n", p->name,
                stops ? ", stop" : "", lanes[k], columns[k], cost[by_hand], cost[interpreted], cost[compiled],
                cost[interpreted] / cost[by_hand], cost[compiled] / cost[by_hand], error[by_hand],
