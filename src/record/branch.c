@@ -137,26 +137,40 @@ void saltus_write_branch_text(FILE *out, const saltus_branch_file *file) {
     }
 }
 
-void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
-                             const saltus_branch_point *point) {
-    const saltus_field_table *table = &saltus_point_fields;
+/* The members of a point that `names` lists ("step, heading"), in that order, each preceded by a comma. */
+static void put_named(FILE *file, const char *names, const saltus_branch_point *point) {
     const saltus_point_row row = {.point = *point};
     const int counts[] = {point->dimension, 0, 0};
+    for (const char *name = names; *name; name += strspn(name, ", ")) {
+        const size_t length = strcspn(name, ",");
+        for (int k = 0; k < saltus_point_fields.count; k++) {
+            const saltus_field_table one = {&saltus_point_fields.fields[k], 1};
+            if (strlen(one.fields->name) == length && memcmp(one.fields->name, name, length) == 0)
+                saltus_json_fields(file, ", ", &one, counts, &row);
+        }
+        name += length;
+    }
+}
+
+void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
+                             const saltus_branch_point *point) {
     saltus_json_begin(file, scene);
-    saltus_json_named(file, "branch", table, counts, &row);
+    put_named(file, "branch", point);
     saltus_json_member(file, "parent", point->parent < 0 ? NAN : point->parent);
-    saltus_json_named(file, "step", table, counts, &row);
+    put_named(file, "step", point);
     saltus_json_text(file, "locus", saltus_point_word(point->locus));
     saltus_json_text(file, "label", saltus_point_word(point->kind));
     saltus_json_list(file, "values", point->value, isnan(point->value[1]) ? 1 : 2);
-    saltus_json_named(file, "heading, arclength, motion, motion_after", table, counts, &row);
+    put_named(file, "heading, arclength, motion, motion_after", point);
     saltus_json_member(file, "impacts", point->impacts < 0 ? NAN : (double)point->impacts);
-    saltus_json_named(file, "periods, period, sticking_intervals, stable, unstable, admissible, state", table,
-                      counts, &row);
+    put_named(file, "periods, period, sticking_intervals, stable, unstable, admissible, state", point);
     saltus_json_events(file, system, point->events, point->event_count);
-    saltus_json_named(file, "contact_force", table, counts, &row);
-    if (point->grazing_stop)
-        saltus_json_fields(file, ", \"grazing\": {", &saltus_grazing_fields, NULL, &row);
+    put_named(file, "contact_force", point);
+    if (point->grazing_stop) {
+        fprintf(file, ", \"grazing\": {\"side\": \"%s\", \"stop\": %d", saltus_side_word(point->grazing_side),
+                point->grazing_stop);
+        saltus_json_member(file, "time_over_T", point->grazing_time);
+    }
     fputs(point->grazing_stop ? "}" : ", \"grazing\": null", file);
     if (point->periods)
         saltus_json_multipliers(file, point->multipliers, point->multiplier_count);
@@ -164,12 +178,12 @@ void saltus_write_point_json(FILE *file, const saltus_scene *scene, const saltus
         saltus_json_rows(file, "eigenvalues", point->multipliers, point->multiplier_count, 2,
                          sizeof *point->multipliers / sizeof(double));
     if (!isnan(point->lyapunov_coefficient))
-        saltus_json_named(file, "lyapunov_coefficient", table, counts, &row);
+        put_named(file, "lyapunov_coefficient", point);
     if (point->trivial_multiplier != 0)
-        saltus_json_named(file, "trivial_multiplier", table, counts, &row);
-    saltus_json_named(file, "log_volume, sum_rule, residual, iterations", table, counts, &row);
+        put_named(file, "trivial_multiplier", point);
+    put_named(file, "log_volume, sum_rule, residual, iterations", point);
     saltus_json_member(file, "accuracy",
                        point->kind != SALTUS_POINT_REGULAR || point->accuracy > 0 ? point->accuracy : NAN);
-    saltus_json_named(file, "reason", table, counts, &row);
+    put_named(file, "reason", point);
     saltus_json_end(file, &point->spec, NULL);
 }

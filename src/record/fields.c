@@ -104,31 +104,6 @@ static const saltus_field event_fields[] = {
 const saltus_field_table saltus_trajectory_event_fields = SALTUS_TABLE(event_fields);
 const saltus_field_table saltus_event_fields = {event_fields, sizeof event_fields / sizeof *event_fields - 1};
 
-/* The words for the side of a face. */
-static const saltus_word face_words[] = {{"upper", 1}, {"lower", -1}, {NULL, 0}};
-static const saltus_field told_event_fields[] = {
-    SALTUS_MEMBER(saltus_event_row, kind, "event", "1", "what happens", SALTUS_CHOICE,
-                  .words = saltus_event_words),
-    SALTUS_MEMBER(saltus_event_row, kind, "type", "1", "the same", SALTUS_CHOICE,
-                  .words = saltus_event_words),
-    SALTUS_MEMBER(saltus_event_row, side, "side", "1", "of the stop", SALTUS_CHOICE, .words = face_words),
-    EVENT(stop, "1", "its number, from 1", SALTUS_INT),
-    SALTUS_MEMBER(saltus_event_row, time, "time_over_T", "T", "from phase 0", SALTUS_REAL),
-    EVENT(phase, "T", "of the forcing, in [0, 1)", SALTUS_REAL),
-    SALTUS_MEMBER(saltus_event_row, velocity_before, "normal_velocity_before", "1", "n.q' just before",
-                  SALTUS_REAL),
-    SALTUS_MEMBER(saltus_event_row, velocity_after, "normal_velocity_after", "1", "n.q' just after",
-                  SALTUS_REAL),
-};
-const saltus_field_table saltus_told_event_fields = SALTUS_TABLE(told_event_fields);
-
-static const saltus_field grazing_fields[] = {
-    POINT_AS("side", grazing_side, "1", "of the stop that is touched", SALTUS_CHOICE, .words = face_words),
-    POINT_AS("stop", grazing_stop, "1", "its number, from 1", SALTUS_INT),
-    POINT_AS("time_over_T", grazing_time, "T", "of the touch from phase 0", SALTUS_REAL),
-};
-const saltus_field_table saltus_grazing_fields = SALTUS_TABLE(grazing_fields);
-
 int saltus_face_of(const saltus_system *system, int stop, int side) {
     for (int f = 0; f < saltus_system_face_count(system); f++) {
         saltus_face face = saltus_system_face(system, f);
@@ -268,37 +243,6 @@ static const saltus_field attractor_point_fields[] = {COLUMN(
     "state", "1", "q, q', further states of the orbits' points at phase 0", SALTUS_REAL, OF_DIMENSION)};
 const saltus_field_table saltus_attractor_point_fields = SALTUS_TABLE(attractor_point_fields);
 
-#define MOTION(member, name, unit, meaning, ...)                                                             \
-    SALTUS_MEMBER(saltus_motion, member, name, unit, meaning, __VA_ARGS__)
-
-static const saltus_word mirror_words[] = {{"none", SALTUS_MIRROR_NONE},
-                                           {"self", SALTUS_MIRROR_SELF},
-                                           {"pair", SALTUS_MIRROR_PAIR},
-                                           {"open", SALTUS_MIRROR_OPEN},
-                                           {NULL, 0}};
-static const saltus_field motion_fields[] = {
-    MOTION(label, "label", "1", "name of the motion, n/p where it is periodic", SALTUS_TEXT,
-           SALTUS_LABEL_MAX),
-    MOTION(verdict, "kind", "1", "what it is", SALTUS_CHOICE, .words = saltus_verdict_words),
-    MOTION(periods, "periods", "T", "p, forcing periods of one orbit; without forcing returns to the section",
-           SALTUS_INT),
-    MOTION(period, "period", "1", "of one orbit, in units of time", SALTUS_REAL),
-    MOTION(trivial_multiplier, "trivial_multiplier", "1", "along the flow, of an orbit without forcing",
-           SALTUS_REAL),
-    MOTION(sticking_intervals, "sticking_intervals", "1", "of one orbit", SALTUS_INT),
-    MOTION(stable, "stable", "1", "all multipliers are inside the unit circle", SALTUS_FLAG),
-    MOTION(mirror, "mirror", "1", "what the mirror image of the orbit is", SALTUS_CHOICE,
-           .words = mirror_words),
-    MOTION(residual, "residual", "1", "of Newton's iteration, relative to the state's scale", SALTUS_REAL),
-    MOTION(lyapunov, "lyapunov", "1", "largest exponent per unit of time", SALTUS_REAL),
-    MOTION(lyapunov_error, "lyapunov_standard_error", "1", "its standard error", SALTUS_REAL),
-    MOTION(largest, "largest_displacement", "1", "largest observed displacement", SALTUS_REAL),
-    MOTION(smallest, "smallest_displacement", "1", "smallest observed displacement", SALTUS_REAL),
-    MOTION(rms, "rms_displacement", "1", "root mean square of the observed displacement", SALTUS_REAL),
-    MOTION(transient, "transient", "T", "periods simulated before the verdict", SALTUS_LONG),
-};
-const saltus_field_table saltus_motion_fields = SALTUS_TABLE(motion_fields);
-
 #define EVIDENCE(member, name, unit, meaning, ...)                                                           \
     SALTUS_MEMBER(saltus_evidence, member, name, unit, meaning, __VA_ARGS__)
 
@@ -355,41 +299,3 @@ static const saltus_field exponent_fields[] = {
               .indirect = true),
 };
 const saltus_field_table saltus_exponent_fields = SALTUS_TABLE(exponent_fields);
-
-#define LINE(member, name, unit, meaning, ...)                                                               \
-    SALTUS_MEMBER(saltus_spectral_line, member, name, unit, meaning, __VA_ARGS__)
-
-static const saltus_field spectral_line_fields[] = {
-    LINE(frequency, "frequency_over_omega", "1", "frequency", SALTUS_REAL),
-    LINE(amplitude, "amplitude", "1", "of a cosine", SALTUS_REAL),
-    LINE(phase, "phase", "1", "of the cosine", SALTUS_REAL),
-    LINE(decibels, "decibels", "dB", "over the highest line", SALTUS_REAL),
-    LINE(share, "share", "1", "of the total power", SALTUS_REAL),
-};
-const saltus_field_table saltus_spectral_line_fields = SALTUS_TABLE(spectral_line_fields);
-
-#define SPECTRUM(member, name, unit, meaning, ...)                                                           \
-    SALTUS_MEMBER(saltus_spectrum, member, name, unit, meaning, __VA_ARGS__)
-
-static const saltus_field every_spectrum[] = {
-    SPECTRUM(mean, "mean", "1", "mean", SALTUS_REAL),
-    SPECTRUM(variance, "total_power", "1", "variance", SALTUS_REAL)};
-static const saltus_field moving_spectrum[] = {
-    SPECTRUM(broadband, "broadband_fraction", "1", "of the power", SALTUS_REAL),
-    SPECTRUM(trustworthy, "highest_trustworthy", "1", "frequency over omega, aliasing below 1 %",
-             SALTUS_REAL),
-    SPECTRUM(resolution, "resolution", "1", "distance of bins over omega", SALTUS_REAL),
-    SPECTRUM(parseval, "parseval", "1", "power of the spectrum over that of the samples", SALTUS_REAL)};
-static const saltus_field line_spectrum[] = {
-    SPECTRUM(orbits, "orbits", "1", "orbits analysed", SALTUS_INT),
-    SPECTRUM(between, "between_lines", "1", "largest between the lines, of the highest", SALTUS_REAL)};
-static const saltus_field density_spectrum[] = {
-    SPECTRUM(segments, "segments", "1", "of Welch's method", SALTUS_LONG),
-    SPECTRUM(segment_periods, "segment_periods", "T", "length of a segment", SALTUS_LONG),
-    SPECTRUM(degrees, "degrees_of_freedom", "1", "of the density", SALTUS_REAL),
-    SPECTRUM(confidence, "confidence", "1", "of the band", SALTUS_REAL),
-    SPECTRUM(low, "band_low", "1", "lower end over the density", SALTUS_REAL),
-    SPECTRUM(high, "band_high", "1", "upper end over the density", SALTUS_REAL)};
-const saltus_field_table saltus_spectrum_fields[4] = {
-    SALTUS_TABLE(every_spectrum), SALTUS_TABLE(moving_spectrum), SALTUS_TABLE(line_spectrum),
-    SALTUS_TABLE(density_spectrum)};

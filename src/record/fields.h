@@ -23,23 +23,16 @@ typedef struct saltus_event_row {
 } saltus_event_row;
 /* Events of branches have no `row`. */
 extern const saltus_field_table saltus_event_fields, saltus_trajectory_event_fields;
-/* The members of an event in JSON, and of the grazing contact of a branch point (saltus_point_row). */
-extern const saltus_field_table saltus_told_event_fields, saltus_grazing_fields;
 /* Index of the face on a side of a stop, which is counted from 1; -1: none. */
 int saltus_face_of(const saltus_system *system, int stop, int side);
 saltus_event_row saltus_event_row_of(const saltus_system *system, const saltus_event *event);
 /* Turn a row that was read into an event; false if its face or time is invalid. */
 bool saltus_event_of_row(const saltus_system *system, const saltus_event_row *row, saltus_event *event);
 
-/* The JSON members of any motion (saltus_motion) that are single values. */
-extern const saltus_field_table saltus_motion_fields;
-/* JSON members of a motion without a period (saltus_evidence), of Lyapunov exponents except the exponents
- * themselves (saltus_lyapunov; counts: dimension and members), and of a line of a spectrum
- * (saltus_spectral_line). */
+/* JSON members of a motion without a period (saltus_evidence), and of Lyapunov exponents except the exponents
+ * themselves (saltus_lyapunov; counts: dimension and members). */
 enum { SALTUS_COUNT_MEMBERS = 1 };
-extern const saltus_field_table saltus_evidence_fields, saltus_exponent_fields, saltus_spectral_line_fields;
-/* Of saltus_spectrum: members of all kinds, of those that move, of lines, of densities. */
-extern const saltus_field_table saltus_spectrum_fields[4];
+extern const saltus_field_table saltus_evidence_fields, saltus_exponent_fields;
 
 /* Samples of a trajectory, and its stroboscopic points. */
 extern const saltus_field_table saltus_sample_fields, saltus_strobe_fields;

@@ -76,26 +76,19 @@ void saltus_json_fields(FILE *file, const char *begin, const saltus_field_table 
     }
 }
 
-void saltus_json_named(FILE *file, const char *names, const saltus_field_table *table, const int *counts,
-                       const void *record) {
-    for (const char *name = names; *name; name += strspn(name, ", ")) {
-        size_t length = strcspn(name, ",");
-        for (int k = 0; k < table->count; k++) {
-            const saltus_field_table one = {&table->fields[k], 1};
-            if (strlen(one.fields->name) == length && memcmp(one.fields->name, name, length) == 0)
-                saltus_json_fields(file, ", ", &one, counts, record);
-        }
-        name += length;
-    }
-}
-
 void saltus_json_events(FILE *file, const saltus_system *system, const saltus_event *events, int count) {
     saltus_json_key(file, "events");
     fputc('[', file);
     for (int k = 0; k < count; k++) {
-        saltus_event_row row = saltus_event_row_of(system, &events[k]);
-        row.velocity_after = saltus_event_after(&events[k]);
-        saltus_json_fields(file, k ? ", {" : "{", &saltus_told_event_fields, NULL, &row);
+        const saltus_event *event = &events[k];
+        const saltus_face face = saltus_system_face(system, event->face);
+        const char *word = saltus_event_word(event->kind);
+        fprintf(file, "%s{\"event\": \"%s\", \"type\": \"%s\", \"side\": \"%s\", \"stop\": %d", k ? ", " : "",
+                word, word, saltus_side_word(face.side), face.stop + 1);
+        saltus_json_member(file, "time_over_T", saltus_time_periods(event->time));
+        saltus_json_member(file, "phase", event->time.phase);
+        saltus_json_member(file, "normal_velocity_before", event->velocity_before);
+        saltus_json_member(file, "normal_velocity_after", saltus_event_after(event));
         fputc('}', file);
     }
     fputc(']', file);

@@ -14,10 +14,6 @@ void saltus_json_end(FILE *file, const saltus_spec *spec, const char *integrator
 void saltus_json_fields(FILE *file, const char *begin, const saltus_field_table *table, const int *counts,
                         const void *record);
 
-/* The members of the table that `names` lists ("step, heading"), in that order, each preceded by a comma. */
-void saltus_json_named(FILE *file, const char *names, const saltus_field_table *table, const int *counts,
-                       const void *record);
-
 /* A number; null if JSON cannot represent it. */
 void saltus_json_value(FILE *file, double value);
 /* Further members of an object, each preceded by a comma. Numbers that JSON cannot represent become null. */

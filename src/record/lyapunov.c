@@ -130,31 +130,6 @@ static void put_spectrum(FILE *file, const saltus_system *system, const saltus_l
         fprintf(file, "Kaplan-Yorke %.4g\n", l->kaplan_yorke);
 }
 
-/* Whether the two halves of the run, and the trajectories that share the work, agree. */
-static void put_agreement(FILE *file, const saltus_lyapunov *l) {
-    const saltus_uncertain first = saltus_uncertain_text(l->half[0], l->half_errors[0]),
-                           second = saltus_uncertain_text(l->half[1], l->half_errors[1]);
-    double error = hypot(l->half_errors[0], l->half_errors[1]), low = INFINITY, high = -INFINITY;
-    fprintf(file, "  %-14s%s +- %s in the first half, %s +- %s in the second", "halves", first.value,
-            first.error, second.value, second.error);
-    if (isfinite(error) && error > 0)
-        fprintf(file, " (%.1f standard errors apart)", fabs(l->half[0] - l->half[1]) / error);
-    fprintf(file, "\n  %-14s%d", "trajectories", l->members);
-    for (int m = 0; m < l->members; m++) {
-        low = fmin(low, l->member_exponents[m]);
-        high = fmax(high, l->member_exponents[m]);
-    }
-    if (l->members > 1)
-        fprintf(file, ", each alone from %.6g to %.6g: they %s", low, high,
-                l->agree ? "agree" : "DO NOT AGREE");
-    fputc('\n', file);
-    if (l->members > 1 && !l->agree)
-        fprintf(file,
-                "  %-14sthey do not measure the same motion: there are coexisting attractors, or the "
-                "transient is longer%s\n",
-                "", l->slow ? ", or quiet stretches are as long as the run" : "");
-}
-
 /* How long was measured and, of a finite exponent, how precisely. */
 static void put_measured(FILE *file, const saltus_system *system, const saltus_lyapunov_options *o,
                          const saltus_lyapunov *l) {
@@ -216,8 +191,31 @@ void saltus_write_lyapunov_text(FILE *file, const saltus_scene *scene, const sal
                 own.value, own.error, period.value, period.error, l->period);
     put_meaning(file, system, l);
     put_spectrum(file, system, l);
-    if (finite && l->members > 0)
-        put_agreement(file, l);
+    if (finite && l->members > 0) {
+        /* Whether the two halves of the run, and the trajectories that share the work, agree. */
+        const saltus_uncertain first = saltus_uncertain_text(l->half[0], l->half_errors[0]),
+                               second = saltus_uncertain_text(l->half[1], l->half_errors[1]);
+        const double both = hypot(l->half_errors[0], l->half_errors[1]);
+        double low = INFINITY, high = -INFINITY;
+        fprintf(file, "  %-14s%s +- %s in the first half, %s +- %s in the second", "halves", first.value,
+                first.error, second.value, second.error);
+        if (isfinite(both) && both > 0)
+            fprintf(file, " (%.1f standard errors apart)", fabs(l->half[0] - l->half[1]) / both);
+        fprintf(file, "\n  %-14s%d", "trajectories", l->members);
+        for (int m = 0; m < l->members; m++) {
+            low = fmin(low, l->member_exponents[m]);
+            high = fmax(high, l->member_exponents[m]);
+        }
+        if (l->members > 1)
+            fprintf(file, ", each alone from %.6g to %.6g: they %s", low, high,
+                    l->agree ? "agree" : "DO NOT AGREE");
+        fputc('\n', file);
+        if (l->members > 1 && !l->agree)
+            fprintf(file,
+                    "  %-14sthey do not measure the same motion: there are coexisting attractors, or the "
+                    "transient is longer%s\n",
+                    "", l->slow ? ", or quiet stretches are as long as the run" : "");
+    }
     put_measured(file, system, options, l);
 }
 

@@ -241,20 +241,20 @@ static void put_impact_counts(FILE *file, const saltus_system *system, const sal
     fputc(']', file);
 }
 
-static void put_named(FILE *file, const char *names, const saltus_motion *motion) {
-    saltus_json_named(file, names, &saltus_motion_fields, NULL, motion);
-}
-
 void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltus_system *system,
                               const saltus_motion *motion) {
+    static const char *const mirror[] = {"none", "self", "pair", "open"};
     const saltus_spec *spec = saltus_system_spec(system);
     const saltus_evidence *e = &motion->evidence;
     const bool settled = saltus_verdict_settled(motion->verdict);
     const int n = motion->dimension;
     saltus_json_begin(file, scene);
-    put_named(file, "label,kind", motion);
+    saltus_json_text(file, "label", motion->label);
+    saltus_json_text(file, "kind", saltus_verdict_word(motion->verdict));
     saltus_json_member(file, "impacts", motion->impacts >= 0 && settled ? (double)motion->impacts : NAN);
-    put_named(file, "periods,sticking_intervals,period", motion);
+    fprintf(file, ", \"periods\": %d, \"sticking_intervals\": %d", motion->periods,
+            motion->sticking_intervals);
+    saltus_json_member(file, "period", motion->period);
     put_impact_counts(file, system, motion);
     saltus_json_member(file, "impacts_per_response", saltus_impacts_per_response(system, motion));
     for (int i = 0; i < saltus_system_dimension(system) && saltus_model_text(spec->model); i++) {
@@ -273,8 +273,10 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     if (motion->eigenvalues)
         saltus_json_rows(file, "eigenvalues", motion->eigenvalues, motion->eigenvalue_count, 2, 2);
     if (motion->trivial_multiplier != 0)
-        put_named(file, "trivial_multiplier", motion);
-    put_named(file, "stable,mirror,residual", motion);
+        saltus_json_member(file, "trivial_multiplier", motion->trivial_multiplier);
+    fprintf(file, ", \"stable\": %s", motion->stable ? "true" : "false");
+    saltus_json_text(file, "mirror", mirror[motion->mirror]);
+    saltus_json_member(file, "residual", motion->residual);
     if (motion->sticks || motion->multiplier_count == 0)
         fputs(", \"sum_rule\": null", file);
     else {
@@ -284,7 +286,8 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
         saltus_json_member(file, "difference", motion->log_volume - motion->sum_rule);
         fputc('}', file);
     }
-    put_named(file, "lyapunov,lyapunov_standard_error", motion);
+    saltus_json_member(file, "lyapunov", motion->lyapunov);
+    saltus_json_member(file, "lyapunov_standard_error", motion->lyapunov_error);
     if (!settled)
         saltus_json_member(file, "lifetime_at_least", e->lifetime_at_least);
     if (e->periods)
@@ -292,7 +295,10 @@ void saltus_write_motion_json(FILE *file, const saltus_scene *scene, const saltu
     fputs(e->periods ? "}" : ", \"evidence\": null", file);
     saltus_json_contact_force(file, system, motion->verdict == SALTUS_HELD ? motion->contact_force : NULL,
                               NULL);
-    put_named(file, "largest_displacement,smallest_displacement,rms_displacement,transient", motion);
+    saltus_json_member(file, "largest_displacement", motion->largest);
+    saltus_json_member(file, "smallest_displacement", motion->smallest);
+    saltus_json_member(file, "rms_displacement", motion->rms);
+    fprintf(file, ", \"transient\": %lld", motion->transient);
     saltus_json_text(file, "reason", motion->reason);
     saltus_json_end(file, spec, saltus_integrator_used(system, motion->integrator));
 }

@@ -5,16 +5,6 @@
 
 #include <math.h>
 
-#define REST(member, name, meaning, ...)                                                                     \
-    SALTUS_MEMBER(saltus_equilibrium, member, name, "1", meaning, __VA_ARGS__)
-
-static const saltus_field rest_fields[] = {
-    REST(stable, "stable", "all real parts are negative and all contacts push", SALTUS_FLAG),
-    REST(instability, "instability", "eigenvalues with a positive real part", SALTUS_INT),
-    REST(residual, "residual", "last Newton step relative to the system's scales", SALTUS_REAL),
-    REST(iterations, "iterations", "Newton steps, over all sets of contacts tried", SALTUS_INT)};
-static const saltus_field_table fields = SALTUS_TABLE(rest_fields);
-
 static const char *label_of(const saltus_equilibrium *e) {
     return e->contacts ? "held" : "equilibrium";
 }
@@ -29,9 +19,10 @@ void saltus_write_equilibrium_json(FILE *file, const saltus_scene *scene, const 
     saltus_json_events(file, system, NULL, 0);
     saltus_json_multipliers(file, NULL, 0);
     saltus_json_rows(file, "eigenvalues", e->eigenvalues, e->eigenvalue_count, 2, 2);
-    saltus_json_named(file, "stable,instability", &fields, NULL, e);
+    fprintf(file, ", \"stable\": %s, \"instability\": %d", e->stable ? "true" : "false", e->instability);
     saltus_json_contact_force(file, system, e->contact_force, e->gap);
-    saltus_json_named(file, "residual,iterations", &fields, NULL, e);
+    saltus_json_member(file, "residual", e->residual);
+    fprintf(file, ", \"iterations\": %d", e->iterations);
     saltus_json_end(file, saltus_system_spec(system), NULL);
 }
 

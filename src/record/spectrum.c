@@ -1,6 +1,5 @@
 /* Spectra as a few lines for people, as one JSON object and as CSV.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "record/fields.h"
 #include "record/json.h"
 
 #include <math.h>
@@ -135,11 +134,23 @@ void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const salt
         fprintf(file, "%s{\"quantity\": \"%s\"", q ? ", " : "[",
                 saltus_quantity_name(system, spectra->quantities[q]).text);
         saltus_json_text(file, "kind", kinds[s->kind]);
-        saltus_json_fields(file, ", ", &saltus_spectrum_fields[0], NULL, s);
+        saltus_json_member(file, "mean", s->mean);
+        saltus_json_member(file, "total_power", s->variance);
         if (s->kind != SALTUS_SPECTRUM_CONSTANT) {
-            saltus_json_fields(file, ", ", &saltus_spectrum_fields[1], NULL, s);
-            saltus_json_fields(file, ", ", &saltus_spectrum_fields[s->kind == SALTUS_SPECTRUM_LINES ? 2 : 3],
-                               NULL, s);
+            saltus_json_member(file, "broadband_fraction", s->broadband);
+            saltus_json_member(file, "highest_trustworthy", s->trustworthy);
+            saltus_json_member(file, "resolution", s->resolution);
+            saltus_json_member(file, "parseval", s->parseval);
+        }
+        if (s->kind == SALTUS_SPECTRUM_LINES) {
+            fprintf(file, ", \"orbits\": %d", s->orbits);
+            saltus_json_member(file, "between_lines", s->between);
+        } else if (s->kind == SALTUS_SPECTRUM_WELCH) {
+            fprintf(file, ", \"segments\": %lld, \"segment_periods\": %lld", s->segments, s->segment_periods);
+            saltus_json_member(file, "degrees_of_freedom", s->degrees);
+            saltus_json_member(file, "confidence", s->confidence);
+            saltus_json_member(file, "band_low", s->low);
+            saltus_json_member(file, "band_high", s->high);
         }
         fputs(", \"lines\": [", file);
         for (long long k = 0; k < s->line_count && !(s->lines[k].frequency > s->trustworthy); k++) {
@@ -147,7 +158,12 @@ void saltus_write_spectra_json(FILE *file, const saltus_scene *scene, const salt
             fputs(k ? ", {" : "{", file);
             if (line->harmonic)
                 fprintf(file, "\"harmonic\": %lld, ", line->harmonic);
-            saltus_json_fields(file, "", &saltus_spectral_line_fields, NULL, line);
+            fputs("\"frequency_over_omega\": ", file);
+            saltus_json_value(file, line->frequency);
+            saltus_json_member(file, "amplitude", line->amplitude);
+            saltus_json_member(file, "phase", line->phase);
+            saltus_json_member(file, "decibels", line->decibels);
+            saltus_json_member(file, "share", line->share);
             fputc('}', file);
         }
         fputs("]}", file);

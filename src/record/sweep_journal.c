@@ -113,31 +113,6 @@ static void enter(saltus_journal *j, const saltus_sweep_result *result, long lon
             j->total[c] += counts[c][s];
 }
 
-/* Find the results, and cut off everything from the first incomplete record. */
-static saltus_status scan(saltus_journal *j, long long begin, saltus_message *message) {
-    bool whole = true;
-    while (whole) {
-        const unsigned char *bytes = NULL;
-        saltus_sweep_result result;
-        size_t length = 0;
-        saltus_status status = look_at_record(j, begin, &whole, &length, &bytes, message);
-        if (status != SALTUS_OK)
-            return status;
-        if (!whole)
-            break;
-        if (!saltus_sweep_unpack(j->sweep, bytes, length, &result))
-            return saltus_fail(message, SALTUS_BAD_INPUT, "%s: holds a result that does not fit the sweep",
-                               j->path);
-        enter(j, &result, begin);
-        begin += (long long)(sizeof(prefix) + padded(length));
-    }
-    if (begin < j->end && ftruncate(j->file, (off_t)begin) != 0)
-        return saltus_fail(message, SALTUS_IO, "%s: its damaged end cannot be cut off: %s", j->path,
-                           strerror(errno));
-    j->end = begin;
-    return SALTUS_OK;
-}
-
 /* Check that the journal belongs to this sweep, and find its results. *there stays false if the file is
  * shorter than this sweep's head: its own head is then incomplete, or it belongs to another sweep and holds
  * no result. */
@@ -172,7 +147,26 @@ static saltus_status take_up(saltus_journal *j, const char *identity, bool *ther
         status = saltus_sweep_identity_compare(j->path, text, identity, message);
     }
     free(text);
-    return status == SALTUS_OK ? scan(j, (long long)(sizeof h + room), message) : status;
+    /* Find the results, and cut off everything from the first incomplete record. */
+    long long begin = (long long)(sizeof h + room);
+    for (bool whole = true; whole && status == SALTUS_OK;) {
+        saltus_sweep_result result;
+        size_t length = 0;
+        status = look_at_record(j, begin, &whole, &length, &bytes, message);
+        if (status != SALTUS_OK || !whole)
+            break;
+        if (saltus_sweep_unpack(j->sweep, bytes, length, &result)) {
+            enter(j, &result, begin);
+            begin += (long long)(sizeof(prefix) + padded(length));
+        } else
+            status = saltus_fail(message, SALTUS_BAD_INPUT, "%s: holds a result that does not fit the sweep",
+                                 j->path);
+    }
+    if (status == SALTUS_OK && begin < j->end && ftruncate(j->file, (off_t)begin) != 0)
+        status = saltus_fail(message, SALTUS_IO, "%s: its damaged end cannot be cut off: %s", j->path,
+                             strerror(errno));
+    j->end = status == SALTUS_OK ? begin : j->end;
+    return status;
 }
 
 saltus_status saltus_journal_open(saltus_journal *journal, const char *path, const saltus_sweep *sweep,
