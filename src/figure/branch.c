@@ -11,21 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether the files contain equilibria (`rests`), or orbits. */
-static bool shows(const saltus_plot_page *page, bool rests) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if ((page->files[i].points[k].periods == 0) == rests)
-                return true;
-    return false;
-}
-
-/* Whether the orbits have their own periods. */
-static bool shows_cycles(const saltus_plot_page *page) {
-    return page->files[0].point_count > 0 &&
-           (page->files[0].points[0].trivial_multiplier != 0 || shows(page, true));
-}
-
 /* The heading, and the parameters common to all files; parameters that differ have the values of the first
  * file. */
 static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
@@ -34,10 +19,10 @@ static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
     char first[SALTUS_KEY_MAX], second[SALTUS_KEY_MAX];
     saltus_line_plain(&head, page->files[0].scene);
     saltus_line_add(&head, ":  %s in ",
-                    page->locus          ? "special points"
-                    : !shows(page, true) ? "periodic orbits"
-                    : shows(page, false) ? "equilibria and periodic orbits"
-                                         : "equilibria");
+                    page->locus    ? "special points"
+                    : !page->rests ? "periodic orbits"
+                    : page->orbits ? "equilibria and periodic orbits"
+                                   : "equilibria");
     saltus_line_symbol(&head, o->key[0]);
     if (page->locus) {
         saltus_line_add(&head, " and ");
@@ -79,16 +64,15 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     else {
         saltus_line *line = &name[!page->swap];
         const saltus_show show = page->show;
-        const bool cycles = shows_cycles(page);
         const bool largest = show == SALTUS_SHOW_AMPLITUDE;
         if (show == SALTUS_SHOW_DISPLACEMENT || show == SALTUS_SHOW_VELOCITY || largest) {
             saltus_line_observed(line, page->system, show == SALTUS_SHOW_VELOCITY);
             saltus_line_add(line, "%s",
-                            !largest             ? (cycles ? "  at its maximum" : "  at phase 0")
-                            : shows(page, false) ? "  largest and smallest of an orbit"
-                                                 : "");
+                            !largest       ? (page->cycles ? "  at its maximum" : "  at phase 0")
+                            : page->orbits ? "  largest and smallest of an orbit"
+                                           : "");
         } else if (show == SALTUS_SHOW_PERIOD)
-            saltus_line_add(line, cycles ? "period" : "period in {/:Italic T}");
+            saltus_line_add(line, page->cycles ? "period" : "period in {/:Italic T}");
         else
             saltus_line_add(line, "%s  |{/:Bold n·q′}|",
                             show == SALTUS_SHOW_IMPACTS ? "speed of every impact" : "largest impact speed");
@@ -102,18 +86,24 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
     return sound;
 }
 
-/* Automatic choice of the vertical axis: amplitudes for orbits with their own periods, impact speeds if there
- * are impacts, otherwise displacements. */
-static saltus_show choose_measure(const saltus_plot_page *page, saltus_show wanted) {
-    if (wanted != SALTUS_SHOW_AUTOMATIC)
-        return wanted;
-    if (shows_cycles(page))
-        return SALTUS_SHOW_AMPLITUDE;
+/* Find what the files contain, and choose the vertical axis if the caller did not: amplitudes for orbits with
+ * their own periods, impact speeds if there are impacts, otherwise displacements. */
+static void choose_measure(saltus_plot_page *page) {
+    bool hits = false;
     for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            if (page->files[i].points[k].event_count > 0)
-                return SALTUS_SHOW_SPEED;
-    return SALTUS_SHOW_DISPLACEMENT;
+        for (int k = 0; k < page->files[i].point_count; k++) {
+            const saltus_branch_point *point = &page->files[i].points[k];
+            *(point->periods ? &page->orbits : &page->rests) = true;
+            hits = hits || point->event_count > 0;
+        }
+    const saltus_branch_file *first = &page->files[0];
+    page->cycles = first->point_count > 0 && (first->points[0].trivial_multiplier != 0 || page->rests);
+    page->show = page->options->show;
+    if (page->show == SALTUS_SHOW_AUTOMATIC)
+        page->show = page->cycles ? SALTUS_SHOW_AMPLITUDE
+                     : hits       ? SALTUS_SHOW_SPEED
+                                  : SALTUS_SHOW_DISPLACEMENT;
+    page->turning = page->amplitude = !page->locus && page->show == SALTUS_SHOW_AMPLITUDE;
 }
 
 /* Add margins around the values of an axis. */
@@ -179,9 +169,8 @@ static saltus_status check_ranges(const saltus_plot_page *page, saltus_message *
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_range ranges[2] = {page->x, page->y}, first = ranges[page->swap];
     bool any = false;
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            any = any || saltus_plot_shown(page, &page->files[i].points[k]);
+    for (int k = 0; k < page->row_count; k++)
+        any = any || saltus_plot_shown(page, &page->rows[k]);
     if (!any && page->locus)
         return saltus_fail(message, SALTUS_BAD_INPUT, "there is no point from %s = %g to %g, %s = %g to %g",
                            o->key[0], page->x.low, page->x.high, o->key[1], page->y.low, page->y.high);
@@ -209,11 +198,10 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
                              .options = options,
                              .swap = options->look.swap && !locus,
                              .locus = locus};
-    page.show = choose_measure(&page, options->show);
-    page.turning = page.amplitude = !locus && page.show == SALTUS_SHOW_AMPLITUDE;
+    choose_measure(&page);
     status = choose_scales(&page, message);
     if (status == SALTUS_OK)
-        status = saltus_plot_find_visits(&page, message);
+        status = saltus_plot_open(&page, message);
     if (status == SALTUS_OK) {
         find_ranges(&page);
         status = check_ranges(&page, message);
@@ -225,7 +213,7 @@ static saltus_status draw(const saltus_branch_file *files, int count, const salt
             status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for the curves of %d files", count);
         status = saltus_page_close(&paper, status, message);
     }
-    saltus_plot_free_visits(&page);
+    saltus_plot_close(&page);
     saltus_system_free(system);
     return status;
 }

@@ -5,18 +5,38 @@
 
 #include "figure/page.h"
 
-/* One of several values that a diagram shows of an orbit: the speed of an impact, or the displacement at a
- * turning point. */
+/* How a curve is drawn between two points. A locus is drawn as stable where it bounds stable orbits: no
+ * multiplier is outside the unit circle except those that make the point special. */
+typedef enum saltus_stroke {
+    SALTUS_STROKE_STABLE,
+    SALTUS_STROKE_UNSTABLE,
+    SALTUS_STROKE_FOREIGN
+} saltus_stroke;
+enum { SALTUS_STROKES = 3, SALTUS_HUES = 7 };
+
+/* One of the values that a diagram shows of a point: several are the speeds of all impacts of an orbit, or
+ * the displacements at its turning points. */
 typedef struct saltus_plot_visit {
     double time, value; /* time in periods from phase 0 */
-    int face;           /* face of the impact; -1: none */
+    int face;           /* of the impact; -1: none */
+    int next;           /* the visit of the next row that continues this one; -1: none */
+    bool begins;        /* no visit of the row before leads to this one */
 } saltus_plot_visit;
 
-/* All visits at one point of a branch. */
-typedef struct saltus_plot_visits {
-    saltus_plot_visit *list;
-    int count;
-} saltus_plot_visits;
+/* A point of a branch as it is drawn. */
+typedef struct saltus_plot_row {
+    const saltus_branch_point *point;
+    int file;
+    /* By kind on loci, by file if there are several, otherwise by the number of switches that led here. */
+    int hue;
+    double x, y;          /* its mark, as values of the axes */
+    bool marked;          /* not marked are points of a locus' own kind and ends at the limits of the range */
+    bool joined;          /* to the next row, which is of the same branch */
+    saltus_stroke stroke; /* to the next row */
+    saltus_plot_visit *visits;
+    int count;     /* of visits */
+    int strongest; /* which event is the largest impact; -1: there is none */
+} saltus_plot_row;
 
 /* Branch files drawn over each other in one pair of axes. */
 typedef struct saltus_plot_page {
@@ -29,63 +49,41 @@ typedef struct saltus_plot_page {
     bool turning;                /* displacements at turning points instead of `show` */
     bool amplitude;              /* of the turning points only the largest and the smallest of each orbit */
     bool swap;                   /* exchange the axes: the parameter is vertical */
+    bool rests, orbits, cycles;  /* there are equilibria; orbits; orbits with their own periods */
     bool over_map;               /* curves are drawn over a coloured map and get a white rim */
     bool over_sweep;             /* curves are drawn over a map or a cloud: names get a white ground */
     bool logarithmic[2];         /* horizontal and vertical axis */
     saltus_show show;
     const saltus_plot_options *options;
     saltus_range x, y;
-    saltus_plot_visits **visits; /* per file and point, if orbits show several values; otherwise NULL */
+    saltus_plot_row *rows; /* the points of all files */
+    int row_count;
 } saltus_plot_page;
 
-/* Horizontal and vertical coordinate of a point, and whether its parameters lie in the ranges shown. */
-bool saltus_plot_shown(const saltus_plot_page *page, const saltus_branch_point *point);
-double saltus_plot_x(const saltus_plot_page *page, const saltus_branch_point *point);
-double saltus_plot_y(const saltus_plot_page *page, const saltus_branch_point *point);
-/* Convert coordinates of the axes into page units from the panel's lower left corner. */
+/* branch_rows.c: make the rows of all files; free them with saltus_plot_close. Errors: SALTUS_NO_MEMORY,
+ * those of building systems and flows. */
+saltus_status saltus_plot_open(saltus_plot_page *page, saltus_message *message);
+void saltus_plot_close(saltus_plot_page *page);
+/* Whether the parameters of a row lie in the ranges shown. */
+bool saltus_plot_shown(const saltus_plot_page *page, const saltus_plot_row *row);
+/* Convert coordinates of the axes, or a visit of a row, into page units from the panel's lower left corner.
+ */
 void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]);
-/* The place of visit v of a row; without visits of the row's point. */
-void saltus_plot_place_visit(const saltus_plot_page *page, int file, int row, int v, double place[2]);
+void saltus_plot_place_visit(const saltus_plot_page *page, const saltus_plot_row *row, int v,
+                             double place[2]);
 /* Distance of a place from the segment between two others. */
 double saltus_plot_distance(const double at[2], const double a[2], const double b[2]);
-/* Find the visits if impacts or turning points are shown; free them with saltus_plot_free_visits. Errors:
- * SALTUS_NO_MEMORY, those of building systems and flows. */
-saltus_status saltus_plot_find_visits(saltus_plot_page *page, saltus_message *message);
-void saltus_plot_free_visits(saltus_plot_page *page);
 /* The range of the first parameter, or of the other coordinate (`measure`), over all points shown. */
 saltus_range saltus_plot_range(const saltus_plot_page *page, bool measure);
+/* The kind of special point whose locus has this hue. */
+saltus_point_kind saltus_plot_locus(int hue);
+
+/* Exchange the two parameters of a locus. */
+void saltus_plot_turn(saltus_branch_file *file);
 /* Whether the axis of this key is to be logarithmic. */
 bool saltus_plot_logarithmic(const saltus_figure_options *look, const char *key);
 /* The range requested for a key; NULL: none. */
 const saltus_plot_part *saltus_plot_part_of(const saltus_plot_part *parts, int count, const char *key);
-/* Exchange the two parameters of a locus. */
-void saltus_plot_turn(saltus_branch_file *file);
-
-/* Whether a point of the file gets a mark. Not marked are points of a locus' own kind and ends at the limits
- * of the range. */
-bool saltus_plot_marked(const saltus_branch_file *file, const saltus_branch_point *point);
-
-/* How a curve is drawn between two points. A locus is drawn as stable where it bounds stable orbits: no
- * multiplier is outside the unit circle except those that make the point special. */
-typedef enum saltus_stroke {
-    SALTUS_STROKE_STABLE,
-    SALTUS_STROKE_UNSTABLE,
-    SALTUS_STROKE_FOREIGN
-} saltus_stroke;
-enum { SALTUS_STROKES = 3, SALTUS_HUES = 7 };
-
-/* The visit of point k + 1 of a file that continues visit v of point k; -1: none. */
-int saltus_plot_partner(const saltus_plot_page *page, int file, int k, int v);
-
-/* The stroke from one point of a branch to the next. */
-saltus_stroke saltus_plot_stroke(const saltus_branch_file *file, int from, int to);
-
-/* The hue of a branch: by kind on loci, by file if there are several, otherwise by the number of switches
- * that led to it. */
-int saltus_plot_hue(const saltus_plot_page *page, int file, int branch);
-/* The kind of special point whose locus has this hue. */
-saltus_point_kind saltus_plot_locus(int hue);
-
 /* branch_curves.c: elements of an open plot command: curves, marks, and their legend entries. */
 void saltus_plot_elements(const saltus_plot_page *page);
 /* The legend below the caption, for a panel of this width: the height of its rows, which are written only if

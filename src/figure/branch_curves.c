@@ -65,27 +65,15 @@ static content find_content(const saltus_plot_page *page) {
     const double seen = 0.02, wide = page->x.high - page->x.low, high = page->y.high - page->y.low;
     double length[SALTUS_STROKES] = {0};
     content c = {.hue = {false}};
-    for (int i = 0; i < page->count; i++) {
-        const saltus_branch_file *f = &page->files[i];
-        bool before = false; /* whether the last point is shown, and where it is */
-        double last_x = 0, last_y = 0;
-        for (int k = 0; k < f->point_count; k++) {
-            const saltus_branch_point *point = &f->points[k];
-            const bool begins = k == 0 || point->branch != point[-1].branch,
-                       shown = saltus_plot_shown(page, point);
-            const double x = saltus_plot_x(page, point), y = saltus_plot_y(page, point);
-            if (begins)
-                c.hue[saltus_plot_hue(page, i, point->branch)] = true;
-            if (shown && x >= page->x.low && x <= page->x.high && y >= page->y.low && y <= page->y.high &&
-                saltus_plot_marked(f, point))
-                c.kind[point->kind] = true;
-            if (!begins && (shown || before))
-                length[saltus_plot_stroke(f, k - 1, k)] +=
-                    fmax(fabs(x - last_x) / wide, fabs(y - last_y) / high);
-            before = shown;
-            last_x = x;
-            last_y = y;
-        }
+    for (int k = 0; k < page->row_count; k++) {
+        const saltus_plot_row *row = &page->rows[k];
+        const bool shown = saltus_plot_shown(page, row);
+        c.hue[row->hue] = true;
+        if (shown && row->marked && row->x >= page->x.low && row->x <= page->x.high &&
+            row->y >= page->y.low && row->y <= page->y.high)
+            c.kind[row->point->kind] = true;
+        if (row->joined && (shown || saltus_plot_shown(page, row + 1)))
+            length[row->stroke] += fmax(fabs(row[1].x - row->x) / wide, fabs(row[1].y - row->y) / high);
     }
     for (int stroke = 0; stroke < SALTUS_STROKES; stroke++)
         c.stroke[stroke] = length[stroke] > seen;
@@ -140,14 +128,27 @@ static int lay_pairs(const saltus_plot_page *page, const content *c, double widt
     return rows;
 }
 
-/* The rows of the key of a panel of this width, which gnuplot lays out. */
-static int key_rows(const saltus_plot_page *page, const content *c, double width) {
-    const double letter = 9.9, sign = 5.6 * letter, narrowest = 0.5;
-    const bool files = page->count > 1 && !page->locus;
-    int most = (int)(page->paper->width / (page->locus || page->count > 1 ? 310 : 190)), entries = 0;
-    /* gnuplot makes all entries as wide as the longest, in as many columns as fit into the panel. */
-    double longest = 1; /* letters */
-    for (int i = 0; i < page->count && files; i++) {
+/* The letters of an entry of the key, if it is longer than those before. */
+static double longer(double letters, const char *text) {
+    return fmax(letters, (double)strlen(text));
+}
+
+/* Write the entries of the key, which gnuplot lays out, into a plot command, or only count them (`script`
+ * NULL). Returns how many there are; *longest: the letters of the longest. */
+static int put_key(const saltus_plot_page *page, const content *c, FILE *script, double *longest) {
+    const double narrowest = 0.5; /* letter */
+    int entries = 0;
+    *longest = 1;
+    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++) {
+        const saltus_point_kind kind = saltus_plot_locus(hue);
+        if (c->hue[hue] && script)
+            fprintf(script, "     NaN with linespoints lw %s pt %d ps %g lc rgb '%s' title '%s', \\\n",
+                    kind == SALTUS_POINT_HB ? "1.6" : "2.6", /* a star of thick lines is a blot */
+                    marks[kind].point_type, 0.7 * marks[kind].size, hue_colour(page, hue),
+                    marks[kind].meaning);
+        entries += c->hue[hue];
+    }
+    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
         saltus_line name, piece;
         size_t length[name_lines];
         const int lines = name_file(page, i, &name, length);
@@ -155,31 +156,50 @@ static int key_rows(const saltus_plot_page *page, const content *c, double width
         for (int k = 0; k < lines; rest += length[k++]) {
             piece.length = 0;
             saltus_line_add(&piece, "%.*s", (int)length[k], rest);
-            longest = fmax(longest, saltus_line_width(piece.text) / narrowest);
+            *longest = fmax(*longest, saltus_line_width(piece.text) / narrowest);
+            if (!script)
+                continue;
+            if (k == 0)
+                fprintf(script, "     NaN with lines lw 2.6 lc rgb '%s' title ", hues[i % SALTUS_HUES]);
+            else
+                fputs("     NaN with lines lt nodraw title ", script);
+            saltus_put_quoted(script, rest, length[k]);
+            fputs(", \\\n", script);
         }
         entries += lines;
     }
     for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
-        const char *meaning = strokes[page->locus][stroke].meaning;
-        const bool named = c->stroke[stroke] && *meaning;
-        longest = named ? fmax(longest, (double)strlen(meaning)) : longest;
-        entries += named;
+        const stroke_look *look = &strokes[page->locus][stroke];
+        if (!c->stroke[stroke] || !*look->meaning)
+            continue;
+        if (script)
+            fprintf(script, "     NaN with lines %s lc rgb '#404040' title '%s', \\\n", look->line,
+                    look->meaning);
+        *longest = longer(*longest, look->meaning);
+        entries++;
     }
-    for (int hue = 0; hue < SALTUS_HUES; hue++)
-        entries += page->locus && c->hue[hue];
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_CP; kind++) {
-        longest = c->kind[kind] ? fmax(longest, (double)strlen(marks[kind].meaning)) : longest;
-        entries += c->kind[kind];
+        if (!c->kind[kind])
+            continue;
+        if (script)
+            fprintf(script, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
+                    marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
+        *longest = longer(*longest, marks[kind].meaning);
+        entries++;
     }
-    if (width < 0.8 * page->paper->width || files)
-        most = (int)fmin(most, width / (letter * longest + sign));
-    const int columns = most > 1 ? most : 1;
-    return (entries + columns - 1) / columns;
+    return entries;
 }
 
 double saltus_plot_legend(const saltus_plot_page *page, double width, bool put) {
+    const double letter = 9.9, sign = 5.6 * letter, whole = page->paper->width;
     const content c = find_content(page);
-    const int rows = key_rows(page, &c, width);
+    double longest;
+    const int entries = put_key(page, &c, NULL, &longest);
+    /* gnuplot makes all entries as wide as the longest, in as many columns as fit into the panel. */
+    int most = (int)(whole / (page->locus || page->count > 1 ? 310 : 190));
+    if (width < 0.8 * whole || (page->count > 1 && !page->locus))
+        most = (int)fmin(most, width / (letter * longest + sign));
+    const int columns = most > 1 ? most : 1, rows = (entries + columns - 1) / columns;
     if (put)
         saltus_page_legend(page->paper, rows);
     return 10 + 19 * (rows + lay_pairs(page, &c, width, page->paper->top - 19 * rows, put));
@@ -236,37 +256,7 @@ void saltus_plot_elements(const saltus_plot_page *page) {
                     kind, part ? marks[kind].inner : marks[kind].point_type,
                     part ? inner_size : marks[kind].size, pair ? 1.2 : 1.6, marks[kind].colour);
     }
-    /* Legend of the lines: kinds of special points, or files. */
-    for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++)
-        if (c.hue[hue])
-            fprintf(file, "     NaN with linespoints lw %s pt %d ps %g lc rgb '%s' title '%s', \\\n",
-                    saltus_plot_locus(hue) == SALTUS_POINT_HB ? "1.6"
-                                                              : "2.6", /* a star of thick lines is a blot */
-                    marks[saltus_plot_locus(hue)].point_type, 0.7 * marks[saltus_plot_locus(hue)].size,
-                    hue_colour(page, hue), marks[saltus_plot_locus(hue)].meaning);
-    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
-        saltus_line name;
-        size_t length[name_lines];
-        const int lines = name_file(page, i, &name, length);
-        const char *rest = name.text;
-        for (int k = 0; k < lines; rest += length[k++]) {
-            if (k == 0)
-                fprintf(file, "     NaN with lines lw 2.6 lc rgb '%s' title ", hues[i % SALTUS_HUES]);
-            else
-                fputs("     NaN with lines lt nodraw title ", file);
-            saltus_put_quoted(file, rest, length[k]);
-            fputs(", \\\n", file);
-        }
-    }
-    for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
-        const stroke_look *look = &strokes[page->locus][stroke];
-        if (c.stroke[stroke] && *look->meaning)
-            fprintf(file, "     NaN with lines %s lc rgb '#404040' title '%s', \\\n", look->line,
-                    look->meaning);
-    }
-    for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_CP; kind++)
-        if (c.kind[kind])
-            fprintf(file, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
-                    marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
+    double longest;
+    put_key(page, &c, file, &longest);
     fputs("     NaN notitle\n", file);
 }

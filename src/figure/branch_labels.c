@@ -20,16 +20,16 @@ typedef struct place {
     double x, y, half_width, half_height;
 } place;
 
-/* The piece of a curve from a row of a file to the next. */
+/* The piece of a curve from a row to the next. */
 typedef struct piece {
     double ends[2][2];
-    int file, row;
+    int row;
 } piece;
 
 /* A stretch of one branch along which the label of the motion is the same. */
 typedef struct stretch {
-    int file, first, last; /* rows of the file */
-    double length;         /* on the page */
+    int first, last; /* rows */
+    double length;   /* on the page */
 } stretch;
 
 typedef struct places {
@@ -38,7 +38,7 @@ typedef struct places {
     piece *pieces; /* of all curves */
     int piece_count;
     /* Special points and stretches that have no name yet, and the stretches that have one. */
-    const saltus_branch_point *unnamed[places_max];
+    const saltus_plot_row *unnamed[places_max];
     stretch unnamed_stretch[places_max], named_stretch[places_max];
     int unnamed_count, unnamed_stretch_count, named_stretch_count;
 } places;
@@ -57,13 +57,13 @@ static place place_at(const saltus_plot_page *page, double x, double y) {
     return (place){at[0] / word_height, at[1] / word_height, 0, 0};
 }
 
-static place place_of(const saltus_plot_page *page, const saltus_branch_point *point) {
-    return place_at(page, saltus_plot_x(page, point), saltus_plot_y(page, point));
+static place place_of(const saltus_plot_page *page, const saltus_plot_row *row) {
+    return place_at(page, row->x, row->y);
 }
 
-static place place_of_visit(const saltus_plot_page *page, int file, int row, int v) {
+static place place_of_visit(const saltus_plot_page *page, int row, int v) {
     double at[2];
-    saltus_plot_place_visit(page, file, row, v, at);
+    saltus_plot_place_visit(page, &page->rows[row], v, at);
     return (place){at[0] / word_height, at[1] / word_height, 0, 0};
 }
 
@@ -88,12 +88,12 @@ static double gap(place a, place b) {
                  fmax(0, fabs(a.y - b.y) - a.half_height - b.half_height));
 }
 
-/* Whether a point is in the panel, with its other coordinate too. */
-static bool is_visible(const saltus_plot_page *page, const saltus_branch_point *point) {
+/* Whether a row has a mark in the panel. */
+static bool is_visible(const saltus_plot_page *page, const saltus_plot_row *row) {
     const double rim = 1e-6;
-    const place at = place_of(page, point);
-    return saltus_plot_shown(page, point) && at.x >= -rim && at.x <= wide(page) + rim && at.y >= -rim &&
-           at.y <= high(page) + rim;
+    const place at = place_of(page, row);
+    return row->marked && saltus_plot_shown(page, row) && at.x >= -rim && at.x <= wide(page) + rim &&
+           at.y >= -rim && at.y <= high(page) + rim;
 }
 
 static bool is_free(const saltus_plot_page *page, const places *all, place wanted) {
@@ -126,27 +126,16 @@ static void put_name(const saltus_plot_page *page, places *all, const saltus_lin
  * were no curves. */
 static void find_pieces(const saltus_plot_page *page, places *all) {
     size_t most = 1;
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++)
-            most += page->visits ? (size_t)page->visits[i][k].count : 1;
+    for (int k = 0; k < page->row_count; k++)
+        most += (size_t)page->rows[k].count;
     all->pieces = calloc(most, sizeof *all->pieces);
-    for (int i = 0; i < page->count && all->pieces; i++)
-        for (int k = 0; k + 1 < page->files[i].point_count; k++) {
-            const saltus_branch_point *p = &page->files[i].points[k];
-            const int visits = page->visits ? page->visits[i][k].count : 1;
-            for (int v = 0; p[0].branch == p[1].branch && v < visits; v++) {
-                const int next = page->visits ? saltus_plot_partner(page, i, k, v) : 0;
-                if (next < 0)
-                    continue;
-                piece *made = &all->pieces[all->piece_count++];
-                made->file = i;
-                made->row = k;
-                for (int end = 0; end < 2; end++) {
-                    const place at = place_of_visit(page, i, k + end, end ? next : v);
-                    made->ends[end][0] = at.x;
-                    made->ends[end][1] = at.y;
-                }
-            }
+    for (int k = 0; k < page->row_count && all->pieces; k++)
+        for (int v = 0; v < page->rows[k].count; v++) {
+            const int next = page->rows[k].visits[v].next;
+            if (next < 0)
+                continue;
+            const place from = place_of_visit(page, k, v), to = place_of_visit(page, k + 1, next);
+            all->pieces[all->piece_count++] = (piece){{{from.x, from.y}, {to.x, to.y}}, k};
         }
 }
 
@@ -154,7 +143,7 @@ static void find_pieces(const saltus_plot_page *page, places *all) {
 typedef enum count_curves { EVERY, OWN, OTHER } count_curves;
 
 static bool is_part(const piece *p, const stretch *s) {
-    return p->file == s->file && p->row >= s->first && p->row < s->last;
+    return p->row >= s->first && p->row < s->last;
 }
 
 /* Whether a piece is of a stretch (NULL: none), or lies on it, is of the same motion and does not hide it. */
@@ -162,10 +151,9 @@ static bool is_own(const saltus_plot_page *page, const places *all, const piece 
     const double near = 0.12;
     if (!s || is_part(p, s))
         return s != NULL;
-    const saltus_branch_file *f = &page->files[p->file], *own = &page->files[s->file];
-    if (strcmp(f->points[p->row].label, own->points[s->first].label) != 0 ||
-        (!page->locus && saltus_plot_stroke(f, p->row, p->row + 1) == SALTUS_STROKE_STABLE &&
-         saltus_plot_stroke(own, s->first, s->first + 1) != SALTUS_STROKE_STABLE))
+    const saltus_plot_row *its = &page->rows[p->row], *own = &page->rows[s->first];
+    if (strcmp(its->point->label, own->point->label) != 0 ||
+        (!page->locus && its->stroke == SALTUS_STROKE_STABLE && own->stroke != SALTUS_STROKE_STABLE))
         return false;
     for (int end = 0; end < 2; end++) {
         double least = INFINITY;
@@ -200,37 +188,30 @@ static double clearance(const saltus_plot_page *page, const places *all, place w
 }
 
 /* Whether an earlier point of the same kind, in the order of the files, has its mark at this place. */
-static bool named_already(const saltus_plot_page *page, const saltus_branch_point *point) {
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++) {
-            const saltus_branch_point *other = &page->files[i].points[k];
-            if (other == point)
-                return false;
-            if (other->kind == point->kind && apart(place_of(page, other), place_of(page, point)) < 0.8)
-                return true;
-        }
+static bool named_already(const saltus_plot_page *page, const saltus_plot_row *row) {
+    for (const saltus_plot_row *other = page->rows; other < row; other++)
+        if (other->point->kind == row->point->kind && apart(place_of(page, other), place_of(page, row)) < 0.8)
+            return true;
     return false;
 }
 
 /* Whether a name at this place would be nearer to the mark of a point of another kind than to its own, or,
  * with a line to its own, near another. A line that may cross curves tells more clearly whose name it is. */
-static bool misleads(const saltus_plot_page *page, const saltus_branch_point *point, place wanted, bool led,
+static bool misleads(const saltus_plot_page *page, const saltus_plot_row *row, place wanted, bool led,
                      bool across) {
     const double across_least = saltus_page_narrow(page->paper) ? 0.87 : 1;
     const double same = 0.1, overlapping = 0.4, off = 0.9, clearly = across ? across_least : 1.2;
-    const place own = place_of(page, point);
-    for (int i = 0; i < page->count; i++)
-        for (int k = 0; k < page->files[i].point_count; k++) {
-            const saltus_branch_point *other = &page->files[i].points[k];
-            if (other->kind == point->kind || !saltus_plot_marked(&page->files[i], other) ||
-                !is_visible(page, other))
-                continue;
-            const place its = place_of(page, other);
-            const double away = apart(its, own), ratio = away < overlapping ? 1 : clearly;
-            if (away > same && (apart(its, wanted) < ratio * apart(own, wanted) ||
-                                (away >= overlapping && gap(its, wanted) < (led ? off : gap(own, wanted)))))
-                return true;
-        }
+    const place own = place_of(page, row);
+    for (int k = 0; k < page->row_count; k++) {
+        const saltus_plot_row *other = &page->rows[k];
+        if (other->point->kind == row->point->kind || !is_visible(page, other))
+            continue;
+        const place its = place_of(page, other);
+        const double away = apart(its, own), ratio = away < overlapping ? 1 : clearly;
+        if (away > same && (apart(its, wanted) < ratio * apart(own, wanted) ||
+                            (away >= overlapping && gap(its, wanted) < (led ? off : gap(own, wanted)))))
+            return true;
+    }
     return false;
 }
 
@@ -253,7 +234,7 @@ static bool touches(place taken, place at) {
 
 /* A name to be placed: of a special point, or of a stretch at one of its places. */
 typedef struct naming {
-    const saltus_branch_point *point; /* NULL: a stretch */
+    const saltus_plot_row *row; /* NULL: a stretch */
     const stretch *s;
     place own, word;
     bool across; /* the line to it may cross curves */
@@ -280,7 +261,7 @@ static bool leads(const saltus_plot_page *page, const places *all, const naming 
 /* How well a name would stand: the clearance from the curves, negative if it cannot stand there. */
 static double rate(const saltus_plot_page *page, const places *all, const naming *n, place wanted, bool led) {
     const double enough = 0.8, nearer = 0.25;
-    if (!is_free(page, all, wanted) || (n->point && misleads(page, n->point, wanted, led, n->across)))
+    if (!is_free(page, all, wanted) || (n->row && misleads(page, n->row, wanted, led, n->across)))
         return -1;
     const double clear = clearance(page, all, wanted, enough, NULL, EVERY);
     if (clear < (led ? 0.2 : 0.08) || !n->s || led)
@@ -331,7 +312,7 @@ static bool find_beside(const saltus_plot_page *page, const places *all, const n
                          score = clear + straight - 0.4 * gaps[g];
             if (clear < 0 || score <= best + much)
                 continue;
-            if (n->point && is_cut_off(all, n->own, wanted))
+            if (n->row && is_cut_off(all, n->own, wanted))
                 continue;
             best = score;
             *found = wanted;
@@ -377,16 +358,16 @@ static bool find_led(const saltus_plot_page *page, const places *all, const nami
 typedef enum joint { BESIDE, LED, LED_ACROSS } joint;
 
 /* Name a special point; false if there is no place. */
-static bool name_point(const saltus_plot_page *page, const saltus_branch_point *point, joint how,
-                       places *all) {
-    const char *word = saltus_point_word(point->kind);
-    naming n = {.point = point,
-                .own = place_of(page, point),
+static bool name_point(const saltus_plot_page *page, const saltus_plot_row *row, joint how, places *all) {
+    const saltus_point_kind kind = row->point->kind;
+    const char *word = saltus_point_word(kind);
+    naming n = {.row = row,
+                .own = place_of(page, row),
                 .word = word_of(page, word, 10, page->over_sweep),
                 .across = how == LED_ACROSS};
     place found;
     saltus_line line = {.length = 0};
-    if (point->kind == SALTUS_POINT_UZ || point->kind == SALTUS_POINT_EP || named_already(page, point))
+    if (kind == SALTUS_POINT_UZ || kind == SALTUS_POINT_EP || named_already(page, row))
         return true;
     n.own.half_width = n.own.half_height = mark_radius;
     if (!(how == BESIDE ? find_beside : find_led)(page, all, &n, &found))
@@ -397,42 +378,38 @@ static bool name_point(const saltus_plot_page *page, const saltus_branch_point *
     return true;
 }
 
-/* The visit of a row with the largest value, or the smallest; 0 without visits. */
-static int outer_visit(const saltus_plot_page *page, int file, int row, bool smallest) {
+/* The place of the visit of a row with the largest value, or the smallest; the row has visits. */
+static place outer_place(const saltus_plot_page *page, int row, bool smallest) {
     const double sign = smallest ? -1 : 1;
+    const saltus_plot_visit *visits = page->rows[row].visits;
     int found = 0;
-    for (int v = 1; page->visits && v < page->visits[file][row].count; v++)
-        if (sign * page->visits[file][row].list[v].value > sign * page->visits[file][row].list[found].value)
+    for (int v = 1; v < page->rows[row].count; v++)
+        if (sign * visits[v].value > sign * visits[found].value)
             found = v;
-    return found;
+    return place_of_visit(page, row, found);
 }
 
-static bool has_place(const saltus_plot_page *page, int file, int row) {
-    return !page->visits || page->visits[file][row].count > 0;
+/* Distance on the page between two rows; `none` if either has no place. */
+static double way_between(const saltus_plot_page *page, int a, int b, double none) {
+    if (!page->rows[a].count || !page->rows[b].count)
+        return none;
+    const double way = apart(outer_place(page, a, false), outer_place(page, b, false));
+    return isfinite(way) ? way : none;
 }
 
-/* Distance on the page from row k - 1 to row k of a file; 0 if either has no place. */
-static double way_to(const saltus_plot_page *page, int file, int k) {
-    if (!has_place(page, file, k) || !has_place(page, file, k - 1))
-        return 0;
-    const double way = apart(place_of_visit(page, file, k, outer_visit(page, file, k, false)),
-                             place_of_visit(page, file, k - 1, outer_visit(page, file, k - 1, false)));
-    return isfinite(way) ? way : 0;
+/* Whether a row and the next are of one branch and one motion, and both are shown or both are not. */
+static bool continues(const saltus_plot_page *page, int k) {
+    const saltus_plot_row *row = &page->rows[k];
+    return row->joined && strcmp(row[0].point->label, row[1].point->label) == 0 &&
+           saltus_plot_shown(page, row) == saltus_plot_shown(page, row + 1);
 }
 
-static stretch find_stretch(const saltus_plot_page *page, int file, int first) {
-    const saltus_branch_file *f = &page->files[file];
-    stretch s = {file, first, first, 0};
-    for (int k = first + 1;
-         k < f->point_count && f->points[k].branch == f->points[first].branch &&
-         saltus_plot_shown(page, &f->points[k]) == saltus_plot_shown(page, &f->points[first]) &&
-         strcmp(f->points[k].label, f->points[first].label) == 0 &&
-         (k == first + 1 || page->locus ||
-          saltus_plot_stroke(f, k - 1, k) == saltus_plot_stroke(f, first, first + 1));
-         k++) {
-        s.length += way_to(page, file, k);
-        s.last = k;
-    }
+static stretch find_stretch(const saltus_plot_page *page, int first) {
+    stretch s = {first, first, 0};
+    for (; continues(page, s.last) &&
+           (s.last == first || page->locus || page->rows[s.last].stroke == page->rows[first].stroke);
+         s.last++)
+        s.length += way_between(page, s.last + 1, s.last, 0);
     return s;
 }
 
@@ -440,7 +417,7 @@ static stretch find_stretch(const saltus_plot_page *page, int file, int first) {
 static int row_at(const saltus_plot_page *page, const stretch *s, double part) {
     double passed = 0;
     for (int k = s->first + 1; k <= s->last; k++) {
-        passed += way_to(page, s->file, k);
+        passed += way_between(page, k, k - 1, 0);
         if (passed >= part * s->length)
             return k;
     }
@@ -449,17 +426,20 @@ static int row_at(const saltus_plot_page *page, const stretch *s, double part) {
 
 /* Whether a row lies on a curve with the same label that is named for both: an earlier one of the same
  * stability, or a stable one that covers an unstable one. */
-static bool named_below(const saltus_plot_page *page, const saltus_branch_file *f, int row) {
+static bool named_below(const saltus_plot_page *page, const saltus_plot_row *row) {
     const double near = 0.15;
-    const saltus_branch_point *own = &f->points[row];
-    const place at = place_of(page, own);
-    for (int k = 0; k + 1 < f->point_count; k++) {
-        const saltus_branch_point *p = &f->points[k];
-        const place a = place_of(page, p), b = place_of(page, p + 1);
-        if (p[0].branch == p[1].branch && p->branch != own->branch && strcmp(p->label, own->label) == 0 &&
-            (p->stable == own->stable ? p->branch < own->branch : p->stable) &&
-            saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y}) <
-                near)
+    const saltus_branch_point *own = row->point;
+    const place at = place_of(page, row);
+    for (int k = 0; k < page->row_count; k++) {
+        const saltus_plot_row *other = &page->rows[k];
+        const saltus_branch_point *p = other->point;
+        if (other->file != row->file || !other->joined || p->branch == own->branch ||
+            strcmp(p->label, own->label) != 0 ||
+            !(p->stable == own->stable ? p->branch < own->branch : p->stable))
+            continue;
+        const place a = place_of(page, other), b = place_of(page, other + 1);
+        if (saltus_plot_distance((double[2]){at.x, at.y}, (double[2]){a.x, a.y}, (double[2]){b.x, b.y}) <
+            near)
             return true;
     }
     return false;
@@ -470,13 +450,11 @@ static bool named_below(const saltus_plot_page *page, const saltus_branch_file *
 static bool find_on_stretch(const saltus_plot_page *page, const places *all, const stretch *s,
                             const char *text, bool on_curve, bool led, place *found) {
     static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
-
     for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
-        const int row = row_at(page, s, parts[k]),
-                  visits = page->visits ? page->visits[s->file][row].count : 1;
-        for (int n = 0; n < visits && n < 2; n++) {
+        const int row = row_at(page, s, parts[k]);
+        for (int n = 0; n < page->rows[row].count && n < 2; n++) {
             naming name = {.s = s, .word = word_of(page, text, 11, on_curve || page->over_sweep)};
-            name.own = place_of_visit(page, s->file, row, outer_visit(page, s->file, row, n > 0));
+            name.own = outer_place(page, row, n > 0);
             name.own.half_width = name.own.half_height = 0.05;
             const place there = moved(name.word, name.own.x, name.own.y);
             if (!isfinite(name.own.x) || !isfinite(name.own.y))
@@ -499,20 +477,17 @@ static bool find_on_stretch(const saltus_plot_page *page, const places *all, con
 /* Whether a stretch goes on from one that has a name, in the same stroke and of the same motion. */
 static bool goes_on(const saltus_plot_page *page, const places *all, const stretch *s) {
     const double near = 0.15;
-    const saltus_branch_file *f = &page->files[s->file];
+    const saltus_plot_row *row = &page->rows[s->first];
     for (int k = 0; k < all->named_stretch_count; k++) {
         const stretch *other = &all->named_stretch[k];
-        if (other->file != s->file || strcmp(f->points[other->first].label, f->points[s->first].label) != 0 ||
-            saltus_plot_stroke(f, other->first, other->first + 1) !=
-                saltus_plot_stroke(f, s->first, s->first + 1))
+        const saltus_plot_row *its = &page->rows[other->first];
+        if (its->file != row->file || strcmp(its->point->label, row->point->label) != 0 ||
+            its->stroke != row->stroke)
             continue;
-        for (int ends = 0; ends < 4; ends++) {
-            const int own = ends % 2 ? s->last : s->first, its = ends / 2 ? other->last : other->first;
-            if (has_place(page, s->file, own) && has_place(page, s->file, its) &&
-                apart(place_of_visit(page, s->file, own, outer_visit(page, s->file, own, false)),
-                      place_of_visit(page, s->file, its, outer_visit(page, s->file, its, false))) < near)
+        for (int ends = 0; ends < 4; ends++)
+            if (way_between(page, ends % 2 ? s->last : s->first, ends / 2 ? other->last : other->first,
+                            INFINITY) < near)
                 return true;
-        }
     }
     return false;
 }
@@ -522,17 +497,18 @@ static bool goes_on(const saltus_plot_page *page, const places *all, const stret
 static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool led, places *all) {
     static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#136b5c", "#634078",
                                                     "#7a5c00", "#444444", "#7d004b"};
-    const saltus_branch_file *f = &page->files[s->file];
+    const saltus_plot_row *row = &page->rows[s->first];
     saltus_line name = {.length = 0};
     place found;
     /* The label; on loci also the kind of point and the parameters in which the files differ. */
     if (page->locus)
-        saltus_line_add(&name, "%s ", saltus_point_word(f->options.locus));
-    saltus_line_plain(&name, f->points[s->first].label);
+        saltus_line_add(&name, "%s ", saltus_point_word(page->files[row->file].options.locus));
+    saltus_line_plain(&name, row->point->label);
     if (page->locus)
-        saltus_plot_add_differences(page, s->file, &name);
+        saltus_plot_add_differences(page, row->file, &name);
     const bool long_enough = s->length >= 2 * word_of(page, name.text, 11, true).half_width + 1.2;
-    if (s->length < 0.8 || (page->locus && !long_enough) || named_below(page, f, row_at(page, s, 0.5)))
+    if (s->length < 0.8 || (page->locus && !long_enough) ||
+        named_below(page, &page->rows[row_at(page, s, 0.5)]))
         return false;
     const bool on_curve = !led && long_enough &&
                           (find_on_stretch(page, all, s, name.text, true, false, &found) ||
@@ -542,9 +518,8 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
             all->unnamed_stretch[all->unnamed_stretch_count++] = *s;
         return false;
     }
-    const int hue = saltus_plot_hue(page, s->file, f->points[s->first].branch);
-    put_name(page, all, &name, found, on_curve || page->over_sweep, page->locus ? "#202020" : colour[hue], "",
-             saltus_page_type(page->paper, 11));
+    put_name(page, all, &name, found, on_curve || page->over_sweep,
+             page->locus ? "#202020" : colour[row->hue], "", saltus_page_type(page->paper, 11));
     if (all->named_stretch_count < places_max)
         all->named_stretch[all->named_stretch_count++] = *s;
     return true;
@@ -552,29 +527,20 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
 
 /* Name the stable or the unstable stretches; equal names at the same place of the page are written once. */
 static void name_stretches(const saltus_plot_page *page, bool stable, places *all) {
-    for (int i = 0; i < page->count; i++) {
-        const saltus_branch_file *f = &page->files[i];
-        const saltus_branch_point *begun = NULL; /* where the last named stretch began */
-        for (int k = 0; k < f->point_count;) {
-            const stretch s = find_stretch(page, i, k);
-            bool solid =
-                s.last > s.first && saltus_plot_stroke(f, s.first, s.first + 1) == SALTUS_STROKE_STABLE;
-            bool begins = k == 0 || f->points[k - 1].branch != f->points[k].branch;
-            /* Several branches from the same orbit are named once. */
-            bool known = begins && begun && begun->branch != f->points[k].branch &&
-                         strcmp(begun->label, f->points[k].label) == 0 &&
-                         apart(place_of(page, begun), place_of(page, &f->points[k])) < 0.1;
-            if (saltus_plot_shown(page, &f->points[s.first]) && solid == stable && !known &&
-                name_stretch(page, &s, false, all))
-                begun = &f->points[k];
-            k = s.last > s.first && s.last + 1 < f->point_count &&
-                        f->points[s.last + 1].branch == f->points[s.last].branch &&
-                        strcmp(f->points[s.last + 1].label, f->points[s.last].label) == 0 &&
-                        saltus_plot_shown(page, &f->points[s.last + 1]) ==
-                            saltus_plot_shown(page, &f->points[s.last])
-                    ? s.last
-                    : s.last + 1;
-        }
+    const saltus_plot_row *begun = NULL; /* where the last named stretch of the file began */
+    for (int k = 0; k < page->row_count;) {
+        const saltus_plot_row *row = &page->rows[k];
+        const stretch s = find_stretch(page, k);
+        const bool solid = s.last > k && row->stroke == SALTUS_STROKE_STABLE;
+        if (begun && begun->file != row->file)
+            begun = NULL;
+        /* Several branches from the same orbit are named once. */
+        const bool known = begun && !row[-1].joined && begun->point->branch != row->point->branch &&
+                           strcmp(begun->point->label, row->point->label) == 0 &&
+                           apart(place_of(page, begun), place_of(page, row)) < 0.1;
+        if (saltus_plot_shown(page, row) && solid == stable && !known && name_stretch(page, &s, false, all))
+            begun = row;
+        k = s.last > k && continues(page, s.last) ? s.last : s.last + 1;
     }
 }
 
@@ -582,18 +548,16 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
  * of the kinds whose marks are drawn over those of others. */
 static void find_points(const saltus_plot_page *page, places *all) {
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
-        for (int i = 0; i < page->count; i++)
-            for (int k = 0; k < page->files[i].point_count; k++) {
-                const saltus_branch_point *point = &page->files[i].points[k];
-                if ((int)point->kind != kind || !saltus_plot_marked(&page->files[i], point) ||
-                    !is_visible(page, point))
-                    continue;
-                place mark = place_of(page, point);
-                mark.half_width = mark.half_height = mark_radius;
-                take_place(all, mark);
-                if (all->unnamed_count < places_max)
-                    all->unnamed[all->unnamed_count++] = point;
-            }
+        for (int k = 0; k < page->row_count; k++) {
+            const saltus_plot_row *row = &page->rows[k];
+            if ((int)row->point->kind != kind || !is_visible(page, row))
+                continue;
+            place mark = place_of(page, row);
+            mark.half_width = mark.half_height = mark_radius;
+            take_place(all, mark);
+            if (all->unnamed_count < places_max)
+                all->unnamed[all->unnamed_count++] = row;
+        }
 }
 
 /* Move a word off the curves, to the nearest place that no curve divides from where it was; false if there is
@@ -752,7 +716,7 @@ static void put_note(const saltus_plot_page *page, const places *all) {
         for (int kind = SALTUS_POINT_LP, first = 1; kind < SALTUS_POINT_KINDS && kinds; kind++) {
             int count = 0;
             for (int k = 0; k < all->unnamed_count; k++)
-                count += (int)all->unnamed[k]->kind == kind;
+                count += (int)all->unnamed[k]->point->kind == kind;
             if (count)
                 saltus_line_add(&line, "%s %d %s", first ? "" : ",", count, saltus_point_word(kind));
             first = first && !count;

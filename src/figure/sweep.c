@@ -247,10 +247,10 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     curves.count = count;
     page->branches = &curves;
     if (status == SALTUS_OK)
-        status = saltus_plot_find_visits(&curves, message);
+        status = saltus_plot_open(&curves, message);
     if (status == SALTUS_OK)
         status = draw_page(page, message);
-    saltus_plot_free_visits(&curves);
+    saltus_plot_close(&curves);
     for (int k = 0; k < read; k++)
         saltus_branch_file_clear(&files[k]);
     free(files);
