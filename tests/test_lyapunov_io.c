@@ -162,7 +162,7 @@ static void numbers_have_the_digits_their_errors_leave(void **state) {
         assert_string_equal(text.error, cases[k].texts[1]);
     }
     saltus_line line = {.length = 0};
-    saltus_line_uncertain(&line, saltus_uncertain_text(-3.25e-9, 1e-10));
+    saltus_line_uncertain(&line, -3.25e-9, 1e-10);
     assert_string_equal(line.text, "−3.25·10^{−9} ± 1.0·10^{−10}");
 }
 

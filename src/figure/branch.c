@@ -15,32 +15,30 @@
  * file. */
 static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
     const saltus_branch_options *o = &page->files[0].options;
-    saltus_line head = {.length = 0}, parameters = {.length = 0};
+    saltus_line *head = saltus_page_heading(paper), *parameters = saltus_page_words(paper, "#202020");
     char first[SALTUS_KEY_MAX], second[SALTUS_KEY_MAX];
-    saltus_line_plain(&head, page->files[0].scene);
-    saltus_line_add(&head, ":  %s in ",
+    saltus_line_plain(head, page->files[0].scene);
+    saltus_line_add(head, ":  %s in ",
                     page->locus    ? "special points"
                     : !page->rests ? "periodic orbits"
                     : page->orbits ? "equilibria and periodic orbits"
                                    : "equilibria");
-    saltus_line_symbol(&head, o->key[0]);
+    saltus_line_symbol(head, o->key[0]);
     if (page->locus) {
-        saltus_line_add(&head, " and ");
-        saltus_line_symbol(&head, o->key[1]);
+        saltus_line_add(head, " and ");
+        saltus_line_symbol(head, o->key[1]);
     }
     bool complete = true;
     for (int i = 0; i < page->count; i++)
         complete = complete && page->files[i].complete;
     if (!complete)
-        saltus_line_add(&head, "  (interrupted)");
+        saltus_line_add(head, "  (interrupted)");
     saltus_plot_difference(page, 0, first);
     saltus_plot_difference(page, 1, second);
     const char *const varied[2] = {o->key[0], page->locus ? o->key[1] : *first ? first : NULL};
-    saltus_line_parameters(&parameters, page->system, varied);
+    saltus_line_parameters(parameters, page->system, varied);
     if (page->locus ? *first : *second || strncmp(first, "sides", strlen("sides")) == 0)
-        saltus_line_add(&parameters, ", where nothing else is said");
-    saltus_page_heading(paper, &head);
-    saltus_page_words(paper, &parameters, "#202020");
+        saltus_line_add(parameters, ", where nothing else is said");
 }
 
 static bool write_script(saltus_plot_page *page, saltus_page *paper) {

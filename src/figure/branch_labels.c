@@ -672,11 +672,8 @@ void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_
             saltus_line_add(line, "%s",
                             v.value == SALTUS_BOTH ? "both sides"
                                                    : saltus_side_word(v.value == SALTUS_UPPER ? 1 : -1));
-        else {
-            saltus_line_symbol(line, v.key);
-            saltus_line_add(line, " = ");
-            saltus_line_number(line, "%.6g", v.value);
-        }
+        else
+            saltus_line_value(line, v.key, v.value);
     }
     if (!page->locus && has_twin(page, file))
         saltus_line_add(line, ", file %d", file + 1);

@@ -35,12 +35,11 @@ void saltus_line_plain(saltus_line *l, const char *text) {
 /* A number as printed by C: with minus signs, and an exponent as a power of ten. */
 static void add_printed(saltus_line *l, const char *number) {
     for (const char *c = number; *c; c++) {
-        int power = 0;
-        if (*c == 'e' && sscanf(c + 1, "%d", &power) == 1) {
+        int power = 0, length = 0;
+        if (*c == 'e' && sscanf(c + 1, "%d%n", &power, &length) == 1) {
             saltus_line_add(l, "·10^{%s%d}", power < 0 ? "−" : "", abs(power));
-            return;
-        }
-        if (*c == '-')
+            c += length;
+        } else if (*c == '-')
             saltus_line_add(l, "−");
         else
             saltus_line_add(l, "%c", *c);
@@ -83,6 +82,11 @@ void saltus_line_symbol(saltus_line *l, const char *name) {
         saltus_line_plain(l, index);
         saltus_line_add(l, "}");
     }
+}
+
+void saltus_line_value(saltus_line *l, const char *name, double value) {
+    saltus_line_symbol(l, name);
+    saltus_line_number(l, " = %.6g", value);
 }
 
 void saltus_line_state(saltus_line *l, const saltus_system *system, int entry) {
@@ -129,9 +133,7 @@ static void add_stop(saltus_line *l, const saltus_system *system, int s, const c
         saltus_line_add(l, "}, ");
     }
     if (!varies(varied, "d", s)) {
-        saltus_line_symbol(l, "d");
-        saltus_line_add(l, " = ");
-        saltus_line_number(l, "%.6g", stop->d);
+        saltus_line_value(l, "d", stop->d);
         saltus_line_add(l, ", ");
     }
     if (!varies(varied, "r", s)) {
@@ -157,9 +159,7 @@ void saltus_line_parameters(saltus_line *l, const saltus_system *system, const c
         if (left_out || !saltus_parameter_shown(spec, k))
             continue;
         saltus_line_add(l, "%s", shown++ ? ", " : "");
-        saltus_line_symbol(l, p[k].name);
-        saltus_line_add(l, " = ");
-        saltus_line_number(l, "%.6g", spec->parameters[k]);
+        saltus_line_value(l, p[k].name, spec->parameters[k]);
     }
     for (int s = 0; s < spec->stop_count; s++) {
         saltus_line_add(l, ";  ");
@@ -341,7 +341,8 @@ void saltus_line_parameter(saltus_line *line, const saltus_spec *spec, const cha
     saltus_line_symbol(line, key);
 }
 
-void saltus_line_uncertain(saltus_line *line, saltus_uncertain number) {
+void saltus_line_uncertain(saltus_line *line, double value, double error) {
+    const saltus_uncertain number = saltus_uncertain_text(value, error);
     add_printed(line, number.value);
     saltus_line_add(line, " ± ");
     add_printed(line, number.error);

@@ -24,18 +24,21 @@ void saltus_line_add(saltus_line *l, const char *format, ...)
 void saltus_line_next(saltus_line *l);
 /* Text from a user's file, as it stands: what would be markup in enhanced text is escaped. */
 void saltus_line_plain(saltus_line *l, const char *text);
-/* A number formatted with one conversion, with a minus sign and an exponent as a power of ten. */
+/* A number formatted with one conversion, also amid a few words, with a minus sign and an exponent as a power
+ * of ten. */
 void saltus_line_number(saltus_line *l, const char *format, double value);
 /* The name of an entry of the state. */
 void saltus_line_state(saltus_line *line, const saltus_system *system, int entry);
+/* "symbol = value" of a parameter. */
+void saltus_line_value(saltus_line *l, const char *name, double value);
 /* The symbol of a parameter: a Greek letter or an italic Latin one, digits as subscripts. */
 void saltus_line_symbol(saltus_line *l, const char *name);
 /* The meaning of a parameter and its symbol; only the symbol if the meaning is a formula. */
 void saltus_line_parameter(saltus_line *l, const saltus_spec *spec, const char *key);
 /* Axis title for the observed displacement, or its velocity. */
 void saltus_line_observed(saltus_line *l, const saltus_system *system, bool velocity);
-/* "0.756 ± 0.008" in gnuplot's enhanced text. */
-void saltus_line_uncertain(saltus_line *line, saltus_uncertain number);
+/* "0.756 ± 0.008". */
+void saltus_line_uncertain(saltus_line *line, double value, double error);
 /* Model, parameters and stops, except the keys (may be NULL) that vary in the figure. */
 void saltus_line_parameters(saltus_line *l, const saltus_system *system, const char *const varied[2]);
 /* The width of enhanced text in DejaVu Sans, in heights of its type; letters of an index count as full ones.

@@ -69,7 +69,7 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
                                  : "largest Lyapunov exponent − final value",
                      range);
     saltus_line_add(&result, tight ? "" : "final value ");
-    saltus_line_uncertain(&result, saltus_uncertain_text(c->exponent, c->standard_error));
+    saltus_line_uncertain(&result, c->exponent, c->standard_error);
     saltus_page_text(page, "Result", result.text);
     char small[16];
     snprintf(small, sizeof small, ",%.4g", saltus_page_type(page, 11));
@@ -90,33 +90,32 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
 static void put_caption(saltus_page *page, const saltus_scene *scene, const saltus_system *system,
                         const saltus_lyapunov *l, double precision) {
     const bool finite = isfinite(l->exponents[0]);
-    saltus_line head = {.length = 0}, measurement = {.length = 0}, doubt = {.length = 0};
-    saltus_line_plain(&head, scene->name);
-    saltus_line_add(&head, ":  largest Lyapunov exponent  %s", finite ? "" : "−∞");
+    saltus_line *head = saltus_page_scene(page, scene->title, system),
+                *measurement = saltus_page_words(page, "#202020"),
+                *doubt = saltus_page_words(page, "#c44e2a");
+    saltus_line_plain(head, scene->name);
+    saltus_line_add(head, ":  largest Lyapunov exponent  %s", finite ? "" : "−∞");
     if (finite) {
         const double exponent = l->exponents[0], error = l->standard_errors[0];
-        saltus_line_uncertain(&head, saltus_uncertain_text(exponent, error));
-        saltus_line_uncertain(&measurement, saltus_uncertain_text(exponent * l->period, error * l->period));
-        saltus_line_add(&measurement, " per period {/:Italic T} = %.6g;  ", l->period);
+        saltus_line_uncertain(head, exponent, error);
+        saltus_line_uncertain(measurement, exponent * l->period, error * l->period);
+        saltus_line_add(measurement, " per period {/:Italic T} = %.6g;  ", l->period);
     }
-    saltus_line_add(&measurement, "%lld periods measured by %d trajector%s%s after a transient of %lld;  ",
+    saltus_line_add(measurement, "%lld periods measured by %d trajector%s%s after a transient of %lld;  ",
                     l->periods, l->members, l->members == 1 ? "y" : "ies", l->members == 1 ? "" : " together",
                     l->transient);
     if (isfinite(l->impacts_per_period))
-        saltus_line_add(&measurement, "impacts per period: %.4g", l->impacts_per_period);
+        saltus_line_add(measurement, "impacts per period: %.4g", l->impacts_per_period);
     else
-        saltus_line_add(&measurement, "complete chatter");
+        saltus_line_add(measurement, "complete chatter");
     if (l->interrupted)
-        saltus_line_add(&head, "  (interrupted)");
+        saltus_line_add(head, "  (interrupted)");
     if (!l->precise)
-        saltus_line_add(&doubt, "the precision asked for, %.3g %%, was not reached", 100 * precision);
+        saltus_line_add(doubt, "the precision asked for, %.3g %%, was not reached", 100 * precision);
     if (!l->agree) {
-        saltus_line_next(&doubt);
-        saltus_line_add(&doubt, "the trajectories do not agree: they do not measure the same motion");
+        saltus_line_next(doubt);
+        saltus_line_add(doubt, "the trajectories do not agree: they do not measure the same motion");
     }
-    saltus_page_scene(page, &head, scene->title, system);
-    saltus_page_words(page, &measurement, "#202020");
-    saltus_page_words(page, &doubt, "#c44e2a");
 }
 
 saltus_status saltus_convergence_check(const char *path, saltus_message *message) {

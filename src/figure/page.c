@@ -202,19 +202,25 @@ static void lay_caption(saltus_page *page, bool put) {
     }
 }
 
-void saltus_page_heading(saltus_page *page, const saltus_line *own) {
-    saltus_line asked = {.length = 0};
-    if (page->look.title)
-        saltus_line_plain(&asked, page->look.title);
-    saltus_page_words(page, page->look.title ? &asked : own, NULL);
+saltus_line *saltus_page_words(saltus_page *page, const char *colour) {
+    page->unseen.length = 0;
+    if (page->look.no_heading || page->caption_lines == SALTUS_CAPTION_LINES)
+        return &page->unseen;
+    page->colour[page->caption_lines] = colour;
+    return &page->caption[page->caption_lines++];
 }
 
-void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour) {
-    if (!page->look.no_heading && page->caption_lines < SALTUS_CAPTION_LINES) {
-        page->caption[page->caption_lines] = *line;
-        page->colour[page->caption_lines++] = colour;
-    }
+saltus_line *saltus_page_heading(saltus_page *page) {
+    saltus_line *line = saltus_page_words(page, NULL);
+    if (!page->look.title)
+        return line;
+    saltus_line_plain(line, page->look.title);
+    return &page->unseen;
+}
+
+double saltus_page_caption_height(saltus_page *page) {
     lay_caption(page, false);
+    return page->height - page->top;
 }
 
 void saltus_page_caption(saltus_page *page) {
@@ -229,24 +235,20 @@ void saltus_page_legend(const saltus_page *page, int rows) {
             rows, saltus_page_type(page, 11));
 }
 
-void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *words,
-                       const saltus_system *system) {
-    saltus_line title = {.length = 0}, parameters = {.length = 0};
-    saltus_line_plain(&title, words);
-    saltus_line_parameters(&parameters, system, (const char *const[2]){NULL, NULL});
-    saltus_page_heading(page, own);
-    saltus_page_words(page, &title, "#606060");
-    saltus_page_words(page, &parameters, "#202020");
+saltus_line *saltus_page_scene(saltus_page *page, const char *title, const saltus_system *system) {
+    saltus_line *heading = saltus_page_heading(page);
+    saltus_line_plain(saltus_page_words(page, "#606060"), title);
+    saltus_line_parameters(saltus_page_words(page, "#202020"), system, (const char *const[2]){NULL, NULL});
+    return heading;
 }
 
-double saltus_page_room(const saltus_page *page) {
-    return (page->free_height ? tallest / mm_per_unit : page->height) - (page->height - page->top);
+double saltus_page_room(saltus_page *page) {
+    return (page->free_height ? tallest / mm_per_unit : page->height) - saltus_page_caption_height(page);
 }
 
 void saltus_page_begin(saltus_page *page) {
-    lay_caption(page, false);
     if (page->free_height && saltus_page_narrow(page))
-        page->height += page->height - page->top;
+        page->height += saltus_page_caption_height(page);
     if (page->free_height)
         page->height = fmin(page->height, tallest / mm_per_unit);
     lay_caption(page, false);

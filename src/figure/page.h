@@ -31,6 +31,7 @@ typedef struct saltus_page {
     saltus_line caption[SALTUS_CAPTION_LINES]; /* the heading first */
     const char *colour[SALTUS_CAPTION_LINES];
     int caption_lines;
+    saltus_line unseen; /* takes lines that are not wanted */
 } saltus_page;
 
 /* A rectangle on the page, in units from the lower left corner. */
@@ -65,14 +66,15 @@ void saltus_page_begin(saltus_page *page);
  * SALTUS_BAD_INPUT if its panels have no room, or SALTUS_IO with gnuplot's error message. */
 saltus_status saltus_page_close(saltus_page *page, saltus_status status, saltus_message *message);
 
-/* Set the caption, before the page begins: the heading, with the program's name in a corner, and lines below
- * it. It is omitted if no heading is wanted; a title in `look` replaces the figure's own heading. Colours
- * must be static strings. */
-void saltus_page_heading(saltus_page *page, const saltus_line *own);
-void saltus_page_words(saltus_page *page, const saltus_line *line, const char *colour);
-/* The heading, and below it a scene's title, parameters and stops. */
-void saltus_page_scene(saltus_page *page, const saltus_line *own, const char *title,
-                       const saltus_system *system);
+/* The caption, written before the page begins: the next line of it, to be filled by the caller and left out
+ * if it stays empty. Colours must be static strings. */
+saltus_line *saltus_page_words(saltus_page *page, const char *colour);
+/* The heading, with the program's name in a corner; the first line. A title in `look` replaces it. */
+saltus_line *saltus_page_heading(saltus_page *page);
+/* The heading, to be filled, above a scene's title, parameters and stops. */
+saltus_line *saltus_page_scene(saltus_page *page, const char *title, const saltus_system *system);
+/* The height of the caption as it stands. */
+double saltus_page_caption_height(saltus_page *page);
 /* Draw the caption, after saltus_page_begin. */
 void saltus_page_caption(saltus_page *page);
 
@@ -88,7 +90,7 @@ double saltus_page_type(const saltus_page *page, double size);
 /* The width of enhanced text in type of `size` points, in units. */
 double saltus_page_width(const char *text, double size);
 /* The height available for panels below the caption, on the requested page or on a journal's page. */
-double saltus_page_room(const saltus_page *page);
+double saltus_page_room(saltus_page *page);
 
 void saltus_page_graph_label(const saltus_page *page, const saltus_line *text, double x, double y,
                              int decimals, const char *style, ...)

@@ -373,7 +373,7 @@ static void put_script(saltus_sheet *sheet, saltus_page *page) {
               columns = wanted < most ? wanted : most;
     const bool wide = columns > 1 && count % 2;
     const int rows = (count + wide + columns - 1) / columns;
-    const double words = page->height - page->top;
+    const double words = saltus_page_caption_height(page);
     if (page->free_height)
         page->height = rows * (page->width / columns * 0.62 + (narrow && columns > 1 ? 190 : 110)) + 60 +
                        (narrow ? 0 : words);

@@ -6,10 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-static void add_uncertain(saltus_line *l, double value, double error) {
-    saltus_line_uncertain(l, saltus_uncertain_text(value, error));
-}
-
 /* Description of a motion without a period. */
 static void add_irregular(saltus_line *l, const saltus_motion *m) {
     const saltus_evidence *e = &m->evidence;
@@ -26,7 +22,7 @@ static void add_irregular(saltus_line *l, const saltus_motion *m) {
         return;
     }
     saltus_line_add(l, "largest exponent ");
-    add_uncertain(l, m->lyapunov, m->lyapunov_error);
+    saltus_line_uncertain(l, m->lyapunov, m->lyapunov_error);
     saltus_line_add(l, " per unit of time, %s;  measured over %lld periods by %d trajectories",
                     m->verdict == SALTUS_CHAOTIC                 ? "positive in both halves of the run"
                     : fabs(m->lyapunov) <= 3 * m->lyapunov_error ? "zero within its error"
@@ -43,19 +39,18 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         return;
     if (m->verdict != SALTUS_QUASIPERIODIC && isfinite(e->half[0]) && isfinite(e->half[1])) {
         saltus_line_add(l, "exponent in the halves of the run ");
-        add_uncertain(l, e->half[0], e->half_errors[0]);
+        saltus_line_uncertain(l, e->half[0], e->half_errors[0]);
         saltus_line_add(l, " and ");
-        add_uncertain(l, e->half[1], e->half_errors[1]);
+        saltus_line_uncertain(l, e->half[1], e->half_errors[1]);
     }
     if (isfinite(e->zero_one)) {
         saltus_line_next(l);
-        saltus_line_add(l, "0–1 test ");
-        saltus_line_number(l, "%.3f", e->zero_one);
+        saltus_line_number(l, "0–1 test %.3f", e->zero_one);
     }
     if (isfinite(e->dimension)) {
         saltus_line_next(l);
         saltus_line_add(l, "correlation dimension ");
-        add_uncertain(l, e->dimension, e->dimension_error);
+        saltus_line_uncertain(l, e->dimension, e->dimension_error);
     }
     if (isfinite(e->broadband)) {
         const double power = floor(log10(e->broadband));
@@ -89,9 +84,7 @@ static void add_multipliers(saltus_line *l, const saltus_motion *m) {
         if (f->im != 0) {
             saltus_line_add(l, " %s ", pair ? "±" : f->im < 0 ? "−" : "+");
             saltus_line_number(l, "%.4g", fabs(f->im));
-            saltus_line_add(l, "{/:Italic i} (modulus ");
-            saltus_line_number(l, "%.4g", exp(f->log_modulus));
-            saltus_line_add(l, ")");
+            saltus_line_number(l, "{/:Italic i} (modulus %.4g)", exp(f->log_modulus));
         }
         k += pair;
     }
@@ -130,49 +123,50 @@ static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
     }
 }
 
-void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
+/* What the motion is. */
+static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
     const saltus_motion *m = sheet->motion;
-    char verdict[64];
-    saltus_line head = {.length = 0}, motion = {.length = 0}, evidence = {.length = 0},
-                phases = {.length = 0}, shown = {.length = 0};
-    saltus_motion_summary(m, verdict);
-    saltus_line_plain(&head, sheet->scene->name);
-    saltus_line_add(&head, ":  ");
-    saltus_line_plain(&head, verdict);
     if (!saltus_verdict_settled(m->verdict))
-        add_irregular(&motion, m);
+        add_irregular(l, m);
     else if (m->verdict == SALTUS_EQUILIBRIUM)
-        saltus_line_add(&motion, "at rest, clear of every stop");
+        saltus_line_add(l, "at rest, clear of every stop");
     else if (m->verdict == SALTUS_HELD)
-        saltus_line_add(&motion, "in contact for good");
+        saltus_line_add(l, "in contact for good");
     else if (m->impacts < 0)
-        saltus_line_add(&motion, "complete chatter, %d sticking interval%s in %d {/:Italic T}",
+        saltus_line_add(l, "complete chatter, %d sticking interval%s in %d {/:Italic T}",
                         m->sticking_intervals, saltus_plural(m->sticking_intervals), m->periods);
     else if (m->impacts == 0)
-        saltus_line_add(&motion, "no impact in %d {/:Italic T}", m->periods);
+        saltus_line_add(l, "no impact in %d {/:Italic T}", m->periods);
     else
-        saltus_line_add(&motion, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
+        saltus_line_add(l, "%lld impact%s in %d {/:Italic T}, %.4g per response cycle%s", m->impacts,
                         saltus_plural(m->impacts), m->periods, saltus_impacts_per_response(sheet->system, m),
                         saltus_notation_of(sheet->system)->response == 2 ? " 2{/:Italic T}" : "");
     if (m->trivial_multiplier != 0)
-        saltus_line_add(&motion, ";  period %.8g, {/:Italic T} is the mean time between maxima", m->period);
+        saltus_line_add(l, ";  period %.8g, {/:Italic T} is the mean time between maxima", m->period);
     if (m->verdict == SALTUS_PERIODIC && m->mirror != SALTUS_MIRROR_NONE)
-        saltus_line_add(&motion, ";  %s",
+        saltus_line_add(l, ";  %s",
                         m->mirror == SALTUS_MIRROR_SELF ? "its own mirror image" : "one of a mirror pair");
-    add_multipliers(&motion, m);
-    add_exponent(&evidence, m);
-    add_evidence(&evidence, m);
+    add_multipliers(l, m);
+}
+
+void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
+    const saltus_motion *m = sheet->motion;
+    char verdict[64];
+    saltus_line *head = saltus_page_scene(page, sheet->scene->title, sheet->system);
+    saltus_motion_summary(m, verdict);
+    saltus_line_plain(head, sheet->scene->name);
+    saltus_line_add(head, ":  ");
+    saltus_line_plain(head, verdict);
+    add_motion(saltus_page_words(page, "#202020"), sheet);
+    saltus_line *evidence = saltus_page_words(page, "#202020"), *phases = saltus_page_words(page, "#202020");
+    add_exponent(evidence, m);
+    add_evidence(evidence, m);
     if (!saltus_verdict_settled(m->verdict) && m->evidence.laminar_period) {
-        saltus_line_add(&phases, "intermittent: %.0f %% of the time near a motion of period ",
+        saltus_line_add(phases, "intermittent: %.0f %% of the time near a motion of period ",
                         100 * m->evidence.laminar);
         if (m->evidence.laminar_period > 1)
-            saltus_line_add(&phases, "%d ", m->evidence.laminar_period);
-        saltus_line_add(&phases, "{/:Italic T}, up to %lld periods at a stretch", m->evidence.longest_phase);
+            saltus_line_add(phases, "%d ", m->evidence.laminar_period);
+        saltus_line_add(phases, "{/:Italic T}, up to %lld periods at a stretch", m->evidence.longest_phase);
     }
-    add_stretch(&shown, sheet);
-    saltus_page_scene(page, &head, sheet->scene->title, sheet->system);
-    saltus_page_words(page, &motion, "#202020");
-    saltus_page_words(page, &evidence, "#202020");
-    saltus_page_words(page, &phases, "#202020");
-    saltus_page_words(page, &shown, "#606060");
+    add_stretch(saltus_page_words(page, "#606060"), sheet);
 }

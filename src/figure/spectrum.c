@@ -260,35 +260,32 @@ static void put_whole(const row *r, saltus_frame frame, int letter) {
 
 static void put_caption(const saltus_spectra_source *source, saltus_page *page) {
     char verdict[64], method[256];
-    saltus_line head = {.length = 0}, analysed = {.length = 0}, findings = {.length = 0};
+    saltus_line *head = saltus_page_scene(page, source->scene->title, source->system),
+                *analysed = saltus_page_words(page, "#202020"),
+                *findings = saltus_page_words(page, "#202020");
     saltus_motion_summary(source->motion, verdict);
     saltus_spectra_method(source->spectra, method, sizeof method);
-    saltus_line_plain(&head, source->scene->name);
-    saltus_line_add(&head, ":  spectrum,  ");
-    saltus_line_plain(&head, verdict);
-    saltus_line_plain(&analysed, method);
+    saltus_line_plain(head, source->scene->name);
+    saltus_line_add(head, ":  spectrum,  ");
+    saltus_line_plain(head, verdict);
+    saltus_line_plain(analysed, method);
     for (int k = 0; k < source->spectra->count; k++) {
         const saltus_spectrum *s = &source->spectra->spectra[k];
-        saltus_line_next(&findings);
+        saltus_line_next(findings);
         const saltus_quantity quantity = source->spectra->quantities[k];
         if (quantity.coordinate <= 0)
-            saltus_line_plain(&findings, saltus_quantity_name(source->system, quantity).text);
+            saltus_line_plain(findings, saltus_quantity_name(source->system, quantity).text);
         else
-            add_coordinate(&findings, source->system, quantity);
-        saltus_line_add(&findings, ": ");
+            add_coordinate(findings, source->system, quantity);
+        saltus_line_add(findings, ": ");
         if (s->kind == SALTUS_SPECTRUM_CONSTANT) {
-            saltus_line_number(&findings, "%.6g", s->mean);
-            saltus_line_add(&findings, " throughout");
+            saltus_line_number(findings, "%.6g", s->mean);
+            saltus_line_add(findings, " throughout");
         } else {
-            saltus_line_add(&findings, "total power ");
-            saltus_line_number(&findings, "%.4g", s->variance);
-            saltus_line_add(&findings, ", broadband fraction ");
-            saltus_line_number(&findings, "%.2g", s->broadband);
+            saltus_line_number(findings, "total power %.4g", s->variance);
+            saltus_line_number(findings, ", broadband fraction %.2g", s->broadband);
         }
     }
-    saltus_page_scene(page, &head, source->scene->title, source->system);
-    saltus_page_words(page, &analysed, "#202020");
-    saltus_page_words(page, &findings, "#202020");
 }
 
 static void put_script(const saltus_spectra_source *source, saltus_page *page) {
@@ -300,7 +297,7 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
             count++;
         }
     put_caption(source, page);
-    const double words = page->height - page->top;
+    const double words = saltus_page_caption_height(page);
     const bool narrow = saltus_page_narrow(page);
     if (page->free_height && count)
         page->height = narrow ? page->width * 1.3 * count : page->width * 0.7 + words;

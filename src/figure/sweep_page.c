@@ -117,26 +117,23 @@ void saltus_sweep_caption(saltus_sweep_page *page) {
                          : words[page->view].returns && !forced        ? words[page->view].returns
                          : counts && sweep->basins                     ? "basins of attraction"
                                                                        : words[page->view].called;
-    saltus_line head = {.length = 0}, parameters = {.length = 0}, method = {.length = 0};
-    saltus_line_plain(&head, sweep->scene);
-    saltus_line_add(&head, ":  %s in ", called);
-    add_symbol(page->system, varied[0], &head);
+    saltus_line *head = saltus_page_heading(&page->paper);
+    saltus_line_plain(head, sweep->scene);
+    saltus_line_add(head, ":  %s in ", called);
+    add_symbol(page->system, varied[0], head);
     if (varied[1]) {
-        saltus_line_add(&head, " and ");
-        add_symbol(page->system, varied[1], &head);
+        saltus_line_add(head, " and ");
+        add_symbol(page->system, varied[1], head);
     }
     if (!sweep->complete) {
         long long done = 0;
         for (long long k = 0; k < sweep->row_count; k++)
             done += sweep->rows[k].verdict != SALTUS_PENDING;
         double part = (double)done / (double)sweep->row_count;
-        saltus_line_add(&head, "  (interrupted: %.*f %% done)", part > 0.99 ? 1 : 0, floor(1000 * part) / 10);
+        saltus_line_add(head, "  (interrupted: %.*f %% done)", part > 0.99 ? 1 : 0, floor(1000 * part) / 10);
     }
-    saltus_line_parameters(&parameters, page->system, varied);
-    add_method(page, &method);
-    saltus_page_heading(&page->paper, &head);
-    saltus_page_words(&page->paper, &parameters, "#202020");
-    saltus_page_words(&page->paper, &method, "#606060");
+    saltus_line_parameters(saltus_page_words(&page->paper, "#202020"), page->system, varied);
+    add_method(page, saltus_page_words(&page->paper, "#606060"));
 }
 
 void saltus_sweep_put_raster_ranges(FILE *file, int width, int height) {

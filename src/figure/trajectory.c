@@ -41,16 +41,16 @@ saltus_status saltus_plot_trajectory(const char *figure, const char *path, const
         const bool narrow = saltus_page_narrow(&page);
         const int columns = narrow ? 1 : 2, rows = narrow ? 2 : 1;
         saltus_sheet_choose_all(&sheet);
-        saltus_line head = {.length = 0};
-        saltus_line_plain(&head, file.head.scene);
-        saltus_line_add(&head, ":  trajectory over %.6g %s",
+        saltus_line *head = saltus_page_scene(&page, file.head.title, file.system);
+        saltus_line_plain(head, file.head.scene);
+        saltus_line_add(head, ":  trajectory over %.6g %s",
                         file.record.time[file.record.samples - 1] - file.record.time[0],
                         saltus_system_forced(file.system) ? "{/:Italic T}" : "units of time");
         if (file.record.interrupted)
-            saltus_line_add(&head, "  (interrupted)");
-        saltus_page_scene(&page, &head, file.head.title, file.system);
+            saltus_line_add(head, "  (interrupted)");
         if (page.free_height) /* a narrow page is made higher for its caption when it begins */
-            page.height = page.width * (narrow ? 1.5 : 0.5) + (narrow ? 0 : page.height - page.top);
+            page.height =
+                page.width * (narrow ? 1.5 : 0.5) + (narrow ? 0 : saltus_page_caption_height(&page));
         saltus_page_begin(&page);
         saltus_sheet_record_data(&sheet);
         fputs("set multiplot\n", page.file);
