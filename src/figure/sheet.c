@@ -35,19 +35,19 @@ static void put_observed(const saltus_sheet *sheet, saltus_frame frame, saltus_r
 /* Stops of the observed coordinate within its range: a line at the clearance, grey beyond it. `vertical`: the
  * lines are vertical, as displacement is the horizontal axis. */
 static void put_stops(const saltus_sheet *sheet, bool vertical) {
-    saltus_range range = sheet->displacement;
+    const saltus_range range = sheet->displacement;
+    FILE *file = sheet->page->file;
     const char *place =
         vertical ? "from %.9g, graph 0 to %.9g, graph 1" : "from graph 0, first %.9g to graph 1, first %.9g";
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
-        saltus_face face = saltus_system_face(sheet->system, f);
-        double d = face.side * face.d, end = face.side > 0 ? range.high : range.low;
-        if (!saltus_system_stop_observed(sheet->system, face.stop) || !(d > range.low && d < range.high))
+    for (int f = 0; f < sheet->face_count; f++) {
+        const double d = sheet->faces[f].place;
+        if (!sheet->faces[f].observed || !(d > range.low && d < range.high))
             continue;
-        fputs("set object rectangle ", sheet->page->file);
-        fprintf(sheet->page->file, place, d, end);
-        fputs(" back fc rgb '#e2e2e2' fs solid noborder\nset arrow ", sheet->page->file);
-        fprintf(sheet->page->file, place, d, d);
-        fputs(" nohead back lc rgb '#808080' lw 1.5\n", sheet->page->file);
+        fputs("set object rectangle ", file);
+        fprintf(file, place, d, sheet->faces[f].side > 0 ? range.high : range.low);
+        fputs(" back fc rgb '#e2e2e2' fs solid noborder\nset arrow ", file);
+        fprintf(file, place, d, d);
+        fputs(" nohead back lc rgb '#808080' lw 1.5\n", file);
     }
 }
 
@@ -120,30 +120,29 @@ static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
     const char *separator = "plot ", *value = logarithmic ? "abs($2)" : "$2";
     const char *size = sheet->mapped > 400 ? "0.5" : sheet->mapped > 60 ? "0.8" : "1.3";
     const bool small = sheet->mapped > 60;
+    FILE *file = sheet->page->file;
     for (int part = 0; part < 1 + small; part++)
-        for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
-            const saltus_face face = saltus_system_face(sheet->system, f);
-            unsigned colour;
-            int sign;
-            if (!saltus_sheet_face_look(sheet, f, &colour, &sign))
+        for (int f = 0; f < sheet->face_count; f++) {
+            const saltus_sheet_face *face = &sheet->faces[f];
+            if (!face->hit)
                 continue;
-            fputs(separator, sheet->page->file);
+            fputs(separator, file);
             separator = ", \\\n     ";
             if (part == 0)
-                fprintf(sheet->page->file,
+                fprintf(file,
                         "$impact_map using ($3 == %d && $4 == %d ? $1 : NaN):(%s) with points pt %d ps %s lc "
                         "rgb '%s%06x' ",
-                        face.side, face.stop + 1, value, sign, size, sheet->mapped > 400 ? "#60" : "#",
-                        colour);
+                        face->side, face->stop + 1, value, face->sign, size,
+                        sheet->mapped > 400 ? "#60" : "#", face->colour);
             else
-                fprintf(sheet->page->file, "NaN with points pt %d ps 1.3 lc rgb '#%06x' ", sign, colour);
+                fprintf(file, "NaN with points pt %d ps 1.3 lc rgb '#%06x' ", face->sign, face->colour);
             if (small && part == 0)
-                fputs("notitle", sheet->page->file);
+                fputs("notitle", file);
             else
-                fprintf(sheet->page->file, "title 'stop %d, %s%s'", face.stop + 1,
-                        saltus_side_word(face.side), saltus_page_narrow(sheet->page) ? "" : " side");
+                fprintf(file, "title 'stop %d, %s%s'", face->stop + 1, saltus_side_word(face->side),
+                        saltus_page_narrow(sheet->page) ? "" : " side");
         }
-    fputc('\n', sheet->page->file);
+    fputc('\n', file);
 }
 
 /* The speeds of chatter span decades, so they get a logarithmic axis. */
@@ -160,20 +159,17 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     }
     bool logarithmic = size.high > 1e3 * size.low;
     saltus_range_pad(&signed_range, 0.08, 1);
-    int faces = saltus_system_face_count(sheet->system);
     bool narrow = saltus_page_narrow(sheet->page);
     const bool cut = sheet->mapped < r->event_count;
     snprintf(heading, sizeof heading, sheet->orbit ? "impacts" : "impacts of %.*g {/:Italic T}", cut ? 4 : 6,
              cut ? r->time[r->event_rows[sheet->mapped - 1]] : r->time[r->samples - 1]);
-    if (faces > 1 && !narrow) /* the legend is beside the panel; on a narrow page above it */
+    if (sheet->face_count > 1 && !narrow) /* the legend is beside the panel; on a narrow page above it */
         frame.right -= 156;
     saltus_page_panel(sheet->page, frame, letter, heading);
-    if (faces > 1 && narrow) {
+    if (sheet->face_count > 1 && narrow) {
         frame.top -= 8;
-        unsigned colour;
-        int sign;
-        for (int f = 0; f < faces; f++)
-            frame.top -= 19 * saltus_sheet_face_look(sheet, f, &colour, &sign);
+        for (int f = 0; f < sheet->face_count; f++)
+            frame.top -= 19 * sheet->faces[f].hit;
         saltus_page_frame(sheet->page, frame, SALTUS_PANEL_LEAST);
     }
     if (logarithmic) {
@@ -185,7 +181,7 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     put_axes(sheet, frame, phase_name, phase,
              logarithmic ? "impact speed |{/:Bold n·q′}|" : "velocity before impact, {/:Bold n·q′}",
              logarithmic ? size : signed_range, logarithmic);
-    if (faces > 1)
+    if (sheet->face_count > 1)
         fprintf(sheet->page->file,
                 "set key at graph %s left %s vertical Left reverse samplen 0.5 width -2 font "
                 "',%.4g' textcolor rgb '#303030'\n",
@@ -211,18 +207,16 @@ static void put_multipliers(const saltus_sheet *sheet, saltus_frame frame, int l
 /* Stops are blocks with their tips at (xi, d), if they are near enough to the motion. */
 static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const double across = 0.025, up = 0.09; /* half width of a block; its height as a fraction of the range */
-    saltus_range range = saltus_sheet_shape_range(sheet), unit = {0, 1},
-                 time = {0, saltus_sheet_shape_time(sheet)};
+    saltus_range range = sheet->shape, unit = {0, 1}, time = {0, sheet->shape_time};
+    FILE *file = sheet->page->file;
     const saltus_spec *spec = saltus_system_spec(sheet->system);
     const saltus_notation *n = saltus_notation_of(sheet->system);
-    const int faces = saltus_system_face_count(sheet->system);
     char heading[96], displacement[64];
     double width = range.high - range.low, least = range.low - width, most = range.high + width;
-    for (int f = 0; f < faces; f++) {
-        saltus_face face = saltus_system_face(sheet->system, f);
-        double d = face.side * face.d;
+    for (int f = 0; f < sheet->face_count; f++) {
+        const double d = sheet->faces[f].place;
         if (d > least && d < most)
-            saltus_range_add(&range, d + face.side * 0.12 * width);
+            saltus_range_add(&range, d + sheet->faces[f].side * 0.12 * width);
     }
     saltus_range_pad(&range, 0.05, saltus_system_scale(sheet->system)[0]);
     snprintf(heading, sizeof heading, "shapes of the %.40s; grey: all swept", saltus_model_name(spec->model));
@@ -231,19 +225,19 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of time */
     saltus_page_frame(sheet->page, frame, SALTUS_PANEL_LEAST);
     put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range, false);
-    for (int f = 0; f < faces; f++) {
-        saltus_face face = saltus_system_face(sheet->system, f);
-        double xi = spec->stops[face.stop].xi, d = face.side * face.d,
-               end = d + up * (range.high - range.low) * face.side;
+    for (int f = 0; f < sheet->face_count; f++) {
+        const saltus_sheet_face *face = &sheet->faces[f];
+        const double xi = spec->stops[face->stop].xi, d = face->place,
+                     end = d + up * (range.high - range.low) * face->side;
         if (d > range.low && d < range.high)
             fprintf(
-                sheet->page->file,
+                file,
                 "set object %d polygon from %.6g,%.6g to %.6g,%.6g to %.6g,%.6g to %.6g,%.6g front fc rgb "
                 "'#808080' fs solid 1 border lc rgb '#505050'\n",
                 10 + f, xi, d, xi + across, end, xi - across, end, xi, d);
     }
     double place = (frame.right + 19.2) / sheet->page->width, height = sheet->page->height;
-    fprintf(sheet->page->file,
+    fprintf(file,
             "set colorbox user origin screen %g,%g size %g,%g noborder\n"
             "set label '{/:Italic %s}/{/:Italic T}' at screen %g, graph 0 offset 0,-1.05 tc rgb '#303030'\n"
             "set cbrange [0:%g]\nset cbtics %g scale 0.4 offset -0.6,0\n",
@@ -252,64 +246,61 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     saltus_page_draw(sheet->page, "shapes");
 }
 
-/* Whether a face is a line in the plane of the first two displacements, so that no other displacement
- * enters. */
-static bool in_plane(const saltus_sheet *sheet, int face) {
-    const double *w = saltus_system_stop_normal(sheet->system, saltus_system_face(sheet->system, face).stop);
-    int i = 2;
-    while (i < saltus_system_dof(sheet->system) && w[i] == 0)
-        i++;
-    return i >= saltus_system_dof(sheet->system);
+/* The normal of a stop, if a face is a line in the plane of the first two displacements, so that no other
+ * displacement enters; otherwise NULL. */
+static const double *normal_in_plane(const saltus_sheet *sheet, int face) {
+    const double *w = saltus_system_stop_normal(sheet->system, sheet->faces[face].stop);
+    for (int i = 2; i < saltus_system_dof(sheet->system); i++)
+        if (w[i] != 0)
+            return NULL;
+    return w;
 }
 
 static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->record;
-    const saltus_notation *n = saltus_notation_of(sheet->system);
     const bool named = saltus_model_text(saltus_system_spec(sheet->system)->model);
+    FILE *file = sheet->page->file;
     saltus_line name[2] = {{.length = 0}, {.length = 0}};
-    saltus_range x1 = {INFINITY, -INFINITY}, x2 = {INFINITY, -INFINITY};
-    for (long long row = 0; row < sheet->rows; row++) {
-        saltus_range_add(&x1, r->states[row * r->dimension]);
-        saltus_range_add(&x2, r->states[row * r->dimension + 1]);
-    }
-    saltus_range_pad(&x1, 0.08, saltus_system_scale(sheet->system)[0]);
-    saltus_range_pad(&x2, 0.08, saltus_system_scale(sheet->system)[1]);
+    saltus_range x[2];
     for (int k = 0; k < 2; k++) {
+        x[k] = (saltus_range){INFINITY, -INFINITY};
+        for (long long row = 0; row < sheet->rows; row++)
+            saltus_range_add(&x[k], r->states[row * r->dimension + k]);
+        saltus_range_pad(&x[k], 0.08, saltus_system_scale(sheet->system)[k]);
         saltus_line_add(&name[k], "displacement ");
         if (named)
             saltus_line_state(&name[k], sheet->system, k);
         else
-            saltus_line_add(&name[k], "{/:Italic %s}_%d", n->displacement, k + 1);
+            saltus_line_add(&name[k], "{/:Italic %s}_%d", saltus_notation_of(sheet->system)->displacement,
+                            k + 1);
     }
     bool stops = false;
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++)
-        stops = stops || in_plane(sheet, f);
+    for (int f = 0; f < sheet->face_count; f++)
+        stops = stops || normal_in_plane(sheet, f);
     saltus_page_panel(sheet->page, frame, letter,
                       !stops  ? "two displacements"
                       : named ? "two displacements; grey: stops"
                               : "both masses; grey: stops");
-    put_axes(sheet, frame, name[0].text, x1, name[1].text, x2, false);
-    fputs("set parametric\nset trange [-1:1]\nplot ", sheet->page->file);
-    for (int f = 0; f < saltus_system_face_count(sheet->system); f++) {
-        saltus_face face = saltus_system_face(sheet->system, f);
-        const double *w = saltus_system_stop_normal(sheet->system, face.stop);
-        if (!in_plane(sheet, f))
+    put_axes(sheet, frame, name[0].text, x[0], name[1].text, x[1], false);
+    fputs("set parametric\nset trange [-1:1]\nplot ", file);
+    for (int f = 0; f < sheet->face_count; f++) {
+        const double *w = normal_in_plane(sheet, f);
+        if (!w)
             continue;
-        double square = w[0] * w[0] + w[1] * w[1], d = face.side * face.d / square;
-        double far = (fabs(d) * sqrt(square) + fabs(x1.high) + fabs(x1.low) + fabs(x2.high) + fabs(x2.low)) /
-                     sqrt(square);
-        fprintf(sheet->page->file,
-                "(%.9g) + (%.9g)*t, (%.9g) + (%.9g)*t with lines lc rgb '#808080' lw 1.5, \\\n     ",
+        const double square = w[0] * w[0] + w[1] * w[1], d = sheet->faces[f].place / square,
+                     far = (fabs(d) * sqrt(square) + fabs(x[0].high) + fabs(x[0].low) + fabs(x[1].high) +
+                            fabs(x[1].low)) /
+                           sqrt(square);
+        fprintf(file, "(%.9g) + (%.9g)*t, (%.9g) + (%.9g)*t with lines lc rgb '#808080' lw 1.5, \\\n     ",
                 d * w[0], -w[1] * far * 2, d * w[1], w[0] * far * 2);
     }
-    fprintf(sheet->page->file, "$masses using 1:2 with lines %s\nunset parametric\n",
+    fprintf(file, "$masses using 1:2 with lines %s\nunset parametric\n",
             sheet->orbit ? "lc rgb '#2c5f8a' lw 2" : "lc rgb '#a02c5f8a' lw 1");
     saltus_page_template(sheet->page, "close");
 }
 
 static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    const saltus_spectra_source source = {.system = sheet->system, .spectra = sheet->spectra};
-    const saltus_spectrum *s = sheet->spectrum;
+    const saltus_spectrum *s = &sheet->spectra->spectra[0];
     saltus_line heading = {.length = 0};
     bool forcing = false; /* whether multiples of the forcing frequency are among the visible lines */
     for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES; k++)
@@ -324,7 +315,7 @@ static void put_spectrum(const saltus_sheet *sheet, saltus_frame frame, int lett
         saltus_line_add(&heading, "; red squares: multiples of {/:Italic ω}");
     else
         saltus_line_add(&heading, ": multiples of {/:Italic ω}/%d", s->periods);
-    saltus_spectrum_low_panel(&source, sheet->page, frame, letter, &heading);
+    saltus_spectrum_low_panel(sheet->page, sheet->spectra, frame, letter, &heading);
 }
 
 /* The panel is lower to make room for the key below the heading. */
@@ -340,7 +331,7 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
     bool line = saltus_notation_of(sheet->system)->structure == SALTUS_STRUCTURE_LINE,
          settled = saltus_verdict_settled(sheet->motion->verdict);
     bool multipliers = settled && sheet->motion->multiplier_count > 0;
-    int count = 0, last = (sheet->spectrum != NULL) + (sheet->course.count > 0);
+    int count = 0, last = (sheet->spectra != NULL) + (sheet->course.count > 0);
     chosen[count++] = saltus_sheet_portrait;
     chosen[count++] = saltus_sheet_history;
     if (!settled)
@@ -349,7 +340,7 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
         chosen[count++] = put_impact_map;
     if (count + last < panels_most && (line || saltus_system_dof(sheet->system) > 1))
         chosen[count++] = line ? put_shapes : put_masses;
-    if (sheet->spectrum)
+    if (sheet->spectra)
         chosen[count++] = put_spectrum;
     if (sheet->course.count > 0)
         chosen[count++] = put_convergence;
@@ -411,10 +402,9 @@ saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, co
                           .system = system,
                           .motion = diagnosis->motion,
                           .record = record,
-                          .section = section && !settled ? section : record,
-                          .spectra = spectra};
+                          .section = section && !settled ? section : record};
     if (spectra && spectra->count > 0 && spectra->spectra[0].kind != SALTUS_SPECTRUM_CONSTANT)
-        sheet.spectrum = &spectra->spectra[0];
+        sheet.spectra = spectra;
     saltus_sheet_choose(&sheet);
     saltus_page page;
     saltus_status status = saltus_page_open(&page, path, look, message);

@@ -27,11 +27,21 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
 /* The low frequencies of the first spectrum, which must not be constant, as a panel of another figure: its
  * datablock $low1, and the panel in a frame with a heading after the letter 'a' + letter. Leaves no gnuplot
  * settings behind for the next panel. */
-void saltus_spectrum_low_data(const saltus_spectra_source *source, const saltus_page *page);
-void saltus_spectrum_low_panel(const saltus_spectra_source *source, const saltus_page *page,
-                               saltus_frame frame, int letter, const saltus_line *heading);
+void saltus_spectrum_low_data(const saltus_page *page, const saltus_spectra *spectra);
+void saltus_spectrum_low_panel(const saltus_page *page, const saltus_spectra *spectra, saltus_frame frame,
+                               int letter, const saltus_line *heading);
 /* Whether any line above a continuum is strong enough to be marked. */
 bool saltus_spectrum_has_strong_lines(const saltus_spectrum *spectrum);
+
+/* A side of a stop as it is drawn. */
+typedef struct saltus_sheet_face {
+    int stop, side;  /* as in saltus_face */
+    double place;    /* its clearance, with the sign of its side */
+    bool observed;   /* it limits the observed displacement */
+    bool hit;        /* its impacts have a look; of few faces all have one */
+    unsigned colour; /* of its impacts */
+    int sign;        /* gnuplot's for them: a triangle that points to its side */
+} saltus_sheet_face;
 
 typedef struct saltus_sheet {
     const saltus_page *page;
@@ -40,8 +50,7 @@ typedef struct saltus_sheet {
     const saltus_motion *motion;
     const saltus_trajectory *record;
     const saltus_trajectory *section; /* source of section points and impact map */
-    const saltus_spectrum *spectrum;  /* of the first quantity; NULL: none, or constant */
-    const saltus_spectra *spectra;    /* the spectra that contain it */
+    const saltus_spectra *spectra;    /* the first is shown; NULL: none, or it is constant */
     saltus_course course;     /* of the largest exponent, finite numbers only; count 0: not measured */
     bool orbit;               /* shows one closed orbit; otherwise a stretch of trajectory */
     bool strong;              /* few, distinguishable curves, drawn with strong lines */
@@ -53,6 +62,10 @@ typedef struct saltus_sheet {
     long long mapped;         /* events of `section` in the impact map */
     long long contacts;       /* intervals of lasting contact in the time history */
     saltus_range displacement, velocity;
+    saltus_range shape; /* of the structure's shapes over the rows shown */
+    double shape_time;  /* periods over which the shapes are spread */
+    saltus_sheet_face faces[2 * SALTUS_STOPS_MAX];
+    int face_count;
 } saltus_sheet;
 
 /* sheet.c: the first two panels; figures of trajectories use them too. */
@@ -61,25 +74,16 @@ void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int let
 /* sheet_data.c: choose what is shown of a motion, or show a whole record. */
 void saltus_sheet_choose(saltus_sheet *sheet);
 void saltus_sheet_choose_all(saltus_sheet *sheet);
-/* Write the data as datablocks of the script; counts the contacts. */
+/* Write the data as datablocks of the script; counts the contacts and measures the shapes. */
 void saltus_sheet_data(saltus_sheet *sheet);
 /* Only the data of portrait and history. */
 void saltus_sheet_record_data(saltus_sheet *sheet);
-/* The colour of the impacts on a face, and gnuplot's sign for them: a triangle that points to its side; faces
- * that are not hit have none if there are many: false. */
-bool saltus_sheet_face_look(const saltus_sheet *sheet, int face, unsigned *colour, int *sign);
 /* Number of impacts among the first `events` events of a record. */
 long long saltus_sheet_impacts(const saltus_trajectory *record, long long events);
 /* Observed displacement and velocity of stroboscopic point k of a record. */
 void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
                          double point[2]);
-/* Range of the structure's shapes over the rows shown, and the periods over which the shapes are spread. */
-saltus_range saltus_sheet_shape_range(const saltus_sheet *sheet);
-double saltus_sheet_shape_time(const saltus_sheet *sheet);
-
 /* sheet_caption.c: the header lines, in gnuplot's enhanced text. */
 void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page);
-
-enum { SALTUS_SHEET_SHAPES = 16, SALTUS_SHEET_POINTS = 96 };
 
 #endif

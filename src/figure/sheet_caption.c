@@ -116,7 +116,7 @@ static void add_stretch(saltus_line *l, const saltus_sheet *sheet) {
     saltus_line_add(l, "shown: %.6g periods", r->time[sheet->rows - 1] - r->time[0]);
     if (!saltus_verdict_settled(sheet->motion->verdict))
         saltus_line_add(l, ", section %lld", sheet->section->strobes);
-    if (sheet->spectrum) {
+    if (sheet->spectra) {
         saltus_spectra_method(sheet->spectra, method, sizeof method);
         saltus_line_add(l, ";  spectrum from ");
         saltus_line_plain(l, method);

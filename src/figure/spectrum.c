@@ -15,12 +15,13 @@ static const double shallow = -100, deep = -200, least = -340;
 
 /* One quantity's spectrum on the page. */
 typedef struct row {
-    const saltus_spectra_source *source;
     const saltus_spectrum *s;
     saltus_quantity quantity;
     const saltus_page *page;
     int number;        /* from 1 */
+    bool lines;        /* of a periodic motion; otherwise a density */
     double peak;       /* highest density */
+    double between;    /* decibels of the largest value between the lines; -infinity: unknown */
     double low_end;    /* end of the axis of low frequencies */
     double low_floor;  /* lowest decibels there */
     double floor;      /* lowest decibels of the whole spectrum */
@@ -31,67 +32,47 @@ static double decibels(double ratio, double factor) {
     return ratio > 0 ? fmax(least, factor * log10(ratio)) : least;
 }
 
-/* Frequency and height of a line, and whether it is a multiple of the forcing frequency. */
-static void put_line(const row *r, const saltus_spectral_line *line) {
-    bool forced = r->s->periods > 1 && line->harmonic % r->s->periods == 0;
-    fprintf(r->page->file, "%.9g %.6g %d\n", line->frequency, fmax(line->decibels, least), forced);
-}
-
-static void put_bin(const row *r, double frequency, double density) {
+/* The lowest decibels drawn of frequencies up to `end`, if they are below `lowest`; of lines those above a
+ * limit. */
+static double lowest_of(const row *r, double lowest, double limit, double end) {
     const saltus_spectrum *s = r->s;
-    fprintf(r->page->file, "%.9g %.6g %.6g %.6g\n", frequency, decibels(density / r->peak, 10),
-            decibels(s->low * density / r->peak, 10), decibels(s->high * density / r->peak, 10));
+    for (long long l = 0; l < s->line_count && r->lines; l++)
+        if (s->lines[l].frequency <= end && s->lines[l].decibels > limit)
+            lowest = fmin(lowest, s->lines[l].decibels);
+    for (long long b = 1; b < s->bins && !r->lines && (double)b * s->resolution <= end; b++)
+        lowest = fmin(lowest, decibels(s->low * s->density[b] / r->peak, 10));
+    return lowest;
 }
 
-static row make_row(const saltus_spectra_source *source, int k, int number, const saltus_page *page) {
-    const saltus_spectrum *s = &source->spectra->spectra[k];
-    const bool lines = s->kind == SALTUS_SPECTRUM_LINES, density = s->kind == SALTUS_SPECTRUM_WELCH;
-    row r = {.source = source,
-             .s = s,
-             .quantity = source->spectra->quantities[k],
+static row make_row(const saltus_page *page, const saltus_spectra *spectra, int k, int number) {
+    const saltus_spectrum *s = &spectra->spectra[k];
+    row r = {.s = s,
+             .quantity = spectra->quantities[k],
              .page = page,
              .number = number,
-             .begin = lines ? 0.8 / s->periods : s->resolution,
+             .lines = s->kind == SALTUS_SPECTRUM_LINES,
+             .between = -INFINITY,
              .end = s->per_period / 2.0};
+    r.begin = r.lines ? 0.8 / s->periods : s->resolution;
+    if (r.lines && s->between > 0 && isfinite(s->between))
+        r.between = decibels(s->between, 20);
+    double last = 4;
     for (long long b = 0; b < s->bins; b++)
         r.peak = fmax(r.peak, s->density[b]);
-    const double between = s->between > 0 && isfinite(s->between) ? decibels(s->between, 20) : least;
-    double last = 4, lowest = lines && between > deep ? between : 0;
-    for (long long l = 0; l < s->line_count; l++) {
+    for (long long l = 0; l < s->line_count; l++)
         if (s->lines[l].decibels > -60)
             last = fmax(last, s->lines[l].frequency);
-        if (lines && s->lines[l].frequency <= s->trustworthy && s->lines[l].decibels > deep)
-            lowest = fmin(lowest, s->lines[l].decibels);
-    }
-    for (long long b = 1; b < s->bins && density; b++) {
+    for (long long b = 1; b < s->bins && !r.lines; b++)
         if (s->density[b] > 1e-6 * r.peak)
             last = fmax(last, (double)b * s->resolution);
-        lowest = fmin(lowest, decibels(s->low * s->density[b] / r.peak, 10));
-    }
     /* The low frequencies end where no line is within 60 dB of the highest, between 4 and 16 omega; floors
      * are below the lowest value drawn, but not below the resolution of double precision. */
     r.low_end = fmin(fmin(16, r.end), ceil(last + 0.25));
+    const double lowest =
+        lowest_of(&r, r.between > deep ? r.between : 0, deep, r.lines ? s->trustworthy : INFINITY);
     r.floor = fmax(deep, 20 * floor((lowest - 10) / 20));
-    lowest = -20;
-    for (long long l = 0; l < s->line_count && lines && s->lines[l].frequency <= r.low_end; l++)
-        if (s->lines[l].decibels > shallow)
-            lowest = fmin(lowest, s->lines[l].decibels);
-    for (long long b = 1; b < s->bins && density && (double)b * s->resolution <= r.low_end; b++)
-        lowest = fmin(lowest, decibels(s->low * s->density[b] / r.peak, 10));
-    r.low_floor = fmax(shallow, 20 * floor((lowest - 10) / 20));
+    r.low_floor = fmax(shallow, 20 * floor((lowest_of(&r, -20, shallow, r.low_end) - 10) / 20));
     return r;
-}
-
-static void put_low_data(const row *r) {
-    const saltus_spectrum *s = r->s;
-    fprintf(r->page->file, "$low%d << EOD\n", r->number);
-    if (s->kind == SALTUS_SPECTRUM_LINES)
-        for (long long k = 0; k < s->line_count && s->lines[k].frequency <= r->low_end; k++)
-            put_line(r, &s->lines[k]);
-    else
-        for (long long k = 0; k < s->bins && (double)k * s->resolution <= r->low_end; k++)
-            put_bin(r, (double)k * s->resolution, s->density[k]);
-    fputs("EOD\n", r->page->file);
 }
 
 /* The cell of the logarithmic axis that contains a frequency; the page resolves one mark per cell. */
@@ -99,69 +80,34 @@ static double cell_of(double frequency) {
     return floor(cells_per_octave * log2(frequency));
 }
 
-/* The highest line or the mean density of each cell. */
-static void put_whole_data(const row *r) {
+/* All low frequencies, or of the `whole` spectrum the highest line or the mean density of each cell: of a
+ * line frequency, height, and whether it is a multiple of the forcing frequency; of a density its band too.
+ */
+static void put_data(const row *r, bool whole) {
     const saltus_spectrum *s = r->s;
-    fprintf(r->page->file, "$whole%d << EOD\n", r->number);
-    for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_LINES;) {
-        const saltus_spectral_line *highest = &s->lines[k];
-        double cell = cell_of(highest->frequency);
-        for (; k < s->line_count && cell_of(s->lines[k].frequency) == cell; k++)
+    const double end = whole ? INFINITY : r->low_end;
+    fprintf(r->page->file, "$%s%d << EOD\n", whole ? "whole" : "low", r->number);
+    for (long long k = 0; k < s->line_count && r->lines && s->lines[k].frequency <= end;) {
+        const saltus_spectral_line *highest = &s->lines[k++];
+        const double cell = cell_of(highest->frequency);
+        for (; k < s->line_count && whole && cell_of(s->lines[k].frequency) == cell; k++)
             if (s->lines[k].amplitude > highest->amplitude)
                 highest = &s->lines[k];
-        put_line(r, highest);
+        fprintf(r->page->file, "%.9g %.6g %d\n", highest->frequency, fmax(highest->decibels, least),
+                s->periods > 1 && highest->harmonic % s->periods == 0);
     }
-    for (long long k = 1; k < s->bins && s->kind == SALTUS_SPECTRUM_WELCH;) {
-        double sum = 0, cell = cell_of((double)k * s->resolution);
-        long long first = k;
-        for (; k < s->bins && cell_of((double)k * s->resolution) == cell; k++)
+    for (long long k = whole; k < s->bins && !r->lines && (double)k * s->resolution <= end;) {
+        const long long first = k;
+        const double cell = cell_of((double)k * s->resolution);
+        double sum = s->density[k++];
+        for (; k < s->bins && whole && cell_of((double)k * s->resolution) == cell; k++)
             sum += s->density[k];
-        put_bin(r, 0.5 * s->resolution * (double)(first + k - 1), sum / (double)(k - first));
+        const double density = sum / (double)(k - first);
+        fprintf(r->page->file, "%.9g %.6g %.6g %.6g\n", 0.5 * s->resolution * (double)(first + k - 1),
+                decibels(density / r->peak, 10), decibels(s->low * density / r->peak, 10),
+                decibels(s->high * density / r->peak, 10));
     }
     fputs("EOD\n", r->page->file);
-}
-
-static void open_panel(const row *r, saltus_frame frame, int letter, const saltus_line *heading,
-                       saltus_range across, bool logarithmic, double floor) {
-    double step = floor < -240 ? 60 : floor < -120 ? 40 : floor < -60 ? 20 : 10;
-    saltus_page_panel(r->page, frame, letter, heading->text);
-    saltus_page_axis(r->page, "x", frame, logarithmic, "frequency / {/:Italic ω}", across);
-    saltus_page_axis(r->page, "y", frame, false,
-                     r->s->kind == SALTUS_SPECTRUM_LINES ? "amplitude, dB of the highest"
-                                                         : "power density, dB of its peak",
-                     (saltus_range){floor, -0.04 * floor});
-    fprintf(r->page->file, "set ytics %g\n", step);
-}
-
-/* Draw the template: a datablock, its axis up to `end` and down to `floor`, with stems up to a frequency and
- * dots of a given size. */
-static void plot(const row *r, const char *block, double end, double floor, double stems, double dot) {
-    char name[32], edge[64];
-    snprintf(name, sizeof name, "$%s%d", block, r->number);
-    snprintf(edge, sizeof edge, "%.3g {/:Italic ω}", r->s->trustworthy);
-    const struct {
-        const char *name;
-        double value;
-    } numbers[] = {{"Edge", fmin(r->s->trustworthy, 1e9)},
-                   {"Grey", fmin(fmax(r->s->trustworthy, r->begin), 1e9)},
-                   {"Begin", r->begin},
-                   {"End", end},
-                   {"Floor", floor},
-                   {"Stems", stems},
-                   {"Dot", dot}};
-    for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++)
-        saltus_page_number(r->page, numbers[k].name, numbers[k].value);
-    saltus_page_text(r->page, "EdgeName", edge);
-    /* Write it beside the edge, on the side with more room. */
-    const double beside = strcmp(block, "low") == 0 ? 1 - r->s->trustworthy / end
-                                                    : log(end / r->s->trustworthy) / log(end / r->begin);
-    saltus_page_text(r->page, "EdgeSide", beside < 0.25 ? "right offset -0.5,0" : "left offset 0.5,0");
-    saltus_page_template(r->page, "spectrum");
-    if (r->s->kind == SALTUS_SPECTRUM_LINES)
-        fprintf(r->page->file, "plot %s @Stems0, %s @Dots0, %s @Stems1, %s @Dots1\n", name, name, name, name);
-    else
-        fprintf(r->page->file, "plot %s @Band, %s @Curve\n", name, name);
-    saltus_page_template(r->page, "close");
 }
 
 /* Whether a line above a continuum holds a visible part of the power. */
@@ -176,18 +122,12 @@ bool saltus_spectrum_has_strong_lines(const saltus_spectrum *s) {
     return any;
 }
 
-static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_line *heading) {
+/* Small marks at the upper edge for strong lines above a continuum, except where they would touch the mark of
+ * a stronger line. */
+static void put_strong_lines(const row *r) {
     const saltus_spectrum *s = r->s;
-    const saltus_range across = {0, r->low_end};
-    double floor = r->low_floor, width = frame.right - frame.left, near = 0.015 * r->low_end;
-    open_panel(r, frame, letter, heading, across, false, floor);
-    fprintf(r->page->file, "set xtics %g\nset mxtics 2\n",
-            width < 200        ? fmax(1, saltus_page_tic_step(across, 5))
-            : r->low_end <= 10 ? 1.0
-                               : 2.0);
-    /* Small marks at the upper edge for strong lines above a continuum, except where they would touch the
-     * mark of a stronger line. */
-    for (long long k = 0; k < s->line_count && s->kind == SALTUS_SPECTRUM_WELCH; k++) {
+    const double near = 0.015 * r->low_end;
+    for (long long k = 0; k < s->line_count && !r->lines; k++) {
         const saltus_spectral_line *line = &s->lines[k];
         bool marked = line->frequency < r->low_end && is_strong(s, line);
         for (long long other = 0; other < s->line_count && marked; other++)
@@ -198,7 +138,51 @@ static void draw_low(const row *r, saltus_frame frame, int letter, const saltus_
                     "set label '▾' at %.9g, graph 1 center offset 0,0.35 front tc rgb '#c44e2a' font ',11'\n",
                     line->frequency);
     }
-    plot(r, "low", r->low_end, floor, r->end, 0.7);
+}
+
+/* The panel of low frequencies or of the whole spectrum: a datablock drawn by the template. */
+static void draw(const row *r, bool whole, saltus_frame frame, int letter, const saltus_line *heading) {
+    const saltus_spectrum *s = r->s;
+    const saltus_page *page = r->page;
+    const double floor = whole ? r->floor : r->low_floor, end = whole ? r->end : r->low_end;
+    const saltus_range across = {whole ? r->begin : 0, end};
+    saltus_page_panel(page, frame, letter, heading->text);
+    saltus_page_axis(page, "x", frame, whole, "frequency / {/:Italic ω}", across);
+    saltus_page_axis(page, "y", frame, false,
+                     r->lines ? "amplitude, dB of the highest" : "power density, dB of its peak",
+                     (saltus_range){floor, -0.04 * floor});
+    fprintf(page->file, "set ytics %d\n", floor < -240 ? 60 : floor < -120 ? 40 : floor < -60 ? 20 : 10);
+    if (!whole) {
+        fprintf(page->file, "set xtics %g\nset mxtics 2\n",
+                frame.right - frame.left < 200 ? fmax(1, saltus_page_tic_step(across, 5))
+                : end <= 10                    ? 1.0
+                                               : 2.0);
+        put_strong_lines(r);
+    } else if (r->between > floor)
+        fprintf(page->file,
+                "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead front dt (6,5) lc rgb "
+                "'#505050' lw 1.2\n",
+                r->between, r->between);
+    saltus_page_number(page, "Edge", fmin(s->trustworthy, 1e9));
+    saltus_page_number(page, "Grey", fmin(fmax(s->trustworthy, r->begin), 1e9));
+    saltus_page_number(page, "Begin", r->begin);
+    saltus_page_number(page, "End", end);
+    saltus_page_number(page, "Floor", floor);
+    saltus_page_number(page, "Stems", whole ? 24.0 / (s->periods > 0 ? s->periods : 1) : r->end);
+    saltus_page_number(page, "Dot", whole ? 0.4 : 0.7);
+    /* The name of the edge stands beside it, on the side with more room. */
+    const double beside = whole ? log(end / s->trustworthy) / log(end / r->begin) : 1 - s->trustworthy / end;
+    char name[32], edge[64];
+    snprintf(name, sizeof name, "$%s%d", whole ? "whole" : "low", r->number);
+    snprintf(edge, sizeof edge, "%.3g {/:Italic ω}", s->trustworthy);
+    saltus_page_text(page, "EdgeName", edge);
+    saltus_page_text(page, "EdgeSide", beside < 0.25 ? "right offset -0.5,0" : "left offset 0.5,0");
+    saltus_page_template(page, "spectrum");
+    if (r->lines)
+        fprintf(page->file, "plot %s @Stems0, %s @Dots0, %s @Stems1, %s @Dots1\n", name, name, name, name);
+    else
+        fprintf(page->file, "plot %s @Band, %s @Curve\n", name, name);
+    saltus_page_template(page, "close");
 }
 
 /* The symbol of a coordinate or its rate. */
@@ -211,51 +195,36 @@ static void add_coordinate(saltus_line *line, const saltus_system *system, saltu
                         quantity.velocity ? "′" : "", quantity.coordinate);
 }
 
-static void put_low(const row *r, saltus_frame frame, int letter) {
+static void add_low_heading(saltus_line *heading, const row *r, const saltus_system *system) {
     const saltus_spectrum *s = r->s;
-    const saltus_system *system = r->source->system;
-    saltus_line heading = {.length = 0};
     if (r->quantity.coordinate < 0)
-        saltus_line_plain(&heading, saltus_quantity_name(system, r->quantity).text);
+        saltus_line_plain(heading, saltus_quantity_name(system, r->quantity).text);
     else if (r->quantity.coordinate == 0)
-        saltus_line_observed(&heading, system, r->quantity.velocity);
+        saltus_line_observed(heading, system, r->quantity.velocity);
     else {
         if (!saltus_model_text(saltus_system_spec(system)->model))
-            saltus_line_add(&heading, "%s %d, ", saltus_notation_of(system)->part, r->quantity.coordinate);
-        add_coordinate(&heading, system, r->quantity);
+            saltus_line_add(heading, "%s %d, ", saltus_notation_of(system)->part, r->quantity.coordinate);
+        add_coordinate(heading, system, r->quantity);
     }
-    if (s->kind == SALTUS_SPECTRUM_LINES && s->periods > 1)
-        saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}/%d; red squares: of {/:Italic ω}",
+    if (r->lines && s->periods > 1)
+        saltus_line_add(heading, ":  lines at multiples of {/:Italic ω}/%d; red squares: of {/:Italic ω}",
                         s->periods);
-    else if (s->kind == SALTUS_SPECTRUM_LINES)
-        saltus_line_add(&heading, ":  lines at multiples of {/:Italic ω}");
+    else if (r->lines)
+        saltus_line_add(heading, ":  lines at multiples of {/:Italic ω}");
     else
-        saltus_line_add(&heading, ":  density; pale: %g %% confidence%s", 100 * s->confidence,
+        saltus_line_add(heading, ":  density; pale: %g %% confidence%s", 100 * s->confidence,
                         saltus_spectrum_has_strong_lines(s) ? "; ▾ strong lines" : "");
-    draw_low(r, frame, letter, &heading);
 }
 
-static void put_whole(const row *r, saltus_frame frame, int letter) {
+static void add_whole_heading(saltus_line *heading, const row *r) {
     const saltus_spectrum *s = r->s;
-    saltus_line heading = {.length = 0};
-    double between = s->kind == SALTUS_SPECTRUM_LINES && s->between > 0 && isfinite(s->between)
-                         ? decibels(s->between, 20)
-                         : -INFINITY;
-    bool dashed = between > r->floor;
-    saltus_line_add(&heading, "%s", s->kind == SALTUS_SPECTRUM_LINES ? "all lines" : "the whole density");
-    if (s->orbits > 1 && dashed)
-        saltus_line_add(&heading, "; dashed: largest between them");
-    else if (s->orbits > 1 && isfinite(between))
-        saltus_line_add(&heading, "; between them below −%.0f dB", floor(-between));
+    saltus_line_add(heading, "%s", r->lines ? "all lines" : "the whole density");
+    if (s->orbits > 1 && r->between > r->floor)
+        saltus_line_add(heading, "; dashed: largest between them");
+    else if (s->orbits > 1 && isfinite(r->between))
+        saltus_line_add(heading, "; between them below −%.0f dB", floor(-r->between));
     if (s->trustworthy < r->end)
-        saltus_line_add(&heading, "; grey: not trustworthy");
-    open_panel(r, frame, letter, &heading, (saltus_range){r->begin, r->end}, true, r->floor);
-    if (dashed)
-        fprintf(r->page->file,
-                "set arrow from graph 0, first %.6g to graph 1, first %.6g nohead front dt (6,5) lc rgb "
-                "'#505050' lw 1.2\n",
-                between, between);
-    plot(r, "whole", r->end, r->floor, 24.0 / (s->periods > 0 ? s->periods : 1), 0.4);
+        saltus_line_add(heading, "; grey: not trustworthy");
 }
 
 static void put_caption(const saltus_spectra_source *source, saltus_page *page) {
@@ -293,7 +262,7 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
     int count = 0;
     for (int k = 0; k < source->spectra->count; k++)
         if (source->spectra->spectra[k].kind != SALTUS_SPECTRUM_CONSTANT) {
-            rows[count] = make_row(source, k, count + 1, page);
+            rows[count] = make_row(page, source->spectra, k, count + 1);
             count++;
         }
     put_caption(source, page);
@@ -303,8 +272,8 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
         page->height = narrow ? page->width * 1.3 * count : page->width * 0.7 + words;
     saltus_page_begin(page);
     for (int k = 0; k < count; k++) {
-        put_low_data(&rows[k]);
-        put_whole_data(&rows[k]);
+        put_data(&rows[k], false);
+        put_data(&rows[k], true);
     }
     fputs("set multiplot\n", page->file);
     saltus_page_caption(page);
@@ -313,7 +282,13 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
     const int columns = count > 1 && !narrow ? 2 : 1, cells = 2 * count;
     for (int cell = 0; cell < cells; cell++) {
         saltus_frame frame = saltus_page_cell(page, cell, 1, columns, (cells + columns - 1) / columns);
-        (cell % 2 ? put_whole : put_low)(&rows[cell / 2], frame, cell);
+        const row *r = &rows[cell / 2];
+        saltus_line heading = {.length = 0};
+        if (cell % 2)
+            add_whole_heading(&heading, r);
+        else
+            add_low_heading(&heading, r, source->system);
+        draw(r, cell % 2, frame, cell, &heading);
     }
     if (count == 0) {
         saltus_page_text(page, "Reason", "nothing moves: there is no spectrum");
@@ -323,15 +298,15 @@ static void put_script(const saltus_spectra_source *source, saltus_page *page) {
     fputs("unset multiplot\n", page->file);
 }
 
-void saltus_spectrum_low_data(const saltus_spectra_source *source, const saltus_page *page) {
-    row r = make_row(source, 0, 1, page);
-    put_low_data(&r);
+void saltus_spectrum_low_data(const saltus_page *page, const saltus_spectra *spectra) {
+    row r = make_row(page, spectra, 0, 1);
+    put_data(&r, false);
 }
 
-void saltus_spectrum_low_panel(const saltus_spectra_source *source, const saltus_page *page,
-                               saltus_frame frame, int letter, const saltus_line *heading) {
-    row r = make_row(source, 0, 1, page);
-    draw_low(&r, frame, letter, heading);
+void saltus_spectrum_low_panel(const saltus_page *page, const saltus_spectra *spectra, saltus_frame frame,
+                               int letter, const saltus_line *heading) {
+    row r = make_row(page, spectra, 0, 1);
+    draw(&r, false, frame, letter, heading);
 }
 
 saltus_status saltus_write_spectra(const char *path, const saltus_scene *scene, const saltus_system *system,

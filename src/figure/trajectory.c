@@ -8,18 +8,17 @@
 static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
     const double entry = 130, row = 22, begin = saltus_page_narrow(page) ? 18 : 54,
                  type = saltus_page_type(page, 11);
-    const int faces = saltus_system_face_count(sheet->system), columns = (int)((page->width - begin) / entry);
+    const int columns = (int)((page->width - begin) / entry);
     int count = 0;
-    for (int f = 0; f < faces && faces > 1; f++) {
-        const saltus_face face = saltus_system_face(sheet->system, f);
-        unsigned colour;
-        int sign;
+    for (int f = 0; f < sheet->face_count && sheet->face_count > 1; f++) {
+        const saltus_sheet_face *face = &sheet->faces[f];
         char text[64];
-        if (!saltus_sheet_face_look(sheet, f, &colour, &sign))
+        if (!face->hit)
             continue;
         const double x = begin + count % columns * entry, y = page->top - 6 - count / columns * row;
-        saltus_page_label(page, "", x, y, "point pt %d ps 1.1 lc rgb '#%06x' front", sign, colour);
-        snprintf(text, sizeof text, "stop %d, %s", face.stop + 1, saltus_side_word(face.side));
+        saltus_page_label(page, "", x, y, "point pt %d ps 1.1 lc rgb '#%06x' front", face->sign,
+                          face->colour);
+        snprintf(text, sizeof text, "stop %d, %s", face->stop + 1, saltus_side_word(face->side));
         saltus_page_label(page, text, x + 12, y, "left front font ',%.4g' tc rgb '#303030'", type);
         count++;
     }
