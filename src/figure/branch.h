@@ -78,6 +78,22 @@ saltus_range saltus_plot_range(const saltus_plot_page *page, bool measure);
 /* The kind of special point whose locus has this hue. */
 saltus_point_kind saltus_plot_locus(int hue);
 
+/* The k-th value of a system: first the parameters, then the values of each stop, then the sides of each;
+ * false beyond the last. */
+typedef struct saltus_plot_value {
+    char key[SALTUS_KEY_MAX]; /* of --set */
+    double value;
+    int stop;     /* -1: a parameter */
+    bool sides;   /* the sides of a stop */
+    bool on_axis; /* an axis ("": none) varies it */
+} saltus_plot_value;
+bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v);
+/* The rank-th value (from 0) in which the files differ, other than those of the axes, as a key of --set;
+ * "" if there are fewer. */
+void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]);
+/* Add ", key = value" for each parameter in which the files differ, and the sides of stops if they do;
+ * branches of equal systems are told apart by the number of their file. */
+void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line);
 /* Exchange the two parameters of a locus. */
 void saltus_plot_turn(saltus_branch_file *file);
 /* Whether the axis of this key is to be logarithmic. */
@@ -96,21 +112,5 @@ bool saltus_plot_data(const saltus_plot_page *page);
  * lower left corner. */
 typedef void saltus_plot_block(void *context, saltus_frame taken);
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context);
-/* The k-th value of a system: first the parameters, then the values of each stop, then the sides of each;
- * false beyond the last. */
-typedef struct saltus_plot_value {
-    char key[SALTUS_KEY_MAX]; /* of --set */
-    double value;
-    int stop;     /* -1: a parameter */
-    bool sides;   /* the sides of a stop */
-    bool on_axis; /* an axis ("": none) varies it */
-} saltus_plot_value;
-bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v);
-/* The rank-th value (from 0) in which the files differ, other than those of the axes, as a key of --set;
- * "" if there are fewer. */
-void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]);
-/* Add ", key = value" for each parameter in which the files differ, and the sides of stops if they do;
- * branches of equal systems are told apart by the number of their file. */
-void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line);
 
 #endif

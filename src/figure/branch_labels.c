@@ -33,6 +33,8 @@ typedef struct stretch {
 } stretch;
 
 typedef struct places {
+    const saltus_plot_page *page;
+    double wide, high; /* of the panel */
     place taken[places_max];
     int count;
     piece *pieces; /* of all curves */
@@ -42,14 +44,6 @@ typedef struct places {
     stretch unnamed_stretch[places_max], named_stretch[places_max];
     int unnamed_count, unnamed_stretch_count, named_stretch_count;
 } places;
-
-static double wide(const saltus_plot_page *page) {
-    return (page->frame.right - page->frame.left) / word_height;
-}
-
-static double high(const saltus_plot_page *page) {
-    return (page->frame.top - page->frame.bottom) / word_height;
-}
 
 static place place_at(const saltus_plot_page *page, double x, double y) {
     double at[2];
@@ -89,18 +83,19 @@ static double gap(place a, place b) {
 }
 
 /* Whether a row has a mark in the panel. */
-static bool is_visible(const saltus_plot_page *page, const saltus_plot_row *row) {
+static bool is_visible(const places *all, const saltus_plot_row *row) {
+    const saltus_plot_page *page = all->page;
     const double rim = 1e-6;
     const place at = place_of(page, row);
-    return row->marked && saltus_plot_shown(page, row) && at.x >= -rim && at.x <= wide(page) + rim &&
-           at.y >= -rim && at.y <= high(page) + rim;
+    return row->marked && saltus_plot_shown(page, row) && at.x >= -rim && at.x <= all->wide + rim &&
+           at.y >= -rim && at.y <= all->high + rim;
 }
 
-static bool is_free(const saltus_plot_page *page, const places *all, place wanted) {
+static bool is_free(const places *all, place wanted) {
     const double rim = 0.1, beside = 0.13;
     if (all->count == places_max || !(wanted.x >= wanted.half_width + rim) ||
-        !(wanted.x <= wide(page) - wanted.half_width - rim) || !(wanted.y >= wanted.half_height + rim) ||
-        !(wanted.y <= high(page) - wanted.half_height - rim))
+        !(wanted.x <= all->wide - wanted.half_width - rim) || !(wanted.y >= wanted.half_height + rim) ||
+        !(wanted.y <= all->high - wanted.half_height - rim))
         return false;
     for (int k = 0; k < all->count; k++)
         if (gap(all->taken[k], wanted) < beside)
@@ -114,9 +109,9 @@ static void take_place(places *all, place taken) {
 }
 
 /* Write a name, on a white ground if `boxed`, and take its place. */
-static void put_name(const saltus_plot_page *page, places *all, const saltus_line *name, place where,
-                     bool boxed, const char *colour, const char *font, double size) {
-    saltus_page_graph_label(page->paper, name, where.x / wide(page), where.y / high(page), 4,
+static void put_name(places *all, const saltus_line *name, place where, bool boxed, const char *colour,
+                     const char *font, double size) {
+    saltus_page_graph_label(all->page->paper, name, where.x / all->wide, where.y / all->high, 4,
                             "center front %stc rgb '%s' font '%s,%.4g'", boxed ? "boxed " : "", colour, font,
                             size);
     take_place(all, where);
@@ -124,7 +119,8 @@ static void put_name(const saltus_plot_page *page, places *all, const saltus_lin
 
 /* The pieces of all curves, one per branch or one per visit. Without memory, names are placed as if there
  * were no curves. */
-static void find_pieces(const saltus_plot_page *page, places *all) {
+static void find_pieces(places *all) {
+    const saltus_plot_page *page = all->page;
     size_t most = 1;
     for (int k = 0; k < page->row_count; k++)
         most += (size_t)page->rows[k].count;
@@ -147,7 +143,8 @@ static bool is_part(const piece *p, const stretch *s) {
 }
 
 /* Whether a piece is of a stretch (NULL: none), or lies on it, is of the same motion and does not hide it. */
-static bool is_own(const saltus_plot_page *page, const places *all, const piece *p, const stretch *s) {
+static bool is_own(const places *all, const piece *p, const stretch *s) {
+    const saltus_plot_page *page = all->page;
     const double near = 0.12;
     if (!s || is_part(p, s))
         return s != NULL;
@@ -168,8 +165,8 @@ static bool is_own(const saltus_plot_page *page, const places *all, const piece 
 }
 
 /* Distance from the edge of a word to the nearest curve of those that count, exact only below `enough`. */
-static double clearance(const saltus_plot_page *page, const places *all, place word, double enough,
-                        const stretch *s, count_curves counted) {
+static double clearance(const places *all, place word, double enough, const stretch *s,
+                        count_curves counted) {
     const int samples = word.half_width > 1 ? 3 : word.half_width > 0.2 ? 1 : 0;
     const double half = word.half_width - fmin(word.half_width, word.half_height);
     double least = enough + word.half_height;
@@ -178,7 +175,7 @@ static double clearance(const saltus_plot_page *page, const places *all, place w
         const double *a = p->ends[0], *b = p->ends[1], reach = least + half;
         if (fmin(a[0], b[0]) > word.x + reach || fmax(a[0], b[0]) < word.x - reach ||
             fmin(a[1], b[1]) > word.y + least || fmax(a[1], b[1]) < word.y - least ||
-            (counted != EVERY && is_own(page, all, p, s) != (counted == OWN)))
+            (counted != EVERY && is_own(all, p, s) != (counted == OWN)))
             continue;
         for (int n = -samples; n <= samples; n++)
             least = fmin(least, saltus_plot_distance(
@@ -197,14 +194,14 @@ static bool named_already(const saltus_plot_page *page, const saltus_plot_row *r
 
 /* Whether a name at this place would be nearer to the mark of a point of another kind than to its own, or,
  * with a line to its own, near another. A line that may cross curves tells more clearly whose name it is. */
-static bool misleads(const saltus_plot_page *page, const saltus_plot_row *row, place wanted, bool led,
-                     bool across) {
+static bool misleads(const places *all, const saltus_plot_row *row, place wanted, bool led, bool across) {
+    const saltus_plot_page *page = all->page;
     const double across_least = saltus_page_narrow(page->paper) ? 0.87 : 1;
     const double same = 0.1, overlapping = 0.4, off = 0.9, clearly = across ? across_least : 1.2;
     const place own = place_of(page, row);
     for (int k = 0; k < page->row_count; k++) {
         const saltus_plot_row *other = &page->rows[k];
-        if (other->point->kind == row->point->kind || !is_visible(page, other))
+        if (other->point->kind == row->point->kind || !is_visible(all, other))
             continue;
         const place its = place_of(page, other);
         const double away = apart(its, own), ratio = away < overlapping ? 1 : clearly;
@@ -242,14 +239,14 @@ typedef struct naming {
 
 /* Whether a line from what is named to a place passes no name and no mark except where it begins, and no
  * curve but those of its stretch. */
-static bool leads(const saltus_plot_page *page, const places *all, const naming *n, place to) {
+static bool leads(const places *all, const naming *n, place to) {
     const double step = 0.2, begin = n->s ? 0.2 : 0.7, near = 0.12;
     const place from = n->own;
     const double length = apart(from, to);
     for (double way = begin; way < length; way += step) {
         const place at = {from.x + way / length * (to.x - from.x), from.y + way / length * (to.y - from.y), 0,
                           0};
-        if (!n->across && clearance(page, all, at, near, n->s, n->s ? OTHER : EVERY) < near)
+        if (!n->across && clearance(all, at, near, n->s, n->s ? OTHER : EVERY) < near)
             return false;
         for (int k = 0; k < all->count; k++)
             if (touches(all->taken[k], at) && !(apart(all->taken[k], from) < 0.5))
@@ -259,16 +256,16 @@ static bool leads(const saltus_plot_page *page, const places *all, const naming 
 }
 
 /* How well a name would stand: the clearance from the curves, negative if it cannot stand there. */
-static double rate(const saltus_plot_page *page, const places *all, const naming *n, place wanted, bool led) {
+static double rate(const places *all, const naming *n, place wanted, bool led) {
     const double enough = 0.8, nearer = 0.25;
-    if (!is_free(page, all, wanted) || (n->row && misleads(page, n->row, wanted, led, n->across)))
+    if (!is_free(all, wanted) || (n->row && misleads(all, n->row, wanted, led, n->across)))
         return -1;
-    const double clear = clearance(page, all, wanted, enough, NULL, EVERY);
+    const double clear = clearance(all, wanted, enough, NULL, EVERY);
     if (clear < (led ? 0.2 : 0.08) || !n->s || led)
         return clear < (led ? 0.2 : 0.08) ? -1 : clear;
     /* A stretch's name is nearer to its own curve than to any other. */
-    const double own = clearance(page, all, wanted, 2 * enough, n->s, OWN),
-                 other = clearance(page, all, wanted, own + nearer, n->s, OTHER);
+    const double own = clearance(all, wanted, 2 * enough, n->s, OWN),
+                 other = clearance(all, wanted, own + nearer, n->s, OTHER);
     return other < own + nearer ? -1 : clear;
 }
 
@@ -297,7 +294,7 @@ static bool is_cut_off(const places *all, place mark, place word) {
 }
 
 /* Find a place that touches what is named. */
-static bool find_beside(const saltus_plot_page *page, const places *all, const naming *n, place *found) {
+static bool find_beside(const places *all, const naming *n, place *found) {
     static const double gaps[] = {0.2, 0.4, 0.6};
     enum { ways = 24 };
     const double much = 0.05;
@@ -307,7 +304,7 @@ static bool find_beside(const saltus_plot_page *page, const places *all, const n
             /* From straight up to both sides in turn. */
             const double angle = M_PI / 2 + (k % 2 ? 1 : -1) * ((k + 1) / 2) * 2 * M_PI / ways;
             const place wanted = beside(n->own, n->word, gaps[g], angle);
-            const double clear = rate(page, all, n, wanted, false),
+            const double clear = rate(all, n, wanted, false),
                          straight = (k + 1) / 2 % (ways / 4) == 0 ? 0.2 : 0,
                          score = clear + straight - 0.4 * gaps[g];
             if (clear < 0 || score <= best + much)
@@ -321,7 +318,7 @@ static bool find_beside(const saltus_plot_page *page, const places *all, const n
 }
 
 /* Find a place farther away that a line can lead to, and draw that line. */
-static bool find_led(const saltus_plot_page *page, const places *all, const naming *n, place *found) {
+static bool find_led(const places *all, const naming *n, place *found) {
     enum { ways = 72 };
     const double nearest = 0.9, farthest = 8, step = 0.4;
     for (double away = nearest; away < farthest; away += step) {
@@ -330,14 +327,14 @@ static bool find_led(const saltus_plot_page *page, const places *all, const nami
         for (int k = 0; k < ways; k++) {
             const double angle = 2 * M_PI * k / ways;
             const place wanted = beside(n->own, n->word, away, angle);
-            const double clear = rate(page, all, n, wanted, true);
+            const double clear = rate(all, n, wanted, true);
             if (clear <= best)
                 continue;
             /* The line ends at the edge of the word. */
             const double rest = fmin((n->word.half_width + 0.1) / fmax(fabs(cos(angle)), 1e-9),
                                      (n->word.half_height + 0.1) / fmax(fabs(sin(angle)), 1e-9));
             const place to = {wanted.x - rest * cos(angle), wanted.y - rest * sin(angle), 0, 0};
-            if (!leads(page, all, n, to))
+            if (!leads(all, n, to))
                 continue;
             best = clear;
             end = to;
@@ -345,9 +342,9 @@ static bool find_led(const saltus_plot_page *page, const places *all, const nami
         }
         if (best < 0)
             continue;
-        fprintf(page->paper->file,
+        fprintf(all->page->paper->file,
                 "set arrow from graph %.4f,%.4f to graph %.4f,%.4f nohead back lc rgb '#808080' lw 0.8\n",
-                n->own.x / wide(page), n->own.y / high(page), end.x / wide(page), end.y / high(page));
+                n->own.x / all->wide, n->own.y / all->high, end.x / all->wide, end.y / all->high);
         return true;
     }
     return false;
@@ -358,7 +355,8 @@ static bool find_led(const saltus_plot_page *page, const places *all, const nami
 typedef enum joint { BESIDE, LED, LED_ACROSS } joint;
 
 /* Name a special point; false if there is no place. */
-static bool name_point(const saltus_plot_page *page, const saltus_plot_row *row, joint how, places *all) {
+static bool name_point(places *all, const saltus_plot_row *row, joint how) {
+    const saltus_plot_page *page = all->page;
     const saltus_point_kind kind = row->point->kind;
     const char *word = saltus_point_word(kind);
     naming n = {.row = row,
@@ -370,10 +368,10 @@ static bool name_point(const saltus_plot_page *page, const saltus_plot_row *row,
     if (kind == SALTUS_POINT_UZ || kind == SALTUS_POINT_EP || named_already(page, row))
         return true;
     n.own.half_width = n.own.half_height = mark_radius;
-    if (!(how == BESIDE ? find_beside : find_led)(page, all, &n, &found))
+    if (!(how == BESIDE ? find_beside : find_led)(all, &n, &found))
         return false;
     saltus_line_plain(&line, word);
-    put_name(page, all, &line, found, page->over_sweep, page->over_sweep ? "#202020" : "#303030", "",
+    put_name(all, &line, found, page->over_sweep, page->over_sweep ? "#202020" : "#303030", "",
              saltus_page_type(page->paper, 10));
     return true;
 }
@@ -447,8 +445,9 @@ static bool named_below(const saltus_plot_page *page, const saltus_plot_row *row
 
 /* Find a place for the name of a stretch: on its curve where no other is or, if `led`, anyway; beside it or,
  * if `led`, at the end of a line. */
-static bool find_on_stretch(const saltus_plot_page *page, const places *all, const stretch *s,
-                            const char *text, bool on_curve, bool led, place *found) {
+static bool find_on_stretch(const places *all, const stretch *s, const char *text, bool on_curve, bool led,
+                            place *found) {
+    const saltus_plot_page *page = all->page;
     static const double parts[] = {0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
     for (size_t k = 0; k < sizeof parts / sizeof parts[0]; k++) {
         const int row = row_at(page, s, parts[k]);
@@ -462,12 +461,11 @@ static bool find_on_stretch(const saltus_plot_page *page, const places *all, con
             bool marked = false; /* a line that ends at a mark names that */
             for (int t = 0; t < all->count && led; t++)
                 marked = marked || touches(all->taken[t], name.own);
-            if (on_curve && is_free(page, all, there) &&
-                (led || clearance(page, all, there, 0.2, s, OTHER) > 0.1)) {
+            if (on_curve && is_free(all, there) && (led || clearance(all, there, 0.2, s, OTHER) > 0.1)) {
                 *found = there;
                 return true;
             }
-            if (!on_curve && !marked && (led ? find_led : find_beside)(page, all, &name, found))
+            if (!on_curve && !marked && (led ? find_led : find_beside)(all, &name, found))
                 return true;
         }
     }
@@ -475,7 +473,8 @@ static bool find_on_stretch(const saltus_plot_page *page, const places *all, con
 }
 
 /* Whether a stretch goes on from one that has a name, in the same stroke and of the same motion. */
-static bool goes_on(const saltus_plot_page *page, const places *all, const stretch *s) {
+static bool goes_on(const places *all, const stretch *s) {
+    const saltus_plot_page *page = all->page;
     const double near = 0.15;
     const saltus_plot_row *row = &page->rows[s->first];
     for (int k = 0; k < all->named_stretch_count; k++) {
@@ -494,7 +493,8 @@ static bool goes_on(const saltus_plot_page *page, const places *all, const stret
 
 /* Put the name of a stretch; if there is no place it is kept for a name with a line. Returns whether there
  * was a place. */
-static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool led, places *all) {
+static bool name_stretch(places *all, const stretch *s, bool led) {
+    const saltus_plot_page *page = all->page;
     static const char *const colour[SALTUS_HUES] = {"#1d4566", "#8f3719", "#136b5c", "#634078",
                                                     "#7a5c00", "#444444", "#7d004b"};
     const saltus_plot_row *row = &page->rows[s->first];
@@ -511,22 +511,23 @@ static bool name_stretch(const saltus_plot_page *page, const stretch *s, bool le
         named_below(page, &page->rows[row_at(page, s, 0.5)]))
         return false;
     const bool on_curve = !led && long_enough &&
-                          (find_on_stretch(page, all, s, name.text, true, false, &found) ||
-                           (page->locus && find_on_stretch(page, all, s, name.text, true, true, &found)));
-    if (!on_curve && (page->locus || !find_on_stretch(page, all, s, name.text, false, led, &found))) {
+                          (find_on_stretch(all, s, name.text, true, false, &found) ||
+                           (page->locus && find_on_stretch(all, s, name.text, true, true, &found)));
+    if (!on_curve && (page->locus || !find_on_stretch(all, s, name.text, false, led, &found))) {
         if (!led && !page->locus && all->unnamed_stretch_count < places_max)
             all->unnamed_stretch[all->unnamed_stretch_count++] = *s;
         return false;
     }
-    put_name(page, all, &name, found, on_curve || page->over_sweep,
-             page->locus ? "#202020" : colour[row->hue], "", saltus_page_type(page->paper, 11));
+    put_name(all, &name, found, on_curve || page->over_sweep, page->locus ? "#202020" : colour[row->hue], "",
+             saltus_page_type(page->paper, 11));
     if (all->named_stretch_count < places_max)
         all->named_stretch[all->named_stretch_count++] = *s;
     return true;
 }
 
 /* Name the stable or the unstable stretches; equal names at the same place of the page are written once. */
-static void name_stretches(const saltus_plot_page *page, bool stable, places *all) {
+static void name_stretches(places *all, bool stable) {
+    const saltus_plot_page *page = all->page;
     const saltus_plot_row *begun = NULL; /* where the last named stretch of the file began */
     for (int k = 0; k < page->row_count;) {
         const saltus_plot_row *row = &page->rows[k];
@@ -538,7 +539,7 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
         const bool known = begun && !row[-1].joined && begun->point->branch != row->point->branch &&
                            strcmp(begun->point->label, row->point->label) == 0 &&
                            apart(place_of(page, begun), place_of(page, row)) < 0.1;
-        if (saltus_plot_shown(page, row) && solid == stable && !known && name_stretch(page, &s, false, all))
+        if (saltus_plot_shown(page, row) && solid == stable && !known && name_stretch(all, &s, false))
             begun = row;
         k = s.last > k && continues(page, s.last) ? s.last : s.last + 1;
     }
@@ -546,11 +547,12 @@ static void name_stretches(const saltus_plot_page *page, bool stable, places *al
 
 /* List the special points of all files, which have no names yet, and reserve the places of their marks, first
  * of the kinds whose marks are drawn over those of others. */
-static void find_points(const saltus_plot_page *page, places *all) {
+static void find_points(places *all) {
+    const saltus_plot_page *page = all->page;
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_KINDS; kind++)
         for (int k = 0; k < page->row_count; k++) {
             const saltus_plot_row *row = &page->rows[k];
-            if ((int)row->point->kind != kind || !is_visible(page, row))
+            if ((int)row->point->kind != kind || !is_visible(all, row))
                 continue;
             place mark = place_of(page, row);
             mark.half_width = mark.half_height = mark_radius;
@@ -562,14 +564,14 @@ static void find_points(const saltus_plot_page *page, places *all) {
 
 /* Move a word off the curves, to the nearest place that no curve divides from where it was; false if there is
  * none. */
-static bool find_in_region(const saltus_plot_page *page, const places *all, place *word) {
+static bool find_in_region(const places *all, place *word) {
     enum { ways = 32 };
     const double farthest = 4, step = 0.2, clear = 0.12;
     for (double away = 0; away < farthest; away += step)
         for (int k = 0; k < (away > 0 ? ways : 1); k++) {
             const double angle = 2 * M_PI * k / ways;
             const place wanted = moved(*word, word->x + away * cos(angle), word->y + away * sin(angle));
-            if (!is_free(page, all, wanted) || clearance(page, all, wanted, 2 * clear, NULL, EVERY) < clear ||
+            if (!is_free(all, wanted) || clearance(all, wanted, 2 * clear, NULL, EVERY) < clear ||
                 meets_curve(all, (const double[2]){word->x, word->y}, (const double[2]){wanted.x, wanted.y},
                             0))
                 continue;
@@ -581,7 +583,8 @@ static bool find_in_region(const saltus_plot_page *page, const places *all, plac
 
 /* The labels requested by the caller, in larger type than the other names. One that lies on a curve where the
  * region has no room for it gets a white ground. */
-static void name_regions(const saltus_plot_page *page, places *all) {
+static void name_regions(places *all) {
+    const saltus_plot_page *page = all->page;
     const double size = saltus_page_narrow(page->paper) ? 12 : 17, bold = 1.15;
     const char *first = page->files[0].options.key[0];
     for (int k = 0; k < page->options->label_count; k++) {
@@ -595,113 +598,35 @@ static void name_regions(const saltus_plot_page *page, places *all) {
         where.half_height = 0.035 * size;
         if (x < page->x.low || x > page->x.high || y < page->y.low || y > page->y.high)
             continue;
-        const bool clear = find_in_region(page, all, &where);
-        put_name(page, all, &line, where, !clear, "#101010", ":Bold", size);
+        const bool clear = find_in_region(all, &where);
+        put_name(all, &line, where, !clear, "#101010", ":Bold", size);
     }
-}
-
-bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v) {
-    int count, keys;
-    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
-    const saltus_parameter *s = saltus_stop_parameters(&keys);
-    const int last = count + keys * spec->stop_count; /* of the values; the sides of stops follow */
-    const int own = k < count ? k : (k - count) % keys, stop = k < count  ? -1
-                                                               : k < last ? (k - count) / keys
-                                                                          : k - last;
-    const char *name = k < count ? p[own].name : k < last ? s[own].name : "sides";
-    if (stop >= spec->stop_count)
-        return false;
-    snprintf(v->key, sizeof v->key, stop < 0 || spec->stop_count == 1 ? "%s" : "%s%d", name, stop + 1);
-    v->sides = k >= last;
-    v->stop = stop;
-    const saltus_stop *of = &spec->stops[stop < 0 ? 0 : stop];
-    v->value = stop < 0   ? spec->parameters[own]
-               : v->sides ? (double)of->sides
-                          : (const double[]){of->xi, of->d, of->r}[own];
-    v->on_axis = false;
-    for (int a = 0; a < 2 && !v->sides; a++)
-        v->on_axis = v->on_axis || (stop < 0 ? strcmp(axes[a], name) == 0
-                                             : *axes[a] && saltus_key_means(axes[a], name, stop));
-    return true;
-}
-
-/* The k-th value of a file; false beyond the last. *differs: not the same in all files. */
-static bool value_in(const saltus_plot_page *page, int file, int k, saltus_plot_value *v, bool *differs) {
-    const saltus_branch_options *o = &page->files[0].options;
-    const char *const axes[2] = {o->key[0], o->key[1]};
-    saltus_plot_value first;
-    *differs = false;
-    for (int i = 1; i < page->count && saltus_plot_value_of(&page->files[0].spec, k, axes, &first); i++)
-        *differs = *differs || (saltus_plot_value_of(&page->files[i].spec, k, axes, v) && !v->on_axis &&
-                                v->value != first.value);
-    return saltus_plot_value_of(&page->files[file].spec, k, axes, v);
-}
-
-void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]) {
-    saltus_plot_value v;
-    bool differs;
-    key[0] = '\0';
-    for (int k = 0; rank >= 0 && value_in(page, 0, k, &v, &differs); k++)
-        if (differs && rank-- == 0)
-            memcpy(key, v.key, sizeof v.key);
-}
-
-/* Whether another file has the same scene and values. */
-static bool has_twin(const saltus_plot_page *page, int file) {
-    bool twin = false, differs;
-    for (int i = 0; i < page->count && !twin; i++) {
-        saltus_plot_value a, b;
-        twin = i != file && strcmp(page->files[i].scene, page->files[file].scene) == 0;
-        for (int k = 0; twin && value_in(page, file, k, &a, &differs) && value_in(page, i, k, &b, &differs);
-             k++)
-            twin = a.on_axis || a.value == b.value;
-    }
-    return twin;
-}
-
-void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line) {
-    saltus_plot_value v;
-    bool differs;
-    for (int k = 0; value_in(page, file, k, &v, &differs); k++) {
-        if (!differs)
-            continue;
-        saltus_line_add(line, ", ");
-        if (v.sides && page->files[file].spec.stop_count > 1)
-            saltus_line_add(line, "stop %d: ", v.stop + 1);
-        if (v.sides)
-            saltus_line_add(line, "%s",
-                            v.value == SALTUS_BOTH ? "both sides"
-                                                   : saltus_side_word(v.value == SALTUS_UPPER ? 1 : -1));
-        else
-            saltus_line_value(line, v.key, v.value);
-    }
-    if (!page->locus && has_twin(page, file))
-        saltus_line_add(line, ", file %d", file + 1);
 }
 
 /* Try to name the first `most` points, or once more stretches, of those without a name; stretches that go on
  * from one with a name need none. */
-static void name_points(const saltus_plot_page *page, joint how, int most, places *all) {
+static void name_points(places *all, joint how, int most) {
     const int count = all->unnamed_count;
     all->unnamed_count = 0;
     for (int k = 0; k < count; k++)
-        if (k >= most || !name_point(page, all->unnamed[k], how, all))
+        if (k >= most || !name_point(all, all->unnamed[k], how))
             all->unnamed[all->unnamed_count++] = all->unnamed[k];
 }
 
-static void name_stretches_again(const saltus_plot_page *page, int most, places *all) {
+static void name_stretches_again(places *all, int most) {
     const int count = all->unnamed_stretch_count;
     all->unnamed_stretch_count = 0;
     for (int k = 0; k < count; k++) {
         const stretch s = all->unnamed_stretch[k];
-        if (!goes_on(page, all, &s) && (k >= most || !name_stretch(page, &s, true, all)))
+        if (!goes_on(all, &s) && (k >= most || !name_stretch(all, &s, true)))
             all->unnamed_stretch[all->unnamed_stretch_count++] = s;
     }
 }
 
 /* Say above the panel how many marks, and stretches longer than a name, have none: the marks by their kinds,
  * if that is short enough. */
-static void put_note(const saltus_plot_page *page, const places *all) {
+static void put_note(const places *all) {
+    const saltus_plot_page *page = all->page;
     const double size = 9, type = saltus_page_type(page->paper, size), above = 10, least = 2;
     int stretches = 0;
     saltus_line line = {.length = 0};
@@ -734,29 +659,31 @@ static void put_note(const saltus_plot_page *page, const places *all) {
 void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, void *context) {
     const double h = word_height, step = 0.2, rim = 0.2, margin = 0.3; /* in word heights */
     enum { most_led = 40 };
-    const int few = (int)fmax(6, wide(page) * high(page) / 130); /* the more, the larger the panel */
-    places all = {.count = 0};
-    find_pieces(page, &all);
-    name_regions(page, &all);
-    find_points(page, &all);
+    places all = {.page = page,
+                  .wide = (page->frame.right - page->frame.left) / word_height,
+                  .high = (page->frame.top - page->frame.bottom) / word_height};
+    const int few = (int)fmax(6, all.wide * all.high / 130); /* the more, the larger the panel */
+    find_pieces(&all);
+    name_regions(&all);
+    find_points(&all);
     /* On a map the colours identify the motions; on loci the names of points come first. */
     if (!page->over_map && !page->locus)
-        name_stretches(page, true, &all);
+        name_stretches(&all, true);
     const int stable = all.unnamed_stretch_count;
-    name_points(page, BESIDE, places_max, &all);
+    name_points(&all, BESIDE, places_max);
     if (!page->over_map)
-        name_stretches(page, page->locus, &all);
+        name_stretches(&all, page->locus);
     if (!page->over_map && page->locus)
-        name_stretches(page, false, &all);
+        name_stretches(&all, false);
     /* Lines only as many as remain readable: to stable stretches and to points, but across curves and to
      * unstable stretches only if they are few. */
-    name_stretches_again(page, stable < most_led ? stable : most_led, &all);
+    name_stretches_again(&all, stable < most_led ? stable : most_led);
     if (!page->over_map) {
-        name_points(page, LED, most_led, &all);
-        name_points(page, LED_ACROSS, all.unnamed_count <= few ? few : 0, &all);
-        name_stretches_again(page, all.unnamed_stretch_count <= few ? few : 0, &all);
+        name_points(&all, LED, most_led);
+        name_points(&all, LED_ACROSS, all.unnamed_count <= few ? few : 0);
+        name_stretches_again(&all, all.unnamed_stretch_count <= few ? few : 0);
     }
-    put_note(page, &all);
+    put_note(&all);
     for (int k = 0; k < all.count && block; k++) {
         const place *p = &all.taken[k];
         block(context,

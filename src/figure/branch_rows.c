@@ -1,5 +1,5 @@
 /* The points of branch files as a diagram shows them: values, strokes, hues and marks, found once for curves,
- * names, ranges and legends alike.
+ * names, ranges and legends alike; and the values in which the files differ.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/branch.h"
 
@@ -420,4 +420,83 @@ void saltus_plot_close(saltus_plot_page *page) {
     free(page->rows);
     page->rows = NULL;
     page->row_count = 0;
+}
+
+bool saltus_plot_value_of(const saltus_spec *spec, int k, const char *const axes[2], saltus_plot_value *v) {
+    int count, keys;
+    const saltus_parameter *p = saltus_model_parameters(spec->model, &count);
+    const saltus_parameter *s = saltus_stop_parameters(&keys);
+    const int last = count + keys * spec->stop_count; /* of the values; the sides of stops follow */
+    const int own = k < count ? k : (k - count) % keys, stop = k < count  ? -1
+                                                               : k < last ? (k - count) / keys
+                                                                          : k - last;
+    const char *name = k < count ? p[own].name : k < last ? s[own].name : "sides";
+    if (stop >= spec->stop_count)
+        return false;
+    snprintf(v->key, sizeof v->key, stop < 0 || spec->stop_count == 1 ? "%s" : "%s%d", name, stop + 1);
+    v->sides = k >= last;
+    v->stop = stop;
+    const saltus_stop *of = &spec->stops[stop < 0 ? 0 : stop];
+    v->value = stop < 0   ? spec->parameters[own]
+               : v->sides ? (double)of->sides
+                          : (const double[]){of->xi, of->d, of->r}[own];
+    v->on_axis = false;
+    for (int a = 0; a < 2 && !v->sides; a++)
+        v->on_axis = v->on_axis || (stop < 0 ? strcmp(axes[a], name) == 0
+                                             : *axes[a] && saltus_key_means(axes[a], name, stop));
+    return true;
+}
+
+/* The k-th value of a file; false beyond the last. *differs: not the same in all files. */
+static bool value_in(const saltus_plot_page *page, int file, int k, saltus_plot_value *v, bool *differs) {
+    const saltus_branch_options *o = &page->files[0].options;
+    const char *const axes[2] = {o->key[0], o->key[1]};
+    saltus_plot_value first;
+    *differs = false;
+    for (int i = 1; i < page->count && saltus_plot_value_of(&page->files[0].spec, k, axes, &first); i++)
+        *differs = *differs || (saltus_plot_value_of(&page->files[i].spec, k, axes, v) && !v->on_axis &&
+                                v->value != first.value);
+    return saltus_plot_value_of(&page->files[file].spec, k, axes, v);
+}
+
+void saltus_plot_difference(const saltus_plot_page *page, int rank, char key[SALTUS_KEY_MAX]) {
+    saltus_plot_value v;
+    bool differs;
+    key[0] = '\0';
+    for (int k = 0; rank >= 0 && value_in(page, 0, k, &v, &differs); k++)
+        if (differs && rank-- == 0)
+            memcpy(key, v.key, sizeof v.key);
+}
+
+/* Whether another file has the same scene and values. */
+static bool has_twin(const saltus_plot_page *page, int file) {
+    bool twin = false, differs;
+    for (int i = 0; i < page->count && !twin; i++) {
+        saltus_plot_value a, b;
+        twin = i != file && strcmp(page->files[i].scene, page->files[file].scene) == 0;
+        for (int k = 0; twin && value_in(page, file, k, &a, &differs) && value_in(page, i, k, &b, &differs);
+             k++)
+            twin = a.on_axis || a.value == b.value;
+    }
+    return twin;
+}
+
+void saltus_plot_add_differences(const saltus_plot_page *page, int file, saltus_line *line) {
+    saltus_plot_value v;
+    bool differs;
+    for (int k = 0; value_in(page, file, k, &v, &differs); k++) {
+        if (!differs)
+            continue;
+        saltus_line_add(line, ", ");
+        if (v.sides && page->files[file].spec.stop_count > 1)
+            saltus_line_add(line, "stop %d: ", v.stop + 1);
+        if (v.sides)
+            saltus_line_add(line, "%s",
+                            v.value == SALTUS_BOTH ? "both sides"
+                                                   : saltus_side_word(v.value == SALTUS_UPPER ? 1 : -1));
+        else
+            saltus_line_value(line, v.key, v.value);
+    }
+    if (!page->locus && has_twin(page, file))
+        saltus_line_add(line, ", file %d", file + 1);
 }

@@ -163,29 +163,25 @@ double saltus_page_width(const char *text, double size) {
 
 /* Lay out the caption from the page's upper edge downwards, and write it if `put`. */
 static void lay_caption(saltus_page *page, bool put) {
+    /* Type of a line of words and of the heading, and the steps from line to line. */
+    static const struct {
+        double margin, type[2], step[2], above;
+    } layouts[] = {{48, {13, 20}, {30.6, 42}, 39.6}, {12, {11.5, 16}, {26, 34}, 26}};
     const double bold = 1.15; /* over regular type */
     const bool narrow = saltus_page_narrow(page);
-    const double margin = narrow ? 12 : 48;
-    page->top = page->height - 6;
+    const double margin = layouts[narrow].margin, room = page->width - 2 * margin;
+    page->top = page->height - (page->caption_lines ? layouts[narrow].above : 6);
     for (int k = 0; k < page->caption_lines; k++) {
         const bool heading = k == 0;
-        const double usual = heading  ? (narrow ? 16 : 20)
-                             : narrow ? 11.5
-                                      : 13,
-                     step = heading  ? (narrow ? 34 : 42)
-                            : narrow ? 26
-                                     : 30.6,
-                     room = page->width - 2 * margin,
+        const double usual = layouts[narrow].type[heading],
                      fits = floor(room / (bold * saltus_page_width(page->caption[k].text, 1)));
         /* A heading that is a little too long for one line is set in smaller type. */
         const double type = heading && fits >= 0.8 * usual ? fmin(usual, fits) : usual;
         const double width = room / (type * type_height * (heading ? bold : 1));
         char style[64] = "";
-        if (heading)
-            page->top = page->height - (narrow ? 26 : 39.6);
-        else
+        if (!heading)
             snprintf(style, sizeof style, " tc rgb '%s'%s", page->colour[k], narrow ? " font ',11.5'" : "");
-        for (const char *text = page->caption[k].text; *text; page->top -= step) {
+        for (const char *text = page->caption[k].text; *text; page->top -= layouts[narrow].step[heading]) {
             const int length = (int)saltus_line_piece(text, width);
             saltus_line piece = {.length = 0};
             if (heading)
@@ -286,24 +282,18 @@ saltus_frame saltus_page_rest(const saltus_page *page, double below) {
 }
 
 saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows) {
-    bool narrow = saltus_page_narrow(page);
-    bool tight = narrow && columns > 1; /* headings have two lines */
-    const double left = tight    ? 102
-                        : narrow ? 124
-                                 : 128,
-                 right = tight    ? 22
-                         : narrow ? 24
-                                  : 43.2,
-                 beside = tight         ? 112
-                          : columns > 2 ? 140.8
-                                        : 156,
-                 below = tight    ? 145
-                         : narrow ? 125
-                                  : 153.6,
-                 bottom = narrow ? 76 : 100, above = tight ? 70 : 60;
+    /* Margins of the page and gaps between panels: on a wide page, on a narrow one, and there with several
+     * columns, where headings have two lines. */
+    static const struct {
+        double left, right, beside, below, bottom, above;
+    } layouts[] = {
+        {128, 43.2, 156, 153.6, 100, 60}, {124, 24, 156, 125, 76, 60}, {102, 22, 112, 145, 76, 70}};
+    const int kind = !saltus_page_narrow(page) ? 0 : columns > 1 ? 2 : 1;
+    const double left = layouts[kind].left, below = layouts[kind].below, bottom = layouts[kind].bottom,
+                 beside = kind == 0 && columns > 2 ? 140.8 : layouts[kind].beside;
     int column = cell % columns, row = rows - 1 - cell / columns;
-    double width = (page->width - left - right - (columns - 1) * beside) / columns,
-           height = (page->top - above - bottom - (rows - 1) * below) / rows;
+    double width = (page->width - left - layouts[kind].right - (columns - 1) * beside) / columns,
+           height = (page->top - layouts[kind].above - bottom - (rows - 1) * below) / rows;
     double x = left + column * (width + beside), y = bottom + row * (height + below);
     return (saltus_frame){x, x + span * width + (span - 1) * beside, y, y + height};
 }
@@ -316,14 +306,13 @@ void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, 
     saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
     saltus_line_add(&line, "{/:Bold (%c)}  %s", 'a' + letter, heading);
     enum { most = 4 };
-    const char *rest = line.text, *from[most];
+    const char *from[most + 1] = {line.text};
     size_t length[most];
     int lines = 0;
-    for (; *rest && lines < most; lines++) {
-        from[lines] = rest;
-        length[lines] = saltus_line_piece(rest, room / (size * type_height));
-        rest += length[lines];
-        rest += strspn(rest, " ");
+    for (; *from[lines] && lines < most; lines++) {
+        length[lines] = saltus_line_piece(from[lines], room / (size * type_height));
+        from[lines + 1] = from[lines] + length[lines];
+        from[lines + 1] += strspn(from[lines + 1], " ");
     }
     for (int k = 0; k < lines; k++) {
         fprintf(page->file, "set label %d ", 99 - k);
@@ -416,9 +405,9 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
     }
     saltus_put_quoted(page->file, name, first);
     if (first < all) {
+        const char *second = name + first + strspn(name + first, " ");
         fputs(".\"\\n\".", page->file);
-        saltus_put_quoted(page->file, name + first + strspn(name + first, " "),
-                          strlen(name + first + strspn(name + first, " ")));
+        saltus_put_quoted(page->file, second, strlen(second));
     }
     fprintf(page->file, "%s",
             across                    ? ""

@@ -77,6 +77,11 @@ static saltus_status cut_axis(const saltus_sweep_page *page, saltus_cells *cells
                            page->path, cells->key);
     if (part)
         cells->range = (saltus_range){part->low, part->high};
+    for (int k = 0; k < cells->count; k++) {
+        const double middle = saltus_cells_part(cells, list[cells->order[k]]);
+        cells->first += middle < 0;
+        cells->end += middle <= 1;
+    }
     return SALTUS_OK;
 }
 

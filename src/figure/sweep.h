@@ -15,6 +15,7 @@ typedef struct saltus_cells {
     int *order;         /* the axis's index of each cell */
     double *edge;       /* cell k lies between edge[k] and edge[k + 1] */
     saltus_range range; /* the values shown */
+    int first, end;     /* the cells whose values are shown */
 } saltus_cells;
 
 /* The axis is logarithmic if it is spaced so or if requested, and all values are positive. */
@@ -74,6 +75,7 @@ typedef struct saltus_sweep_page {
     saltus_range up;   /* range of the numbers shown, on the vertical axis or as colours */
     bool logarithmic;  /* `up` is a logarithmic axis */
     bool asked;        /* the caller requested the range `up` */
+    long long shown;   /* points of a cloud that are shown */
     bool sides;        /* impact speeds are signed */
     bool swap;         /* diagrams: the parameter is vertical */
     double *observers; /* rows that map displacements to the observed one: a single row, or one for each value

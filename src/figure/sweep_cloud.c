@@ -33,13 +33,6 @@ static int pass_drawn(const saltus_sweep_page *page, int k) {
     return 0;
 }
 
-/* Number of points in a row's cloud. */
-static long long cloud_count(const saltus_sweep_page *page, long long row) {
-    return saltus_view_is_cloud(page->view)
-               ? saltus_sweep_entries_of(page->sweep, (int)(page->view - SALTUS_VIEW_TURNING)).count[row]
-               : 1;
-}
-
 static double cloud_value(const saltus_sweep_page *page, long long row, long long k) {
     const saltus_sweep_file *sweep = page->sweep;
     const int n = saltus_system_dof(page->system), seeds = sweep->options.seeds;
@@ -79,10 +72,32 @@ static long long row_of(const saltus_sweep_page *page, int pass, int k) {
     return (pass * page->sweep->points + page->x.order[k]) * page->sweep->options.seeds;
 }
 
-/* Number of rows shown from there on: all seeds if the cell is in range, otherwise none. */
-static int rows_shown(const saltus_sweep_page *page, int k) {
-    const double middle = saltus_cells_part(&page->x, axis_value(page, k));
-    return middle >= 0 && middle <= 1 ? page->sweep->options.seeds : 0;
+/* A walk over the points of a pass in the cells from one to before another. */
+typedef struct walk {
+    int pass, cell, end;
+    int seed;
+    long long k, count; /* the next point of the row, and how many it has */
+    double value;       /* of the point */
+} walk;
+
+static walk walk_of(const saltus_sweep_page *page, int pass) {
+    return (walk){.pass = pass, .cell = page->x.first, .end = page->x.end};
+}
+
+/* Go to the next point; false if there is none. */
+static bool next_point(const saltus_sweep_page *page, walk *w) {
+    const int cloud = (int)(page->view - SALTUS_VIEW_TURNING);
+    for (; w->cell < w->end; w->cell++, w->seed = 0)
+        for (; w->seed < page->sweep->options.seeds; w->seed++, w->k = 0) {
+            const long long row = row_of(page, w->pass, w->cell) + w->seed;
+            w->count =
+                saltus_view_is_cloud(page->view) ? saltus_sweep_entries_of(page->sweep, cloud).count[row] : 1;
+            if (w->k == w->count)
+                continue;
+            w->value = cloud_value(page, row, w->k++);
+            return true;
+        }
+    return false;
 }
 
 /* Whether impact speeds of both signs occur. */
@@ -117,15 +132,9 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
     saltus_range found = {INFINITY, -INFINITY};
     page->sides = page->view == SALTUS_VIEW_IMPACTS && !page->branches && two_sided(page);
     for (int pass = 0; pass < page->sweep->pass_count; pass++)
-        for (int cell = 0; cell < page->x.count; cell++) {
-            long long row = row_of(page, pass, cell);
-            for (int seed = 0; seed < rows_shown(page, cell); seed++)
-                for (long long k = 0; k < cloud_count(page, row + seed); k++) {
-                    double value = cloud_value(page, row + seed, k);
-                    if (!page->logarithmic || value > 0)
-                        saltus_range_add(&found, value);
-                }
-        }
+        for (walk w = walk_of(page, pass); next_point(page, &w); page->shown++)
+            if (!page->logarithmic || w.value > 0)
+                saltus_range_add(&found, w.value);
     if (page->branches) { /* also include the branches drawn over the cloud */
         const saltus_range curves = saltus_plot_range(page->branches, true);
         saltus_range_add(&found, curves.low);
@@ -166,30 +175,13 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
     return SALTUS_OK;
 }
 
-static long long points_shown(const saltus_sweep_page *page) {
-    long long count = 0;
-    for (int pass = 0; pass < page->sweep->pass_count; pass++)
-        for (int cell = 0; cell < page->x.count; cell++)
-            for (int seed = 0; seed < rows_shown(page, cell); seed++)
-                count += cloud_count(page, row_of(page, pass, cell) + seed);
-    return count;
-}
-
 /* The points as numbers in the script. */
 static void put_points(const saltus_sweep_page *page) {
     for (int pass = 0; pass < page->sweep->pass_count; pass++) {
         fprintf(page->paper.file, "$cloud_%d << EOD\n# parameter, measure\nNaN NaN\n", pass);
-        for (int cell = 0; cell < page->x.count; cell++) {
-            double x = axis_value(page, cell);
-            for (int seed = 0; seed < rows_shown(page, cell); seed++) {
-                long long row = row_of(page, pass, cell) + seed;
-                for (long long k = 0; k < cloud_count(page, row); k++) {
-                    double y = cloud_value(page, row, k);
-                    if (y >= page->up.low && y <= page->up.high)
-                        fprintf(page->paper.file, "%.9g %.7g\n", x, y);
-                }
-            }
-        }
+        for (walk w = walk_of(page, pass); next_point(page, &w);)
+            if (w.value >= page->up.low && w.value <= page->up.high)
+                fprintf(page->paper.file, "%.9g %.7g\n", axis_value(page, w.cell), w.value);
         fputs("EOD\n", page->paper.file);
     }
 }
@@ -226,25 +218,20 @@ static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, sa
                  across = page->swap ? raster->width : raster->height;
     if (!saltus_tally_open(&tally, raster->width, raster->height))
         return false;
-    for (int cell = 0; cell < page->x.count; cell++) {
+    for (int cell = page->x.first; cell < page->x.end; cell++) {
         double middle = along * saltus_cells_part(&page->x, axis_value(page, cell));
         double own = along * (saltus_cells_edge(&page->x, cell + 1) - saltus_cells_edge(&page->x, cell));
         bool apart = own > widest * fineness;
         const double wide = apart ? dot * fineness : fmax(own, fineness),
                      thick = (apart ? dot : flat) * fineness;
-        for (int seed = 0; seed < rows_shown(page, cell); seed++) {
-            long long row = row_of(page, pass, cell) + seed, count = cloud_count(page, row);
-            for (long long k = 0; k < count; k++) {
-                double value = cloud_value(page, row, k);
-                if (page->logarithmic)
-                    value = fmax(value, 1e-300);
-                const double place = across * saltus_range_part(page->up, page->logarithmic, value),
-                             share = 1 / (double)count;
-                if (page->swap)
-                    saltus_tally_add(&tally, place - 0.5 * thick, place + 0.5 * thick, middle, wide, share);
-                else
-                    saltus_tally_add(&tally, middle - 0.5 * wide, middle + 0.5 * wide, place, thick, share);
-            }
+        for (walk w = {.pass = pass, .cell = cell, .end = cell + 1}; next_point(page, &w);) {
+            const double value = page->logarithmic ? fmax(w.value, 1e-300) : w.value,
+                         place = across * saltus_range_part(page->up, page->logarithmic, value),
+                         share = 1 / (double)w.count;
+            if (page->swap)
+                saltus_tally_add(&tally, place - 0.5 * thick, place + 0.5 * thick, middle, wide, share);
+            else
+                saltus_tally_add(&tally, middle - 0.5 * wide, middle + 0.5 * wide, place, thick, share);
         }
     }
     saltus_tally_paint(&tally, look_of(page, pass).colour, raster);
@@ -292,47 +279,43 @@ static void put_faces(const saltus_sweep_page *page) {
     }
 }
 
-/* The exponents along the axis: value, cell, exponent and standard error. With `lost` instead the points
- * where all directions are lost, marked near the lower edge. Rows without an exponent are omitted. */
-static void put_exponents(const saltus_sweep_page *page, bool lost) {
+/* The blocks of exponents, which a density does without, and of the line at zero where that is upright: along
+ * the axis value, cell, exponent, and the exponent less and plus its standard error; and the points where all
+ * directions are lost, marked near the lower edge. Rows without an exponent are omitted. */
+static void put_exponents(const saltus_sweep_page *page, bool dense) {
+    FILE *file = page->paper.file;
     /* Columns overlap slightly to avoid visible thin gaps. */
     const saltus_frame *f = &page->frame;
     const double overlap = 0.5 / (page->swap ? f->top - f->bottom : f->right - f->left), raised = 0.012;
     const saltus_cells *x = &page->x;
     const saltus_range up = page->up;
-    for (int cell = 0; cell < x->count; cell++)
-        for (int k = 0; k < saltus_sweep_visits(page->sweep); k++) {
-            const saltus_sweep_row *row =
-                &page->sweep->rows[saltus_sweep_visit(page->sweep, x->order[cell], k)];
-            double exponent = saltus_sweep_measure(SALTUS_VIEW_LYAPUNOV, row), error = row->lyapunov_error;
-            double edge[2] = {saltus_cells_edge(x, cell) - overlap, saltus_cells_edge(x, cell + 1) + overlap};
+    if (page->swap)
+        fprintf(file, "$zero << EOD\n# exponent, parameter\n0 %.12g\n0 %.12g\nEOD\n", x->range.low,
+                x->range.high);
+    for (int lost = 0; lost < 2 && !dense; lost++) {
+        fputs(lost ? "$lost << EOD\n# parameter where all directions are lost\n"
+                   : "$exponents << EOD\n# parameter, its cell, exponent, less and plus its standard error\n",
+              file);
+        fputs("NaN NaN NaN NaN NaN NaN\n", file);
+        for (int k = 0; k < x->count * saltus_sweep_visits(page->sweep); k++) {
+            const int cell = k / saltus_sweep_visits(page->sweep);
+            const saltus_sweep_row *row = &page->sweep->rows[saltus_sweep_visit(
+                page->sweep, x->order[cell], k % saltus_sweep_visits(page->sweep))];
+            const double exponent = saltus_sweep_measure(SALTUS_VIEW_LYAPUNOV, row),
+                         error = isfinite(row->lyapunov_error) ? row->lyapunov_error : 0;
+            const double edge[2] = {saltus_cells_edge(x, cell) - overlap,
+                                    saltus_cells_edge(x, cell + 1) + overlap};
             double told[3] = {up.low + raised * (up.high - up.low), 0, 0};
             if (isnan(exponent) || (exponent == -INFINITY) != lost)
                 continue;
-            error = isfinite(error) ? error : 0;
             for (int i = 0; i < 3 && !lost; i++)
                 told[i] = fmin(fmax(exponent + (i == 1 ? -error : i == 2 ? error : 0), up.low), up.high);
-            fprintf(page->paper.file, "%.9g %.9g %.9g %.7g %.7g %.7g\n", axis_value(page, cell),
+            fprintf(file, "%.9g %.9g %.9g %.7g %.7g %.7g\n", axis_value(page, cell),
                     saltus_cells_value(x, fmin(fmax(edge[0], 0), 1)),
                     saltus_cells_value(x, fmin(fmax(edge[1], 0), 1)), told[0], told[1], told[2]);
         }
-}
-
-/* The blocks of exponents, which a density does without, and of the line at zero where that is upright. */
-static void put_exponent_data(const saltus_sweep_page *page, bool dense) {
-    FILE *file = page->paper.file;
-    if (page->swap)
-        fprintf(file, "$zero << EOD\n# exponent, parameter\n0 %.12g\n0 %.12g\nEOD\n", page->x.range.low,
-                page->x.range.high);
-    if (dense)
-        return;
-    fputs("$exponents << EOD\n# parameter, its cell, exponent, less and plus its standard error\n"
-          "NaN NaN NaN NaN NaN NaN\n",
-          file);
-    put_exponents(page, false);
-    fputs("EOD\n$lost << EOD\n# parameter where all directions are lost\nNaN NaN NaN NaN NaN NaN\n", file);
-    put_exponents(page, true);
-    fputs("EOD\n", file);
+        fputs("EOD\n", file);
+    }
 }
 
 /* The columns of a block of parameter and measure that are the coordinates of a point. */
@@ -343,23 +326,23 @@ static const char *columns(const saltus_sweep_page *page) {
 /* The cloud as elements of the plot command, rasters or points, with the legend of its colours. */
 static void put_cloud_elements(const saltus_sweep_page *page, const saltus_raster *rasters, bool dense) {
     const unsigned faint = 0xa0; /* transparency out of 255 */
+    FILE *file = page->paper.file;
     for (int k = 0; k < page->sweep->pass_count; k++) {
-        int pass = pass_drawn(page, k);
+        const int pass = pass_drawn(page, k);
+        const unsigned colour = look_of(page, pass).colour;
         if (linked(page, dense))
-            fprintf(page->paper.file,
-                    "     $links_%d using %s with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n", pass,
-                    columns(page), faint, (unsigned)look_of(page, pass).colour);
-        fputs("     ", page->paper.file);
+            fprintf(file, "     $links_%d using %s with lines lw 1 lc rgb '#%02x%06x' notitle, \\\n", pass,
+                    columns(page), faint, colour);
+        fputs("     ", file);
         if (dense)
-            saltus_raster_element(page->paper.file, &rasters[pass], "x2y2");
+            saltus_raster_element(file, &rasters[pass], "x2y2");
         else
-            fprintf(page->paper.file, "$cloud_%d using %s with points pt 7 ps %g lc rgb '#%06x' notitle",
-                    pass, columns(page), points_shown(page) < 2000 ? 0.45 : 0.32,
-                    (unsigned)look_of(page, pass).colour);
-        fputs(", \\\n", page->paper.file);
+            fprintf(file, "$cloud_%d using %s with points pt 7 ps %g lc rgb '#%06x' notitle", pass,
+                    columns(page), page->shown < 2000 ? 0.45 : 0.32, colour);
+        fputs(", \\\n", file);
     }
     for (int pass = 0; pass < page->sweep->pass_count && page->sweep->pass_count > 1; pass++)
-        fprintf(page->paper.file, "     NaN with points pt 7 ps 1.1 lc rgb '#%06x' title '%s', \\\n",
+        fprintf(file, "     NaN with points pt 7 ps 1.1 lc rgb '#%06x' title '%s', \\\n",
                 (unsigned)look_of(page, pass).colour, look_of(page, pass).name);
 }
 
@@ -471,10 +454,11 @@ static int pass_rows(const saltus_sweep_page *page) {
     return saltus_page_narrow(&page->paper) ? page->sweep->pass_count : 1;
 }
 
-static void set_sides(saltus_sweep_page *page) {
-    bool narrow = page->paper.width < 1000;
-    page->frame.left = narrow ? 124 : 150;
-    page->frame.right = page->paper.width - (narrow ? 34 : 50);
+/* The frame of a diagram that fills the page from `below` units under the caption. */
+static saltus_frame whole_frame(const saltus_sweep_page *page, double below) {
+    const bool narrow = saltus_page_narrow(&page->paper);
+    const saltus_frame rest = saltus_page_rest(&page->paper, below);
+    return (saltus_frame){narrow ? 124 : 150, page->paper.width - (narrow ? 34 : 50), rest.bottom, rest.top};
 }
 
 /* The height of the legend of classes: below it lies the strip, if that is upright, and the shorter the strip
@@ -500,8 +484,7 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
     const double band = 20, apart = 7, above = page->sweep->pass_count > 1 ? 42 : 6;
     saltus_page *paper = &page->paper;
     double height = 0, drawn;
-    page->frame = saltus_page_rest(paper, 26.4);
-    set_sides(page);
+    page->frame = whole_frame(page, 26.4);
     if (page->branches)
         page->frame.top -= saltus_plot_legend(curves, page->frame.right - page->frame.left, true);
     else if (page->sweep->pass_count > 1) {
@@ -529,8 +512,7 @@ static bool choose_height(saltus_sweep_page *page) {
     double height = 0;
     if (!page->paper.free_height)
         return true;
-    page->frame = saltus_page_rest(&page->paper, 0);
-    set_sides(page);
+    page->frame = whole_frame(page, 0);
     bool sound = saltus_sweep_put_strip_legend(page, page->frame, 0, false, &height);
     page->paper.height +=
         height + 19 * (pass_rows(page) - 1) +
@@ -553,7 +535,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
     saltus_page_begin(&page->paper);
     /* More points than a page of this size can hold apart are drawn as densities. */
     const double singly = 12000.0 / (1600 * 1200) * page->paper.width * page->paper.height;
-    const bool dense = (double)points_shown(page) > fmin(singly, 12000);
+    const bool dense = (double)page->shown > fmin(singly, 12000);
     put_faces(page);
     if (!dense)
         put_points(page);
@@ -572,7 +554,7 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         sound = saltus_plot_data(&curves) && sound;
     }
     if (page->view == SALTUS_VIEW_LYAPUNOV)
-        put_exponent_data(page, dense);
+        put_exponents(page, dense);
     if (dense)
         sound = sound && paint(page, rasters);
     if (sound) {

@@ -66,11 +66,7 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
     static const char *const starts[] = {"each from the initial state", "carried up", "carried down"};
     for (int k = 0; k < sweep->axis_count; k++) {
         const saltus_cells *cells = strcmp(page->x.key, sweep->axes[k].key) == 0 ? &page->x : &page->y;
-        int shown = 0; /* of a part of the range */
-        for (int n = 0; n < sweep->axes[k].count; n++) {
-            const double part = saltus_cells_part(cells, sweep->axes[k].list[n]);
-            shown += part >= 0 && part <= 1;
-        }
+        const int shown = cells->end - cells->first; /* of a part of the range */
         saltus_line_add(line, k ? " × %d" : "%d", shown);
         if (shown < sweep->axes[k].count)
             saltus_line_add(line, " of %d", sweep->axes[k].count);
