@@ -1,8 +1,7 @@
-/* Pictures made of pixels, their colours, and densities of points.
+/* Pictures made of pixels, and their colours.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/raster.h"
 
-#include <gsl/gsl_sort_float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -116,75 +115,4 @@ uint32_t saltus_colour_sides(double part) {
 
 bool saltus_colour_light(uint32_t colour) {
     return 0.299 * part_of(colour, 0) + 0.587 * part_of(colour, 1) + 0.114 * part_of(colour, 2) > 140;
-}
-
-/* Clouds of points as densities: a two-dimensional histogram at the resolution of the page. Every trajectory
- * has weight 1, divided among its points: periodic ones with few points are dark, others form a veil, and the
- * length of the recording does not matter. */
-
-bool saltus_tally_open(saltus_tally *tally, int width, int height) {
-    size_t size = (size_t)width * (size_t)height;
-    *tally = (saltus_tally){width, height, calloc(size, sizeof(float)), calloc(size, sizeof(float))};
-    if (tally->cover && tally->weight)
-        return true;
-    saltus_tally_close(tally);
-    return false;
-}
-
-void saltus_tally_close(saltus_tally *tally) {
-    free(tally->cover);
-    free(tally->weight);
-    *tally = (saltus_tally){0};
-}
-
-/* The fraction of pixel k between two positions. */
-static double overlap(int k, double low, double high) {
-    return fmax(0, fmin(high, k + 1) - fmax(low, k));
-}
-
-void saltus_tally_add(saltus_tally *tally, double left, double right, double y, double thick, double part) {
-    double low = y - 0.5 * thick, high = y + 0.5 * thick;
-    if (!(right > 0 && left < tally->width && high > 0 && low < tally->height))
-        return;
-    int x0 = left > 0 ? (int)left : 0, y0 = low > 0 ? (int)low : 0;
-    for (int j = y0; j < tally->height && j < high; j++)
-        for (int i = x0; i < tally->width && i < right; i++) {
-            size_t place = (size_t)j * (size_t)tally->width + (size_t)i;
-            double covered = overlap(i, left, right) * overlap(j, low, high);
-            tally->cover[place] += (float)covered;
-            tally->weight[place] += (float)(part * covered);
-        }
-}
-
-static double density_at(const saltus_tally *tally, size_t k) {
-    return tally->weight[k] / fmin(tally->cover[k], 1);
-}
-
-void saltus_tally_paint(const saltus_tally *tally, uint32_t colour, saltus_raster *raster) {
-    enum { sample = 20000 };
-    const double least_ratio = 40, rare = 0.02, common = 0.97;
-    const double faintest = 0.16, levels = 24; /* few levels keep compressed files small */
-    size_t size = (size_t)tally->width * (size_t)tally->height, filled = 0, count = 0, seen = 0;
-    float *densities = malloc(sample * sizeof *densities);
-    double low = 0, high = 0; /* logarithms of density between which opacity grows */
-    for (size_t k = 0; k < size; k++)
-        filled += tally->cover[k] > 0;
-    for (size_t k = 0; k < size && densities && count < sample; k++)
-        if (tally->cover[k] > 0 && seen++ % (1 + filled / sample) == 0)
-            densities[count++] = (float)density_at(tally, k);
-    if (count) {
-        gsl_sort_float(densities, 1, count);
-        low = log(densities[(size_t)(rare * (double)(count - 1))]);
-        high = log(densities[(size_t)(common * (double)(count - 1))]);
-    }
-    low = fmin(low, high - log(least_ratio));
-    free(densities);
-    for (size_t k = 0; k < size; k++) {
-        if (tally->cover[k] <= 0)
-            continue;
-        double tone = fmin(fmax((log(density_at(tally, k)) - low) / (high - low), 0), 1);
-        double opacity = fmin(tally->cover[k], 1) * (faintest + (1 - faintest) * tone);
-        saltus_raster_set(raster, (int)(k % (size_t)tally->width), (int)(k / (size_t)tally->width), colour,
-                          round(opacity * levels) / levels);
-    }
 }

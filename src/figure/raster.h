@@ -36,21 +36,4 @@ uint32_t saltus_colour_mix(uint32_t a, uint32_t b, double part);
 /* Whether black letters are easier to read on this colour than white ones. */
 bool saltus_colour_light(uint32_t colour);
 
-/* Points counted per pixel, each weighted by its share of its trajectory's points. */
-typedef struct saltus_tally {
-    int width, height;
-    float *cover;  /* how much of the pixel points cover */
-    float *weight; /* total weight of the points in the pixel, spread like their cover */
-} saltus_tally;
-
-/* An empty tally; false without memory. */
-bool saltus_tally_open(saltus_tally *tally, int width, int height);
-void saltus_tally_close(saltus_tally *tally);
-/* Add a point that extends from `left` to `right` and is `thick` pixels high around `y`; edges may be
- * fractions of pixels. */
-void saltus_tally_add(saltus_tally *tally, double left, double right, double y, double thick, double part);
-/* Paint the tally. Opacity grows with the logarithm of the density, so that single points of a long
- * trajectory stay visible and frequently visited places are dark. */
-void saltus_tally_paint(const saltus_tally *tally, uint32_t colour, saltus_raster *raster);
-
 #endif

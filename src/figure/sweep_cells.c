@@ -237,28 +237,16 @@ bool saltus_view_is_cloud(saltus_view view) {
 }
 
 double saltus_sweep_measure(saltus_view view, const saltus_sweep_row *row) {
-    if (saltus_verdict_nothing((saltus_verdict)row->verdict))
+    const double numbers[] = {
+        [SALTUS_VIEW_CLASS] = row->periods,     [SALTUS_VIEW_LARGEST] = row->largest,
+        [SALTUS_VIEW_RMS] = row->rms,           [SALTUS_VIEW_SPEED] = row->largest_speed,
+        [SALTUS_VIEW_RATE] = row->impact_rate,  [SALTUS_VIEW_CONTACT] = row->contact_fraction,
+        [SALTUS_VIEW_LYAPUNOV] = row->lyapunov, [SALTUS_VIEW_SETTLED] = (double)row->settled};
+    if (saltus_verdict_nothing((saltus_verdict)row->verdict) ||
+        (view == SALTUS_VIEW_CLASS && row->verdict != SALTUS_PERIODIC) ||
+        (view == SALTUS_VIEW_SETTLED && !saltus_verdict_settled(row->verdict)))
         return NAN;
-    switch (view) {
-    case SALTUS_VIEW_CLASS:
-        return row->verdict == SALTUS_PERIODIC ? row->periods : NAN;
-    case SALTUS_VIEW_LARGEST:
-        return row->largest;
-    case SALTUS_VIEW_RMS:
-        return row->rms;
-    case SALTUS_VIEW_SPEED:
-        return row->largest_speed;
-    case SALTUS_VIEW_RATE:
-        return row->impact_rate;
-    case SALTUS_VIEW_CONTACT:
-        return row->contact_fraction;
-    case SALTUS_VIEW_LYAPUNOV:
-        return row->lyapunov;
-    case SALTUS_VIEW_SETTLED:
-        return saltus_verdict_settled(row->verdict) ? (double)row->settled : NAN;
-    default:
-        return NAN;
-    }
+    return numbers[view];
 }
 
 bool saltus_sweep_any_lost(const saltus_sweep_page *page) {

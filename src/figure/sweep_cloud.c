@@ -5,6 +5,7 @@
 #include "record/describe.h"
 #include "record/fields.h"
 
+#include <gsl/gsl_sort_float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -209,16 +210,81 @@ static bool linked(const saltus_sweep_page *page, bool dense) {
     return !dense && !saltus_view_is_cloud(page->view) && page->sweep->options.seeds == 1;
 }
 
+/* A cloud as a density: points counted per pixel. Every trajectory has weight 1, divided among its points:
+ * periodic ones with few points are dark, others form a veil, and the length of the recording does not
+ * matter. */
+typedef struct tally {
+    int width, height;
+    float *cover;  /* how much of the pixel points cover */
+    float *weight; /* total weight of the points in the pixel, spread like their cover */
+} tally;
+
+/* The fraction of pixel k between two positions. */
+static double overlap(int k, double low, double high) {
+    return fmax(0, fmin(high, k + 1) - fmax(low, k));
+}
+
+/* Add a point that extends from `left` to `right` and is `thick` pixels high around `y`; edges may be
+ * fractions of pixels. */
+static void add_point(tally *t, double left, double right, double y, double thick, double part) {
+    double low = y - 0.5 * thick, high = y + 0.5 * thick;
+    if (!(right > 0 && left < t->width && high > 0 && low < t->height))
+        return;
+    int x0 = left > 0 ? (int)left : 0, y0 = low > 0 ? (int)low : 0;
+    for (int j = y0; j < t->height && j < high; j++)
+        for (int i = x0; i < t->width && i < right; i++) {
+            size_t place = (size_t)j * (size_t)t->width + (size_t)i;
+            double covered = overlap(i, left, right) * overlap(j, low, high);
+            t->cover[place] += (float)covered;
+            t->weight[place] += (float)(part * covered);
+        }
+}
+
+static double density_at(const tally *t, size_t k) {
+    return t->weight[k] / fmin(t->cover[k], 1);
+}
+
+/* Paint a density. Opacity grows with its logarithm, so that single points of a long trajectory stay visible
+ * and frequently visited places are dark. */
+static void paint_tally(const tally *t, uint32_t colour, saltus_raster *raster) {
+    enum { sample = 20000 };
+    const double least_ratio = 40, rare = 0.02, common = 0.97;
+    const double faintest = 0.16, levels = 24; /* few levels keep compressed files small */
+    size_t size = (size_t)t->width * (size_t)t->height, filled = 0, count = 0, seen = 0;
+    float *densities = malloc(sample * sizeof *densities);
+    double low = 0, high = 0; /* logarithms of density between which opacity grows */
+    for (size_t k = 0; k < size; k++)
+        filled += t->cover[k] > 0;
+    for (size_t k = 0; k < size && densities && count < sample; k++)
+        if (t->cover[k] > 0 && seen++ % (1 + filled / sample) == 0)
+            densities[count++] = (float)density_at(t, k);
+    if (count) {
+        gsl_sort_float(densities, 1, count);
+        low = log(densities[(size_t)(rare * (double)(count - 1))]);
+        high = log(densities[(size_t)(common * (double)(count - 1))]);
+    }
+    low = fmin(low, high - log(least_ratio));
+    free(densities);
+    for (size_t k = 0; k < size; k++) {
+        if (t->cover[k] <= 0)
+            continue;
+        double tone = fmin(fmax((log(density_at(t, k)) - low) / (high - low), 0), 1);
+        double opacity = fmin(t->cover[k], 1) * (faintest + (1 - faintest) * tone);
+        saltus_raster_set(raster, (int)(k % (size_t)t->width), (int)(k / (size_t)t->width), colour,
+                          round(opacity * levels) / levels);
+    }
+}
+
 /* The cloud of a pass as a density. Points fill the width of their cells, or are dots if cells are wider than
  * a few pixels. */
 static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, saltus_raster *raster) {
     const double widest = 4, dot = 2.4, flat = 1.6;
-    saltus_tally tally;
+    const size_t size = (size_t)raster->width * (size_t)raster->height;
+    tally t = {raster->width, raster->height, calloc(size, sizeof(float)), calloc(size, sizeof(float))};
+    const bool sound = t.cover && t.weight;
     const double along = page->swap ? raster->height : raster->width,
                  across = page->swap ? raster->width : raster->height;
-    if (!saltus_tally_open(&tally, raster->width, raster->height))
-        return false;
-    for (int cell = page->x.first; cell < page->x.end; cell++) {
+    for (int cell = page->x.first; cell < page->x.end && sound; cell++) {
         double middle = along * saltus_cells_part(&page->x, axis_value(page, cell));
         double own = along * (saltus_cells_edge(&page->x, cell + 1) - saltus_cells_edge(&page->x, cell));
         bool apart = own > widest * fineness;
@@ -229,14 +295,16 @@ static bool paint_pass(const saltus_sweep_page *page, int pass, int fineness, sa
                          place = across * saltus_range_part(page->up, page->logarithmic, value),
                          share = 1 / (double)w.count;
             if (page->swap)
-                saltus_tally_add(&tally, place - 0.5 * thick, place + 0.5 * thick, middle, wide, share);
+                add_point(&t, place - 0.5 * thick, place + 0.5 * thick, middle, wide, share);
             else
-                saltus_tally_add(&tally, middle - 0.5 * wide, middle + 0.5 * wide, place, thick, share);
+                add_point(&t, middle - 0.5 * wide, middle + 0.5 * wide, place, thick, share);
         }
     }
-    saltus_tally_paint(&tally, look_of(page, pass).colour, raster);
-    saltus_tally_close(&tally);
-    return true;
+    if (sound)
+        paint_tally(&t, look_of(page, pass).colour, raster);
+    free(t.cover);
+    free(t.weight);
+    return sound;
 }
 
 /* The clouds of all passes, at a lower resolution if the file would become too large. */

@@ -1,7 +1,8 @@
-/* Maps of discrete results: classes, numbers of attractors, basins.
+/* What a map shows at each point of its grid: classes, numbers of attractors, basins, or measured numbers.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sweep_map.h"
 
+#include <gsl/gsl_sort_float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,7 +55,7 @@ bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind) {
     return map->page->view == SALTUS_VIEW_CLASS && map->page->classes.list[kind].verdict == SALTUS_PERIODIC;
 }
 
-bool saltus_sweep_map_classes(saltus_sweep_map *map) {
+static bool find_classes(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     const saltus_sweep_file *sweep = page->sweep;
     map->several = calloc((size_t)sweep->points, 1);
@@ -96,7 +97,7 @@ static int count_attractors(const saltus_sweep_page *page, long long point) {
     return most > distinct ? most : distinct;
 }
 
-bool saltus_sweep_map_counts(saltus_sweep_map *map) {
+static bool find_counts(saltus_sweep_map *map) {
     enum { most = 6 };
     static const uint32_t colours[most + 1] = {0xffffff, 0xe9edf1, 0xf2c14e, 0xe07b39,
                                                0xb23a48, 0x6d2e6b, 0x2b1b3d};
@@ -157,7 +158,7 @@ static void shade_basins(saltus_sweep_map *map) {
             map->number[p] = high > low ? (float)(palest * (high - map->number[p]) / (high - low)) : 0;
 }
 
-bool saltus_sweep_map_basins(saltus_sweep_map *map) {
+static bool find_basins(saltus_sweep_map *map) {
     /* Kinds of points without an attractor, listed after the attractors. Other verdicts, of motions whose
      * attractor is not known, count as the first one. */
     static const struct {
@@ -201,6 +202,68 @@ bool saltus_sweep_map_basins(saltus_sweep_map *map) {
         shade_basins(map);
     add_shares(map);
     return true;
+}
+
+static bool find_numbers(saltus_sweep_map *map) {
+    const double rare = 0.005, far = 0.5, decades = 20;
+    saltus_sweep_page *page = map->page;
+    const saltus_sweep_file *sweep = page->sweep;
+    const bool settling = page->view == SALTUS_VIEW_SETTLED;
+    size_t points = (size_t)sweep->points, count = 0, first = 0;
+    float *sorted = calloc(points, sizeof *sorted);
+    map->number = calloc(points, sizeof *map->number);
+    for (long long p = 0; p < sweep->points && sorted && map->number; p++) {
+        map->number[p] =
+            (float)saltus_sweep_measure(page->view, &sweep->rows[saltus_sweep_visit(sweep, p, 0)]);
+        if (isfinite(map->number[p]))
+            sorted[count++] = map->number[p];
+    }
+    bool sound = sorted && map->number;
+    map->range = (saltus_range){0, 1};
+    if (sound && count) {
+        gsl_sort_float(sorted, 1, count);
+        /* Values that are not positive get the colour of the smallest positive one. */
+        while (page->logarithmic && first + 1 < count && sorted[first] <= 0)
+            first++;
+        /* The range of the colours: all values, but cut off at the quantiles `rare` and 1 - `rare` if only
+         * few values lie far outside. */
+        const double last = (double)(count - first - 1), low = sorted[first], high = sorted[count - 1],
+                     inner_low = sorted[first + (size_t)(rare * last)],
+                     inner_high = sorted[first + (size_t)((1 - rare) * last)], width = inner_high - inner_low;
+        map->logarithmic =
+            low > 0 && (page->logarithmic || (settling && inner_high > decades * fmax(inner_low, 1)));
+        map->range = (saltus_range){low, high};
+        if (!map->logarithmic && low < inner_low - far * width)
+            map->range.low = inner_low;
+        if (!map->logarithmic && high > inner_high + far * width)
+            map->range.high = inner_high;
+        if (map->logarithmic)
+            saltus_range_floor(&map->range);
+        bool counted = map->logarithmic && settling;
+        if (counted)
+            map->range.low = fmax(low, 1);
+        map->clipped = map->range.low > low + (counted ? 1 : 0) || map->range.high < high;
+        /* One number throughout is shown amid a range of its size; nothing at all begins a range from 0. */
+        if (!(map->range.high > map->range.low) && high == 0)
+            map->range.high = 1;
+        if (!(map->range.high > map->range.low))
+            saltus_range_pad(&map->range, 0, fabs(high) * 0.1);
+    }
+    if (page->asked) {
+        map->range = page->up;
+        map->clipped = count && (sorted[0] < page->up.low || sorted[count - 1] > page->up.high);
+        map->logarithmic = map->logarithmic && page->up.low > 0;
+    }
+    free(sorted);
+    return sound;
+}
+
+bool saltus_sweep_map_open(saltus_sweep_map *map) {
+    const saltus_view view = map->page->view;
+    return (view == SALTUS_VIEW_CLASS        ? find_classes
+            : view != SALTUS_VIEW_ATTRACTORS ? find_numbers
+            : map->page->sweep->basins       ? find_basins
+                                             : find_counts)(map);
 }
 
 void saltus_sweep_map_put_orbits(const saltus_sweep_map *map) {

@@ -62,6 +62,20 @@ static int without_number(const saltus_sweep_map *map, long long point) {
     return saltus_verdict_nothing((saltus_verdict)verdict) ? verdict : SALTUS_UNDECIDED;
 }
 
+/* The colour of a number. */
+static uint32_t colour_of(const saltus_sweep_map *map, double number) {
+    double low = map->range.low, high = map->range.high;
+    if (isinf(number))
+        return 0x000000;
+    if (map->logarithmic)
+        return saltus_colour_ramp((log(fmax(number, low)) - log(low)) / (log(high) - log(low)));
+    if (map->page->view != SALTUS_VIEW_LYAPUNOV)
+        return saltus_colour_ramp((number - low) / (high - low));
+    /* Attraction and repulsion: each side of zero is scaled to its own end. */
+    return saltus_colour_sides(number < 0 ? 0.5 - 0.5 * number / fmin(low, -1e-300)
+                                          : 0.5 + 0.5 * number / fmax(high, 1e-300));
+}
+
 /* Paint a pixel with the mean of the numbers in its cells or, where they have none, with the reason. */
 static void paint_number(saltus_sweep_map *map, int x, int y, int fineness) {
     const saltus_pixel_cells column = map->columns[x], row = map->rows[y];
@@ -78,7 +92,7 @@ static void paint_number(saltus_sweep_map *map, int x, int y, int fineness) {
         }
     if (point >= 0)
         saltus_raster_set(&map->raster, x, y,
-                          count ? saltus_sweep_map_colour(map, sum / count)
+                          count ? colour_of(map, sum / count)
                                 : saltus_paint_at(saltus_class_paint(without_number(map, point), 0, 0),
                                                   x / fineness, y / fineness),
                           1);
@@ -240,9 +254,9 @@ static bool put_names(const saltus_sweep_map *map) {
     return sound;
 }
 
-/* Assign places in a legend of `most` entries, the most frequent kinds first. If there are too few, rare
- * periodic motions are left out; other kinds keep their entries. */
-static void find_places(saltus_sweep_map *map, int most) {
+/* Assign places in a legend of `most` entries, the most frequent kinds first; returns how many have one. If
+ * there are too few, rare periodic motions are left out; other kinds keep their entries. */
+static int find_places(saltus_sweep_map *map, int most) {
     enum { none = -1, open = -2 };
     int others = 0, periodic = 0, places = 0, best;
     for (int k = 0; k < map->kind_count; k++) {
@@ -258,6 +272,7 @@ static void find_places(saltus_sweep_map *map, int most) {
             map->kinds[best].place =
                 saltus_sweep_map_periodic(map, best) && periodic++ >= most - others ? none : places++;
     } while (best >= 0);
+    return places;
 }
 
 /* The height of a line of notes below a legend. */
@@ -287,38 +302,33 @@ static int find_notes(const saltus_sweep_map *map, const char *notes[2]) {
     return count;
 }
 
-/* The legend, most frequent kinds first, beside the map or on a narrow page below it; omitted kinds are
- * counted in one entry. */
+/* The legend, most frequent kinds first, beside the map or on a narrow page in three columns below it;
+ * omitted kinds are counted in one entry. */
 static void put_legend(saltus_sweep_map *map) {
-    const double row_height = 32, side = 28, bottom = 60;
+    const double row = 32, side = 28, bottom = 60;
     const saltus_sweep_page *page = map->page;
     const char *notes[2];
-    const int note_count = find_notes(map, notes);
-    bool below = map->legend_rows > 0;
-    double x = below ? 12 : page->frame.right + side,
-           top = below ? (map->legend_rows - 0.6) * row_height + (note_count ? note_height : 0)
-                       : page->frame.top - 18;
-    double width = (page->paper.width - 12) / 3;
-    int most = below ? 3 * map->legend_rows : (int)((top - bottom) / row_height), rest = 0, rows = 0;
-    int entries = map->any_several;
+    const int note_count = find_notes(map, notes), columns = map->legend_rows > 0 ? 3 : 1;
+    const bool below = columns > 1;
+    const double x = below ? 12 : page->frame.right + side, width = (page->paper.width - 12) / 3,
+                 top = below ? (map->legend_rows - 0.6) * row + (note_count ? note_height : 0)
+                             : page->frame.top - 18;
+    int most = below ? columns * map->legend_rows : (int)((top - bottom) / row), rest = 0,
+        entries = map->any_several;
     for (int k = 0; k < map->kind_count; k++)
         entries += map->kinds[k].count > 0;
-    most -= map->any_several + (entries > most);
-    double share = 0;
-    find_places(map, most);
+    int places = find_places(map, most - map->any_several - (entries > most));
+    double shown = 0, left_out = 0;
     for (int k = 0; k < map->kind_count; k++) {
-        const int rank = map->kinds[k].place;
-        if (map->kinds[k].count == 0)
-            continue;
-        if (rank < 0) {
+        const saltus_map_kind *kind = &map->kinds[k];
+        shown += kind->count;
+        if (kind->place >= 0)
+            saltus_sweep_put_entry(page, x + kind->place % columns * width, top - kind->place / columns * row,
+                                   kind->paint, false, kind->label, below ? "" : kind->figures);
+        else if (kind->count > 0) {
             rest++;
-            share += map->kinds[k].count;
-            continue;
+            left_out += kind->count;
         }
-        saltus_sweep_put_entry(page, below ? x + rank % 3 * width : x,
-                               top - (below ? rank / 3 : rank) * row_height, map->kinds[k].paint, false,
-                               map->kinds[k].label, below ? "" : map->kinds[k].figures);
-        rows = rank + 1 > rows ? rank + 1 : rows;
     }
     /* The notes stand one above the other over the legend, or below it in one line. */
     saltus_line together = {.length = 0};
@@ -330,22 +340,17 @@ static void put_legend(saltus_sweep_map *map) {
     if (below)
         put_note(map, x, 0.6 * note_height, together.text);
     if (map->any_several) {
-        saltus_sweep_put_entry(page, below ? x + rows % 3 * width : x,
-                               below ? top - rows / 3 * row_height : top - rows * row_height - row_height / 4,
-                               (saltus_paint){0xffffff, 0}, true,
-                               below ? "2+ attractors" : "more than one attractor", "");
-        rows++;
+        saltus_sweep_put_entry(
+            page, x + places % columns * width, top - places / columns * row - (below ? 0 : row / 4),
+            (saltus_paint){0xffffff, 0}, true, below ? "2+ attractors" : "more than one attractor", "");
+        places++;
     }
     if (rest) {
         char text[64];
-        double shown = 0;
-        for (int k = 0; k < map->kind_count; k++)
-            shown += map->kinds[k].count;
-        share *= 100 / shown;
+        const double share = left_out * (100 / shown);
         snprintf(text, sizeof text, "%d more%s, %.*f %%", rest, below ? "" : " motions", share < 9.95 ? 1 : 0,
                  share);
-        put_note(map, below ? x + rows % 3 * width : x,
-                 below ? top - rows / 3 * row_height + 9 : top - rows * row_height, text);
+        put_note(map, x + places % columns * width, top - places / columns * row + (below ? 9 : 0), text);
     }
 }
 
@@ -396,16 +401,67 @@ static bool put_panel(saltus_sweep_map *map) {
     return sound;
 }
 
+enum { bar_apart = 22, bar_wide = 22 }; /* the colour bar: from the map, and its width */
+
+static void name_bar(const saltus_sweep_map *map, saltus_line *name) {
+    saltus_sweep_name_measure(map->page, name);
+    if (map->clipped)
+        saltus_line_add(name, "  (colours end at %s)",
+                        map->page->asked ? "the range" : "the 0.5 and 99.5 percentiles");
+}
+
+/* The width that the colour bar needs beside the map, with its numbers and its name. */
+static double bar_room(const saltus_sweep_map *map) {
+    const saltus_page *paper = &map->page->paper;
+    const bool narrow = saltus_page_narrow(paper);
+    saltus_line name = {.length = 0};
+    name_bar(map, &name);
+    /* On a narrow page a long name has two lines. */
+    const double letter = 9.8, second = saltus_page_width(name.text, 11) > 0.5 * paper->width ? 44 : 0,
+                 beside = bar_apart + bar_wide + (narrow ? 46 + second : 66);
+    const size_t longest =
+        map->logarithmic ? 4 : saltus_page_tic_letters(map->range, saltus_page_tic_step(map->range, 5));
+    return fmax(narrow ? 160 : 180, beside + letter * (double)longest);
+}
+
+static bool put_bar(const saltus_sweep_map *map) {
+    enum { steps = 512, columns = 2 };
+    const saltus_sweep_page *page = map->page;
+    saltus_raster raster;
+    saltus_line name = {.length = 0};
+    if (!saltus_raster_open(&raster, columns, steps))
+        return false;
+    for (int k = 0; k < steps; k++) {
+        double part = (k + 0.5) / steps;
+        double number = saltus_range_value(map->range, map->logarithmic, part);
+        for (int x = 0; x < columns; x++)
+            saltus_raster_set(&raster, x, k, colour_of(map, number), 1);
+    }
+    name_bar(map, &name);
+    saltus_page_frame(&page->paper,
+                      (saltus_frame){page->frame.right + bar_apart, page->frame.right + bar_apart + bar_wide,
+                                     page->frame.bottom, page->frame.top},
+                      SALTUS_PANEL_LEAST);
+    fprintf(page->paper.file,
+            "unset logscale\nunset xtics\nunset ytics\nunset xlabel\nunset ylabel\nset xrange [0:%d]\n"
+            "set yrange [0:%d]\nset y2tics out nomirror scale 0.5 offset -0.4,0\n",
+            columns, steps);
+    saltus_page_axis(&page->paper, "y2", page->frame, map->logarithmic, name.text, map->range);
+    fputs("plot ", page->paper.file);
+    saltus_raster_element(page->paper.file, &raster, "x1y1");
+    fputs(", NaN notitle axes x1y2\n", page->paper.file);
+    saltus_raster_bytes(page->paper.file, &raster);
+    saltus_raster_close(&raster);
+    return true;
+}
+
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message) {
     saltus_sweep_map map = {.page = page};
     saltus_page *paper = &page->paper;
     saltus_plot_page curves;
     const bool basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins,
                narrow = saltus_page_narrow(paper);
-    bool sound = page->view == SALTUS_VIEW_CLASS        ? saltus_sweep_map_classes(&map)
-                 : basins                               ? saltus_sweep_map_basins(&map)
-                 : page->view == SALTUS_VIEW_ATTRACTORS ? saltus_sweep_map_counts(&map)
-                                                        : saltus_sweep_map_numbers(&map);
+    bool sound = saltus_sweep_map_open(&map);
     for (int k = 0, entries = sound && map.any_several; sound && narrow && map.kind && k < map.kind_count;
          k++) {
         entries += map.kinds[k].count > 0;
@@ -414,10 +470,9 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     const char *notes[2];
     const double below =
         32 * map.legend_rows + (map.legend_rows && find_notes(&map, notes) ? note_height : 0);
-    const double left = narrow ? 124 : 150,
-                 right = paper->width - (!map.kind ? saltus_sweep_map_bar_room(&map)
-                                         : narrow  ? 24
-                                                   : 410);
+    const double left = narrow ? 124 : 150, right = paper->width - (!map.kind ? bar_room(&map)
+                                                                    : narrow  ? 24
+                                                                              : 410);
     if (paper->free_height) {
         paper->height += below;
         if (page->branches)
@@ -440,7 +495,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
         page->branches = &curves;
         sound = saltus_plot_data(&curves) && sound;
     }
-    sound = sound && paint(&map) && put_panel(&map) && (map.kind || saltus_sweep_map_put_bar(&map));
+    sound = sound && paint(&map) && put_panel(&map) && (map.kind || put_bar(&map));
     fputs("unset multiplot\n", page->paper.file);
     saltus_raster_close(&map.raster);
     free(map.columns);

@@ -38,19 +38,11 @@ typedef struct saltus_sweep_map {
 
 /* Whether a kind is a periodic motion on a map of classes. */
 bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind);
-/* sweep_kinds.c: fill `kinds`, `kind`, `number` and `several`. False if out of memory. */
-bool saltus_sweep_map_classes(saltus_sweep_map *map);
-bool saltus_sweep_map_counts(saltus_sweep_map *map);
-bool saltus_sweep_map_basins(saltus_sweep_map *map);
+/* sweep_kinds.c: find what the view shows: `kinds`, `kind` and `several`, or `number` with its range. False
+ * if out of memory. */
+bool saltus_sweep_map_open(saltus_sweep_map *map);
 /* The orbits of basins as points in the plane: their data, before the plot command, and its elements. */
 void saltus_sweep_map_put_orbits(const saltus_sweep_map *map);
 void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map);
-
-/* sweep_scalar.c: numbers, their colours and the colour bar. */
-bool saltus_sweep_map_numbers(saltus_sweep_map *map);
-uint32_t saltus_sweep_map_colour(const saltus_sweep_map *map, double number);
-bool saltus_sweep_map_put_bar(const saltus_sweep_map *map);
-/* The width that the colour bar needs beside the map, with its numbers and its name. */
-double saltus_sweep_map_bar_room(const saltus_sweep_map *map);
 
 #endif
