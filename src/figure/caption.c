@@ -3,20 +3,24 @@
 #include "figure/caption.h"
 
 #include "record/describe.h"
+#include "scene/document.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+
+void saltus_line_add_list(saltus_line *l, const char *format, va_list arguments) {
+    const size_t room = sizeof l->text - l->length;
+    const int length = vsnprintf(l->text + l->length, room, format, arguments);
+    if (length > 0)
+        l->length += (size_t)length < room ? (size_t)length : room - 1;
+}
 
 void saltus_line_add(saltus_line *l, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    int length = vsnprintf(l->text + l->length, sizeof l->text - l->length, format, arguments);
+    saltus_line_add_list(l, format, arguments);
     va_end(arguments);
-    if (length > 0)
-        l->length +=
-            (size_t)length < sizeof l->text - l->length ? (size_t)length : sizeof l->text - l->length - 1;
 }
 
 void saltus_line_next(saltus_line *l) {
@@ -247,31 +251,13 @@ double saltus_line_width(const char *text) {
     return width;
 }
 
-/* The bytes of the letter at the beginning of a text; 0: they are no UTF-8. */
-static size_t letter_bytes(const char *text, size_t length) {
-    const unsigned char first = (unsigned char)*text;
-    const size_t bytes = first < 0x80                    ? 1
-                         : first >= 0xc2 && first < 0xe0 ? 2
-                         : first >= 0xe0 && first < 0xf0 ? 3
-                         : first >= 0xf0 && first < 0xf5 ? 4
-                                                         : 0;
-    const unsigned char second = bytes > 1 && length > 1 ? (unsigned char)text[1] : 0x80;
-    if (bytes > length || (first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0) ||
-        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second >= 0x90))
-        return 0;
-    for (size_t k = 1; k < bytes; k++)
-        if (((unsigned char)text[k] & 0xc0) != 0x80)
-            return 0;
-    return bytes;
-}
-
 void saltus_put_quoted(FILE *script, const char *text, size_t length) {
     int open = 0;
     fputc('\'', script);
     for (size_t k = 0, bytes; k < length; k += bytes) {
         const bool escape = text[k] == '\\';
         const size_t at = k + escape;
-        bytes = at < length ? letter_bytes(text + at, length - at) : 0;
+        bytes = at < length ? saltus_letter_bytes(text + at, length - at) : 0;
         const bool control = bytes == 1 && ((unsigned char)text[at] < 0x20 || text[at] == 0x7f);
         if (!bytes || control || (!escape && text[at] == '}' && open == 0)) {
             bytes = 1 + escape;

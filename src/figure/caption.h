@@ -5,6 +5,7 @@
 
 #include "record/describe.h"
 
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -15,11 +16,8 @@ typedef struct saltus_line {
 } saltus_line;
 
 /* Append to the text. */
-void saltus_line_add(saltus_line *l, const char *format, ...)
-#if defined(__GNUC__)
-    __attribute__((format(printf, 2, 3)))
-#endif
-    ;
+void saltus_line_add(saltus_line *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void saltus_line_add_list(saltus_line *l, const char *format, va_list arguments);
 /* Append a separator ";  " unless the line is empty. */
 void saltus_line_next(saltus_line *l);
 /* Text from a user's file, as it stands: what would be markup in enhanced text is escaped. */

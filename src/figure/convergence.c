@@ -38,11 +38,10 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
     if (!isfinite(c->exponent) || c->count == 0) {
         saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
         if (c->exponent == -INFINITY)
-            saltus_line_add(&result, "the largest exponent is −∞: every direction is %s",
-                            saltus_lost_words(system));
+            saltus_page_text(page, "Reason", "the largest exponent is −∞: every direction is %s",
+                             saltus_lost_words(system));
         else
-            saltus_line_add(&result, "too few values for an estimate");
-        saltus_page_text(page, "Reason", result.text);
+            saltus_page_text(page, "Reason", "too few values for an estimate");
         saltus_page_draw(page, "nothing");
         return;
     }
@@ -70,11 +69,9 @@ void saltus_course_panel(const saltus_page *page, const saltus_system *system, c
                      range);
     saltus_line_add(&result, tight ? "" : "final value ");
     saltus_line_uncertain(&result, c->exponent, c->standard_error);
-    saltus_page_text(page, "Result", result.text);
-    char small[16];
-    snprintf(small, sizeof small, ",%.4g", saltus_page_type(page, 11));
-    saltus_page_text(page, "Small", small);
-    saltus_page_text(page, "KeyPlace",
+    saltus_page_text(page, "Result", "%s", result.text);
+    saltus_page_text(page, "Small", ",%.4g", saltus_page_type(page, 11));
+    saltus_page_text(page, "KeyPlace", "%s",
                      tight ? "-0.3, graph 1.02 left bottom vertical"
                            : "1, graph 1.02 right bottom horizontal");
     saltus_page_number(page, "Origin", origin);

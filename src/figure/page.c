@@ -298,13 +298,17 @@ saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int c
     return (saltus_frame){x, x + span * width + (span - 1) * beside, y, y + height};
 }
 
-void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading) {
+void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading, ...) {
+    va_list arguments;
     bool narrow = saltus_page_narrow(page);
     const double left = narrow ? 62 : 0, size = narrow ? saltus_page_type(page, 11) : 13,
                  room = fmin(frame.right + (narrow ? 30 : 90), page->width - 6) - frame.left + left;
     saltus_line line = {.length = 0};
     saltus_page_frame(page, frame, SALTUS_PANEL_LEAST);
-    saltus_line_add(&line, "{/:Bold (%c)}  %s", 'a' + letter, heading);
+    saltus_line_add(&line, "{/:Bold (%c)}  ", 'a' + letter);
+    va_start(arguments, heading);
+    saltus_line_add_list(&line, heading, arguments);
+    va_end(arguments);
     enum { most = 4 };
     const char *from[most + 1] = {line.text};
     size_t length[most];
@@ -459,9 +463,14 @@ void saltus_page_number(const saltus_page *page, const char *name, double value)
     fprintf(page->file, "%s = %.12g\n", name, value);
 }
 
-void saltus_page_text(const saltus_page *page, const char *name, const char *text) {
+void saltus_page_text(const saltus_page *page, const char *name, const char *text, ...) {
+    va_list arguments;
+    saltus_line line = {.length = 0};
+    va_start(arguments, text);
+    saltus_line_add_list(&line, text, arguments);
+    va_end(arguments);
     fprintf(page->file, "%s = ", name);
-    saltus_put_quoted(page->file, text, strlen(text));
+    saltus_put_quoted(page->file, line.text, line.length);
     fputc('\n', page->file);
 }
 

@@ -93,20 +93,17 @@ double saltus_page_width(const char *text, double size);
 double saltus_page_room(saltus_page *page);
 
 void saltus_page_graph_label(const saltus_page *page, const saltus_line *text, double x, double y,
-                             int decimals, const char *style, ...)
-#if defined(__GNUC__)
-    __attribute__((format(printf, 6, 7)))
-#endif
-    ;
+                             int decimals, const char *style, ...) __attribute__((format(printf, 6, 7)));
 
 /* The frame of a panel that fills the page from `below` units under the caption. */
 saltus_frame saltus_page_rest(const saltus_page *page, double below);
 /* The frame of a panel in a grid of columns and rows that occupies `span` columns from `cell` on (counted
  * from the upper left, row by row). */
 saltus_frame saltus_page_cell(const saltus_page *page, int cell, int span, int columns, int rows);
-/* Set the margins of a panel and write its heading after the letter 'a' + letter, in several lines on a
- * narrow page. */
-void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading);
+/* Set the margins of a panel and write its heading, formatted like printf, after the letter 'a' + letter, in
+ * several lines on a narrow page. */
+void saltus_page_panel(const saltus_page *page, saltus_frame frame, int letter, const char *heading, ...)
+    __attribute__((format(printf, 4, 5)));
 /* Set the margins of a panel, which needs at least this height; a page on which a panel lacks room is refused
  * when it is closed. */
 void saltus_page_frame(const saltus_page *page, saltus_frame frame, double least);
@@ -114,10 +111,7 @@ enum { SALTUS_PANEL_LEAST = 75 }; /* the height of a panel that can be read */
 /* A label in enhanced text at a place of the page, or of the panel as parts of its width and height, with so
  * many decimals, and the style of `set label`, formatted like printf. */
 void saltus_page_label(const saltus_page *page, const char *text, double x, double y, const char *style, ...)
-#if defined(__GNUC__)
-    __attribute__((format(printf, 5, 6)))
-#endif
-    ;
+    __attribute__((format(printf, 5, 6)));
 /* Title, range and scale of a panel's axis ("x", "y" or "y2"); on a page of a requested size long titles are
  * set in smaller type. */
 void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame panel, bool logarithmic,
@@ -125,9 +119,10 @@ void saltus_page_axis(const saltus_page *page, const char *axis, saltus_frame pa
 /* A round step that gives at most `tics` tics, and the letters of the longest number at such tics. */
 double saltus_page_tic_step(saltus_range range, double tics);
 size_t saltus_page_tic_letters(saltus_range range, double step);
-/* Set variables of the script for the templates: a number, or a text. */
+/* Set variables of the script for the templates: a number, or a text formatted like printf. */
 void saltus_page_number(const saltus_page *page, const char *name, double value);
-void saltus_page_text(const saltus_page *page, const char *name, const char *text);
+void saltus_page_text(const saltus_page *page, const char *name, const char *text, ...)
+    __attribute__((format(printf, 3, 4)));
 /* Write the fixed part of a figure, the template NAME.gp. */
 void saltus_page_template(const saltus_page *page, const char *name);
 /* The same, followed by a reset of the panel's settings. */

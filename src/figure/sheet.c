@@ -1,10 +1,11 @@
 /* The one-page diagnosis of a motion: up to six panels, drawn by gnuplot from a script that contains the
- * data.
+ * data. And the figure of a recorded trajectory: phase portrait and time history of the whole record.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "figure/sheet.h"
 
 #include "record/describe.h"
 #include "record/output.h"
+#include "record/trajectory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -60,32 +61,33 @@ static void put_facts(const saltus_sheet *sheet, long long events) {
                        sheet->motion ? saltus_verdict_settled(sheet->motion->verdict) : sheet->strong);
 }
 
-void saltus_sheet_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    char heading[96];
-    snprintf(heading, sizeof heading, "phase portrait, dots at {/:Italic %s} = 0 (mod {/:Italic T})",
-             saltus_notation_of(sheet->system)->time);
-    saltus_page_panel(sheet->page, frame, letter, sheet->timed ? heading : "phase portrait");
+static void put_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter) {
+    if (sheet->timed)
+        saltus_page_panel(sheet->page, frame, letter,
+                          "phase portrait, dots at {/:Italic %s} = 0 (mod {/:Italic T})",
+                          saltus_notation_of(sheet->system)->time);
+    else
+        saltus_page_panel(sheet->page, frame, letter, "phase portrait");
     put_observed(sheet, frame, sheet->displacement, sheet->velocity);
     put_stops(sheet, true);
     put_facts(sheet, sheet->events);
     saltus_page_draw(sheet->page, "portrait");
 }
 
-void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int letter) {
+static void put_history(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->record;
     const bool struck = saltus_sheet_impacts(r, sheet->history_events) > 0;
     saltus_range time = {r->time[0], r->time[sheet->history_rows - 1]};
     saltus_line name = {.length = 0};
-    char elapsed[64], heading[96];
+    char elapsed[64];
     saltus_line_observed(&name, sheet->system, false);
-    snprintf(heading, sizeof heading, "%s%s%s",
-             sheet->orbit && (struck || !sheet->contacts) ? "one orbit" : "time history",
-             struck ? "; marks: impacts" : "",
-             !sheet->contacts ? ""
-             : !struck        ? "; bars: contact"
-             : sheet->orbit   ? ", bar: contact"
-                              : ", bars: contact");
-    saltus_page_panel(sheet->page, frame, letter, heading);
+    saltus_page_panel(sheet->page, frame, letter, "%s%s%s",
+                      sheet->orbit && (struck || !sheet->contacts) ? "one orbit" : "time history",
+                      struck ? "; marks: impacts" : "",
+                      !sheet->contacts ? ""
+                      : !struck        ? "; bars: contact"
+                      : sheet->orbit   ? ", bar: contact"
+                                       : ", bars: contact");
     snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}%s", saltus_notation_of(sheet->system)->time,
              sheet->timed ? "/{/:Italic T}" : "");
     put_axes(sheet, frame, elapsed, time, name.text, sheet->displacement, false);
@@ -99,7 +101,6 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     const double *scale = saltus_system_scale(sheet->system);
     long long count = sheet->section->strobes;
     saltus_range x = {INFINITY, -INFINITY}, v = x;
-    char heading[96];
     for (long long k = 0; k < count; k++) {
         double point[2];
         saltus_sheet_strobe(sheet, sheet->section, k, point);
@@ -108,8 +109,7 @@ static void put_section(const saltus_sheet *sheet, saltus_frame frame, int lette
     }
     saltus_range_pad(&x, 0.06, scale[0]);
     saltus_range_pad(&v, 0.06, scale[saltus_system_dof(sheet->system)]);
-    snprintf(heading, sizeof heading, "stroboscopic section, %lld points", count);
-    saltus_page_panel(sheet->page, frame, letter, heading);
+    saltus_page_panel(sheet->page, frame, letter, "stroboscopic section, %lld points", count);
     put_observed(sheet, frame, x, v);
     saltus_page_draw(sheet->page, "section");
 }
@@ -148,7 +148,7 @@ static void put_impact_marks(const saltus_sheet *sheet, bool logarithmic) {
 /* The speeds of chatter span decades, so they get a logarithmic axis. */
 static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const saltus_trajectory *r = sheet->section;
-    char heading[96], phase_name[64];
+    char phase_name[64];
     saltus_range size = {INFINITY, 0}, signed_range = {0, 0}, phase = {0, 1};
     for (long long k = 0; k < sheet->mapped; k++) {
         double velocity = r->events[k].velocity_before;
@@ -161,11 +161,13 @@ static void put_impact_map(const saltus_sheet *sheet, saltus_frame frame, int le
     saltus_range_pad(&signed_range, 0.08, 1);
     bool narrow = saltus_page_narrow(sheet->page);
     const bool cut = sheet->mapped < r->event_count;
-    snprintf(heading, sizeof heading, sheet->orbit ? "impacts" : "impacts of %.*g {/:Italic T}", cut ? 4 : 6,
-             cut ? r->time[r->event_rows[sheet->mapped - 1]] : r->time[r->samples - 1]);
     if (sheet->face_count > 1 && !narrow) /* the legend is beside the panel; on a narrow page above it */
         frame.right -= 156;
-    saltus_page_panel(sheet->page, frame, letter, heading);
+    if (sheet->orbit)
+        saltus_page_panel(sheet->page, frame, letter, "impacts");
+    else
+        saltus_page_panel(sheet->page, frame, letter, "impacts of %.*g {/:Italic T}", cut ? 4 : 6,
+                          cut ? r->time[r->event_rows[sheet->mapped - 1]] : r->time[r->samples - 1]);
     if (sheet->face_count > 1 && narrow) {
         frame.top -= 8;
         for (int f = 0; f < sheet->face_count; f++)
@@ -211,7 +213,7 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
     FILE *file = sheet->page->file;
     const saltus_spec *spec = saltus_system_spec(sheet->system);
     const saltus_notation *n = saltus_notation_of(sheet->system);
-    char heading[96], displacement[64];
+    char displacement[64];
     double width = range.high - range.low, least = range.low - width, most = range.high + width;
     for (int f = 0; f < sheet->face_count; f++) {
         const double d = sheet->faces[f].place;
@@ -219,9 +221,9 @@ static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter
             saltus_range_add(&range, d + sheet->faces[f].side * 0.12 * width);
     }
     saltus_range_pad(&range, 0.05, saltus_system_scale(sheet->system)[0]);
-    snprintf(heading, sizeof heading, "shapes of the %.40s; grey: all swept", saltus_model_name(spec->model));
     snprintf(displacement, sizeof displacement, "displacement {/:Italic %s}", n->displacement);
-    saltus_page_panel(sheet->page, frame, letter, heading);
+    saltus_page_panel(sheet->page, frame, letter, "shapes of the %.40s; grey: all swept",
+                      saltus_model_name(spec->model));
     frame.right -= saltus_page_narrow(sheet->page) ? 62 : 80; /* for the scale of time */
     saltus_page_frame(sheet->page, frame, SALTUS_PANEL_LEAST);
     put_axes(sheet, frame, "position {/:Italic ξ}", unit, displacement, range, false);
@@ -277,10 +279,8 @@ static void put_masses(const saltus_sheet *sheet, saltus_frame frame, int letter
     bool stops = false;
     for (int f = 0; f < sheet->face_count; f++)
         stops = stops || normal_in_plane(sheet, f);
-    saltus_page_panel(sheet->page, frame, letter,
-                      !stops  ? "two displacements"
-                      : named ? "two displacements; grey: stops"
-                              : "both masses; grey: stops");
+    saltus_page_panel(sheet->page, frame, letter, "%s%s",
+                      named || !stops ? "two displacements" : "both masses", stops ? "; grey: stops" : "");
     put_axes(sheet, frame, name[0].text, x[0], name[1].text, x[1], false);
     fputs("set parametric\nset trange [-1:1]\nplot ", file);
     for (int f = 0; f < sheet->face_count; f++) {
@@ -332,8 +332,8 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
          settled = saltus_verdict_settled(sheet->motion->verdict);
     bool multipliers = settled && sheet->motion->multiplier_count > 0;
     int count = 0, last = (sheet->spectra != NULL) + (sheet->course.count > 0);
-    chosen[count++] = saltus_sheet_portrait;
-    chosen[count++] = saltus_sheet_history;
+    chosen[count++] = put_portrait;
+    chosen[count++] = put_history;
     if (!settled)
         chosen[count++] = put_section;
     if (saltus_sheet_impacts(sheet->section, sheet->mapped) > 0)
@@ -376,10 +376,10 @@ static void put_script(saltus_sheet *sheet, saltus_page *page) {
     saltus_page_caption(page);
     if (wide && columns == 2) { /* the time history takes two cells, so it must begin a row */
         chosen[1] = chosen[2];
-        chosen[2] = saltus_sheet_history;
+        chosen[2] = put_history;
     }
     for (int k = 0, cell = 0; k < count; k++) {
-        const int span = wide && chosen[k] == saltus_sheet_history ? 2 : 1;
+        const int span = wide && chosen[k] == put_history ? 2 : 1;
         chosen[k](sheet, saltus_page_cell(page, cell, span, columns, rows), k);
         cell += span;
     }
@@ -422,4 +422,64 @@ saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, co
     if (status == SALTUS_OK)
         put_script(&sheet, &page);
     return saltus_page_close(&page, status, message);
+}
+
+/* Below the caption, which side of which stop has which sign, if there are several. */
+static void put_faces(const saltus_sheet *sheet, saltus_page *page) {
+    const double entry = 130, row = 22, begin = saltus_page_narrow(page) ? 18 : 54,
+                 type = saltus_page_type(page, 11);
+    const int columns = (int)((page->width - begin) / entry);
+    int count = 0;
+    for (int f = 0; f < sheet->face_count && sheet->face_count > 1; f++) {
+        const saltus_sheet_face *face = &sheet->faces[f];
+        char text[64];
+        if (!face->hit)
+            continue;
+        const double x = begin + count % columns * entry, y = page->top - 6 - count / columns * row;
+        saltus_page_label(page, "", x, y, "point pt %d ps 1.1 lc rgb '#%06x' front", face->sign,
+                          face->colour);
+        snprintf(text, sizeof text, "stop %d, %s", face->stop + 1, saltus_side_word(face->side));
+        saltus_page_label(page, text, x + 12, y, "left front font ',%.4g' tc rgb '#303030'", type);
+        count++;
+    }
+    page->top -= count ? 4 + (count + columns - 1) / columns * row : 0;
+}
+
+saltus_status saltus_plot_trajectory(const char *figure, const char *path, const saltus_figure_options *look,
+                                     saltus_message *message) {
+    saltus_trajectory_file file = {.system = NULL};
+    saltus_page page;
+    saltus_status status = saltus_figure_check(figure, look, message);
+    if (status == SALTUS_OK)
+        status = saltus_trajectory_file_read(path, &file, message);
+    if (status == SALTUS_OK)
+        status = saltus_page_open(&page, figure, look, message);
+    if (status == SALTUS_OK) {
+        /* Panels side by side; on a narrow page one above the other. */
+        saltus_sheet sheet = {.page = &page, .system = file.system, .record = &file.record};
+        const bool narrow = saltus_page_narrow(&page);
+        const int columns = narrow ? 1 : 2, rows = narrow ? 2 : 1;
+        saltus_sheet_choose_all(&sheet);
+        saltus_line *head = saltus_page_scene(&page, file.head.title, file.system);
+        saltus_line_plain(head, file.head.scene);
+        saltus_line_add(head, ":  trajectory over %.6g %s",
+                        file.record.time[file.record.samples - 1] - file.record.time[0],
+                        saltus_system_forced(file.system) ? "{/:Italic T}" : "units of time");
+        if (file.record.interrupted)
+            saltus_line_add(head, "  (interrupted)");
+        if (page.free_height) /* a narrow page is made higher for its caption when it begins */
+            page.height =
+                page.width * (narrow ? 1.5 : 0.5) + (narrow ? 0 : saltus_page_caption_height(&page));
+        saltus_page_begin(&page);
+        saltus_sheet_record_data(&sheet);
+        fputs("set multiplot\n", page.file);
+        saltus_page_caption(&page);
+        put_faces(&sheet, &page);
+        put_portrait(&sheet, saltus_page_cell(&page, 0, 1, columns, rows), 0);
+        put_history(&sheet, saltus_page_cell(&page, 1, 1, columns, rows), 1);
+        fputs("unset multiplot\n", page.file);
+        status = saltus_page_close(&page, SALTUS_OK, message);
+    }
+    saltus_trajectory_file_clear(&file);
+    return status;
 }

@@ -68,9 +68,6 @@ typedef struct saltus_sheet {
     int face_count;
 } saltus_sheet;
 
-/* sheet.c: the first two panels; figures of trajectories use them too. */
-void saltus_sheet_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter);
-void saltus_sheet_history(const saltus_sheet *sheet, saltus_frame frame, int letter);
 /* sheet_data.c: choose what is shown of a motion, or show a whole record. */
 void saltus_sheet_choose(saltus_sheet *sheet);
 void saltus_sheet_choose_all(saltus_sheet *sheet);

@@ -146,7 +146,7 @@ static void draw(const row *r, bool whole, saltus_frame frame, int letter, const
     const saltus_page *page = r->page;
     const double floor = whole ? r->floor : r->low_floor, end = whole ? r->end : r->low_end;
     const saltus_range across = {whole ? r->begin : 0, end};
-    saltus_page_panel(page, frame, letter, heading->text);
+    saltus_page_panel(page, frame, letter, "%s", heading->text);
     saltus_page_axis(page, "x", frame, whole, "frequency / {/:Italic ω}", across);
     saltus_page_axis(page, "y", frame, false,
                      r->lines ? "amplitude, dB of the highest" : "power density, dB of its peak",
@@ -172,11 +172,11 @@ static void draw(const row *r, bool whole, saltus_frame frame, int letter, const
     saltus_page_number(page, "Dot", whole ? 0.4 : 0.7);
     /* The name of the edge stands beside it, on the side with more room. */
     const double beside = whole ? log(end / s->trustworthy) / log(end / r->begin) : 1 - s->trustworthy / end;
-    char name[32], edge[64];
+    char name[32];
     snprintf(name, sizeof name, "$%s%d", whole ? "whole" : "low", r->number);
-    snprintf(edge, sizeof edge, "%.3g {/:Italic ω}", s->trustworthy);
-    saltus_page_text(page, "EdgeName", edge);
-    saltus_page_text(page, "EdgeSide", beside < 0.25 ? "right offset -0.5,0" : "left offset 0.5,0");
+    saltus_page_text(page, "EdgeName", "%.3g {/:Italic ω}", s->trustworthy);
+    saltus_page_text(page, "EdgeSide", "%s offset %s0.5,0", beside < 0.25 ? "right" : "left",
+                     beside < 0.25 ? "-" : "");
     saltus_page_template(page, "spectrum");
     if (r->lines)
         fprintf(page->file, "plot %s @Stems0, %s @Dots0, %s @Stems1, %s @Dots1\n", name, name, name, name);

@@ -96,8 +96,8 @@ static saltus_status no_memory(const builder *b) {
     return saltus_source_fail(b->source, 0, SALTUS_NO_MEMORY, "no memory for reading it");
 }
 
-/* Length of the UTF-8 character at `p`, or 0 if it is invalid (also overlong forms and surrogates). */
-static size_t utf8_length(const unsigned char *p, size_t left) {
+size_t saltus_letter_bytes(const char *text, size_t left) {
+    const unsigned char *p = (const unsigned char *)text;
     size_t length = p[0] < 0x80                   ? 1
                     : p[0] >= 0xc2 && p[0] < 0xe0 ? 2
                     : p[0] >= 0xe0 && p[0] < 0xf0 ? 3
@@ -117,7 +117,7 @@ static saltus_status check_text(const saltus_source *source) {
     const unsigned char *p = (const unsigned char *)source->text;
     int line = 1;
     for (size_t k = 0; k < source->length;) {
-        size_t step = utf8_length(p + k, source->length - k);
+        size_t step = saltus_letter_bytes(source->text + k, source->length - k);
         bool control = p[k] < 0x20 && p[k] != '\t' && p[k] != '\n' && p[k] != '\r';
         if (control || p[k] == 0x7f)
             return saltus_source_fail(source, line, SALTUS_BAD_INPUT,

@@ -69,4 +69,8 @@ saltus_status saltus_node_fail(const saltus_source *source, const saltus_node *n
 #endif
     ;
 
+/* The bytes of the UTF-8 letter at the beginning of a text that has so many left, at least one; 0 if it is
+ * invalid, also overlong forms and surrogates. */
+size_t saltus_letter_bytes(const char *text, size_t left);
+
 #endif
