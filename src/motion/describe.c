@@ -118,12 +118,12 @@ saltus_status saltus_motion_describe(const saltus_system *system, const saltus_o
 }
 
 saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
-                                   saltus_multipliers_wanted wanted, const saltus_classify_options *options,
-                                   saltus_motion *motion, saltus_message *message) {
+                                   const saltus_classify_options *options, saltus_motion *motion,
+                                   saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(options);
     saltus_orbit orbit = {0};
     *motion = (saltus_motion){0};
-    saltus_status status = saltus_orbit_search(system, periods, state, &shooting, wanted, &orbit, NULL);
+    saltus_status status = saltus_orbit_find(system, periods, state, &shooting, &orbit, NULL);
     if (status == SALTUS_OK && saltus_multipliers_stable(orbit.multipliers, orbit.multiplier_count) &&
         saltus_orbit_passes(system, orbit.state, 1, state, near))
         status = saltus_motion_describe(system, &orbit, options, motion, NULL);

@@ -82,8 +82,8 @@ saltus_status saltus_motion_find_locked(const saltus_system *system, const saltu
         saltus_fixed_point orbit;
         status = saltus_fixed_point_open(&orbit, system, periods[k], &options->flow, message);
         if (status == SALTUS_OK && saltus_fixed_point_find(&orbit, end, few_steps, near_return))
-            status = saltus_motion_polish(system, periods[k], orbit.state, near_return,
-                                          SALTUS_MULTIPLIERS_ALL, options, found, message);
+            status =
+                saltus_motion_polish(system, periods[k], orbit.state, near_return, options, found, message);
         saltus_fixed_point_close(&orbit);
         if (saltus_verdict_settled(found->verdict)) {
             found->transient = followed;
@@ -183,8 +183,8 @@ saltus_status saltus_motion_find_contact(const saltus_system *system, const salt
                  "time: rounding decides the period",
                  periods);
     else if (status == SALTUS_OK && periods <= patient)
-        status = saltus_motion_polish(system, (int)periods, begin.section, near_return,
-                                      SALTUS_MULTIPLIERS_ALL, options, found, message);
+        status =
+            saltus_motion_polish(system, (int)periods, begin.section, near_return, options, found, message);
     return status;
 }
 

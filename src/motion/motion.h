@@ -42,11 +42,11 @@ bool saltus_motion_open(const saltus_system *system, const saltus_flow_options *
 saltus_status saltus_motion_take(const saltus_system *system, saltus_flow *flow, const saltus_orbit *orbit,
                                  saltus_lap *lap, saltus_motion *motion, saltus_message *message);
 /* Describe the stable orbit that Newton's method finds from a state which closes after about `periods`
- * periods, with the wanted multipliers. The verdict stays SALTUS_PENDING if it finds none within `near`,
- * relative to the system's scales. The motion is to be cleared. Errors: SALTUS_NO_MEMORY. */
+ * periods. The verdict stays SALTUS_PENDING if it finds none within `near`, relative to the system's scales.
+ * The motion is to be cleared. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_motion_polish(const saltus_system *system, int periods, const double *state, double near,
-                                   saltus_multipliers_wanted wanted, const saltus_classify_options *options,
-                                   saltus_motion *motion, saltus_message *message);
+                                   const saltus_classify_options *options, saltus_motion *motion,
+                                   saltus_message *message);
 /* Fill an open motion without an orbit, whose verdict is already set, from the flow's present state. */
 saltus_status saltus_motion_rest(const saltus_system *system, saltus_flow *flow, saltus_motion *motion,
                                  saltus_message *message);

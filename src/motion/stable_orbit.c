@@ -219,8 +219,8 @@ static saltus_status try_return(search *s, saltus_fixed_point *f, int p, const d
     remember(s, p, f->state);
     if (!periods)
         return SALTUS_OK;
-    saltus_status status = saltus_motion_polish(s->system, periods, state, INFINITY, SALTUS_MULTIPLIERS_ALL,
-                                                &options, motion, message);
+    saltus_status status =
+        saltus_motion_polish(s->system, periods, state, INFINITY, &options, motion, message);
     *found = saltus_verdict_settled(motion->verdict) && lies_amid(s, motion);
     if (!*found)
         saltus_motion_clear(motion);

@@ -10,6 +10,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep/sweep.h"
 
+#include "orbit/orbit.h"
 #include "system/system.h"
 
 #include <math.h>
@@ -29,6 +30,7 @@ static const double disturbance = 1e-5; /* ... by this, relative to the system's
 static const double returned = 3e-6;    /* and must come back to within this */
 static const double same_orbit = 1e-3;  /* an orbit found this near is the trajectory's own */
 static const double on_orbit = 1e-7;    /* the same in a conservative system, where none attracts */
+static const double arrived = 3e-3;     /* classification takes an orbit this near */
 static const double shrinking = 0.98;   /* recurrences must shrink by this factor from look to look */
 
 static const saltus_judgement goes_on = {SALTUS_PENDING, 0, 0};
@@ -36,7 +38,7 @@ static const saltus_judgement failed = {SALTUS_FAILED, 0, 0};
 
 void saltus_sweep_trajectory_begin_settling(saltus_sweep_trajectory *t) {
     t->proof.waited = t->proof.ask_again = 0;
-    t->proof.recurring = 0;
+    t->proof.recurring = t->proof.rejected_period = 0;
     t->proof.rest = (saltus_rest_look){0};
     t->proof.patience = saltus_system_forced(t->system) ? patience_periods : first_patience;
 }
@@ -46,12 +48,9 @@ static double near_enough(const saltus_sweep_trajectory *t) {
     return fmax(1e-10, 10 * t->sweep->options.flow.rtol);
 }
 
-/* Newton's method from the present state: find the stable orbit of this period or a divisor, or, if `period`
- * is 0, what classification finds from there. The trajectory continues from what was found. */
-static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
+/* Options of classifications from the present state, and of their shooting. */
+static saltus_classify_options classify_options(saltus_sweep_trajectory *t) {
     saltus_classify_options options = saltus_classify_defaults();
-    saltus_judgement judgement = goes_on;
-    saltus_motion motion = {0};
     options.flow.integrator = t->sweep->options.flow.integrator;
     /* Three digits more than the sweep's are enough. */
     options.flow.rtol = fmax(options.flow.rtol, 1e-3 * t->sweep->options.flow.rtol);
@@ -59,27 +58,78 @@ static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period) {
     options.transient = polish_periods;
     options.measure = 0;
     options.longest = t->sweep->options.longest;
-    saltus_status status =
-        period ? saltus_motion_polish(t->system, period, t->state, same_orbit, SALTUS_MULTIPLIERS_LEADING,
-                                      &options, &motion, NULL)
-               : saltus_motion_find_period(t->system, t->state, &options, false, &motion, NULL);
+    return options;
+}
+
+/* Move the trajectory onto an orbit that is its own, which has these section points. */
+static saltus_judgement take_orbit(saltus_sweep_trajectory *t, saltus_verdict verdict, int periods,
+                                   const double *points) {
+    if (verdict == SALTUS_PERIODIC)
+        memcpy(t->proof.orbit, points, (size_t)(periods * t->sweep->dimension) * sizeof *points);
+    return saltus_sweep_trajectory_continue(t, points) ? (saltus_judgement){verdict, periods, 0} : failed;
+}
+
+/* What classification finds from the present state. */
+static saltus_judgement ask_classification(saltus_sweep_trajectory *t) {
+    const saltus_classify_options options = classify_options(t);
+    saltus_judgement judgement = goes_on;
+    saltus_motion motion = {0};
+    saltus_status status = saltus_motion_find_period(t->system, t->state, &options, false, &motion, NULL);
     t->starved |= status == SALTUS_NO_MEMORY;
-    if (status == SALTUS_OK && saltus_verdict_settled(motion.verdict)) {
-        judgement = (saltus_judgement){motion.verdict, motion.periods, 0};
-        if (!saltus_sweep_trajectory_continue(t, motion.state))
-            judgement = failed;
-        if (motion.verdict == SALTUS_PERIODIC)
-            memcpy(t->proof.orbit, motion.section_states,
-                   (size_t)(motion.periods * t->sweep->dimension) * sizeof *t->proof.orbit);
-    }
+    if (status == SALTUS_OK && saltus_verdict_settled(motion.verdict))
+        judgement = take_orbit(t, motion.verdict, motion.periods,
+                               motion.section_states ? motion.section_states : motion.state);
     saltus_motion_clear(&motion);
     return judgement;
 }
 
-/* What recurs is asked about first: it costs a fraction of what else there may be. */
-static saltus_judgement ask_newton_first(saltus_sweep_trajectory *t, int recurs, int period) {
-    const saltus_judgement judgement = recurs == period ? goes_on : ask_newton(t, recurs);
-    return judgement.verdict == SALTUS_PENDING ? ask_newton(t, period) : judgement;
+/* Where the trajectory is in the cycles of an orbit of this period that it passed at `cycle`. */
+static const double *passed_at(const saltus_sweep_trajectory *t, long long cycle, int period) {
+    return saltus_settling_point(&t->proof.settling,
+                                 (int)((saltus_sweep_trajectory_cycle(t) - cycle) % period));
+}
+
+/* Newton's method from the present state: the stable orbit of this period, or a divisor of it, that the
+ * trajectory is on. An unstable one is not computed again as long as the trajectory passes it. *distant: the
+ * orbit is stable, but approached so slowly that classification would not see the trajectory arrive. */
+static saltus_judgement ask_newton(saltus_sweep_trajectory *t, int period, bool *distant) {
+    const saltus_classify_options options = classify_options(t);
+    const saltus_orbit_options shooting = saltus_motion_shooting(&options);
+    saltus_proof *p = &t->proof;
+    saltus_judgement judgement = goes_on;
+    saltus_orbit orbit = {0};
+    saltus_lap lap = {0};
+    saltus_flow *flow = NULL;
+    *distant = false;
+    if (p->rejected_period == period &&
+        saltus_system_distance(t->system, passed_at(t, p->rejected_at, period), p->rejected) < same_orbit)
+        return goes_on;
+    saltus_status status =
+        saltus_orbit_search(t->system, period, t->state, &shooting, SALTUS_MULTIPLIERS_LEADING, &orbit, NULL);
+    const bool found = status == SALTUS_OK,
+               stable = found && saltus_multipliers_stable(orbit.multipliers, orbit.multiplier_count),
+               near = found && saltus_orbit_passes(t->system, orbit.state, 1, t->state, same_orbit);
+    if (stable && !near)
+        *distant = saltus_system_distance(t->system, orbit.state, t->state) *
+                       exp(orbit.multipliers[0].log_modulus * polish_periods / period) >
+                   arrived;
+    if (near && !stable) {
+        p->rejected_period = period;
+        p->rejected_at = saltus_sweep_trajectory_cycle(t);
+        memcpy(p->rejected, orbit.state, (size_t)orbit.dimension * sizeof *orbit.state);
+    }
+    if (near && stable)
+        status = saltus_flow_single(t->system, 0, &options.flow, &flow, NULL);
+    if (flow)
+        status = saltus_lap_around(&lap, flow, orbit.state, period, NULL);
+    if (flow && status == SALTUS_OK)
+        judgement = take_orbit(t, saltus_lap_held(&lap) ? SALTUS_HELD : SALTUS_PERIODIC,
+                               saltus_lap_least_period(&lap, &options.flow), lap.points);
+    t->starved |= status == SALTUS_NO_MEMORY;
+    saltus_flow_free(flow);
+    saltus_lap_close(&lap);
+    saltus_orbit_clear(&orbit);
+    return judgement;
 }
 
 bool saltus_sweep_trajectory_count_returns(saltus_sweep_trajectory *t, bool *counts) {
@@ -180,9 +230,8 @@ static bool is_slow(saltus_sweep_trajectory *t, int recurs) {
  * has come to another place, disturb it again there. */
 static saltus_judgement prove(saltus_sweep_trajectory *t, int period, saltus_verdict verdict) {
     saltus_proof *p = &t->proof;
-    int back = (int)((saltus_sweep_trajectory_cycle(t) - p->disturbed_at) % period);
-    if (p->disturbed && saltus_system_distance(t->system, saltus_settling_point(&p->settling, back),
-                                               p->undisturbed) < returned)
+    if (p->disturbed &&
+        saltus_system_distance(t->system, passed_at(t, p->disturbed_at, period), p->undisturbed) < returned)
         return (saltus_judgement){verdict, period, 0};
     double moved[SALTUS_STATE_MAX];
     size_t size = (size_t)t->sweep->dimension * sizeof *moved;
@@ -265,23 +314,29 @@ saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     if (!saltus_system_forced(t->system))
         return judge_unforced(t);
     const long long cycle = saltus_sweep_trajectory_cycle(t);
+    const bool ends = cycle >= t->stage_end;
     const int recurs = saltus_settling_candidate(&p->settling);
-    bool doubt = false;
+    bool doubt = false, distant;
     int period =
         recurs ? saltus_settling_period(&p->settling, p->disturbed ? near_enough(t) : approach, &doubt) : 0;
     saltus_judgement judgement = goes_on;
     if (period && !doubt)
         judgement = judge_orbit(t, period);
-    else if (period && (cycle >= t->stage_end || cycle >= p->ask_again) &&
+    else if (period && (ends || cycle >= p->ask_again) &&
              saltus_settling_impacts(&p->settling, period) <= polish_impacts) {
-        const bool first = p->ask_again == 0 && cycle < t->stage_end;
+        const bool first = p->ask_again == 0 && !ends;
         p->ask_again = cycle + patience_per_period * (first ? recurs : period);
-        judgement = first ? ask_newton(t, recurs) : ask_newton_first(t, recurs, period);
+        /* What recurs is asked about first: it costs a fraction of what else there may be. */
+        judgement = ask_newton(t, recurs, &distant);
+        if (judgement.verdict == SALTUS_PENDING && !first && period != recurs)
+            judgement = ask_newton(t, period, &distant);
     }
     if (is_slow(t, recurs) && judgement.verdict == SALTUS_PENDING) {
         p->waited = 0;
         p->patience *= 2;
-        judgement = ask_newton_first(t, recurs, 0);
+        judgement = ask_newton(t, recurs, &distant);
+        if (judgement.verdict == SALTUS_PENDING && !distant)
+            judgement = ask_classification(t);
     }
     judgement.recurs = recurs;
     return judgement;

@@ -129,6 +129,9 @@ typedef struct saltus_proof {
     bool disturbed;         /* it has been disturbed, to prove stability, ... */
     double *undisturbed;    /* ... from this state ... */
     long long disturbed_at; /* ... at this cycle */
+    double *rejected;       /* a point of an unstable orbit that Newton's method found, ... */
+    int rejected_period;    /* ... of this period; 0: none */
+    long long rejected_at;  /* ... and the cycle when the trajectory passed it */
     int recurring;          /* the period that roughly recurs, ... */
     long long waited;       /* ... and the periods since it began to */
     double trend[2];        /* its recurrence at the last look and at the one before */

@@ -13,10 +13,11 @@ bool saltus_sweep_trajectory_open(saltus_sweep_trajectory *t, const saltus_sweep
     *t = (saltus_sweep_trajectory){.sweep = sweep};
     t->state = calloc((size_t)n, sizeof *t->state);
     t->proof.undisturbed = calloc((size_t)n, sizeof *t->proof.undisturbed);
+    t->proof.rejected = calloc((size_t)n, sizeof *t->proof.rejected);
     t->proof.orbit = calloc((size_t)(n * longest), sizeof *t->proof.orbit);
     bool sound = saltus_settling_open(&t->proof.settling, n, longest) &&
                  saltus_visits_open(&t->proof.visits, n, longest) && t->state && t->proof.undisturbed &&
-                 t->proof.orbit;
+                 t->proof.rejected && t->proof.orbit;
     if (!sound || !(sweep->options.keep & SALTUS_KEEP_LYAPUNOV))
         return sound;
     saltus_measuring *m = &t->measuring;
@@ -31,6 +32,7 @@ void saltus_sweep_trajectory_close(saltus_sweep_trajectory *t) {
     saltus_settling_close(&t->proof.settling);
     saltus_visits_close(&t->proof.visits);
     free(t->proof.undisturbed);
+    free(t->proof.rejected);
     free(t->proof.orbit);
     saltus_watch_close(&t->watch);
     saltus_watch_close(&t->round);
