@@ -109,7 +109,7 @@ static saltus_status judge(saltus_search *s, double steps, saltus_motion *motion
 
 /* Add to the reason of an unforced motion that nothing attracts, or that the section is not met, or not often
  * enough for a period to be seen: then a longer measurement would tell nothing. */
-static void explain_unforced(const saltus_search *s, saltus_motion *motion) {
+static void explain_unforced(saltus_search *s, saltus_motion *motion) {
     enum { few = 12, enough = 25 }; /* returns */
     const bool settled = saltus_verdict_settled(motion->verdict);
     const long long returns = s->visits.settling.count;

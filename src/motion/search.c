@@ -168,7 +168,7 @@ void saltus_search_close(saltus_search *s) {
 
 /* The period to try now, or 0: that of an orbit that is all but reached, otherwise the least that roughly
  * recurs. Near a flip the latter would be only half the orbit's. */
-static int period_to_try(const saltus_settling *settling) {
+static int period_to_try(saltus_settling *settling) {
     bool doubt;
     const int rough = saltus_settling_candidate(settling),
               reached = rough ? saltus_settling_period(settling, all_but_reached, &doubt) : 0;
@@ -198,7 +198,7 @@ static saltus_status take_orbit(saltus_search *s, saltus_status polished, double
     return status;
 }
 
-bool saltus_search_recurs(const saltus_search *s, double *recurrence, double *period) {
+bool saltus_search_recurs(saltus_search *s, double *recurrence, double *period) {
     const int p = saltus_settling_candidate(&s->visits.settling);
     if (p == 0)
         return false;
@@ -213,7 +213,7 @@ bool saltus_search_recurs(const saltus_search *s, double *recurrence, double *pe
 static saltus_status try_cycle(saltus_search *s, saltus_message *message) {
     saltus_orbit_options shooting = saltus_motion_shooting(s->options);
     saltus_system *counted = NULL;
-    const saltus_settling *returns = &s->visits.settling;
+    saltus_settling *returns = &s->visits.settling;
     const int p = returns->count > s->tried ? period_to_try(returns) : 0;
     if (p == 0)
         return SALTUS_OK;

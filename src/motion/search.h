@@ -37,7 +37,7 @@ void saltus_search_close(saltus_search *search);
 saltus_status saltus_search_run(saltus_search *search, long long at_most, saltus_motion *motion,
                                 saltus_message *message);
 /* Without forcing: whether the last returns repeat to rounding, the time between them in units of time. */
-bool saltus_search_recurs(const saltus_search *search, double *recurrence, double *period);
+bool saltus_search_recurs(saltus_search *search, double *recurrence, double *period);
 /* Fill the motion with the orbit or rest found, or give the reason why there is none. */
 saltus_status saltus_search_conclude(saltus_search *search, saltus_motion *motion, saltus_message *message);
 

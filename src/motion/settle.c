@@ -53,7 +53,7 @@ void saltus_settling_reset(saltus_settling *s, const saltus_system *system, doub
     const double *scale = saltus_system_scale(system);
     s->system = system;
     s->reach = saltus_system_forced(system) ? fmax(beside_impact, 100 * rtol) : 0;
-    s->count = 0;
+    s->count = s->looked = 0;
     s->last = -1;
     for (int i = 0; i < s->n; i++)
         s->weight[i] = 1 / scale[i];
@@ -95,8 +95,20 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
     s->impacts[s->last] = impacts;
     s->contact[s->last] = contact_events;
     s->count++;
-    for (int p = 1; p <= s->longest && p < s->count; p++)
-        s->streak[p] = recurs(s, point, saltus_settling_point(s, p)) ? s->streak[p] + 1 : 0;
+}
+
+/* Bring the streaks up to date with the points added since the last look, but no farther than is asked for.
+ */
+static void look(saltus_settling *s) {
+    const long long added = s->count - s->looked;
+    for (int p = 1; p <= s->longest && added > 0; p++) {
+        int run = 0;
+        while (run < added && run < p + 2 && run + p < s->count &&
+               recurs(s, saltus_settling_point(s, run), saltus_settling_point(s, run + p)))
+            run++;
+        s->streak[p] = run == added ? s->streak[p] + run : run;
+    }
+    s->looked = s->count;
 }
 
 /* Largest distance between points p apart, over the last `points` points; INFINITY once it is above `limit`.
@@ -228,8 +240,9 @@ static int parts_say(const saltus_settling *s, int p, double limit) {
     return verdict;
 }
 
-int saltus_settling_period(const saltus_settling *s, double limit, bool *doubt) {
+int saltus_settling_period(saltus_settling *s, double limit, bool *doubt) {
     *doubt = false;
+    look(s);
     for (int p = 1; p <= s->longest; p++) {
         int parts = reached(s, p, limit) ? parts_say(s, p, limit) : 0;
         *doubt = parts < 0;
@@ -258,7 +271,8 @@ double saltus_settling_closest(const saltus_settling *s) {
     return closest;
 }
 
-int saltus_settling_candidate(const saltus_settling *s) {
+int saltus_settling_candidate(saltus_settling *s) {
+    look(s);
     for (int p = 1; p <= s->longest; p++)
         if (s->streak[p] >= p + 2)
             return p;

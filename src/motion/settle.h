@@ -9,12 +9,13 @@ typedef struct saltus_settling {
     const saltus_system *system; /* not used if reach = 0 */
     double reach; /* of section points to the impacts that they lie after (saltus_section_point) */
     int n, longest, size;
-    long long count;              /* points seen */
+    long long count, looked;      /* points seen; those of them that `streak` counts */
     int last;                     /* place of the last one in the ring buffer: (count - 1) % size */
     double *points;               /* ring buffer of the last `size` points, n numbers each */
     double *weight;               /* 1 / scale */
     long long *impacts, *contact; /* per point: counts of impacts and of other contact events so far */
-    int *streak;                  /* per period: number of latest points in a row that recur after it */
+    int *streak; /* per period: number of latest points in a row that recur after it, if fewer than p + 2;
+                    otherwise at least that */
 } saltus_settling;
 
 /* For states of `dimension` numbers and periods up to `longest`. False without memory. */
@@ -28,9 +29,9 @@ void saltus_settling_add(saltus_settling *settling, const double *state, long lo
                          long long contact_events);
 /* The least period whose orbit has been reached to within `limit`, or 0. *doubt: the orbit's true period may
  * be a divisor of it. */
-int saltus_settling_period(const saltus_settling *settling, double limit, bool *doubt);
+int saltus_settling_period(saltus_settling *settling, double limit, bool *doubt);
 /* The least period after which the last points roughly recur, or 0. */
-int saltus_settling_candidate(const saltus_settling *settling);
+int saltus_settling_candidate(saltus_settling *settling);
 /* Numbers of impacts, and of other contact events, in the last `period` periods. */
 long long saltus_settling_impacts(const saltus_settling *settling, int period);
 long long saltus_settling_contacts(const saltus_settling *settling, int period);

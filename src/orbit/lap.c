@@ -194,15 +194,17 @@ int saltus_section_point(const saltus_system *system, const double *state, doubl
     for (int k = 0; k < system->face_count && reach > 0; k++) {
         const saltus_face face = system->faces[k];
         const double *normal = system->stop_normal[face.stop], *impulse = system->stop_impulse[face.stop],
-                     speed = saltus_dot(normal, after + system->dof, system->dof),
                      gap = saltus_system_gap(system, k, after);
         double length = 0, speed_scale = 0;
-        for (int i = 0; i < system->dof; i++) {
+        for (int i = 0; i < system->dof; i++)
             length += fabs(normal[i]) * scale[i];
+        if (!(fabs(gap) < reach * length))
+            continue;
+        const double speed = saltus_dot(normal, after + system->dof, system->dof);
+        for (int i = 0; i < system->dof; i++)
             speed_scale += fabs(normal[i]) * scale[system->dof + i];
-        }
         /* In a contact that holds, or at a touch, the speed is nothing but rounding. */
-        if (!(face.side * speed > reach * speed_scale && fabs(gap) < reach * length))
+        if (!(face.side * speed > reach * speed_scale))
             continue;
         const double rebound = -saltus_system_restitution(system, k, fabs(speed)) * speed;
         for (int i = 0; i < system->dof; i++)
