@@ -18,8 +18,10 @@ typedef struct saltus_equations {
     double *jacobian;    /* [count][unknowns], at `place` if `known` */
     double *place;
     bool known;
-    bool begun;       /* the next iteration starts from the point last evaluated: it need not be again */
-    bool hasty;       /* iterate with `measure` and the known Jacobian as long as that converges */
+    bool begun; /* the next iteration starts from the point last evaluated: it need not be again */
+    /* Iterate with `measure` and the known Jacobian as long as that converges; without a normal only where a
+     * step hardly moves the point. */
+    bool hasty;
     bool bold;        /* where no damped step lowers the residual, take a full one that halves the distance */
     double size;      /* largest residual; INFINITY after a failed evaluation */
     double tolerance; /* for the residual */

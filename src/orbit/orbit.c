@@ -336,8 +336,10 @@ saltus_status saltus_orbit_search(const saltus_system *system, int periods, cons
     if (status == SALTUS_OK)
         status = saltus_shooting_new(&(saltus_family){.spec = *saltus_system_spec(system)}, options,
                                      &s.shooting, message);
-    if (status == SALTUS_OK)
+    if (status == SALTUS_OK) {
+        saltus_shooting_equations(s.shooting)->hasty = true;
         status = find(&s, guess, message);
+    }
     orbit->residual = s.residual;
     orbit->iterations = s.iterations;
     orbit->state = calloc((size_t)n, sizeof *orbit->state);
