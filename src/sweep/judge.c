@@ -227,12 +227,14 @@ static bool is_slow(saltus_sweep_trajectory *t, int recurs) {
 
 /* A period has been reached. To within `approach`: disturb the trajectory. After the disturbance, to within
  * near_enough: check that the last period's points pass where it was, at the same phase of the orbit; if it
- * has come to another place, disturb it again there. */
+ * has come to another place, disturb it again there, but not before the recording. */
 static saltus_judgement prove(saltus_sweep_trajectory *t, int period, saltus_verdict verdict) {
     saltus_proof *p = &t->proof;
     if (p->disturbed &&
         saltus_system_distance(t->system, passed_at(t, p->disturbed_at, period), p->undisturbed) < returned)
         return (saltus_judgement){verdict, period, 0};
+    if (p->disturbed && t->stage == SALTUS_STAGE_PROVING)
+        return goes_on;
     double moved[SALTUS_STATE_MAX];
     size_t size = (size_t)t->sweep->dimension * sizeof *moved;
     memcpy(p->undisturbed, saltus_settling_point(&p->settling, 0), size);
@@ -314,7 +316,7 @@ saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     if (!saltus_system_forced(t->system))
         return judge_unforced(t);
     const long long cycle = saltus_sweep_trajectory_cycle(t);
-    const bool ends = cycle >= t->stage_end;
+    const bool ends = cycle >= t->stage_end, asks = t->stage != SALTUS_STAGE_PROVING;
     const int recurs = saltus_settling_candidate(&p->settling);
     bool doubt = false, distant;
     int period =
@@ -322,7 +324,7 @@ saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
     saltus_judgement judgement = goes_on;
     if (period && !doubt)
         judgement = judge_orbit(t, period);
-    else if (period && (ends || cycle >= p->ask_again) &&
+    else if (asks && period && (ends || cycle >= p->ask_again) &&
              saltus_settling_impacts(&p->settling, period) <= polish_impacts) {
         const bool first = p->ask_again == 0 && !ends;
         p->ask_again = cycle + patience_per_period * (first ? recurs : period);
@@ -331,7 +333,7 @@ saltus_judgement saltus_sweep_trajectory_judge(saltus_sweep_trajectory *t) {
         if (judgement.verdict == SALTUS_PENDING && !first && period != recurs)
             judgement = ask_newton(t, period, &distant);
     }
-    if (is_slow(t, recurs) && judgement.verdict == SALTUS_PENDING) {
+    if (asks && is_slow(t, recurs) && judgement.verdict == SALTUS_PENDING) {
         p->waited = 0;
         p->patience *= 2;
         judgement = ask_newton(t, recurs, &distant);

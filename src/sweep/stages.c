@@ -2,7 +2,9 @@
  *
  * Adaptive: it settles until its period is certain and is then recorded once around the orbit, or, if no
  * period is certain in the given time, for a number of periods. Fixed: it runs and is recorded for given
- * numbers of periods; then it settles, if anything recurs, and goes once around its orbit to be counted. If
+ * numbers of periods; then it settles, if anything recurs, and goes once around its orbit to be counted. The
+ * disturbance that proves an orbit stable is tried at the end of a long transient, where it costs nothing; a
+ * trajectory that does not return in time goes on from where it was, and is disturbed after the record. If
  * exponents are wanted, that of an orbit is computed last, from its multipliers, and a motion without a
  * period is then measured (measure.c).
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -11,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { blind_periods = 64, settling_after_record = 400 };
+enum { blind_periods = 64, proving_periods = 96, settling_after_record = 400 };
 
 static bool stage_ends(const saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_cycle(t) >= t->stage_end;
@@ -160,8 +162,9 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     if (o->adaptive)
         begin_settling(t);
     else if (o->transient > 0) {
+        const bool proves = saltus_system_forced(t->system) && o->transient > 2 * proving_periods;
         t->stage = SALTUS_STAGE_TRANSIENT;
-        t->stage_end = o->transient;
+        t->stage_end = o->transient - (proves ? proving_periods : 0);
     } else if (begin_recording(t) != SALTUS_NEXT_GO_ON)
         return false;
     const saltus_flow_info done = saltus_sweep_trajectory_information(t);
@@ -270,6 +273,34 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
     return end_place(t);
 }
 
+/* The transient is over, or so much of it that an orbit may be disturbed. */
+static saltus_next transient_done(saltus_sweep_trajectory *t, const saltus_flow_info *done) {
+    const bool over = t->stage_end == t->sweep->options.transient;
+    saltus_settling_reset(&t->proof.settling, t->system, t->sweep->options.flow.rtol);
+    if (over)
+        return begin_recording(t);
+    t->stage = SALTUS_STAGE_PROVING;
+    t->stage_end = t->sweep->options.transient;
+    see_section(t, done);
+    return SALTUS_NEXT_GO_ON;
+}
+
+/* Disturb an orbit that is reached in the first half of the time for it; once it is proven stable, or there
+ * is no more time, the transient goes on. */
+static saltus_next proving(saltus_sweep_trajectory *t, const saltus_flow_info *done) {
+    const saltus_judgement judgement = saltus_sweep_trajectory_judge(t);
+    const long long left = t->stage_end - saltus_sweep_trajectory_cycle(t);
+    const bool pending = judgement.verdict == SALTUS_PENDING, disturbed = t->proof.disturbed;
+    if (pending && left > (disturbed ? 0 : proving_periods / 2))
+        return SALTUS_NEXT_GO_ON;
+    t->stage = SALTUS_STAGE_TRANSIENT;
+    if (judgement.verdict == SALTUS_FAILED || (pending && disturbed && !saltus_sweep_trajectory_go_back(t))) {
+        saltus_sweep_trajectory_fail(t);
+        return SALTUS_NEXT_DONE;
+    }
+    return stage_ends(t) ? transient_done(t, done) : SALTUS_NEXT_GO_ON;
+}
+
 static saltus_next recorded(saltus_sweep_trajectory *t) {
     measure(t);
     if (t->sweep->options.adaptive)
@@ -305,7 +336,9 @@ static saltus_next at_section(saltus_sweep_trajectory *t) {
         saltus_watch_section(t->active, t->state);
     switch (t->stage) {
     case SALTUS_STAGE_TRANSIENT:
-        return ends ? begin_recording(t) : SALTUS_NEXT_GO_ON;
+        return ends ? transient_done(t, &done) : SALTUS_NEXT_GO_ON;
+    case SALTUS_STAGE_PROVING:
+        return proving(t, &done);
     case SALTUS_STAGE_SETTLING:
         return settling_on(t);
     case SALTUS_STAGE_RECORDING:

@@ -110,6 +110,7 @@ saltus_status saltus_job_emit(saltus_job *job, int place, const saltus_system *s
 /* trajectory.c: one seed in a lane, on its way along the places of a task */
 typedef enum saltus_stage {
     SALTUS_STAGE_TRANSIENT, /* runs unobserved */
+    SALTUS_STAGE_PROVING,   /* at the end of a long transient: an orbit is disturbed before it is recorded */
     SALTUS_STAGE_SETTLING,
     SALTUS_STAGE_RECORDING,
     SALTUS_STAGE_ORBIT,    /* once around a periodic orbit */
@@ -195,6 +196,8 @@ bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *trajectory, const
 /* Without forcing: count by another period, and continue from another state and time. False if it cannot. */
 bool saltus_sweep_trajectory_count_by(saltus_sweep_trajectory *trajectory, double period, saltus_time time,
                                       const double *state);
+/* Continue from where the trajectory was disturbed, as if that had not been. False if the flow cannot. */
+bool saltus_sweep_trajectory_go_back(saltus_sweep_trajectory *trajectory);
 /* Continue in another lane. False if the flow cannot. */
 bool saltus_sweep_trajectory_move(saltus_sweep_trajectory *trajectory, saltus_flow *flow, int lane);
 /* Store a verdict, or that there will be none, in the row, with the time and the impacts so far. */

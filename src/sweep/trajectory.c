@@ -93,6 +93,11 @@ bool saltus_sweep_trajectory_continue(saltus_sweep_trajectory *t, const double *
     return start_at(t, saltus_flow_time(t->flow, t->lane), state);
 }
 
+bool saltus_sweep_trajectory_go_back(saltus_sweep_trajectory *t) {
+    t->proof.disturbed = false;
+    return start_at(t, (saltus_time){t->proof.disturbed_at, 0}, t->proof.undisturbed);
+}
+
 bool saltus_sweep_trajectory_count_by(saltus_sweep_trajectory *t, double period, saltus_time time,
                                       const double *state) {
     saltus_system *counted = NULL, *old = t->system;
