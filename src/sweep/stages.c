@@ -13,7 +13,12 @@
 #include <math.h>
 #include <string.h>
 
-enum { blind_periods = 64, proving_periods = 96, settling_after_record = 400 };
+enum {
+    blind_periods = 64,
+    proving_periods = 96,  /* an orbit reached in the first of these ... */
+    reaching_periods = 32, /* ... is disturbed */
+    settling_after_record = 400
+};
 
 static bool stage_ends(const saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_cycle(t) >= t->stage_end;
@@ -285,13 +290,13 @@ static saltus_next transient_done(saltus_sweep_trajectory *t, const saltus_flow_
     return SALTUS_NEXT_GO_ON;
 }
 
-/* Disturb an orbit that is reached in the first half of the time for it; once it is proven stable, or there
- * is no more time, the transient goes on. */
+/* Disturb an orbit that is reached in time; once it is proven stable, or there is no more time, the transient
+ * goes on. */
 static saltus_next proving(saltus_sweep_trajectory *t, const saltus_flow_info *done) {
     const saltus_judgement judgement = saltus_sweep_trajectory_judge(t);
     const long long left = t->stage_end - saltus_sweep_trajectory_cycle(t);
     const bool pending = judgement.verdict == SALTUS_PENDING, disturbed = t->proof.disturbed;
-    if (pending && left > (disturbed ? 0 : proving_periods / 2))
+    if (pending && left > (disturbed ? 0 : proving_periods - reaching_periods))
         return SALTUS_NEXT_GO_ON;
     t->stage = SALTUS_STAGE_TRANSIENT;
     if (judgement.verdict == SALTUS_FAILED || (pending && disturbed && !saltus_sweep_trajectory_go_back(t))) {
