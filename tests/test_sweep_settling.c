@@ -466,8 +466,53 @@ static void a_disturbed_trajectory_may_come_back(void **unused) {
     close_single(&s);
 }
 
+/* In a sweep with fixed times an orbit is disturbed before it is recorded: after the record nothing more is
+ * waited for. */
+static void a_long_transient_proves_the_orbit(void **unused) {
+    (void)unused;
+    saltus_scene scene = scene_of("fig7d", "");
+    saltus_sweep_options options = settling_options(1e-10);
+    options.adaptive = false;
+    options.record = 60;
+    for (options.transient = 192; options.transient <= 400; options.transient += 104) {
+        single s = run_single(&scene, "omega", 42, &options);
+        assert_string_equal(s.label, "4/4");
+        assert_true((s.result.rows->settled == options.transient + options.record) ==
+                    (options.transient > 192));
+        close_single(&s);
+    }
+}
+
+/* Of what a disturbance leads away from, the undisturbed motion is recorded: here one part of a system stays
+ * at rest unless it is disturbed, and then grows. */
+static void a_disturbance_leaves_no_trace_in_the_record(void **unused) {
+    (void)unused;
+    static const char text[] = "model:\n"
+                               "  parameters: {c: 0.3, F: 0.4, omega: 1.3, g: 0.05}\n"
+                               "  motion: {x: \"-c*x' - x + F*cos(omega*t)\", y: \"g*y' - 2*y\"}\n"
+                               "  forcing: omega\n"
+                               "initial: {x: 0.1, x': 0, y: 0, y': 0}\nobserve: y\n";
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    saltus_sweep_options options = settling_options(1e-10);
+    options.adaptive = false;
+    options.transient = 300;
+    options.record = 20;
+    check_ok(saltus_scene_parse(text, strlen(text), "text", &scene, &message), &message);
+    single s = run_single(&scene, "F", 0.4, &options);
+    const saltus_sweep_row *row = s.result.rows;
+    assert_int_equal(row->verdict, SALTUS_IRREGULAR);
+    assert_int_equal(row->recorded, 20);
+    assert_true(row->largest == 0 && row->smallest == 0);
+    assert_true(s.result.states[1] != 0); /* disturbed after the record */
+    close_single(&s);
+    saltus_scene_clear(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_long_transient_proves_the_orbit),
+        cmocka_unit_test(a_disturbance_leaves_no_trace_in_the_record),
         cmocka_unit_test(an_orbit_is_reached_when_it_is_near),
         cmocka_unit_test(a_spiral_is_not_left_early),
         cmocka_unit_test(slow_orbits_are_found_in_time),

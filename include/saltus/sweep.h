@@ -62,7 +62,8 @@ typedef struct saltus_sweep_options {
     /* Adaptive: recording begins as soon as the least period is certain and the distance from the orbit is at
      * most the larger of 1e-10 and 10 flow.rtol, relative to the system's scales. It covers one orbit; if no
      * period is certain after `transient` periods, `record` periods. Not adaptive: `transient` periods are
-     * run and `record` periods recorded, whatever the motion. */
+     * run and `record` periods recorded, whatever the motion; towards the end of a long transient, and
+     * otherwise after the record, a small disturbance proves that an orbit is stable. */
     bool adaptive;               /* default true */
     long long transient, record; /* default 2000 and 100 */
     long long measure;  /* with SALTUS_KEEP_LYAPUNOV: most periods for measuring the exponent of a motion
