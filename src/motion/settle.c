@@ -101,9 +101,12 @@ void saltus_settling_add(saltus_settling *s, const double *state, long long impa
  */
 static void look(saltus_settling *s) {
     const long long added = s->count - s->looked;
-    for (int p = 1; p <= s->longest && added > 0; p++) {
-        int run = 0;
-        while (run < added && run < p + 2 && run + p < s->count &&
+    const double *last = saltus_settling_point(s, 0);
+    if (added == 0)
+        return;
+    for (int p = 1; p <= s->longest && p < s->count; p++) {
+        int run = recurs(s, last, saltus_settling_point(s, p));
+        while (run > 0 && run < added && run < p + 2 && run + p < s->count &&
                recurs(s, saltus_settling_point(s, run), saltus_settling_point(s, run + p)))
             run++;
         s->streak[p] = run == added ? s->streak[p] + run : run;
