@@ -280,22 +280,6 @@ void saltus_archive_shape(saltus_archive *a, saltus_shooting *shooting) {
     a->starved = a->starved || status == SALTUS_NO_MEMORY;
 }
 
-void saltus_archive_known(saltus_archive *a, saltus_orbits *o) {
-    saltus_equations *e = o->equations;
-    if (!saltus_archive_flag(a, e->known))
-        return;
-    const bool collected = saltus_archive_flag(a, saltus_shooting_collected(o->shooting, e->place));
-    double *place = a->reading ? e->trial : e->place;
-    saltus_archive_finite(a, place, (size_t)e->unknowns);
-    if (!a->reading || !a->sound)
-        return;
-    saltus_shooting_collect(o->shooting, collected ? &o->cocycle : NULL);
-    saltus_status status = saltus_equations_evaluate(e, place, NULL);
-    saltus_shooting_collect(o->shooting, NULL);
-    a->sound = status == SALTUS_OK;
-    a->starved = a->starved || status == SALTUS_NO_MEMORY;
-}
-
 void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
     enum { numbers_min = 13 }; /* per start */
     if (a->reading)

@@ -52,9 +52,6 @@ void saltus_archive_orbits(saltus_archive *archive, saltus_orbits *orbits);
 /* The sequence for which a shooting is shaped; reading, it is shaped again. Marks belong to the segments in
  * which they were then, wherever they are now. */
 void saltus_archive_shape(saltus_archive *archive, saltus_shooting *shooting);
-/* The point at which the Jacobian of the shooting's equations is known, from which the next step begins;
- * reading, they are evaluated there again. Call it after saltus_archive_shape. */
-void saltus_archive_known(saltus_archive *archive, saltus_orbits *orbits);
 /* Reading replaces the present starts. */
 void saltus_archive_starts(saltus_archive *archive, saltus_starts *starts);
 

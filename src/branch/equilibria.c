@@ -14,9 +14,11 @@
 #include "branch/rest_point.h"
 #include "saltus/equilibrium.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Check that the scene is unforced at both ends of the range: a forced one has no equilibria. */
 static saltus_status check_unforced(const saltus_equilibria *e, saltus_message *message) {
@@ -93,6 +95,102 @@ static void swap(saltus_rest **a, saltus_rest **b) {
     saltus_rest *kept = *a;
     *a = *b;
     *b = kept;
+}
+
+/* The tangent's component in the parameter. */
+static double heading_of(const saltus_rest *s) {
+    return s->at.tangent[s->at.unknowns - 1];
+}
+
+/* A test whose zero is sought on the step from `here` to `next`, and its arguments: FOLD, CROSSING, PAIR
+ * (product of the sums of all eigenvalue pairs), BREACH or VALUE. */
+typedef struct sought {
+    saltus_equilibria *e;
+    saltus_test test;
+    int face; /* BREACH */
+    double target;
+} sought;
+
+/* The value at an equilibrium; products in units of that at `here`. */
+static double value_at(const sought *a, const saltus_rest *s) {
+    const saltus_rest *here = a->e->here;
+    switch (a->test) {
+    case SALTUS_TEST_FOLD:
+        return heading_of(s);
+    case SALTUS_TEST_CROSSING:
+        return saltus_scaled_in(s->at.crossing, here->at.crossing.exponent);
+    case SALTUS_TEST_PAIR:
+        return saltus_scaled_in(s->pairs, here->pairs.exponent);
+    case SALTUS_TEST_BREACH:
+        /* A step begins on the admissible side, where the contact was just made or given up. */
+        return s == here ? fmin(s->breach[a->face], -1e-300) : s->breach[a->face];
+    default:
+        return s->value[0] - a->target;
+    }
+}
+
+static bool value_ahead(void *context, double ahead, double *value) {
+    const sought *a = context;
+    saltus_equilibria *e = a->e;
+    if (saltus_rest_visit(&e->rests, e->here, ahead, e->trial, NULL) != SALTUS_OK)
+        return false;
+    *value = value_at(a, e->trial);
+    return true;
+}
+
+/* The zero on the step, or at one of its ends; `trial` becomes the point there. */
+static saltus_zero find_zero(sought *a) {
+    const double apart = 1e-7;
+    saltus_equilibria *e = a->e;
+    saltus_zero zero = {.ahead = e->next->at.ahead, .accuracy = INFINITY};
+    double width = 0, value[3], off = apart;
+    const double near = value_at(a, e->here), far = value_at(a, e->next);
+    if (far != 0 && !saltus_curve_zero(e->rests.solver, value_ahead, a, near, e->next->at.ahead, far,
+                                       &zero.ahead, &width))
+        return zero;
+    /* The possible rounding error in arclength, from the scatter of points beside it. */
+    if (value_ahead(a, zero.ahead - apart, &value[0]) && value_ahead(a, zero.ahead, &value[1]) &&
+        value_ahead(a, zero.ahead + apart, &value[2])) {
+        const double slope = fabs(value[2] - value[0]) / (2 * apart);
+        const double scatter = fabs(value[1]) + fabs(value[1] - 0.5 * (value[0] + value[2]));
+        off = slope > 0 ? fmin(scatter / slope, apart) : apart;
+    }
+    off += width;
+    zero.found = saltus_rest_visit(&e->rests, e->here, zero.ahead, e->trial, NULL) == SALTUS_OK;
+    zero.accuracy = e->rests.family.unit[0] * (off * fmax(fabs(heading_of(e->trial)), off) + DBL_EPSILON);
+    return zero;
+}
+
+/* `trial` becomes the point where branches cross near `ahead` of `here`. The equations are singular there, so
+ * it is interpolated from points around it, at most a tenth of the step apart. */
+static saltus_zero find_crossing(saltus_equilibria *e, double ahead) {
+    enum { passes = 3 };
+    saltus_rests *r = &e->rests;
+    saltus_curve_point *at = &e->trial->at;
+    sought a = {.e = e, .test = SALTUS_TEST_CROSSING};
+    const size_t m = (size_t)e->here->at.unknowns;
+    double spread, apart = fmin(0.1 * e->next->at.ahead, 4e-3), *work = calloc(7 * m, sizeof *work);
+    saltus_zero zero = {.ahead = ahead, .accuracy = INFINITY};
+    saltus_rests_noted(r, work ? SALTUS_OK : SALTUS_NO_MEMORY);
+    for (int pass = 0; pass < passes && work; pass++) {
+        if (!saltus_curve_cross(value_ahead, &a, &e->here->at, at, zero.ahead, apart, pass > 0, work,
+                                &zero.ahead, &spread))
+            break;
+        zero.found = pass > 0;
+        zero.accuracy = r->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
+        apart = fmin(apart, 3e-4);
+    }
+    if (zero.found) {
+        memcpy(at->u, work, m * sizeof *work);
+        at->ahead = zero.ahead;
+        saltus_status status = saltus_equations_evaluate(&r->equations, at->u, NULL);
+        if (status == SALTUS_OK)
+            status = saltus_rest_see(r, e->trial, NULL);
+        zero.found = saltus_rests_noted(r, status) == SALTUS_OK;
+        at->residual = r->equations.size;
+    }
+    free(work);
+    return zero;
 }
 
 /* What the starts of branches that leave at an equilibrium have in common. */
@@ -199,15 +297,12 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
         saltus_special found = {.kind = own ? tests[k].kind : SALTUS_POINT_UZ,
                                 .test = own ? tests[k].test : SALTUS_TEST_VALUE,
                                 .target = own ? 0 : options->values[k - kinds]};
-        const saltus_rest_asked asked = {found.test, -1, found.target};
-        const double near = saltus_rest_value(asked, e->here, e->here),
-                     far = saltus_rest_value(asked, e->next, e->here);
+        sought a = {e, found.test, -1, found.target};
+        const double near = value_at(&a, e->here), far = value_at(&a, e->next);
         if ((own && e->trail->fresh) || !saltus_test_crosses(near, far))
             continue;
         const saltus_zero zero =
-            found.kind == SALTUS_POINT_BP
-                ? saltus_rest_crossing(&e->rests, e->here, reach * near / (near - far), reach, at)
-                : saltus_rest_zero(&e->rests, asked, e->here, e->next, at);
+            found.kind == SALTUS_POINT_BP ? find_crossing(e, reach * near / (near - far)) : find_zero(&a);
         found.ahead = zero.ahead;
         found.accuracy = zero.accuracy;
         if (zero.found)
@@ -217,7 +312,7 @@ static saltus_status give_specials(saltus_equilibria *e, saltus_message *message
         const saltus_special *p = &places[k];
         const saltus_notice what = {.kind = p->kind, .ahead = p->ahead, .accuracy = p->accuracy};
         const bool crosses = p->kind == SALTUS_POINT_BP;
-        if (crosses ? !saltus_rest_crossing(&e->rests, e->here, p->ahead, reach, at).found
+        if (crosses ? !find_crossing(e, p->ahead).found
                     : saltus_rest_visit(&e->rests, e->here, p->ahead, at, NULL) != SALTUS_OK)
             continue;
         if (p->kind == SALTUS_POINT_UZ)
@@ -239,10 +334,10 @@ static int find_breach(saltus_equilibria *e, saltus_zero *first) {
     int face = -1;
     first->ahead = INFINITY;
     for (int f = 0; f < e->rests.system->face_count; f++) {
-        const saltus_rest_asked asked = {.test = SALTUS_TEST_BREACH, .face = f};
+        sought a = {.e = e, .test = SALTUS_TEST_BREACH, .face = f};
         if (!(e->next->breach[f] > 0))
             continue;
-        saltus_zero zero = saltus_rest_zero(&e->rests, asked, e->here, e->next, e->trial);
+        const saltus_zero zero = find_zero(&a);
         if (zero.found && zero.ahead < first->ahead) {
             *first = zero;
             face = f;
@@ -319,7 +414,7 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
     if (trail->options->locus == SALTUS_POINT_BE)
         return find(e, e->next, face, 0);
     const bool goes_on = change_contact(e, e->next, face, &why);
-    const bool turns = goes_on && saltus_rest_heading(e->next) * saltus_rest_heading(e->spare) < 0;
+    const bool turns = goes_on && heading_of(e->next) * heading_of(e->spare) < 0;
     saltus_starts born = {.count = 0};
     saltus_status status = goes_on ? find_born(e, face, leaves, &born, message) : SALTUS_OK;
     int length = snprintf(reason, sizeof reason, "%s stop %d %s%s", leaves ? "leaves" : "meets", f.stop + 1,
@@ -353,11 +448,10 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
 
 /* Whether more than one Hopf point may lie between `here` and `next`, or one that the test does not show: so
  * many eigenvalues have changed sides. */
-static bool hides_pairs(const saltus_equilibria *e) {
-    const saltus_rest_asked asked = {.test = SALTUS_TEST_PAIR};
+static bool hides_pairs(saltus_equilibria *e) {
+    const sought pair = {.e = e, .test = SALTUS_TEST_PAIR};
     const int changed = abs(e->next->unstable - e->here->unstable);
-    const bool shown = saltus_test_crosses(saltus_rest_value(asked, e->here, e->here),
-                                           saltus_rest_value(asked, e->next, e->here));
+    const bool shown = saltus_test_crosses(value_at(&pair, e->here), value_at(&pair, e->next));
     return changed >= 4 || (changed >= 2 && !shown);
 }
 
@@ -421,7 +515,7 @@ saltus_status saltus_equilibria_start(saltus_equilibria *e, const saltus_branch_
         return saltus_fail(message, status, "no branch of equilibria can be begun: %.300s", why.text);
     }
     const int heading = start->tangent ? 0 : start->heading;
-    if (saltus_rest_heading(here) * heading < 0)
+    if (heading_of(here) * heading < 0)
         saltus_curve_turn(&here->at);
     status = give(e, here, (saltus_notice){.accuracy = NAN}, message);
     trail->regular = 1;

@@ -234,24 +234,3 @@ saltus_status saltus_hopf_aside(saltus_orbits *o, const double *parameters, cons
         saltus_sequence_anchor(sequence, o->flow, false);
     return status;
 }
-
-saltus_status saltus_hopf_cycle(saltus_orbits *o, const saltus_branch_start *start, double apart,
-                                saltus_solution *out, saltus_message *message) {
-    saltus_sequence sequence = start->sequence;
-    saltus_equations *e = o->equations;
-    double state[SALTUS_STATE_MAX], normal[SALTUS_STATE_MAX + 2] = {0}, place[SALTUS_STATE_MAX + 2];
-    memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
-    saltus_status status = saltus_hopf_aside(o, &start->parameter, start->state, start->tangent, apart,
-                                             &sequence, state, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_place(o, &sequence, &start->parameter, state, false, out, message);
-    if (status != SALTUS_OK)
-        return status;
-    memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
-    status = saltus_newton(e, out->at.u, normal, place, true, &out->at.iterations, message);
-    if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(e, out->at.u, message);
-    if (status == SALTUS_OK)
-        status = saltus_solution_see(o, out, message);
-    return status == SALTUS_OK ? saltus_curve_orient(e, normal, &out->at, message) : status;
-}

@@ -4,7 +4,7 @@
 #define SALTUS_BRANCH_HOPF_H
 
 #include "branch/rest.h"
-#include "branch/special.h"
+#include "branch/solution.h"
 
 /* What an equilibrium with a pair of eigenvalues +-i omega says about the cycles near it. */
 typedef struct saltus_hopf {
@@ -26,9 +26,5 @@ void saltus_hopf_direction(const saltus_rests *rests, const saltus_hopf *hopf, d
 saltus_status saltus_hopf_aside(saltus_orbits *orbits, const double *parameters, const double *rest,
                                 const double *tangent, double apart, saltus_sequence *sequence, double *state,
                                 saltus_message *message);
-/* The cycle of a start at a Hopf point, at distance `apart` from the equilibrium along its tangent; not
- * surveyed, with a tangent away from the equilibrium. Errors: SALTUS_NO_MEMORY; others if none is found. */
-saltus_status saltus_hopf_cycle(saltus_orbits *orbits, const saltus_branch_start *start, double apart,
-                                saltus_solution *out, saltus_message *message);
 
 #endif

@@ -158,6 +158,8 @@ saltus_status saltus_trace_accept(saltus_trace *t, bool bends, bool must, const 
 }
 
 void saltus_trace_archive(saltus_trace *t, saltus_archive *a) {
+    saltus_orbits *o = &t->orbits;
+    saltus_equations *e = o->equations;
     saltus_lap *first = &t->first;
     t->births.count = (int)saltus_archive_whole(a, t->births.count, 0, saltus_births_length);
     saltus_archive_finite(a, t->births.place, (size_t)t->births.count);
@@ -170,8 +172,21 @@ void saltus_trace_archive(saltus_trace *t, saltus_archive *a) {
         a->starved = true;
     first->periods = first->points ? (int)periods : 0;
     saltus_archive_finite(a, first->points, (size_t)first->periods * (size_t)a->n);
-    saltus_archive_shape(a, t->orbits.shooting);
-    saltus_archive_known(a, &t->orbits);
+    saltus_archive_shape(a, o->shooting);
+    /* The point at which the Jacobian of the equations is known, from which the next step begins; reading,
+     * they are evaluated there again. */
+    if (saltus_archive_flag(a, e->known)) {
+        const bool collected = saltus_archive_flag(a, saltus_shooting_collected(o->shooting, e->place));
+        double *place = a->reading ? e->trial : e->place;
+        saltus_archive_finite(a, place, (size_t)e->unknowns);
+        if (a->reading && a->sound) {
+            saltus_shooting_collect(o->shooting, collected ? &o->cocycle : NULL);
+            const saltus_status status = saltus_equations_evaluate(e, place, NULL);
+            saltus_shooting_collect(o->shooting, NULL);
+            a->sound = status == SALTUS_OK;
+            a->starved = a->starved || status == SALTUS_NO_MEMORY;
+        }
+    }
     saltus_archive_solution(a, t->here);
-    a->sound = a->sound && (!a->reading || saltus_solution_fits(&t->orbits, t->here));
+    a->sound = a->sound && (!a->reading || saltus_solution_fits(o, t->here));
 }

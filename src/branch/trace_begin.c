@@ -61,6 +61,29 @@ static bool is_small(const saltus_branch_start *start) {
     return start->origin == SALTUS_POINT_HB || start->origin == SALTUS_POINT_BE;
 }
 
+/* The cycle of a start at a Hopf point, at distance `apart` from the equilibrium along its tangent; not
+ * surveyed, with a tangent away from the equilibrium. */
+static saltus_status hopf_cycle(saltus_orbits *o, const saltus_branch_start *start, double apart,
+                                saltus_solution *out, saltus_message *message) {
+    saltus_sequence sequence = start->sequence;
+    saltus_equations *e = o->equations;
+    double state[SALTUS_STATE_MAX], normal[SALTUS_STATE_MAX + 2] = {0}, place[SALTUS_STATE_MAX + 2];
+    memcpy(normal, start->tangent, (size_t)o->n * sizeof *normal);
+    saltus_status status = saltus_hopf_aside(o, &start->parameter, start->state, start->tangent, apart,
+                                             &sequence, state, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_place(o, &sequence, &start->parameter, state, false, out, message);
+    if (status != SALTUS_OK)
+        return status;
+    memcpy(place, out->at.u, (size_t)e->unknowns * sizeof *place);
+    status = saltus_newton(e, out->at.u, normal, place, true, &out->at.iterations, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(e, out->at.u, message);
+    if (status == SALTUS_OK)
+        status = saltus_solution_see(o, out, message);
+    return status == SALTUS_OK ? saltus_curve_orient(e, normal, &out->at, message) : status;
+}
+
 /* `here` becomes the first orbit of a branch; at an equilibrium that is a small cycle. For the first branch
  * of a run, the orbit is cut into more and more segments while Newton's method fails: between prescribed
  * impacts rounding may grow far more than along the motion, on which impacts come earlier or later. Chatter
@@ -78,7 +101,7 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
     if (is_small(start)) {
         const bool hopf = start->origin == SALTUS_POINT_HB;
         for (int k = 0; k < 4 && status != SALTUS_OK && status != SALTUS_NO_MEMORY; k++)
-            status = saltus_orbits_noted(o, hopf ? saltus_hopf_cycle(o, start, apart[1][k], here, why)
+            status = saltus_orbits_noted(o, hopf ? hopf_cycle(o, start, apart[1][k], here, why)
                                                  : saltus_boundary_cycle(o, start, apart[0][k], here, why));
         return status;
     }
