@@ -11,6 +11,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What a diagram may show: the word in options, and the title of the axis, where the observed quantity may
+ * stand first. Orbits with their own periods have another title. */
+static const struct {
+    const char *word, *title, *own;
+    bool observed;
+} shown[] = {
+    [SALTUS_SHOW_SPEED] = {"speed", .title = "largest impact speed  |{/:Bold n·q′}|"},
+    [SALTUS_SHOW_IMPACTS] = {"impacts", .title = "speed of every impact  |{/:Bold n·q′}|"},
+    [SALTUS_SHOW_DISPLACEMENT] = {"displacement", "  at phase 0", "  at its maximum", .observed = true},
+    [SALTUS_SHOW_VELOCITY] = {"velocity", "  at phase 0", "  at its maximum", .observed = true},
+    [SALTUS_SHOW_PERIOD] = {"period", "period in {/:Italic T}", .own = "period"},
+    [SALTUS_SHOW_AMPLITUDE] = {"amplitude", .title = "  largest and smallest of an orbit", .observed = true}};
+
 /* The heading, and the parameters common to all files; parameters that differ have the values of the first
  * file. */
 static void put_caption(const saltus_plot_page *page, saltus_page *paper) {
@@ -61,19 +74,11 @@ static bool write_script(saltus_plot_page *page, saltus_page *paper) {
         saltus_line_parameter(&name[1], spec, o->key[1]);
     else {
         saltus_line *line = &name[!page->swap];
-        const saltus_show show = page->show;
-        const bool largest = show == SALTUS_SHOW_AMPLITUDE;
-        if (show == SALTUS_SHOW_DISPLACEMENT || show == SALTUS_SHOW_VELOCITY || largest) {
-            saltus_line_observed(line, page->system, show == SALTUS_SHOW_VELOCITY);
-            saltus_line_add(line, "%s",
-                            !largest       ? (page->cycles ? "  at its maximum" : "  at phase 0")
-                            : page->orbits ? "  largest and smallest of an orbit"
-                                           : "");
-        } else if (show == SALTUS_SHOW_PERIOD)
-            saltus_line_add(line, page->cycles ? "period" : "period in {/:Italic T}");
-        else
-            saltus_line_add(line, "%s  |{/:Bold n·q′}|",
-                            show == SALTUS_SHOW_IMPACTS ? "speed of every impact" : "largest impact speed");
+        const char *own = page->cycles ? shown[page->show].own : NULL;
+        if (shown[page->show].observed)
+            saltus_line_observed(line, page->system, page->show == SALTUS_SHOW_VELOCITY);
+        if (page->show != SALTUS_SHOW_AMPLITUDE || page->orbits)
+            saltus_line_add(line, "%s", own ? own : shown[page->show].title);
     }
     for (int axis = 0; axis < 2; axis++)
         saltus_page_axis(page->paper, axis ? "y" : "x", page->frame, page->logarithmic[axis], name[axis].text,
@@ -147,11 +152,9 @@ static void find_ranges(saltus_plot_page *page) {
 
 /* Which axes are logarithmic. */
 static saltus_status choose_scales(saltus_plot_page *page, saltus_message *message) {
-    static const char *const words[] = {"speed",    "speed",  "impacts",  "displacement",
-                                        "velocity", "period", "amplitude"};
     const saltus_branch_options *o = &page->files[0].options;
     const saltus_figure_options *look = &page->options->look;
-    const char *const keys[2] = {o->key[0], page->locus ? o->key[1] : words[page->show]};
+    const char *const keys[2] = {o->key[0], page->locus ? o->key[1] : shown[page->show].word};
     for (int k = 0; k < 2; k++)
         page->logarithmic[k != page->swap] = saltus_plot_logarithmic(look, keys[k]);
     for (int k = 0; k < look->logarithmic_count; k++)

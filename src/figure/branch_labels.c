@@ -286,13 +286,6 @@ static bool meets_curve(const places *all, const double from[2], const double to
     return false;
 }
 
-/* Whether a curve that does not pass the mark itself is between a mark and a word. */
-static bool is_cut_off(const places *all, place mark, place word) {
-    const double to[2] = {fmin(fmax(mark.x, word.x - word.half_width), word.x + word.half_width),
-                          fmin(fmax(mark.y, word.y - word.half_height), word.y + word.half_height)};
-    return meets_curve(all, (const double[2]){mark.x, mark.y}, to, 0.15);
-}
-
 /* Find a place that touches what is named. */
 static bool find_beside(const places *all, const naming *n, place *found) {
     static const double gaps[] = {0.2, 0.4, 0.6};
@@ -309,7 +302,13 @@ static bool find_beside(const places *all, const naming *n, place *found) {
                          score = clear + straight - 0.4 * gaps[g];
             if (clear < 0 || score <= best + much)
                 continue;
-            if (n->row && is_cut_off(all, n->own, wanted))
+            /* No curve that does not pass the mark itself may be between the mark and the word. */
+            const double from[2] = {n->own.x, n->own.y},
+                         to[2] = {
+                             fmin(fmax(from[0], wanted.x - wanted.half_width), wanted.x + wanted.half_width),
+                             fmin(fmax(from[1], wanted.y - wanted.half_height),
+                                  wanted.y + wanted.half_height)};
+            if (n->row && meets_curve(all, from, to, 0.15))
                 continue;
             best = score;
             *found = wanted;

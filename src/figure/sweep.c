@@ -159,8 +159,8 @@ static saltus_status open_observers(saltus_sweep_page *page, saltus_message *mes
 }
 
 /* Write the script and have it drawn. */
-static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message) {
-    saltus_status status = saltus_page_open(&page->paper, page->figure, &page->wish->look, message);
+static saltus_status draw_page(saltus_sweep_page *page, const char *figure, saltus_message *message) {
+    saltus_status status = saltus_page_open(&page->paper, figure, &page->wish->look, message);
     if (status != SALTUS_OK)
         return status;
     status = page->sweep->axis_count > 1 ? saltus_sweep_put_map(page, message)
@@ -168,28 +168,14 @@ static saltus_status draw_page(saltus_sweep_page *page, saltus_message *message)
     return saltus_page_close(&page->paper, status, message);
 }
 
-/* Whether two systems of the same structure differ in a value that no axis varies; *key names it. */
-static bool differ(const saltus_spec *a, const saltus_sweep_file *sweep, char key[SALTUS_KEY_MAX]) {
-    const double rounding = 1e-9;
-    const saltus_spec *b = &sweep->spec;
-    const char *const axes[2] = {sweep->axes[0].key, sweep->axis_count > 1 ? sweep->axes[1].key : ""};
-    saltus_plot_value own, other;
-    for (int k = 0; saltus_plot_value_of(a, k, axes, &own) && saltus_plot_value_of(b, k, axes, &other); k++)
-        if (!own.on_axis &&
-            !(fabs(own.value - other.value) <= rounding * fmax(fabs(own.value), fabs(other.value)))) {
-            strcpy(key, own.sides ? "sides" : own.key);
-            return true;
-        }
-    return false;
-}
-
 /* Check that a branch file fits the sweep: periodic orbits over the one axis, or a locus over both axes (in
  * either order, exchanged if needed), of a system that is otherwise equal. */
 static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_file *file, const char *path,
                                   saltus_message *message) {
     const saltus_spec *spec = &page->sweep->spec;
-    const char *const *keys = (const char *const[2]){page->x.key, page->y.key};
+    const double rounding = 1e-9;
     bool two = page->sweep->axis_count > 1, locus = file->options.locus != SALTUS_POINT_REGULAR;
+    const char *const keys[2] = {page->x.key, two ? page->y.key : ""};
     if (two && locus && strcmp(file->options.key[0], keys[0]) != 0)
         saltus_plot_turn(file);
     if (locus != two || strcmp(file->options.key[0], keys[0]) != 0 ||
@@ -197,18 +183,22 @@ static saltus_status check_branch(const saltus_sweep_page *page, saltus_branch_f
         return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: %s in %s%s%s, the sweep is over %s%s%s", path,
                            locus ? "are special points" : "are periodic orbits", file->options.key[0],
                            locus ? " and " : "", locus ? file->options.key[1] : "", keys[0],
-                           two ? " and " : "", two ? keys[1] : "");
+                           two ? " and " : "", keys[1]);
     if (!saltus_model_same(file->spec.model, spec->model) || file->spec.stop_count != spec->stop_count)
         return saltus_fail(message, SALTUS_BAD_INPUT,
                            "%.200s: is of another structure than the sweep (model or stops differ)", path);
-    char key[SALTUS_KEY_MAX];
-    if (differ(&file->spec, page->sweep, key))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: has another %s than the sweep", path, key);
+    saltus_plot_value own, its;
+    for (int k = 0;
+         saltus_plot_value_of(&file->spec, k, keys, &own) && saltus_plot_value_of(spec, k, keys, &its); k++)
+        if (!own.on_axis &&
+            !(fabs(own.value - its.value) <= rounding * fmax(fabs(own.value), fabs(its.value))))
+            return saltus_fail(message, SALTUS_BAD_INPUT, "%.200s: has another %s than the sweep", path,
+                               own.sides ? "sides" : own.key);
     return SALTUS_OK;
 }
 
 /* Read the branch files and draw them with the sweep; their vertical coordinate follows the view. */
-static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message) {
+static saltus_status draw_over(saltus_sweep_page *page, const char *figure, saltus_message *message) {
     static const saltus_show shows[SALTUS_VIEW_SETTLED + 1] = {[SALTUS_VIEW_IMPACTS] = SALTUS_SHOW_IMPACTS,
                                                                [SALTUS_VIEW_SPEED] = SALTUS_SHOW_SPEED,
                                                                [SALTUS_VIEW_STROBOSCOPIC] =
@@ -254,7 +244,7 @@ static saltus_status draw_over(saltus_sweep_page *page, saltus_message *message)
     if (status == SALTUS_OK)
         status = saltus_plot_open(&curves, message);
     if (status == SALTUS_OK)
-        status = draw_page(page, message);
+        status = draw_page(page, figure, message);
     saltus_plot_close(&curves);
     for (int k = 0; k < read; k++)
         saltus_branch_file_clear(&files[k]);
@@ -281,7 +271,6 @@ saltus_status saltus_plot_sweep(const char *figure, const char *path, const salt
     saltus_sweep_page page = {.sweep = &sweep,
                               .wish = view,
                               .path = path,
-                              .figure = figure,
                               .view = choose_view(&sweep, view->view),
                               .swap = view->look.swap && sweep.axis_count == 1,
                               .system = system};
@@ -292,7 +281,7 @@ saltus_status saltus_plot_sweep(const char *figure, const char *path, const salt
     if (status == SALTUS_OK)
         status = open_observers(&page, message);
     if (status == SALTUS_OK)
-        status = view->branch_count ? draw_over(&page, message) : draw_page(&page, message);
+        status = view->branch_count ? draw_over(&page, figure, message) : draw_page(&page, figure, message);
     saltus_cells_close(&page.x);
     saltus_cells_close(&page.y);
     saltus_classes_close(&page.classes);

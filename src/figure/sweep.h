@@ -68,7 +68,7 @@ typedef struct saltus_sweep_page {
     saltus_page paper;
     const saltus_sweep_file *sweep;
     const saltus_sweep_view *wish;
-    const char *path, *figure;
+    const char *path;
     saltus_view view;
     const saltus_system *system;
     saltus_cells x, y; /* the first axis and, on maps, the second */
@@ -83,7 +83,7 @@ typedef struct saltus_sweep_page {
     int observer_count;
     saltus_classes classes;
     saltus_frame frame;
-    const saltus_plot_page *branches; /* branches over a diagram; NULL: none */
+    saltus_plot_page *branches; /* drawn over the figure; NULL: none */
 } saltus_sweep_page;
 
 /* The word of a view in --view. */
@@ -100,9 +100,6 @@ double saltus_sweep_shown(const saltus_sweep_page *page, int column, int row);
 /* The number of rows of a grid point, passes times seeds, and the k-th of them. */
 int saltus_sweep_visits(const saltus_sweep_file *sweep);
 long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, int k);
-/* The most frequent class among a point's rows that tell of a motion or, without any, the first that is not
- * pending; *several: the point has more than one attractor. */
-int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several);
 
 /* sweep_page.c: texts and legend entries. */
 void saltus_sweep_caption(saltus_sweep_page *page);
@@ -127,9 +124,8 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
 /* The classes along the axis as a strip with names, one band per pass, as a complete panel. */
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame);
 /* A legend for the classes shown whose names did not fit into a strip as long as `frame`, from `top`
- * downwards and as wide as that; drawn only if `drawn`. *height receives the height of its rows. False if out
- * of memory. */
-bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top, bool drawn,
-                                   double *height);
+ * downwards and as wide as that; drawn only if `drawn`. Returns the height of its rows; -1: no memory. */
+double saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top,
+                                     bool drawn);
 
 #endif

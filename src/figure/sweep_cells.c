@@ -273,28 +273,3 @@ long long saltus_sweep_visit(const saltus_sweep_file *sweep, long long point, in
     int seeds = sweep->options.seeds;
     return ((k / seeds) * sweep->points + point) * seeds + k % seeds;
 }
-
-int saltus_sweep_class_at(const saltus_sweep_page *page, long long point, bool *several) {
-    int visits = saltus_sweep_visits(page->sweep), most = 0, winner = -1, first = -1, nothing = -1;
-    *several = false;
-    for (int k = 0; k < visits; k++) {
-        long long row = saltus_sweep_visit(page->sweep, point, k);
-        const saltus_verdict verdict = (saltus_verdict)page->sweep->rows[row].verdict;
-        int own = page->classes.of_row[row], same = 0;
-        if (saltus_verdict_nothing(verdict)) {
-            nothing = nothing < 0 && verdict != SALTUS_PENDING ? own : nothing;
-            continue;
-        }
-        first = first < 0 ? own : first;
-        for (int j = 0; j < visits; j++)
-            same += page->classes.of_row[saltus_sweep_visit(page->sweep, point, j)] == own;
-        *several |= (!page->sweep->basins && page->sweep->rows[row].attractor > 0) || own != first;
-        if (same <= most)
-            continue;
-        most = same;
-        winner = own;
-    }
-    return winner >= 0    ? winner
-           : nothing >= 0 ? nothing
-                          : page->classes.of_row[saltus_sweep_visit(page->sweep, point, 0)];
-}

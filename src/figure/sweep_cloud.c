@@ -70,7 +70,7 @@ static double axis_value(const saltus_sweep_page *page, int k) {
 
 /* The first row of a pass at the sorted cell k. */
 static long long row_of(const saltus_sweep_page *page, int pass, int k) {
-    return (pass * page->sweep->points + page->x.order[k]) * page->sweep->options.seeds;
+    return saltus_sweep_visit(page->sweep, page->x.order[k], pass * page->sweep->options.seeds);
 }
 
 /* A walk over the points of a pass in the cells from one to before another. */
@@ -530,39 +530,36 @@ static saltus_frame whole_frame(const saltus_sweep_page *page, double below) {
 }
 
 /* The height of the legend of classes: below it lies the strip, if that is upright, and the shorter the strip
- * the fewer names have room in it. */
-static bool legend_height(const saltus_sweep_page *page, saltus_frame frame, double *height) {
+ * the fewer names have room in it. -1: no memory. */
+static double legend_height(const saltus_sweep_page *page) {
     enum { most = 8 };
-    double last = -1;
-    bool sound = true;
-    *height = 0;
-    for (int k = 0; k < most && sound && *height != last; k++) {
-        saltus_frame rest = frame;
-        last = *height;
+    double height = 0, last = -1;
+    for (int k = 0; k < most && height != last; k++) {
+        saltus_frame rest = page->frame;
+        last = height;
         rest.top -= page->swap ? last : 0;
-        sound = saltus_sweep_put_strip_legend(page, rest, 0, false, height);
-        *height = fmax(*height, last);
+        const double found = saltus_sweep_put_strip_legend(page, rest, 0, false);
+        if (found < 0)
+            return found;
+        height = fmax(found, last);
     }
-    return sound;
+    return height;
 }
 
 /* Place the diagram, the strip of classes below it or, if it is upright, to its left, and the legends
  * needed. */
-static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, saltus_frame *strip) {
+static bool place_frames(saltus_sweep_page *page, saltus_frame *strip) {
     const double band = 20, apart = 7, above = page->sweep->pass_count > 1 ? 42 : 6;
-    saltus_page *paper = &page->paper;
-    double height = 0, drawn;
     page->frame = whole_frame(page, 26.4);
     if (page->branches)
-        page->frame.top -= saltus_plot_legend(curves, page->frame.right - page->frame.left, true);
+        page->frame.top -= saltus_plot_legend(page->branches, page->frame.right - page->frame.left, true);
     else if (page->sweep->pass_count > 1) {
-        saltus_page_legend(paper, pass_rows(page));
+        saltus_page_legend(&page->paper, pass_rows(page));
         page->frame.top -= 3 + 19 * pass_rows(page);
     }
     const double top = page->frame.top + 22;
     page->frame.top -= page->swap ? above : 0; /* names of stops and passes */
-    if (!legend_height(page, page->frame, &height))
-        return false;
+    const double height = legend_height(page);
     page->frame.top -= height;
     const saltus_frame whole = *strip = page->frame;
     if (page->swap) {
@@ -572,26 +569,23 @@ static bool place_frames(saltus_sweep_page *page, saltus_plot_page *curves, salt
         strip->top = page->frame.bottom + band * page->sweep->pass_count;
         page->frame.bottom = strip->top + apart;
     }
-    return saltus_sweep_put_strip_legend(page, whole, top, true, &drawn);
+    return height >= 0 && saltus_sweep_put_strip_legend(page, whole, top, true) >= 0;
 }
 
 /* Increase a free page height by that of the legends. */
 static bool choose_height(saltus_sweep_page *page) {
-    double height = 0;
     if (!page->paper.free_height)
         return true;
     page->frame = whole_frame(page, 0);
-    bool sound = saltus_sweep_put_strip_legend(page, page->frame, 0, false, &height);
-    page->paper.height +=
-        height + 19 * (pass_rows(page) - 1) +
-        (page->branches ? saltus_plot_legend(page->branches, page->frame.right - page->frame.left, false)
-                        : 0);
-    return sound;
+    const double height = saltus_sweep_put_strip_legend(page, page->frame, 0, false);
+    page->paper.height += height + 19 * (pass_rows(page) - 1);
+    if (page->branches)
+        page->paper.height += saltus_plot_legend(page->branches, page->frame.right - page->frame.left, false);
+    return height >= 0;
 }
 
 saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *message) {
     saltus_raster rasters[SALTUS_PASSES] = {{0}};
-    saltus_plot_page curves;
     saltus_frame strip;
     saltus_line name = {.length = 0};
     FILE *file = page->paper.file;
@@ -609,17 +603,14 @@ saltus_status saltus_sweep_put_diagram(saltus_sweep_page *page, saltus_message *
         put_points(page);
     if (linked(page, dense))
         put_links(page);
-    if (page->branches) {
-        curves = *page->branches;
-        *(page->swap ? &curves.x : &curves.y) = page->up;
-    }
+    if (page->branches)
+        *(page->swap ? &page->branches->x : &page->branches->y) = page->up;
     fputs("set multiplot\n", file);
     saltus_page_caption(&page->paper);
-    sound = sound && place_frames(page, &curves, &strip);
+    sound = sound && place_frames(page, &strip);
     if (page->branches) {
-        curves.frame = page->frame;
-        page->branches = &curves;
-        sound = saltus_plot_data(&curves) && sound;
+        page->branches->frame = page->frame;
+        sound = saltus_plot_data(page->branches) && sound;
     }
     if (page->view == SALTUS_VIEW_LYAPUNOV)
         put_exponents(page, dense);

@@ -55,6 +55,33 @@ bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind) {
     return map->page->view == SALTUS_VIEW_CLASS && map->page->classes.list[kind].verdict == SALTUS_PERIODIC;
 }
 
+/* The most frequent class among a point's rows that tell of a motion or, without any, the first that is not
+ * pending; *several: the point has more than one attractor. */
+static int class_at(const saltus_sweep_page *page, long long point, bool *several) {
+    int visits = saltus_sweep_visits(page->sweep), most = 0, winner = -1, first = -1, nothing = -1;
+    *several = false;
+    for (int k = 0; k < visits; k++) {
+        long long row = saltus_sweep_visit(page->sweep, point, k);
+        const saltus_verdict verdict = (saltus_verdict)page->sweep->rows[row].verdict;
+        int own = page->classes.of_row[row], same = 0;
+        if (saltus_verdict_nothing(verdict)) {
+            nothing = nothing < 0 && verdict != SALTUS_PENDING ? own : nothing;
+            continue;
+        }
+        first = first < 0 ? own : first;
+        for (int j = 0; j < visits; j++)
+            same += page->classes.of_row[saltus_sweep_visit(page->sweep, point, j)] == own;
+        *several |= (!page->sweep->basins && page->sweep->rows[row].attractor > 0) || own != first;
+        if (same <= most)
+            continue;
+        most = same;
+        winner = own;
+    }
+    return winner >= 0    ? winner
+           : nothing >= 0 ? nothing
+                          : page->classes.of_row[saltus_sweep_visit(page->sweep, point, 0)];
+}
+
 static bool find_classes(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
     const saltus_sweep_file *sweep = page->sweep;
@@ -71,7 +98,7 @@ static bool find_classes(saltus_sweep_map *map) {
     }
     for (long long p = 0; p < sweep->points; p++) {
         bool several;
-        map->kind[p] = saltus_sweep_class_at(page, p, &several);
+        map->kind[p] = class_at(page, p, &several);
         map->several[p] = several;
     }
     add_shares(map);
@@ -264,30 +291,4 @@ bool saltus_sweep_map_open(saltus_sweep_map *map) {
             : view != SALTUS_VIEW_ATTRACTORS ? find_numbers
             : map->page->sweep->basins       ? find_basins
                                              : find_counts)(map);
-}
-
-void saltus_sweep_map_put_orbits(const saltus_sweep_map *map) {
-    const saltus_sweep_file *sweep = map->page->sweep;
-    int across = saltus_system_state_index(map->page->system, map->page->x.key),
-        up = saltus_system_state_index(map->page->system, map->page->y.key);
-    for (int k = 0; k < sweep->attractor_count; k++) {
-        fprintf(map->page->paper.file, "$orbit_%d << EOD\n# stroboscopic points of an attractor\nNaN NaN\n",
-                k);
-        for (long long p = 0; p < sweep->attractor_points[k]; p++) {
-            const double *state =
-                sweep->attractor_states + (sweep->attractor_first[k] + p) * sweep->dimension;
-            if (across >= 0 && up >= 0)
-                fprintf(map->page->paper.file, "%.9g %.9g\n", state[across], state[up]);
-        }
-        fputs("EOD\n", map->page->paper.file);
-    }
-}
-
-void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map) {
-    for (int k = 0; k < map->page->sweep->attractor_count; k++)
-        fprintf(map->page->paper.file,
-                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#%s' notitle"
-                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.2 lc rgb '#%06x' notitle",
-                k, saltus_colour_light(map->kinds[k].paint.colour) ? "101010" : "ffffff", k,
-                (unsigned)map->kinds[k].paint.colour);
 }

@@ -354,6 +354,34 @@ static void put_legend(saltus_sweep_map *map) {
     }
 }
 
+/* The orbits of basins as points in the plane. */
+static void put_orbits(const saltus_sweep_map *map) {
+    const saltus_sweep_page *page = map->page;
+    const saltus_sweep_file *sweep = page->sweep;
+    FILE *file = page->paper.file;
+    const int across = saltus_system_state_index(page->system, page->x.key),
+              up = saltus_system_state_index(page->system, page->y.key);
+    for (int k = 0; k < sweep->attractor_count; k++) {
+        fprintf(file, "$orbit_%d << EOD\n# stroboscopic points of an attractor\nNaN NaN\n", k);
+        for (long long p = 0; p < sweep->attractor_points[k]; p++) {
+            const double *state =
+                sweep->attractor_states + (sweep->attractor_first[k] + p) * sweep->dimension;
+            if (across >= 0 && up >= 0)
+                fprintf(file, "%.9g %.9g\n", state[across], state[up]);
+        }
+        fputs("EOD\n", file);
+    }
+}
+
+static void put_orbit_elements(const saltus_sweep_map *map) {
+    for (int k = 0; k < map->page->sweep->attractor_count; k++)
+        fprintf(map->page->paper.file,
+                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.7 lc rgb '#%s' notitle"
+                ", \\\n     $orbit_%d using 1:2 with points pt 7 ps 1.2 lc rgb '#%06x' notitle",
+                k, saltus_colour_light(map->kinds[k].paint.colour) ? "101010" : "ffffff", k,
+                (unsigned)map->kinds[k].paint.colour);
+}
+
 /* Names, marks, the map itself, its axes and anything drawn over it. */
 static bool put_panel(saltus_sweep_map *map) {
     const saltus_sweep_page *page = map->page;
@@ -390,7 +418,7 @@ static bool put_panel(saltus_sweep_map *map) {
     fputs("unset grid\nset border 15\nplot ", file);
     saltus_raster_element(file, &map->raster, "x2y2");
     if (page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins)
-        saltus_sweep_map_put_orbit_elements(map);
+        put_orbit_elements(map);
     if (page->branches) {
         fputs(", \\\n", file);
         saltus_plot_elements(page->branches);
@@ -458,7 +486,6 @@ static bool put_bar(const saltus_sweep_map *map) {
 saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *message) {
     saltus_sweep_map map = {.page = page};
     saltus_page *paper = &page->paper;
-    saltus_plot_page curves;
     const bool basins = page->view == SALTUS_VIEW_ATTRACTORS && page->sweep->basins,
                narrow = saltus_page_narrow(paper);
     bool sound = saltus_sweep_map_open(&map);
@@ -481,7 +508,7 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     saltus_sweep_caption(page);
     saltus_page_begin(paper);
     if (sound && basins)
-        saltus_sweep_map_put_orbits(&map);
+        put_orbits(&map);
     fputs("set multiplot\n", page->paper.file);
     saltus_page_caption(paper);
     page->frame = saltus_page_rest(paper, map.kind ? 26.4 : 38.4);
@@ -489,11 +516,9 @@ saltus_status saltus_sweep_put_map(saltus_sweep_page *page, saltus_message *mess
     page->frame.right = right;
     page->frame.bottom += narrow ? below : 2.4;
     if (page->branches) {
-        curves = *page->branches;
-        page->frame.top -= saltus_plot_legend(&curves, right - left, true);
-        curves.frame = page->frame;
-        page->branches = &curves;
-        sound = saltus_plot_data(&curves) && sound;
+        page->frame.top -= saltus_plot_legend(page->branches, right - left, true);
+        page->branches->frame = page->frame;
+        sound = saltus_plot_data(page->branches) && sound;
     }
     sound = sound && paint(&map) && put_panel(&map) && (map.kind || put_bar(&map));
     fputs("unset multiplot\n", page->paper.file);

@@ -41,8 +41,5 @@ bool saltus_sweep_map_periodic(const saltus_sweep_map *map, int kind);
 /* sweep_kinds.c: find what the view shows: `kinds`, `kind` and `several`, or `number` with its range. False
  * if out of memory. */
 bool saltus_sweep_map_open(saltus_sweep_map *map);
-/* The orbits of basins as points in the plane: their data, before the plot command, and its elements. */
-void saltus_sweep_map_put_orbits(const saltus_sweep_map *map);
-void saltus_sweep_map_put_orbit_elements(const saltus_sweep_map *map);
 
 #endif

@@ -190,5 +190,5 @@ void saltus_sweep_put_entry(const saltus_sweep_page *page, double x, double y, s
 
 /* One pixel per unit on screens; two in files that may be enlarged. */
 int saltus_sweep_fineness(const saltus_sweep_page *page) {
-    return saltus_path_ends(page->figure, ".png") && page->wish->look.width == 0 ? 1 : 2;
+    return saltus_path_ends(page->paper.path, ".png") && page->paper.look.width == 0 ? 1 : 2;
 }

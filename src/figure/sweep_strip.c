@@ -117,21 +117,18 @@ static bool paint(const saltus_sweep_page *page, saltus_raster *raster) {
     return sound;
 }
 
-/* Count the rows of each class in the visible part; returns how many there are in all. */
-static long long count_shown(const saltus_sweep_page *page, int width, long long *shown) {
-    const int seeds = page->sweep->options.seeds;
+/* Count the rows of each class in the visible part. */
+static void count_shown(const saltus_sweep_page *page, int width, long long *shown) {
+    const saltus_sweep_file *sweep = page->sweep;
     int begin = page->x.count, end = -1;
     for (int pixel = 0, first, last; pixel < width; pixel++)
         if (saltus_cells_at(&page->x, width, pixel, &first, &last)) {
             begin = first < begin ? first : begin;
             end = last > end ? last : end;
         }
-    for (int pass = 0; pass < page->sweep->pass_count; pass++)
+    for (int k = 0; k < saltus_sweep_visits(sweep); k++)
         for (int cell = begin; cell <= end; cell++)
-            for (int seed = 0; seed < seeds; seed++)
-                shown[page->classes
-                          .of_row[(pass * page->sweep->points + page->x.order[cell]) * seeds + seed]]++;
-    return end < begin ? 0 : (long long)(end - begin + 1) * page->sweep->pass_count * seeds;
+            shown[page->classes.of_row[saltus_sweep_visit(sweep, page->x.order[cell], k)]]++;
 }
 
 /* Find the classes that have a name in the strip. */
@@ -152,51 +149,51 @@ static bool find_named(const saltus_sweep_page *page, int width, bool *named) {
 }
 
 /* The most frequent classes, in a few rows. */
-bool saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top, bool drawn,
-                                   double *height) {
+double saltus_sweep_put_strip_legend(const saltus_sweep_page *page, saltus_frame frame, double top,
+                                     bool drawn) {
     enum { rows_most = 8 };
     const double row = 25, apart = 30, letter = 9.6;
     size_t count = (size_t)page->classes.count + 1;
     const int width = pixels_along(page, frame);
     long long *shown = calloc(count, sizeof *shown), most = 0, rows = 0;
     bool *named = calloc(count, sizeof *named), sound = shown && named && find_named(page, width, named);
-    double x = frame.left;
+    double x = frame.left, height = 0;
     int left_out = 0;
     if (sound)
-        rows = count_shown(page, width, shown);
-    *height = 0;
+        count_shown(page, width, shown);
     for (int k = 0; k < page->classes.count && sound; k++) {
         const saltus_sweep_class *c = &page->classes.list[k];
         char label[64];
+        rows += shown[k];
         if (!shown[k] || named[k])
             continue;
         saltus_sweep_word_class(c, label);
         double own = apart + letter * (double)strlen(label) + 14;
         if (x + own > frame.right && x > frame.left)
             x = frame.left;
-        if (left_out || (x == frame.left && *height == rows_most * row)) {
+        if (left_out || (x == frame.left && height == rows_most * row)) {
             left_out++;
             most = shown[k] > most ? shown[k] : most;
             continue;
         }
         if (x == frame.left)
-            *height += row;
+            height += row;
         if (drawn)
-            saltus_sweep_put_entry(page, x, top - *height, c->paint, false, label, "");
+            saltus_sweep_put_entry(page, x, top - height, c->paint, false, label, "");
         x += own;
     }
     if (left_out)
-        *height += row;
+        height += row;
     if (left_out && drawn) { /* how many there are, and the largest share of one of them */
         saltus_line words = {.length = 0};
         saltus_line_add(&words, "and %d more, %s%.2g %%", left_out, left_out > 1 ? "none above " : "",
                         100 * ((double)most / (double)rows));
-        saltus_page_label(&page->paper, words.text, frame.left, top - *height + 9,
+        saltus_page_label(&page->paper, words.text, frame.left, top - height + 9,
                           "left front font ',%.4g' tc rgb '#404040'", saltus_page_type(&page->paper, 10.5));
     }
     free(shown);
     free(named);
-    return sound;
+    return sound ? height : -1;
 }
 
 bool saltus_sweep_put_strip(const saltus_sweep_page *page, saltus_frame frame) {
