@@ -84,22 +84,6 @@ static const char *hue_colour(const saltus_plot_page *page, int hue) {
     return page->locus ? marks[saltus_plot_locus(hue)].colour : hues[hue];
 }
 
-enum { name_lines = 6 };
-
-/* Break a file's name in the legend into lines: their lengths in bytes. Returns how many there are. */
-static int name_file(const saltus_plot_page *page, int file, saltus_line *name, size_t length[name_lines]) {
-    const double before = 64, em = 15.2; /* the sample and margins; the height of the type */
-    int lines = 0;
-    *name = (saltus_line){.length = 0};
-    saltus_line_plain(name, page->files[file].scene);
-    saltus_plot_add_differences(page, file, name);
-    for (const char *rest = name->text; *rest && lines < name_lines; rest += length[lines++]) {
-        length[lines] = saltus_line_piece(rest, (page->paper->width - before) / em);
-        length[lines] += strspn(rest + length[lines], " ");
-    }
-    return lines;
-}
-
 /* Lay the marks of codimension two out in rows of this width below `top`, and write them if `put`; returns
  * how many rows there are. */
 static int lay_pairs(const saltus_plot_page *page, const content *c, double width, double top, bool put) {
@@ -128,15 +112,37 @@ static int lay_pairs(const saltus_plot_page *page, const content *c, double widt
     return rows;
 }
 
-/* The letters of an entry of the key, if it is longer than those before. */
-static double longer(double letters, const char *text) {
-    return fmax(letters, (double)strlen(text));
+/* Write a file's name, broken into lines, as entries of the key, or only count them (`script` NULL); returns
+ * how many there are. *longest is raised to the letters of the longest. */
+static int put_file_name(const saltus_plot_page *page, int file, FILE *script, double *longest) {
+    enum { most = 6 };
+    const double before = 64, em = 15.2; /* the sample and margins; the height of the type */
+    const double narrowest = 0.5;        /* letter */
+    saltus_line name = {.length = 0}, piece;
+    int lines = 0;
+    saltus_line_plain(&name, page->files[file].scene);
+    saltus_plot_add_differences(page, file, &name);
+    for (const char *rest = name.text; *rest && lines < most; rest += piece.length, lines++) {
+        size_t length = saltus_line_piece(rest, (page->paper->width - before) / em);
+        length += strspn(rest + length, " ");
+        piece.length = 0;
+        saltus_line_add(&piece, "%.*s", (int)length, rest);
+        *longest = fmax(*longest, saltus_line_width(piece.text) / narrowest);
+        if (!script)
+            continue;
+        if (lines == 0)
+            fprintf(script, "     NaN with lines lw 2.6 lc rgb '%s' title ", hues[file % SALTUS_HUES]);
+        else
+            fputs("     NaN with lines lt nodraw title ", script);
+        saltus_put_quoted(script, piece.text, piece.length);
+        fputs(", \\\n", script);
+    }
+    return lines;
 }
 
 /* Write the entries of the key, which gnuplot lays out, into a plot command, or only count them (`script`
  * NULL). Returns how many there are; *longest: the letters of the longest. */
 static int put_key(const saltus_plot_page *page, const content *c, FILE *script, double *longest) {
-    const double narrowest = 0.5; /* letter */
     int entries = 0;
     *longest = 1;
     for (int hue = 0; hue < SALTUS_HUES && page->locus; hue++) {
@@ -148,26 +154,8 @@ static int put_key(const saltus_plot_page *page, const content *c, FILE *script,
                     marks[kind].meaning);
         entries += c->hue[hue];
     }
-    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++) {
-        saltus_line name, piece;
-        size_t length[name_lines];
-        const int lines = name_file(page, i, &name, length);
-        const char *rest = name.text;
-        for (int k = 0; k < lines; rest += length[k++]) {
-            piece.length = 0;
-            saltus_line_add(&piece, "%.*s", (int)length[k], rest);
-            *longest = fmax(*longest, saltus_line_width(piece.text) / narrowest);
-            if (!script)
-                continue;
-            if (k == 0)
-                fprintf(script, "     NaN with lines lw 2.6 lc rgb '%s' title ", hues[i % SALTUS_HUES]);
-            else
-                fputs("     NaN with lines lt nodraw title ", script);
-            saltus_put_quoted(script, rest, length[k]);
-            fputs(", \\\n", script);
-        }
-        entries += lines;
-    }
+    for (int i = 0; i < page->count && page->count > 1 && !page->locus; i++)
+        entries += put_file_name(page, i, script, longest);
     for (int stroke = 0; stroke < SALTUS_STROKES; stroke++) {
         const stroke_look *look = &strokes[page->locus][stroke];
         if (!c->stroke[stroke] || !*look->meaning)
@@ -175,7 +163,7 @@ static int put_key(const saltus_plot_page *page, const content *c, FILE *script,
         if (script)
             fprintf(script, "     NaN with lines %s lc rgb '#404040' title '%s', \\\n", look->line,
                     look->meaning);
-        *longest = longer(*longest, look->meaning);
+        *longest = fmax(*longest, (double)strlen(look->meaning));
         entries++;
     }
     for (int kind = SALTUS_POINT_LP; kind < SALTUS_POINT_CP; kind++) {
@@ -184,7 +172,7 @@ static int put_key(const saltus_plot_page *page, const content *c, FILE *script,
         if (script)
             fprintf(script, "     NaN with points pt %d ps %g lw 1.6 lc rgb '%s' title '%s', \\\n",
                     marks[kind].point_type, marks[kind].size, marks[kind].colour, marks[kind].meaning);
-        *longest = longer(*longest, marks[kind].meaning);
+        *longest = fmax(*longest, (double)strlen(marks[kind].meaning));
         entries++;
     }
     return entries;

@@ -23,8 +23,9 @@ void saltus_line_add(saltus_line *l, const char *format, ...) {
     va_end(arguments);
 }
 
-void saltus_line_next(saltus_line *l) {
+saltus_line *saltus_line_next(saltus_line *l) {
     saltus_line_add(l, "%s", l->length ? ";  " : "");
+    return l;
 }
 
 void saltus_line_plain(saltus_line *l, const char *text) {

@@ -18,8 +18,8 @@ typedef struct saltus_line {
 /* Append to the text. */
 void saltus_line_add(saltus_line *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void saltus_line_add_list(saltus_line *l, const char *format, va_list arguments);
-/* Append a separator ";  " unless the line is empty. */
-void saltus_line_next(saltus_line *l);
+/* Append a separator ";  " unless the line is empty; returns the line. */
+saltus_line *saltus_line_next(saltus_line *l);
 /* Text from a user's file, as it stands: what would be markup in enhanced text is escaped. */
 void saltus_line_plain(saltus_line *l, const char *text);
 /* A number formatted with one conversion, also amid a few words, with a minus sign and an exponent as a power

@@ -109,10 +109,9 @@ static void put_caption(saltus_page *page, const saltus_scene *scene, const salt
         saltus_line_add(head, "  (interrupted)");
     if (!l->precise)
         saltus_line_add(doubt, "the precision asked for, %.3g %%, was not reached", 100 * precision);
-    if (!l->agree) {
-        saltus_line_next(doubt);
-        saltus_line_add(doubt, "the trajectories do not agree: they do not measure the same motion");
-    }
+    if (!l->agree)
+        saltus_line_add(saltus_line_next(doubt),
+                        "the trajectories do not agree: they do not measure the same motion");
 }
 
 saltus_status saltus_convergence_check(const char *path, saltus_message *message) {

@@ -43,13 +43,10 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         saltus_line_add(l, " and ");
         saltus_line_uncertain(l, e->half[1], e->half_errors[1]);
     }
-    if (isfinite(e->zero_one)) {
-        saltus_line_next(l);
-        saltus_line_number(l, "0–1 test %.3f", e->zero_one);
-    }
+    if (isfinite(e->zero_one))
+        saltus_line_number(saltus_line_next(l), "0–1 test %.3f", e->zero_one);
     if (isfinite(e->dimension)) {
-        saltus_line_next(l);
-        saltus_line_add(l, "correlation dimension ");
+        saltus_line_add(saltus_line_next(l), "correlation dimension ");
         saltus_line_uncertain(l, e->dimension, e->dimension_error);
     }
     if (isfinite(e->broadband)) {
@@ -60,14 +57,11 @@ static void add_evidence(saltus_line *l, const saltus_motion *m) {
         else
             saltus_line_add(l, "broadband fraction %.1f·10^{−%.0f}", e->broadband / pow(10, power), -power);
     }
-    if (e->lifetime_at_least > 0) {
-        saltus_line_next(l);
-        saltus_line_add(l, "mean lifetime at least %.0f {/:Italic T}", e->lifetime_at_least);
-    }
-    if (isfinite(e->impacts_per_period)) { /* complete chatter has no number */
-        saltus_line_next(l);
-        saltus_line_add(l, "%.4g impacts per {/:Italic T}", e->impacts_per_period);
-    }
+    if (e->lifetime_at_least > 0)
+        saltus_line_add(saltus_line_next(l), "mean lifetime at least %.0f {/:Italic T}",
+                        e->lifetime_at_least);
+    if (isfinite(e->impacts_per_period)) /* complete chatter has no number */
+        saltus_line_add(saltus_line_next(l), "%.4g impacts per {/:Italic T}", e->impacts_per_period);
 }
 
 /* The leading multipliers; a complex pair is written once, with its modulus. */
