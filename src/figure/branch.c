@@ -106,7 +106,7 @@ static void choose_measure(saltus_plot_page *page) {
         page->show = page->cycles ? SALTUS_SHOW_AMPLITUDE
                      : hits       ? SALTUS_SHOW_SPEED
                                   : SALTUS_SHOW_DISPLACEMENT;
-    page->turning = page->amplitude = !page->locus && page->show == SALTUS_SHOW_AMPLITUDE;
+    page->turning = !page->locus && page->show == SALTUS_SHOW_AMPLITUDE;
 }
 
 /* Add margins around the values of an axis. */

@@ -47,11 +47,9 @@ typedef struct saltus_plot_page {
     const saltus_system *system; /* of the first file's start */
     bool locus;                  /* loci over two parameters */
     bool turning;                /* displacements at turning points instead of `show` */
-    bool amplitude;              /* of the turning points only the largest and the smallest of each orbit */
     bool swap;                   /* exchange the axes: the parameter is vertical */
     bool rests, orbits, cycles;  /* there are equilibria; orbits; orbits with their own periods */
-    bool over_map;               /* curves are drawn over a coloured map and get a white rim */
-    bool over_sweep;             /* curves are drawn over a map or a cloud: names get a white ground */
+    bool over_sweep;             /* drawn over a map or a cloud: names get a white ground, loci a white rim */
     bool logarithmic[2];         /* horizontal and vertical axis */
     saltus_show show;
     const saltus_plot_options *options;

@@ -199,7 +199,7 @@ static void put_curves(const saltus_plot_page *page, const content *c) {
         for (int hue = 0; hue < SALTUS_HUES; hue++) {
             if (!c->hue[hue])
                 continue;
-            if (page->over_map)
+            if (page->locus && page->over_sweep)
                 fprintf(page->paper->file,
                         "     $curve_%d_%d using 1:2 with lines lw %s lc rgb '#ffffff' notitle, \\\n", hue,
                         stroke, stroke ? "4" : "5.4");

@@ -661,23 +661,24 @@ void saltus_plot_labels(const saltus_plot_page *page, saltus_plot_block *block, 
     places all = {.page = page,
                   .wide = (page->frame.right - page->frame.left) / word_height,
                   .high = (page->frame.top - page->frame.bottom) / word_height};
+    const bool over_map = page->locus && page->over_sweep;
     const int few = (int)fmax(6, all.wide * all.high / 130); /* the more, the larger the panel */
     find_pieces(&all);
     name_regions(&all);
     find_points(&all);
     /* On a map the colours identify the motions; on loci the names of points come first. */
-    if (!page->over_map && !page->locus)
+    if (!over_map && !page->locus)
         name_stretches(&all, true);
     const int stable = all.unnamed_stretch_count;
     name_points(&all, BESIDE, places_max);
-    if (!page->over_map)
+    if (!over_map)
         name_stretches(&all, page->locus);
-    if (!page->over_map && page->locus)
+    if (!over_map && page->locus)
         name_stretches(&all, false);
     /* Lines only as many as remain readable: to stable stretches and to points, but across curves and to
      * unstable stretches only if they are few. */
     name_stretches_again(&all, stable < most_led ? stable : most_led);
-    if (!page->over_map) {
+    if (!over_map) {
         name_points(&all, LED, most_led);
         name_points(&all, LED_ACROSS, all.unnamed_count <= few ? few : 0);
         name_stretches_again(&all, all.unnamed_stretch_count <= few ? few : 0);

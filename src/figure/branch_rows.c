@@ -176,7 +176,7 @@ static saltus_status find_turnings(const saltus_plot_page *page, saltus_plot_row
             visits[row->count++] =
                 (saltus_plot_visit){.time = time, .value = event->displacement, .face = -1};
     }
-    if (page->amplitude && point->periods && row->count) {
+    if (page->show == SALTUS_SHOW_AMPLITUDE && point->periods && row->count) {
         /* Include the state itself, which may be the largest or smallest value. */
         double own = saltus_system_observed(page->system, point->state);
         saltus_range found = {own, own};
@@ -335,8 +335,8 @@ static int nearest_visit(const saltus_plot_visit *from, const saltus_plot_row *r
 /* Find how the visits of a row go on in the next one; of several only mutually nearest ones do. */
 static void join_visits(const saltus_plot_page *page, saltus_plot_row *row) {
     saltus_plot_row *after = row + 1;
-    const bool several =
-        !page->locus && !page->amplitude && (page->turning || page->show == SALTUS_SHOW_IMPACTS);
+    const bool several = !page->locus && page->show != SALTUS_SHOW_AMPLITUDE &&
+                         (page->turning || page->show == SALTUS_SHOW_IMPACTS);
     const int periods = row->point->periods ? row->point->periods : 1;
     for (int v = 0; v < row->count; v++) {
         int next = v < after->count ? v : -1;

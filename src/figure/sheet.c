@@ -62,7 +62,7 @@ static void put_facts(const saltus_sheet *sheet, long long events) {
 }
 
 static void put_portrait(const saltus_sheet *sheet, saltus_frame frame, int letter) {
-    if (sheet->timed)
+    if (saltus_sheet_timed(sheet))
         saltus_page_panel(sheet->page, frame, letter,
                           "phase portrait, dots at {/:Italic %s} = 0 (mod {/:Italic T})",
                           saltus_notation_of(sheet->system)->time);
@@ -89,7 +89,7 @@ static void put_history(const saltus_sheet *sheet, saltus_frame frame, int lette
                       : sheet->orbit   ? ", bar: contact"
                                        : ", bars: contact");
     snprintf(elapsed, sizeof elapsed, "time {/:Italic %s}%s", saltus_notation_of(sheet->system)->time,
-             sheet->timed ? "/{/:Italic T}" : "");
+             saltus_sheet_timed(sheet) ? "/{/:Italic T}" : "");
     put_axes(sheet, frame, elapsed, time, name.text, sheet->displacement, false);
     put_stops(sheet, false);
     put_facts(sheet, sheet->history_events);
@@ -209,7 +209,7 @@ static void put_multipliers(const saltus_sheet *sheet, saltus_frame frame, int l
 /* Stops are blocks with their tips at (xi, d), if they are near enough to the motion. */
 static void put_shapes(const saltus_sheet *sheet, saltus_frame frame, int letter) {
     const double across = 0.025, up = 0.09; /* half width of a block; its height as a fraction of the range */
-    saltus_range range = sheet->shape, unit = {0, 1}, time = {0, sheet->shape_time};
+    saltus_range range = sheet->shape, unit = {0, 1}, time = {0, saltus_sheet_shape_time(sheet)};
     FILE *file = sheet->page->file;
     const saltus_spec *spec = saltus_system_spec(sheet->system);
     const saltus_notation *n = saltus_notation_of(sheet->system);
@@ -349,11 +349,11 @@ static int choose_panels(const saltus_sheet *sheet, panel *chosen[panels_most]) 
     return count;
 }
 
-static void put_script(saltus_sheet *sheet, saltus_page *page) {
+static void put_script(saltus_sheet *sheet, const saltus_scene *scene, saltus_page *page) {
     const double low = 300; /* lower panels, with heading and axis, cannot be read */
     panel *chosen[panels_most];
     sheet->page = page;
-    saltus_sheet_caption(sheet, page);
+    saltus_sheet_caption(sheet, scene, page);
     /* Columns of the grid: panels must be wide enough and, on a narrow page, high enough to be read. If the
      * number of panels is odd the time history takes two columns. */
     const int count = choose_panels(sheet, chosen), wanted = count > 4 ? 3 : count > 1 ? 2 : 1;
@@ -398,8 +398,7 @@ saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, co
         return saltus_fail(message, SALTUS_BAD_INPUT, "the record does not belong to the system");
     bool settled = saltus_verdict_settled(diagnosis->motion->verdict);
     const saltus_spectra *spectra = diagnosis->spectra;
-    saltus_sheet sheet = {.scene = scene,
-                          .system = system,
+    saltus_sheet sheet = {.system = system,
                           .motion = diagnosis->motion,
                           .record = record,
                           .section = section && !settled ? section : record};
@@ -420,7 +419,7 @@ saltus_status saltus_write_sheet(const char *path, const saltus_scene *scene, co
     if (status == SALTUS_OK && data)
         status = saltus_write_trajectory(data, scene, system, options, record, NULL, message);
     if (status == SALTUS_OK)
-        put_script(&sheet, &page);
+        put_script(&sheet, scene, &page);
     return saltus_page_close(&page, status, message);
 }
 

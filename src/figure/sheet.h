@@ -45,7 +45,6 @@ typedef struct saltus_sheet_face {
 
 typedef struct saltus_sheet {
     const saltus_page *page;
-    const saltus_scene *scene;
     const saltus_system *system;
     const saltus_motion *motion;
     const saltus_trajectory *record;
@@ -54,7 +53,6 @@ typedef struct saltus_sheet {
     saltus_course course;     /* of the largest exponent, finite numbers only; count 0: not measured */
     bool orbit;               /* shows one closed orbit; otherwise a stretch of trajectory */
     bool strong;              /* few, distinguishable curves, drawn with strong lines */
-    bool timed;               /* time is in forcing periods, with a point at the beginning of each */
     long long rows;           /* rows of the record that are shown */
     long long events;         /* events among the rows shown */
     long long history_rows;   /* rows of the time history, from the first one on */
@@ -63,7 +61,6 @@ typedef struct saltus_sheet {
     long long contacts;       /* intervals of lasting contact in the time history */
     saltus_range displacement, velocity;
     saltus_range shape; /* of the structure's shapes over the rows shown */
-    double shape_time;  /* periods over which the shapes are spread */
     saltus_sheet_face faces[2 * SALTUS_STOPS_MAX];
     int face_count;
 } saltus_sheet;
@@ -75,12 +72,16 @@ void saltus_sheet_choose_all(saltus_sheet *sheet);
 void saltus_sheet_data(saltus_sheet *sheet);
 /* Only the data of portrait and history. */
 void saltus_sheet_record_data(saltus_sheet *sheet);
+/* Whether time is in forcing periods, with a point at the beginning of each, as on every sheet. */
+bool saltus_sheet_timed(const saltus_sheet *sheet);
+/* The periods over which the structure's shapes are spread. */
+double saltus_sheet_shape_time(const saltus_sheet *sheet);
 /* Number of impacts among the first `events` events of a record. */
 long long saltus_sheet_impacts(const saltus_trajectory *record, long long events);
 /* Observed displacement and velocity of stroboscopic point k of a record. */
 void saltus_sheet_strobe(const saltus_sheet *sheet, const saltus_trajectory *record, long long k,
                          double point[2]);
 /* sheet_caption.c: the header lines, in gnuplot's enhanced text. */
-void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page);
+void saltus_sheet_caption(const saltus_sheet *sheet, const saltus_scene *scene, saltus_page *page);
 
 #endif

@@ -143,12 +143,12 @@ static void add_motion(saltus_line *l, const saltus_sheet *sheet) {
     add_multipliers(l, m);
 }
 
-void saltus_sheet_caption(const saltus_sheet *sheet, saltus_page *page) {
+void saltus_sheet_caption(const saltus_sheet *sheet, const saltus_scene *scene, saltus_page *page) {
     const saltus_motion *m = sheet->motion;
     char verdict[64];
-    saltus_line *head = saltus_page_scene(page, sheet->scene->title, sheet->system);
+    saltus_line *head = saltus_page_scene(page, scene->title, sheet->system);
     saltus_motion_summary(m, verdict);
-    saltus_line_plain(head, sheet->scene->name);
+    saltus_line_plain(head, scene->name);
     saltus_line_add(head, ":  ");
     saltus_line_plain(head, verdict);
     add_motion(saltus_page_words(page, "#202020"), sheet);

@@ -111,7 +111,6 @@ void saltus_sheet_choose(saltus_sheet *sheet) {
     if (sheet->mapped > mapped_most)
         sheet->mapped = mapped_most;
     sheet->strong = sheet->orbit;
-    sheet->timed = true;
     find_faces(sheet);
     find_ranges(sheet);
     /* If the exponent is finite, the last part of its history in which all values are finite. */
@@ -133,7 +132,6 @@ void saltus_sheet_choose_all(saltus_sheet *sheet) {
     sheet->rows = sheet->history_rows = r->samples;
     sheet->events = sheet->history_events = r->event_count;
     sheet->strong = r->time[r->samples - 1] - r->time[0] <= few;
-    sheet->timed = saltus_system_forced(sheet->system);
     find_faces(sheet);
     find_ranges(sheet);
 }
@@ -176,18 +174,26 @@ static void put_contacts(saltus_sheet *sheet) {
     fputs("EOD\n", sheet->page->file);
 }
 
+bool saltus_sheet_timed(const saltus_sheet *sheet) {
+    return sheet->motion || saltus_system_forced(sheet->system);
+}
+
+double saltus_sheet_shape_time(const saltus_sheet *sheet) {
+    const double end = sheet->record->time[sheet->rows - 1] - sheet->record->time[0];
+    return sheet->orbit ? end : fmin(end, 2);
+}
+
 /* Shapes at equal time steps over one orbit, or over the first two periods, and the largest and the smallest
  * displacement at each place over the rows shown. */
 static void put_shapes(saltus_sheet *sheet) {
     const saltus_trajectory *r = sheet->record;
     FILE *file = sheet->page->file;
-    const double end = r->time[sheet->rows - 1] - r->time[0];
+    const double length = saltus_sheet_shape_time(sheet);
     long long row = 0;
-    sheet->shape_time = sheet->orbit ? end : fmin(end, 2);
     sheet->shape = (saltus_range){0, 0};
     fputs("$shapes << EOD\n# xi displacement tau/T\n", file);
     for (int k = 0; k < shapes; k++) {
-        const double time = r->time[0] + sheet->shape_time * k / shapes;
+        const double time = r->time[0] + length * k / shapes;
         while (row + 1 < sheet->rows && r->time[row] < time - 1e-9)
             row++;
         for (int j = 0; j < places; j++) {
@@ -257,7 +263,8 @@ void saltus_sheet_record_data(saltus_sheet *sheet) {
      * equals its beginning and is omitted. */
     double point[2];
     fputs("$strobe << EOD\n# displacement velocity tau/T\n", file);
-    for (long long k = 0; k < r->strobes && sheet->timed && (double)k < r->time[sheet->rows - 1]; k++) {
+    for (long long k = 0; k < r->strobes && saltus_sheet_timed(sheet) && (double)k < r->time[sheet->rows - 1];
+         k++) {
         saltus_sheet_strobe(sheet, r, k, point);
         fprintf(file, "%.9g %.9g %lld\n", point[0], point[1], k);
     }

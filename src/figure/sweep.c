@@ -210,7 +210,6 @@ static saltus_status draw_over(saltus_sweep_page *page, const char *figure, salt
                                .system = page->system,
                                .options = &no_labels,
                                .locus = two,
-                               .over_map = two,
                                .over_sweep = true,
                                .show = shows[page->view],
                                .turning = page->view == SALTUS_VIEW_TURNING,
