@@ -260,11 +260,12 @@ static bool closes_tightly(saltus_sweep_trajectory *t, int periods) {
            saltus_system_distance(t->system, end, t->state) < fmax(returned, 100 * near_enough(t));
 }
 
-/* The orbit of a period that has been reached, if it is proven. */
+/* The orbit of a period that has been reached, if it is proven; before the recording nothing else is asked.
+ */
 static saltus_judgement judge_orbit(saltus_sweep_trajectory *t, int period) {
     saltus_proof *p = &t->proof;
     saltus_judgement judgement = prove(t, period, SALTUS_PERIODIC);
-    if (judgement.verdict != SALTUS_PERIODIC)
+    if (judgement.verdict != SALTUS_PERIODIC || t->stage == SALTUS_STAGE_PROVING)
         return judgement;
     if (saltus_settling_contacts(&p->settling, period) > 0 && !closes_tightly(t, period)) {
         p->disturbed = false;
