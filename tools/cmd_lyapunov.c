@@ -33,11 +33,6 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
                            given);
     if (how.exponents > dimension)
         return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %d: the scene has %d", given, dimension);
-    if (cli_on_orbit(setup) && request->output)
-        return saltus_fail(message, SALTUS_BAD_INPUT,
-                           "-o %.200s: the exponents of %s converge to nothing, they are those of its %s",
-                           request->output, setup->start.rests ? "an equilibrium" : "an orbit",
-                           setup->start.rests ? "eigenvalues" : "multipliers");
     if (cli_on_orbit(setup)) {
         /* The exponents of an orbit or an equilibrium follow from its multipliers or eigenvalues. */
         saltus_classify_options describing = saltus_classify_defaults();
