@@ -35,6 +35,11 @@ static saltus_status measure(const cli_request *request, cli_setup *setup, const
         return saltus_fail(message, SALTUS_BAD_INPUT, "--exponents %d: the scene has %d", given, dimension);
     if (cli_on_orbit(setup)) {
         /* The exponents of an orbit or an equilibrium follow from its multipliers or eigenvalues. */
+        if (request->output)
+            return saltus_fail(message, SALTUS_BAD_INPUT,
+                               "-o %.200s: the exponents of %s converge to nothing, they are those of its %s",
+                               request->output, setup->start.rests ? "an equilibrium" : "an orbit",
+                               setup->start.rests ? "eigenvalues" : "multipliers");
         saltus_classify_options describing = saltus_classify_defaults();
         saltus_motion motion = {0};
         describing.flow = how.flow;

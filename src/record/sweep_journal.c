@@ -83,18 +83,22 @@ static saltus_status look(saltus_journal *j, long long begin, size_t length, con
 /* Whether a complete record begins at `begin`; *bytes then points to its contents. */
 static saltus_status look_at_record(saltus_journal *j, long long begin, bool *whole, size_t *length,
                                     const unsigned char **bytes, saltus_message *message) {
+    enum { usual = 1024 }; /* most records are no longer and take one reading */
     prefix p;
+    const long long left = j->end - begin - (long long)sizeof p;
     *whole = false;
-    if (j->end - begin < (long long)sizeof p)
+    if (left < 0)
         return SALTUS_OK;
-    saltus_status status = look(j, begin, sizeof p, bytes, message);
+    saltus_status status =
+        look(j, begin, j->end - begin < usual ? (size_t)(j->end - begin) : usual, bytes, message);
     if (status != SALTUS_OK)
         return status;
     memcpy(&p, *bytes, sizeof p);
-    long long left = j->end - begin - (long long)sizeof p;
     if (p.length == 0 || p.length > (uint64_t)left || padded(p.length) > (uint64_t)left)
         return SALTUS_OK;
-    status = look(j, begin + (long long)sizeof p, padded(p.length), bytes, message);
+    if (sizeof p + padded(p.length) > usual)
+        status = look(j, begin, sizeof p + padded(p.length), bytes, message);
+    *bytes += sizeof p;
     *length = (size_t)p.length;
     *whole = status == SALTUS_OK && checksum(*bytes, *length) == p.check;
     return status;

@@ -31,13 +31,6 @@ static saltus_flow *open_flow(const problem *p, saltus_integrator integrator, do
                : NULL;
 }
 
-static void note(happened *events, char kind, double time) {
-    if (events->count == happened_max)
-        return;
-    events->kind[events->count] = kind;
-    events->time[events->count++] = time;
-}
-
 /* Once around the orbit. */
 static bool around(const problem *p, saltus_flow *flow, const double *start, outcome *out) {
     const saltus_time end = {p->orbit.periods, 0};
@@ -48,9 +41,12 @@ static bool around(const problem *p, saltus_flow *flow, const double *start, out
     do {
         if (saltus_flow_advance(flow, end, SALTUS_WATCH_CONTACT, &event, NULL) != SALTUS_OK)
             return false;
-        const char kind = event.kind == SALTUS_IMPACT ? 'i' : event.kind == SALTUS_STICK ? 's' : 'r';
-        if (event.kind != SALTUS_REACHED)
-            note(&out->events, kind, saltus_time_periods(event.time));
+        const rival_event_kind kind = event.kind == SALTUS_IMPACT  ? RIVAL_IMPACT
+                                      : event.kind == SALTUS_STICK ? RIVAL_STICK
+                                                                   : RIVAL_RELEASE;
+        if (event.kind != SALTUS_REACHED && out->events.count < happened_max)
+            out->events.events[out->events.count++] =
+                (rival_event){.kind = kind, .time_over_T = saltus_time_periods(event.time)};
     } while (event.kind != SALTUS_REACHED);
     return true;
 }
@@ -59,17 +55,14 @@ static bool around(const problem *p, saltus_flow *flow, const double *start, out
 static bool run(const problem *p, const method *m, double rtol, int batch, const double *start, outcome *out,
                 double *tangents) {
     if (m->rival) {
-        rival_event events[happened_max];
-        rival_result result = {.events = events,
+        rival_result result = {.events = out->events.events,
                                .capacity = happened_max,
                                .state = out->state,
                                .tangents = tangents,
                                .repeats = batch};
-        if (!m->rival->run(&p->scene, start, p->orbit.periods, rtol, rtol, &result))
+        if (!m->rival->run(&p->orbit.spec, start, p->orbit.periods, rtol, &result))
             return false;
-        out->events.count = 0;
-        for (int k = 0; k < result.count && k < result.capacity; k++)
-            note(&out->events, "isr"[events[k].kind], events[k].time_over_T);
+        out->events.count = result.count < happened_max ? result.count : happened_max;
         out->evaluations = (double)result.field_evaluations;
         out->seconds = result.cpu_seconds;
         return true;

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "problem.h"
 
-#include "rival_scene.h"
 #include <complex.h>
 #include <gsl/gsl_eigen.h>
 
@@ -56,7 +55,6 @@ bool problem_open(const char *folder, const char *name, const char *what, proble
         p->leading[k][0] = creal(value);
         p->leading[k][1] = cimag(value);
     }
-    p->scene = rival_scene_of(&p->orbit.spec, &p->oscillator);
     p->stiff = strcmp(saltus_system_integrator(p->system), "mixed") == 0;
     for (int e = 0; e < p->orbit.event_count; e++)
         p->impacts += p->orbit.kind[e] == 'i';
@@ -103,7 +101,6 @@ bool problem_pipe(int modes, bool stop, problem *p) {
     if (status == SALTUS_OK) {
         saltus_flow_state(flow, 0, p->orbit.states[0]);
         p->impacts = (int)saltus_flow_information(flow, 0).impacts;
-        p->scene = rival_scene_of(spec, NULL);
     } else
         fprintf(stderr, "saltus_bench: N = %d: %s\n", modes, message.text);
     saltus_flow_free(flow);
@@ -122,9 +119,9 @@ double problem_event_error(const problem *p, const happened *events) {
     int k = 0;
     for (int e = 0; e < r->event_count; e++) {
         if (r->kind[e] == 's')
-            while (k < events->count && events->kind[k] == 'i')
+            while (k < events->count && events->events[k].kind == RIVAL_IMPACT)
                 k++;
-        const char kind = k < events->count ? events->kind[k] : 0;
+        const char kind = k < events->count ? "isr"[events->events[k].kind] : 0;
         int after = e; /* the next event that is no impact */
         while (after < r->event_count && r->kind[after] == 'i')
             after++;
@@ -133,7 +130,7 @@ double problem_event_error(const problem *p, const happened *events) {
         if (kind != r->kind[e])
             return 1;
         if (kind != 's')
-            worst = fmax(worst, fmin(1, fabs(events->time[k] - r->time[e])));
+            worst = fmax(worst, fmin(1, fabs(events->events[k].time_over_T - r->time[e])));
         k++;
     }
     return r->sticking == 0 && k < events->count ? 1 : worst;

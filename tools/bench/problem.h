@@ -13,8 +13,6 @@ typedef struct problem {
     reference orbit;
     const double *start; /* from which a run once around ends in the orbit's first section state */
     saltus_system *system;
-    rival_scene scene;
-    rival_oscillator oscillator;
     int impacts;          /* number of impacts in the reference */
     bool stiff;           /* the library chooses its stiff integrator */
     double leading[2][2]; /* the two largest multipliers, [re, im] */
@@ -27,11 +25,10 @@ bool problem_open(const char *folder, const char *name, const char *what, proble
 bool problem_pipe(int modes, bool stop, problem *p);
 void problem_close(problem *p);
 
-/* The contact events of a run in order: 'i' impact, 's' stick, 'r' release; times in T. */
+/* The contact events of a run in order. */
 typedef struct happened {
     int count;
-    char kind[happened_max];
-    double time[happened_max];
+    rival_event events[happened_max];
 } happened;
 
 /* Largest error of the times of impacts and releases in T, among those the reference lists. A missing or

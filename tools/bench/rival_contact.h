@@ -189,9 +189,9 @@ static inline void start_over(struct scene_field *field, rival_result *result) {
 }
 
 /* The field of a run, to be freed; NULL without memory, or if the start lies beyond the stop. */
-static inline struct scene_field *begin(const rival_scene *scene, const double *state0, double rtol,
-                                        double atol, const rival_result *result) {
-    struct scene_field *field = new_field(scene, state0, result->tangents != NULL, rtol, atol);
+static inline struct scene_field *begin(const saltus_spec *spec, const double *state0, double tolerance,
+                                        const rival_result *result) {
+    struct scene_field *field = new_field(spec, state0, result->tangents != NULL, tolerance);
     for (int face = 0; field && face < field->faces; face++)
         if (contact_gap(field, face, state0) > field->tolerance) {
             free(field);

@@ -49,17 +49,18 @@ struct scene_field {
     double *before, *after;     /* the field on both sides of an impact */
 };
 
-static inline void set_pipe(struct scene_field *field, const rival_scene *scene) {
-    field->alpha = scene->alpha;
-    field->kappa = scene->kappa;
-    field->root_beta = sqrt(scene->beta);
-    field->u0 = scene->u0;
-    field->sigma = scene->sigma;
+static inline void set_pipe(struct scene_field *field, const saltus_spec *spec) {
+    const double xi = spec->stop_count > 0 ? spec->stops[0].xi : 0;
+    field->alpha = saltus_spec_get(spec, "alpha");
+    field->kappa = saltus_spec_get(spec, "kappa");
+    field->root_beta = sqrt(saltus_spec_get(spec, "beta"));
+    field->u0 = saltus_spec_get(spec, "u0");
+    field->sigma = saltus_spec_get(spec, "sigma");
     for (int i = 0; i < field->modes; i++) {
         const double wave = (i + 1) * pi;
         field->wave_square[i] = wave * wave;
         field->damping[i] = field->alpha * wave * wave * wave * wave;
-        field->normal[i] = field->impulse[i] = sin(wave * scene->xi);
+        field->normal[i] = field->impulse[i] = sin(wave * xi);
     }
     const int last = field->modes - 1;
     field->first_step = 0.5 / hypot(field->damping[last], field->wave_square[last]);
@@ -77,21 +78,25 @@ static inline void set_pipe(struct scene_field *field, const rival_scene *scene)
         }
 }
 
-static inline void set_oscillator(struct scene_field *field, const rival_oscillator *o) {
+static inline void set_oscillator(struct scene_field *field, const saltus_spec *spec) {
     const bool two = field->modes == 2;
-    const double k2 = two ? o->k[1] : 0, c2 = two ? o->c[1] : 0;
-    const double k[2][2] = {{o->k[0] + k2, -k2}, {-k2, k2}}, c[2][2] = {{o->c[0] + c2, -c2}, {-c2, c2}};
+    const double k1 = saltus_spec_get(spec, "k"), k2 = two ? saltus_spec_get(spec, "k2") : 0;
+    const double c1 = saltus_spec_get(spec, "c"), c2 = two ? saltus_spec_get(spec, "c2") : 0;
+    const double k[2][2] = {{k1 + k2, -k2}, {-k2, k2}}, c[2][2] = {{c1 + c2, -c2}, {-c2, c2}};
+    const double mass[2] = {saltus_spec_get(spec, "m"), saltus_spec_get(spec, "m2")};
+    const double force[2] = {saltus_spec_get(spec, "F"), saltus_spec_get(spec, "F2")};
+    const double load[2] = {saltus_spec_get(spec, "F0"), saltus_spec_get(spec, "F02")};
     double fastest = field->omega;
     field->oscillator = true;
     for (int i = 0; i < field->modes; i++) {
         for (int j = 0; j < 2; j++) {
-            field->stiffness[i][j] = k[i][j] / o->m[i];
-            field->damper[i][j] = c[i][j] / o->m[i];
+            field->stiffness[i][j] = k[i][j] / mass[i];
+            field->damper[i][j] = c[i][j] / mass[i];
         }
-        field->force[i] = o->force[i] / o->m[i];
-        field->load[i] = o->load[i] / o->m[i];
-        field->normal[i] = o->weight[i];
-        field->impulse[i] = o->weight[i] / o->m[i];
+        field->force[i] = force[i] / mass[i];
+        field->load[i] = load[i] / mass[i];
+        field->normal[i] = spec->stops[0].weight[i];
+        field->impulse[i] = spec->stops[0].weight[i] / mass[i];
         fastest = fmax(fastest, hypot(field->damper[i][i], sqrt(field->stiffness[i][i])));
     }
     field->first_step = 0.5 / fastest;
@@ -110,26 +115,27 @@ static inline double dot(int count, const double *left, const double *right) {
     return sum;
 }
 
-static inline struct scene_field *new_field(const rival_scene *scene, const double *state0, bool tangents,
-                                            double rtol, double atol) {
-    const size_t modes = (size_t)scene->modes, pairs = (modes + 1) / 2 * (modes / 2);
+static inline struct scene_field *new_field(const saltus_spec *spec, const double *state0, bool tangents,
+                                            double tolerance) {
+    const saltus_stop *stop = spec->stop_count > 0 ? &spec->stops[0] : NULL;
+    const size_t modes = (size_t)saltus_spec_get(spec, "N"), pairs = (modes + 1) / 2 * (modes / 2);
     const size_t columns = tangents ? 2 * modes : 0, count = 2 * modes * (1 + columns);
     struct scene_field *field = (struct scene_field *)calloc(
         1, sizeof *field + (14 * modes + 4 * pairs + 4 * count) * sizeof(double));
     if (!field)
         return NULL;
-    field->modes = scene->modes;
+    field->modes = (int)modes;
     field->columns = (int)columns;
     field->count = count;
-    field->omega = scene->omega;
-    field->d = scene->d;
-    field->r = scene->r;
+    field->omega = saltus_spec_get(spec, "omega");
+    field->d = stop ? stop->d : 0;
+    field->r = stop ? stop->r : 0;
     field->start = state0;
     /* A length scale of the motion: the clearance, if there is a stop. */
-    field->length = scene->sides == RIVAL_FREE ? 0 : fabs(scene->d);
-    for (int i = 0; i < scene->modes && (scene->d == 0 || scene->sides == RIVAL_FREE); i++)
+    field->length = fabs(field->d);
+    for (int i = 0; i < field->modes && field->d == 0; i++)
         field->length = fmax(field->length, fabs(state0[i]));
-    field->tolerance = atol + rtol * field->length;
+    field->tolerance = tolerance + tolerance * field->length;
     double *pool = (double *)(field + 1);
     field->wave_square = take(&pool, modes);
     field->damping = take(&pool, modes);
@@ -146,13 +152,13 @@ static inline struct scene_field *new_field(const rival_scene *scene, const doub
     field->rate = take(&pool, field->count);
     field->stage = take(&pool, field->count);
     field->sum = take(&pool, field->count);
-    if (scene->oscillator)
-        set_oscillator(field, scene->oscillator);
+    if (strcmp(saltus_model_name(spec->model), "oscillator") == 0)
+        set_oscillator(field, spec);
     else
-        set_pipe(field, scene);
-    if (scene->sides == RIVAL_UPPER || scene->sides == RIVAL_BOTH)
+        set_pipe(field, spec);
+    if (stop && stop->sides != SALTUS_LOWER)
         field->side[field->faces++] = 1;
-    if (scene->sides == RIVAL_LOWER || scene->sides == RIVAL_BOTH)
+    if (stop && stop->sides != SALTUS_UPPER)
         field->side[field->faces++] = -1;
     field->normal_square = dot(field->modes, field->normal, field->impulse);
     return field;

@@ -54,7 +54,7 @@ template <class vector> class dopri5 {
     controlled control;
 
   public:
-    dopri5(double atol, double rtol) : control(odeint::make_controlled(atol, rtol, stepper())) {}
+    explicit dopri5(double tolerance) : control(odeint::make_controlled(tolerance, tolerance, stepper())) {}
 
     bool attempt(trajectory<vector> &t, double &length) {
         const int old = 1 - t.now;
@@ -76,7 +76,8 @@ template <class vector> class fehlberg78 {
     controlled control;
 
   public:
-    fehlberg78(double atol, double rtol) : control(odeint::make_controlled(atol, rtol, stepper())) {}
+    explicit fehlberg78(double tolerance)
+        : control(odeint::make_controlled(tolerance, tolerance, stepper())) {}
 
     bool attempt(trajectory<vector> &t, double &length) {
         const int old = 1 - t.now;
@@ -165,8 +166,8 @@ bool integrate(run<method, vector> &r, double end, rival_result *result) {
 }
 
 template <template <class> class method, class vector>
-bool repeat(scene_field *field, int periods, double rtol, double atol, rival_result *result) {
-    run<method, vector> r{method<vector>(atol, rtol), trajectory<vector>(field)};
+bool repeat(scene_field *field, int periods, double tolerance, rival_result *result) {
+    run<method, vector> r{method<vector>(tolerance), trajectory<vector>(field)};
     const bool done = run_repeatedly(
         field, periods, result,
         [](void *it, double end, rival_result *found) {
@@ -178,25 +179,25 @@ bool repeat(scene_field *field, int periods, double rtol, double atol, rival_res
 }
 
 template <template <class> class method>
-bool run_odeint(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
+bool run_odeint(const saltus_spec *spec, const double *state0, int periods, double tolerance,
                 rival_result *result) {
-    scene_field *field = begin(scene, state0, rtol, atol, result);
+    scene_field *field = begin(spec, state0, tolerance, result);
     bool done = false;
     if (!field)
         return false;
     try {
         switch (field->count) {
         case 2:
-            done = repeat<method, std::array<double, 2>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::array<double, 2>>(field, periods, tolerance, result);
             break;
         case 10:
-            done = repeat<method, std::array<double, 10>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::array<double, 10>>(field, periods, tolerance, result);
             break;
         case 40:
-            done = repeat<method, std::array<double, 40>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::array<double, 40>>(field, periods, tolerance, result);
             break;
         default:
-            done = repeat<method, std::vector<double>>(field, periods, rtol, atol, result);
+            done = repeat<method, std::vector<double>>(field, periods, tolerance, result);
         }
     } catch (const std::bad_alloc &) {
     }
@@ -206,14 +207,14 @@ bool run_odeint(const rival_scene *scene, const double *state0, int periods, dou
 
 } // namespace
 
-extern "C" bool rival_odeint_dopri5(const rival_scene *scene, const double *state0, int periods, double rtol,
-                                    double atol, rival_result *result) {
-    return run_odeint<dopri5>(scene, state0, periods, rtol, atol, result);
+extern "C" bool rival_odeint_dopri5(const saltus_spec *spec, const double *state0, int periods,
+                                    double tolerance, rival_result *result) {
+    return run_odeint<dopri5>(spec, state0, periods, tolerance, result);
 }
 
-extern "C" bool rival_odeint_fehlberg78(const rival_scene *scene, const double *state0, int periods,
-                                        double rtol, double atol, rival_result *result) {
-    return run_odeint<fehlberg78>(scene, state0, periods, rtol, atol, result);
+extern "C" bool rival_odeint_fehlberg78(const saltus_spec *spec, const double *state0, int periods,
+                                        double tolerance, rival_result *result) {
+    return run_odeint<fehlberg78>(spec, state0, periods, tolerance, result);
 }
 
 extern "C" const char *rival_odeint_version(void) {

@@ -64,9 +64,9 @@ static bool gsl_integrate(void *it, double end, rival_result *result) {
     return true;
 }
 
-static bool run_gsl_rk8pd(const rival_scene *scene, const double *state0, int periods, double rtol,
-                          double atol, rival_result *result) {
-    struct gsl_run run = {.field = begin(scene, state0, rtol, atol, result)};
+static bool run_gsl_rk8pd(const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                          rival_result *result) {
+    struct gsl_run run = {.field = begin(spec, state0, tolerance, result)};
     bool done = false;
     if (!run.field)
         return false;
@@ -74,7 +74,7 @@ static bool run_gsl_rk8pd(const rival_scene *scene, const double *state0, int pe
     const size_t dimension = run.field->count;
     run.system = (gsl_odeiv2_system){gsl_rate, NULL, dimension, run.field};
     run.stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, dimension);
-    run.control = gsl_odeiv2_control_standard_new(atol, rtol, 1, 0);
+    run.control = gsl_odeiv2_control_standard_new(tolerance, tolerance, 1, 0);
     run.evolve = gsl_odeiv2_evolve_alloc(dimension);
     run.error = malloc(3 * dimension * sizeof *run.error);
     if (run.stepper && run.control && run.evolve && run.error) {
@@ -256,14 +256,15 @@ static int linear_combination(int count, realtype *factor, N_Vector *vectors, N_
     return 0;
 }
 
-static bool arkode_set_up(struct sundials_run *run, double rtol, double atol) {
+static bool arkode_set_up(struct sundials_run *run, double tolerance) {
     int rising[2 * faces_max] = {1, 1, 1, 1};
     run->memory = ARKStepCreate(sundials_rate, NULL, 0, run->state, run->context);
     return run->memory && !ARKStepSetErrHandlerFn(run->memory, swallow_message, NULL) &&
            !ARKStepSetTableNum(run->memory, ARKODE_DIRK_NONE, ARKODE_FEHLBERG_13_7_8) &&
            !ARKStepSetInterpolantType(run->memory, ARK_INTERP_HERMITE) &&
            !ARKStepSetInterpolantDegree(run->memory, 3) && !ARKStepSetUserData(run->memory, run) &&
-           !ARKStepSStolerances(run->memory, rtol, atol) && !ARKStepSetMaxNumSteps(run->memory, -1) &&
+           !ARKStepSStolerances(run->memory, tolerance, tolerance) &&
+           !ARKStepSetMaxNumSteps(run->memory, -1) &&
            (run->field->faces == 0 ||
             (!ARKStepRootInit(run->memory, 2 * run->field->faces, sundials_roots) &&
              !ARKStepSetRootDirection(run->memory, rising) && !ARKStepSetNoInactiveRootWarn(run->memory)));
@@ -303,13 +304,13 @@ static int cvode_jacobian(realtype tau, N_Vector state, N_Vector rate, SUNMatrix
 }
 
 /* Adams with a fixed-point iteration; BDF with Newton's method and the exact Jacobian, factorised by LU. */
-static bool cvode_set_up(struct sundials_run *run, int method, double rtol, double atol) {
+static bool cvode_set_up(struct sundials_run *run, int method, double tolerance) {
     int rising[2 * faces_max] = {1, 1, 1, 1};
     const sunindextype n = 2 * run->field->modes;
     run->memory = CVodeCreate(method, run->context);
     if (!run->memory || CVodeSetErrHandlerFn(run->memory, swallow_message, NULL) ||
         CVodeInit(run->memory, sundials_rate, 0, run->state) || CVodeSetUserData(run->memory, run) ||
-        CVodeSStolerances(run->memory, rtol, atol) || CVodeSetMaxNumSteps(run->memory, -1))
+        CVodeSStolerances(run->memory, tolerance, tolerance) || CVodeSetMaxNumSteps(run->memory, -1))
         return false;
     if (method == CV_ADAMS)
         run->iteration = SUNNonlinSol_FixedPoint(run->state, 0, run->context);
@@ -331,12 +332,12 @@ static bool cvode_set_up(struct sundials_run *run, int method, double rtol, doub
 }
 
 /* ARKODE, if `method` is none of CVODE's. CVODE resets its count of steps when it restarts. */
-static bool run_sundials(int method, const rival_scene *scene, const double *state0, int periods, double rtol,
-                         double atol, rival_result *result) {
+static bool run_sundials(int method, const saltus_spec *spec, const double *state0, int periods,
+                         double tolerance, rival_result *result) {
     const bool arkode = method == 0;
     if (result->tangents && method == CV_BDF)
         return false;
-    struct sundials_run run = {.field = begin(scene, state0, rtol, atol, result)};
+    struct sundials_run run = {.field = begin(spec, state0, tolerance, result)};
     bool done = false;
     if (!run.field)
         return false;
@@ -348,7 +349,7 @@ static bool run_sundials(int method, const rival_scene *scene, const double *sta
     if (run.state)
         run.state->ops->nvlinearcombination = linear_combination;
     if (run.state && run.start &&
-        (arkode ? arkode_set_up(&run, rtol, atol) : cvode_set_up(&run, method, rtol, atol))) {
+        (arkode ? arkode_set_up(&run, tolerance) : cvode_set_up(&run, method, tolerance))) {
         done = run_repeatedly(run.field, periods, result, arkode ? arkode_integrate : cvode_integrate, &run);
         if (arkode && ARKStepGetNumSteps(run.memory, &result->steps))
             done = false;
@@ -374,19 +375,19 @@ static bool run_sundials(int method, const rival_scene *scene, const double *sta
     return done;
 }
 
-static bool run_arkode(const rival_scene *scene, const double *state0, int periods, double rtol, double atol,
+static bool run_arkode(const saltus_spec *spec, const double *state0, int periods, double tolerance,
                        rival_result *result) {
-    return run_sundials(0, scene, state0, periods, rtol, atol, result);
+    return run_sundials(0, spec, state0, periods, tolerance, result);
 }
 
-static bool run_cvode_adams(const rival_scene *scene, const double *state0, int periods, double rtol,
-                            double atol, rival_result *result) {
-    return run_sundials(CV_ADAMS, scene, state0, periods, rtol, atol, result);
+static bool run_cvode_adams(const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                            rival_result *result) {
+    return run_sundials(CV_ADAMS, spec, state0, periods, tolerance, result);
 }
 
-static bool run_cvode_bdf(const rival_scene *scene, const double *state0, int periods, double rtol,
-                          double atol, rival_result *result) {
-    return run_sundials(CV_BDF, scene, state0, periods, rtol, atol, result);
+static bool run_cvode_bdf(const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                          rival_result *result) {
+    return run_sundials(CV_BDF, spec, state0, periods, tolerance, result);
 }
 
 #endif

@@ -7,37 +7,14 @@
 #ifndef SALTUS_BENCH_RIVALS_H
 #define SALTUS_BENCH_RIVALS_H
 
+#include "saltus/system.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-typedef enum { RIVAL_UPPER = 0, RIVAL_LOWER, RIVAL_BOTH, RIVAL_FREE } rival_sides;
-
-/* One or two masses in a chain, driven by F cos(omega t); a single mass uses only the first entries. */
-typedef struct {
-    double m[2], c[2], k[2]; /* mass, damper and spring towards the support or the mass before */
-    double force[2], load[2];
-    double weight[2]; /* the coordinate that the stop limits */
-} rival_oscillator;
-
-/* A pipe pinned at both ends, or an oscillator, and its stop. */
-typedef struct {
-    int modes;    /* number N of Galerkin modes, at least 1; oscillator: of masses, 1 or 2 */
-    double omega; /* forcing frequency, positive; the period is T = 2 pi / omega also without forcing */
-    double d;     /* clearance */
-    double r;     /* restitution coefficient, in [0, 1] */
-    rival_sides sides;
-    const rival_oscillator *oscillator; /* NULL: a pipe, and the parameters that follow are its own */
-    double alpha;                       /* Kelvin-Voigt damping */
-    double beta;                        /* fluid mass over total mass, in [0, 1) */
-    double kappa;                       /* axial-stretching stiffness */
-    double u0;                          /* mean flow velocity */
-    double sigma;                       /* relative amplitude of the pulsation; 0 makes the flow steady */
-    double xi;                          /* position of the stop, in (0, 1) */
-} rival_scene;
 
 typedef enum { RIVAL_IMPACT = 0, RIVAL_STICK = 1, RIVAL_RELEASE = 2 } rival_event_kind;
 
@@ -61,14 +38,14 @@ typedef struct {
     double cpu_seconds;     /* processor time of one run, set-up and release of memory left out */
 } rival_result;
 
-/* Integrates from tau = 0 and `state0` (2 N values: q then q', on the free side of the stop or at rest on it)
- * to exactly tau = periods * T. `rtol` (at least 0) and `atol` (positive) are the library's local tolerances
- * on every component of the state, those of the variational equations included.
- * Thread-safe except where its table entry says otherwise. False if the start lies beyond the stop, memory
- * was lacking, the library gave up or an event was not located; in the last two cases the result ends there.
- */
-typedef bool (*rival_run)(const rival_scene *scene, const double *state0, int periods, double rtol,
-                          double atol, rival_result *result);
+/* Integrates a pipe or an oscillator, with its first stop if it has one, from tau = 0 and `state0` (2 N
+ * values: q then q', on the free side of the stop or at rest on it) to exactly tau = periods * T. `tolerance`
+ * (positive) is the library's local one, relative and absolute, on every component of the state, those of
+ * the variational equations included. Thread-safe except where its table entry says otherwise. False if the
+ * start lies beyond the stop, memory was lacking, the library gave up or an event was not located: the result
+ * then ends there. */
+typedef bool (*rival_run)(const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                          rival_result *result);
 
 typedef struct {
     const char *name; /* library and method; static storage */
@@ -88,10 +65,10 @@ void saltus_rivals_versions(char *text, size_t size);
 
 /* Boost.Odeint: events are located on the dense output of dopri5; Fehlberg 7(8) has none, so its steps are
  * repeated. */
-bool rival_odeint_dopri5(const rival_scene *scene, const double *state0, int periods, double rtol,
-                         double atol, rival_result *result);
-bool rival_odeint_fehlberg78(const rival_scene *scene, const double *state0, int periods, double rtol,
-                             double atol, rival_result *result);
+bool rival_odeint_dopri5(const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                         rival_result *result);
+bool rival_odeint_fehlberg78(const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                             rival_result *result);
 const char *rival_odeint_version(void);
 
 #ifdef __cplusplus

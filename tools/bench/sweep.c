@@ -64,22 +64,22 @@ static void print_row(const row *r, measures unit) {
     fflush(stdout);
 }
 
-/* The rivals' tolerances are those that reach the required event error according to --calibrate. */
+/* The rivals that are built in, at the tolerances that reach the required event error according to
+ * --calibrate. */
 static int list_rivals(program *list) {
+    static const struct {
+        const char *key, *name;
+        double rtol;
+    } chosen[] = {{"dopri5", "Odeint dopri5, dense output", 3.7e-9},
+                  {"fehlberg78", "Odeint Fehlberg 7(8)", 6.5e-9},
+                  {"gsl", "GSL rk8pd", 3.2e-8},
+                  {"arkode", "SUNDIALS ARKODE 8(7)", 2.5e-8}};
     int count = 0;
-#ifdef SALTUS_WITH_ODEINT
-    list[count++] =
-        (program){"Odeint dopri5, dense output", program_rival, .rtol = 3.7e-9, .run = rival_odeint_dopri5};
-    list[count++] =
-        (program){"Odeint Fehlberg 7(8)", program_rival, .rtol = 6.5e-9, .run = rival_odeint_fehlberg78};
-#endif
-    for (int k = 0; k < saltus_rival_count; k++)
-        if (strstr(saltus_rivals[k].name, "GSL"))
-            list[count++] =
-                (program){"GSL rk8pd", program_rival, .rtol = 3.2e-8, .run = saltus_rivals[k].run};
-        else if (strstr(saltus_rivals[k].name, "ARKODE"))
-            list[count++] =
-                (program){"SUNDIALS ARKODE 8(7)", program_rival, .rtol = 2.5e-8, .run = saltus_rivals[k].run};
+    for (size_t c = 0; c < sizeof chosen / sizeof chosen[0]; c++)
+        for (int k = 0; k < saltus_rival_count; k++)
+            if (strcmp(saltus_rivals[k].key, chosen[c].key) == 0)
+                list[count++] =
+                    (program){chosen[c].name, program_rival, chosen[c].rtol, .run = saltus_rivals[k].run};
     return count;
 }
 

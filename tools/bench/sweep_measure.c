@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "sweep_measure.h"
 
-#include "rival_scene.h"
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics.h>
 #include <math.h>
@@ -74,7 +73,6 @@ saltus_status sweep_make_reference(sweep *s, saltus_message *message) {
 static bool counts_its_own(sweep *s, const program *p, int omega) {
     const program tight = {.rtol = exact};
     const saltus_system *system = s->stopped[omega];
-    const rival_scene scene = rival_scene_of(saltus_system_spec(system), NULL);
     double state[motion_dimension], next[motion_dimension], exact_next[motion_dimension];
     bool same = true;
     memcpy(state, s->found[omega].settled, sizeof state);
@@ -82,7 +80,7 @@ static bool counts_its_own(sweep *s, const program *p, int omega) {
         rival_result result = {.events = s->events, .capacity = rival_events_max, .state = next};
         int impacts = 0, exact_impacts = 0;
         if (p->kind == program_rival)
-            same = p->run(&scene, state, 1, p->rtol, p->rtol, &result);
+            same = p->run(saltus_system_spec(system), state, 1, p->rtol, &result);
         else
             same = own_period(system, p, state, next, &impacts, NULL) == SALTUS_OK;
         for (int e = 0; e < result.count && e < result.capacity; e++)
@@ -128,7 +126,6 @@ static void run_rival(sweep *s, const program *p, row *r) {
         all += saltus_system_period(s->stopped[k]);
     for (int k = 0; k < s->count; k += s->part) {
         simulated += saltus_system_period(s->stopped[k]);
-        const rival_scene scene = rival_scene_of(saltus_system_spec(s->stopped[k]), NULL);
         const int periods[2] = {settling_periods, recorded_periods};
         motion *m = &s->found[k];
         motion_clear(m);
@@ -138,7 +135,7 @@ static void run_rival(sweep *s, const program *p, row *r) {
             rival_result result = {
                 .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
             memcpy(end, m->settled, sizeof end);
-            m->failed |= !p->run(&scene, end, periods[stage], p->rtol, p->rtol, &result);
+            m->failed |= !p->run(saltus_system_spec(s->stopped[k]), end, periods[stage], p->rtol, &result);
             for (int e = 0; e < result.count && e < result.capacity; e++) {
                 const rival_event *event = &result.events[e];
                 if (event->kind == RIVAL_IMPACT)
