@@ -123,11 +123,18 @@ saltus_status saltus_output_close(saltus_output *output, saltus_status status, s
     errno = 0;
     sound = fflush(output->file) == 0 && sound;
     if (output->nameless && status == SALTUS_OK && sound) {
+        /* Named apart for no longer than it takes to move it, so that a kill leaves nothing behind. */
         char *name = malloc(room_of(output));
         sound = name && take_name(output, name) == 0;
-        free(sound ? output->temporary : name);
-        output->temporary = sound ? name : output->temporary;
-        output->nameless = !sound;
+        if (sound && rename(name, output->path) != 0) {
+            const int reason = errno;
+            unlink(name);
+            errno = reason;
+            sound = false;
+        }
+        free(name);
+        free(output->temporary);
+        output->temporary = NULL;
     }
     sound = fclose(output->file) == 0 && sound;
     if (status == SALTUS_OK && sound && output->temporary)
