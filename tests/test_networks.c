@@ -269,6 +269,32 @@ static void folds_end_where_grazing_is_not_felt(void **unused) {
     check_networks(networks, 1);
 }
 
+/* All impacts in several periods lose their speed at once where a free vibration comes back after so many
+ * periods of a motion that touches the stop. Near there the flow forgets the orbits, and their equations lead
+ * nowhere. */
+static void impacts_fade_at_a_resonance(void **unused) {
+    (void)unused;
+    static const network networks[] = {{"budd-dux",
+                                        "omega=4.83582 r=0.91891 d=-0.0245213",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {3.38507, -0.324521},
+                                        {6.28657, 0.275479},
+                                        1,
+                                        {0.04, 0.02},
+                                        1},
+                                       {"budd-dux",
+                                        "omega=4.83582 r=0.91891 d=-0.0245213",
+                                        SALTUS_POINT_LP,
+                                        {"omega", "d"},
+                                        {3.38507, -0.324521},
+                                        {6.28657, 0.275479},
+                                        1,
+                                        {0.01},
+                                        2}};
+    check_networks(networks, 2);
+}
+
 /* Curves of orbits with impacts that follow one another closely have hairpins: no step leads across one to
  * another piece of the curve. */
 static void no_step_leads_across_a_hairpin(void **unused) {
@@ -297,6 +323,7 @@ int main(void) {
         cmocka_unit_test(undamped_pairs_are_on_the_circle),
         cmocka_unit_test(families_begin_no_curve),
         cmocka_unit_test(folds_end_where_grazing_is_not_felt),
+        cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(no_step_leads_across_a_hairpin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -17,7 +17,37 @@ typedef struct shorter {
     saltus_point_kind kind; /* the kind of point that is sought */
     double apart;           /* width of the differences for it */
     double exponent;        /* of the determinant for it */
+    int parts;              /* R4: after how many of these orbits a free vibration comes back */
 } shorter;
+
+/* How far, as an angle, a pair of multipliers of the orbit at s->at without its grazing impact is from coming
+ * back to 1 after so many orbits. */
+static saltus_status test_resonance(shorter *s, double *value, saltus_message *message) {
+    saltus_orbits *o = &s->x.orbits;
+    saltus_shooting *shooting = NULL;
+    saltus_sequence sequence, less;
+    const saltus_breach gone = {.kind = SALTUS_BREACH_SPEED, .mark = s->x.mark};
+    int order[SALTUS_MARKS_MAX];
+    double state[SALTUS_STATE_MAX], re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *u = NULL;
+    saltus_shooting_extract(o->shooting, s->at.u, &sequence, state);
+    saltus_sequence_graze(&sequence, &gone, 1, &less, order);
+    saltus_status status =
+        saltus_orbits_shoot(o, &less, s->at.u + o->equations->count, state, &shooting, &u, message);
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
+    const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
+    *value = INFINITY;
+    for (int k = 0; k < count; k++) {
+        const double own = remainder(s->parts * atan2(im[k], re[k]), 2 * M_PI);
+        if (im[k] > 0 && fabs(own) < fabs(*value))
+            *value = own;
+    }
+    saltus_shooting_free(shooting);
+    free(u);
+    if (count < 0)
+        return SALTUS_NO_MEMORY;
+    return status == SALTUS_OK && !isfinite(*value) ? SALTUS_SINGULAR : status;
+}
 
 /* The function that is zero at the point sought, on the curve `ahead` of s->on. From multipliers: the one
  * closest to 1, minus 1, or the squared modulus, minus 1, of the pair closest to the unit circle. */
@@ -28,7 +58,9 @@ static bool test_at(shorter *s, double ahead, double *value) {
     double rounding;
     saltus_message ignored;
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
-    if (status == SALTUS_OK && !grazes)
+    if (status == SALTUS_OK && s->kind == SALTUS_POINT_R4)
+        status = test_resonance(s, value, &ignored);
+    else if (status == SALTUS_OK && !grazes)
         *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
@@ -202,11 +234,13 @@ static void close_shorter(saltus_extended *x, shorter *s) {
     free(s->u);
 }
 
-/* The impacts of both halves of an orbit in one: the sequence of an orbit of half the period that has or
+/* The impacts of all parts of an orbit in one: the sequence of an orbit of so much less period that has or
  * touches at all of them. Returns the mark in it that `slow` becomes; -1: there are other events than
  * impacts. */
-static int lay_together(const saltus_sequence *whole, int slow, saltus_sequence *once) {
-    *once = saltus_sequence_first_half(whole);
+static int lay_together(const saltus_sequence *whole, int parts, int slow, saltus_sequence *once) {
+    *once = *whole;
+    once->periods /= parts;
+    once->cuts = 1;
     once->count = 0;
     for (int k = 0; k < whole->count; k++) {
         saltus_mark own = whole->mark[k];
@@ -227,6 +261,7 @@ static int lay_together(const saltus_sequence *whole, int slow, saltus_sequence 
 }
 
 bool saltus_halved_touch(saltus_extended *x, saltus_locus_point *at) {
+    const double alike = 1e-5;
     const saltus_breach *touch = NULL;
     saltus_sequence once;
     shorter s;
@@ -235,11 +270,16 @@ bool saltus_halved_touch(saltus_extended *x, saltus_locus_point *at) {
             (!touch || at->orbit.breaches[k].value > touch->value))
             touch = &at->orbit.breaches[k];
     const saltus_sequence *whole = &at->orbit.sequence;
-    const int mark = touch && whole->periods % 2 == 0 ? lay_together(whole, touch->mark, &once) : -1;
+    int parts = touch ? whole->periods : 1;
+    while (parts > 2 && !(saltus_locus_distance(x, &at->orbit, parts) < alike))
+        parts--;
+    const int mark =
+        parts > 1 && whole->periods % parts == 0 ? lay_together(whole, parts, touch->mark, &once) : -1;
     if (mark < 0)
         return false;
     bool found = open_shorter(&s, x, at, &once, SALTUS_POINT_GR, mark);
-    s.kind = SALTUS_POINT_GR_LP;
+    s.kind = parts > 2 ? SALTUS_POINT_R4 : SALTUS_POINT_GR_LP;
+    s.parts = parts;
     found = found && find_zero(&s) && go_through(x, &s, s.at.u, at);
     close_shorter(x, &s);
     return found;

@@ -46,13 +46,12 @@ static double left_of(saltus_extended *x, measure by, int parts, const saltus_so
 static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, double ahead, double apart,
                                  int samples, measure by, int parts, saltus_locus_point *at, double *spread,
                                  saltus_message *message) {
-    const double tolerance = 1e-13, usual = x->equations.tolerance;
+    const double sharpest = 1e-13, sharp = 1e-12, usual = x->equations.tolerance;
     int m = here->at.unknowns;
     double rest[samples_most], *u = calloc((size_t)(m * samples), sizeof *u);
     saltus_locus_point before = {.corner_count = 0};
     saltus_status status = u ? SALTUS_OK : saltus_branch_no_memory(message);
     /* A residual moves the place by its size divided by the remainder, and spoils the bend even more. */
-    x->equations.tolerance = tolerance;
     here->at.bent = false;
     for (int k = 0; k < samples && status == SALTUS_OK; k++) {
         /* Orbits with slow impacts are close to those without them, on which a long step would end. */
@@ -62,8 +61,13 @@ static saltus_status extrapolate(saltus_extended *x, saltus_locus_point *here, d
             *at = before;
             before = last;
         }
-        status = saltus_curve_visit(&x->equations, follows ? &before.at : &here->at,
-                                    follows ? -apart : ahead - (k + 1) * apart, &at->at, message);
+        /* Rounding may be more than the first tolerance. */
+        status = SALTUS_NO_CONVERGENCE;
+        for (double t = sharpest; status == SALTUS_NO_CONVERGENCE && t <= sharp; t *= 10) {
+            x->equations.tolerance = t;
+            status = saltus_curve_visit(&x->equations, follows ? &before.at : &here->at,
+                                        follows ? -apart : ahead - (k + 1) * apart, &at->at, message);
+        }
         if (status == SALTUS_OK)
             status = saltus_locus_see_orbit(x, at, message);
         rest[k] = status == SALTUS_OK ? left_of(x, by, parts, &at->orbit) : NAN;
@@ -240,49 +244,73 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
 
-saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
-                                       saltus_point_kind *kind, saltus_message *message) {
-    static const double apart[] = {3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4};
-    enum { spacings = sizeof apart / sizeof apart[0] };
+/* Seek the place just ahead of `here` where what is left by a measure is nothing, from ever nearer and with
+ * more or less places: `at` becomes the one that changes least, by less than `best`; *found says if there is
+ * one. Errors: SALTUS_NO_MEMORY. */
+static saltus_status seek_end(saltus_extended *x, saltus_locus_point *here, measure by, int parts,
+                              double best, saltus_locus_point *at, bool *found, saltus_message *message) {
+    static const double apart[] = {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4};
+    const int first = by == BY_DISTANCE, end = by == BY_DISTANCE ? 7 : 4;
     const double farthest = 8, sharp = 1e-5, clear = 1e-6;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
-    double spread, ahead = 0, before[2] = {NAN, NAN}, *u;
+    double spread, ahead = 0, before[2] = {NAN, NAN}, *u = calloc((size_t)m, sizeof *u);
     saltus_message ignored;
+    saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
+    for (int k = 2 * first; k < 2 * end && status != SALTUS_NO_MEMORY; k++) {
+        const double own = apart[k / 2];
+        status = extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, by, parts, at, &spread,
+                             &ignored);
+        if (status != SALTUS_OK)
+            continue;
+        /* The change from the attempt before says more than `spread` alone. */
+        const double doubt = fmax(spread, hypot(at->at.u[c] - before[0], at->at.u[c + 1] - before[1]));
+        const double breach = saltus_corner_breach(x, &at->orbit);
+        memcpy(before, at->at.u + c, sizeof before);
+        if (doubt < best && at->at.ahead > 0 && at->at.ahead < farthest * own &&
+            (by == BY_DISTANCE ? breach < -clear && saltus_locus_distance(x, &at->orbit, parts) < sharp
+                               : fabs(breach) < clear)) {
+            best = doubt;
+            ahead = at->at.ahead;
+            memcpy(u, at->at.u, (size_t)m * sizeof *u);
+        }
+    }
+    *found = status != SALTUS_NO_MEMORY && ahead > 0;
+    if (*found) {
+        memcpy(at->at.u, u, (size_t)m * sizeof *u);
+        at->at.ahead = ahead;
+        status = saltus_locus_see_orbit(x, at, &ignored);
+        *found = status == SALTUS_OK;
+    }
+    free(u);
+    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+}
+
+saltus_status saltus_locus_fade(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
+                                bool *fades, saltus_message *message) {
+    const double little = 1e-3, sharp = 1e-8;
+    *fades = false;
+    if (x->kind == SALTUS_POINT_GR || !(saltus_corner_breach(x, &here->orbit) > -little))
+        return SALTUS_OK;
+    const saltus_status status = seek_end(x, here, BY_ROOT, 0, sharp, at, fades, message);
+    if (*fades)
+        saltus_halved_touch(x, at);
+    return status;
+}
+
+saltus_status saltus_locus_join_halves(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *at,
+                                       saltus_point_kind *kind, saltus_message *message) {
+    bool found = false;
     *kind = SALTUS_POINT_REGULAR;
     const int parts = may_join(x, &here->orbit);
     if (!parts)
         return SALTUS_OK;
     /* From afar demand more accuracy: a step nearer may locate the place better and still not be too
      * close. */
-    double best = saltus_locus_apart(x, &here->orbit, NULL) > close_by ? 3e-9 : 1e-7;
-    u = calloc((size_t)m, sizeof *u);
-    saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
-    for (int k = 0; k < 2 * spacings && status != SALTUS_NO_MEMORY; k++) {
-        const double own = apart[k / 2];
-        status = extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, BY_DISTANCE, parts, at,
-                             &spread, &ignored);
-        if (status != SALTUS_OK)
-            continue;
-        /* The change from the attempt before says more than `spread` alone. */
-        const double doubt = fmax(spread, hypot(at->at.u[c] - before[0], at->at.u[c + 1] - before[1]));
-        memcpy(before, at->at.u + c, sizeof before);
-        if (doubt < best && at->at.ahead > 0 && at->at.ahead < farthest * own &&
-            saltus_corner_breach(x, &at->orbit) < -clear &&
-            saltus_locus_distance(x, &at->orbit, parts) < sharp) {
-            best = doubt;
-            ahead = at->at.ahead;
-            memcpy(u, at->at.u, (size_t)m * sizeof *u);
-        }
-    }
-    if (status != SALTUS_NO_MEMORY && ahead > 0) {
-        memcpy(at->at.u, u, (size_t)m * sizeof *u);
-        at->at.ahead = ahead;
-        status = saltus_locus_see_orbit(x, at, &ignored);
-        if (status == SALTUS_OK)
-            *kind = saltus_halved_tell(x, parts == 1, at);
-    }
-    free(u);
-    return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
+    const double best = saltus_locus_apart(x, &here->orbit, NULL) > close_by ? 3e-9 : 1e-7;
+    const saltus_status status = seek_end(x, here, BY_DISTANCE, parts, best, at, &found, message);
+    if (found)
+        *kind = saltus_halved_tell(x, parts == 1, at);
+    return status;
 }
 
 /* How many events an orbit has in the first half of its period. */

@@ -20,6 +20,11 @@ saltus_status saltus_locus_join(saltus_extended *extended, saltus_locus_point *h
  * several may have, and the equations be singular: then `at` becomes the place that the curve before it leads
  * to, where that is told sharper. */
 void saltus_locus_sharpen_end(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at);
+/* Where several impacts lose their speed at once, the equations of other curves become singular and lead
+ * nowhere; but these curves depend smoothly on the root of that speed. *fades: whether the curve of `here`
+ * ends so just ahead, at the orbit `at`. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_locus_fade(saltus_extended *extended, saltus_locus_point *here, saltus_locus_point *at,
+                                bool *fades, saltus_message *message);
 /* Curves of folds and of tori of orbits of twice the period end where these become those of half of it. The
  * equations are singular there, and beyond have nothing but the flips of the shorter orbits; but the curve
  * depends smoothly on how far the halves are apart, which tells near where the equations of the shorter

@@ -561,15 +561,19 @@ static const char *why_it_ends(const saltus_solution *at) {
 
 /* End the curve, which does not go on, at `here` or at the special point just ahead. */
 static saltus_status give_end(saltus_locus *l, saltus_message *message) {
-    bool contact;
+    bool contact, fades = false, moved = false;
     saltus_point_kind kind = SALTUS_POINT_REGULAR;
     saltus_status status = saltus_locus_end_contact(&l->x, &l->here, &l->trial, &contact, message);
     if (status == SALTUS_OK && !contact)
         status = saltus_locus_join(&l->x, &l->here, &l->trial, &kind, message);
+    if (status == SALTUS_OK && !contact && !kind)
+        status = saltus_locus_fade(&l->x, &l->here, &l->trial, &fades, message);
     if (status != SALTUS_OK)
         return status;
     if (kind)
         return give_join(l, kind, message);
+    if (fades)
+        return give_corner(l, l->here.corners[0], l->trial.at.ahead, &moved, message);
     if (!contact)
         return give(l, &l->here, SALTUS_POINT_EP, 0, why_it_ends(&l->here.orbit), message);
     const double ahead = l->trial.at.ahead;
@@ -708,10 +712,16 @@ static saltus_status pass_corner(saltus_locus *l, const struct saltus_locus_zero
     saltus_solution_clear(&before);
     l->x.sharp = false;
     /* Where the orbit closes after half the period, or is its own mirror image, determinants are rounding.
-     * And two real multipliers with the product 1 are no pair on the unit circle. */
+     * Two real multipliers with the product 1 are no pair on the unit circle. And where impacts are slow null
+     * vectors may be rounding: then no multiplier is double. */
     const saltus_locus_test corner = l->trial.corners[own];
+    const saltus_survey *survey = &l->trial.orbit.survey;
     const bool real = corner.kind == SALTUS_POINT_GR_NS && !corner.breach && !isfinite(corner.theta);
-    return !found || real || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
+    const bool resonance = corner.kind == SALTUS_POINT_R1 || corner.kind == SALTUS_POINT_R2;
+    const bool simple =
+        found && resonance && l->x.kind != SALTUS_POINT_NS && survey->walked &&
+        !saltus_locus_has_pair(survey, l->x.orbits.n, corner.kind == SALTUS_POINT_R1 ? 0 : M_PI);
+    return !found || real || simple || saltus_locus_joins_at(&l->x, &l->here, &l->trial.orbit, corner.breach)
                ? SALTUS_OK
                : give_corner(l, corner, zero->place, moved, message);
 }

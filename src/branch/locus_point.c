@@ -220,9 +220,7 @@ bool saltus_locus_joins_at(saltus_extended *x, const saltus_locus_point *here, c
     return apart < near && !(breach && apart > 0.5 * saltus_locus_apart(x, &here->orbit, NULL));
 }
 
-/* Whether two multipliers are e^{i theta} and its conjugate: at folds the equations of tori hold with theta =
- * 0 and a single multiplier 1. */
-static bool has_pair(const saltus_survey *survey, int n, double theta) {
+bool saltus_locus_has_pair(const saltus_survey *survey, int n, double theta) {
     const double near = 1e-2;
     int first = -1;
     for (int way = 1; way >= -1; way -= 2) {
@@ -252,7 +250,7 @@ bool saltus_locus_is_sound(saltus_extended *x, const saltus_locus_point *p) {
     if (breach > 1e-9)
         return true;
     if (x->kind == SALTUS_POINT_NS && s->survey.walked &&
-        !has_pair(&s->survey, x->orbits.n, p->at.u[s->at.unknowns]))
+        !saltus_locus_has_pair(&s->survey, x->orbits.n, p->at.u[s->at.unknowns]))
         return false;
     if (x->kind == SALTUS_POINT_GR)
         return breach < -apart || saltus_locus_apart(x, s, NULL) >= apart;
