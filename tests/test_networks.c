@@ -26,7 +26,8 @@ static saltus_scene open_scene(const network *n) {
     return scene;
 }
 
-static branch_record follow(const network *n, double step_max) {
+/* The network that begins with an orbit of so many periods through a state; 0: what the scene settles on. */
+static branch_record follow(const network *n, double step_max, int periods, const double *at) {
     saltus_message message = {.text = ""};
     saltus_scene scene = open_scene(n);
     saltus_system *system = build(&scene.spec);
@@ -46,7 +47,8 @@ static branch_record follow(const network *n, double step_max) {
     options.step_max = step_max;
     options.step = step_max / 4;
     options.points = 400;
-    branch_record record = branch_run(&scene.spec, motion.periods, motion.state, &options);
+    branch_record record =
+        branch_run(&scene.spec, periods ? periods : motion.periods, periods ? at : motion.state, &options);
     saltus_motion_clear(&motion);
     saltus_system_free(system);
     saltus_scene_clear(&scene);
@@ -93,11 +95,11 @@ static void check_in(const network *n, const branch_record *one, const branch_re
     }
 }
 
-static void check_network(const network *n) {
+static void check_network(const network *n, int periods, const double *at) {
     branch_record record[steps];
     int runs = 0;
     for (; runs < steps && n->step_max[runs] > 0; runs++) {
-        record[runs] = follow(n, n->step_max[runs]);
+        record[runs] = follow(n, n->step_max[runs], periods, at);
         check_ends(n, &record[runs]);
         int named = 0;
         for (int k = 0; k < record[runs].count; k++)
@@ -115,7 +117,7 @@ static void check_network(const network *n) {
 
 static void check_networks(const network *networks, size_t count) {
     for (size_t k = 0; k < count; k++)
-        check_network(&networks[k]);
+        check_network(&networks[k], 0, NULL);
 }
 
 /* Folds of orbits between equal stops pass where an impact happens half a period after the base: the state
@@ -269,6 +271,25 @@ static void folds_end_where_grazing_is_not_felt(void **unused) {
     check_networks(networks, 1);
 }
 
+/* Along orbits of several periods of slow forcing perturbations grow a thousandfold and shrink again, so that
+ * the differences which are second derivatives say nothing, and orbits of twice the period leave those of
+ * half of it by little at the section. */
+static void curves_begin_where_perturbations_grow(void **unused) {
+    (void)unused;
+    static const double state[] = {1.0002341599780877, 0.6583323007780392};
+    const network network = {
+        "duffing",
+        "F=0.429311 omega=0.933283618081556 d=1.41746648191972 c=0.356772 r=0.701606 sides=both",
+        SALTUS_POINT_GR,
+        {"omega", "d"},
+        {0.9325, 1.416},
+        {0.934, 1.419},
+        1,
+        {0.1},
+        4};
+    check_network(&network, 4, state);
+}
+
 /* All impacts in several periods lose their speed at once where a free vibration comes back after so many
  * periods of a motion that touches the stop. Near there the flow forgets the orbits, and their equations lead
  * nowhere. */
@@ -323,6 +344,7 @@ int main(void) {
         cmocka_unit_test(undamped_pairs_are_on_the_circle),
         cmocka_unit_test(families_begin_no_curve),
         cmocka_unit_test(folds_end_where_grazing_is_not_felt),
+        cmocka_unit_test(curves_begin_where_perturbations_grow),
         cmocka_unit_test(impacts_fade_at_a_resonance),
         cmocka_unit_test(no_step_leads_across_a_hairpin),
     };

@@ -138,9 +138,9 @@ bool saltus_solution_reframe(saltus_orbits *o, bool trims, bool leaves, saltus_s
     return reframe(o, trims, leaves, s->growth > growth_max, s, scratch, order);
 }
 
-bool saltus_solution_refine(saltus_orbits *o, saltus_solution *s, saltus_solution *scratch) {
+bool saltus_solution_refine(saltus_orbits *o, saltus_solution *s, saltus_solution *scratch, int *order) {
     const int cuts = s->sequence.cuts;
-    return reframe(o, false, false, true, s, scratch, NULL) && s->sequence.cuts > cuts;
+    return reframe(o, false, false, true, s, scratch, order) && s->sequence.cuts > cuts;
 }
 
 bool saltus_solution_base_beyond(const saltus_orbits *o, const saltus_solution *s) {

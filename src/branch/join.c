@@ -207,7 +207,7 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
                                 saltus_point_kind *kind, saltus_message *message) {
     static const double apart[] = {1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5};
     enum { spacings = sizeof apart / sizeof apart[0] };
-    const double little = 1e-4, near = 1e-3, sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
+    const double little = 1e-3, near = 1e-3, sharp[] = {1e-10, 1e-10, 1e-8}, trusted = 1e-11;
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
     int parts;
     double spread, least = INFINITY;

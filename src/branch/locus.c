@@ -125,6 +125,19 @@ static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start
     return status;
 }
 
+/* Cut the orbit at `here`, where a curve is to begin, into more segments; false if that cannot be. */
+static bool cut_finer(saltus_locus *l) {
+    const double base = l->here.orbit.sequence.base;
+    const int mark = l->x.mark;
+    int order[SALTUS_MARKS_MAX];
+    const bool finer = saltus_solution_refine(&l->x.orbits, &l->here.orbit, &l->trial.orbit, order);
+    const saltus_sequence *s = &l->here.orbit.sequence;
+    for (int k = 0; k < s->count && s->base != base; k++)
+        if (order[k] == mark)
+            l->x.mark = k;
+    return finer;
+}
+
 /* `here` becomes the orbit of a start, as one of its curve. */
 static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     const double alike = 1e-6;
@@ -159,6 +172,8 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
         status = saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit,
                                        message);
     }
+    while (status == SALTUS_OK && saltus_locus_grows(&l->x, &l->here.orbit) && cut_finer(l))
+        continue;
     if (status != SALTUS_OK || !crossing)
         return status == SALTUS_OK ? saltus_locus_find_near(&l->x, &l->here, start->theta, message) : status;
     status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
@@ -336,19 +351,21 @@ static bool is_near(const saltus_locus *l) {
  * they did. Errors: SALTUS_NO_MEMORY. */
 static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found, saltus_message *why,
                            saltus_message *message) {
-    static const double shorter[] = {1, 0.2, 0.04, 0.01};
+    static const double shorter[] = {1, 0.2, 0.04, 0.01}, tolerances[] = {1e-12, 1e-11, 1e-10};
     const bool stays = begins_crossing(l) && l->x.mirrored;
     const bool branches = l->x.kind == SALTUS_POINT_BP && l->x.mirrored;
     const bool sharp = leaves || stays || branches;
     double longest = sharp ? 1e-3 : 1e-4, usual = l->x.equations.tolerance;
     *why = (saltus_message){.text = ""};
-    /* Where curves cross the equations are singular, and a residual moves a point near there by much. */
-    l->x.equations.tolerance = sharp ? 1e-12 : usual;
     saltus_status status = SALTUS_OK;
     *found = false;
-    const int ways = 1 + turns;
-    for (int k = 0; k < 4 * ways && !*found && status != SALTUS_NO_MEMORY; k++) {
-        const double ahead = longest * shorter[k / ways];
+    const double leaving = leaves ? fmax(1e-7, fmin(1e-3, 0.5 * saltus_locus_leaving(&l->x, &l->here))) : 0;
+    const int tries = 4 * (1 + turns), rounds = sharp ? 3 : 1;
+    for (int k = 0; k < rounds * tries && !*found && status != SALTUS_NO_MEMORY; k++) {
+        const double ahead = longest * shorter[k % tries / (1 + turns)];
+        /* Where curves cross the equations are singular, and a residual moves a point near there by much; but
+         * it cannot be less than rounding. */
+        l->x.equations.tolerance = sharp ? tolerances[k / tries] : usual;
         if (k > 0 && turns)
             saltus_curve_turn(&l->here.at);
         status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->next.at, why);
@@ -360,7 +377,7 @@ static saltus_status leave(saltus_locus *l, bool turns, bool leaves, bool *found
             continue;
         /* Another curve, near or far, may have attracted the point. */
         *found = saltus_corner_breach(&l->x, &l->next.orbit) < 0 && is_near(l) &&
-                 !(leaves && saltus_locus_apart(&l->x, &l->next.orbit, NULL) < 1e-3 * ahead) &&
+                 !(leaves && saltus_locus_apart(&l->x, &l->next.orbit, NULL) < leaving * ahead) &&
                  !(stays && saltus_locus_distance(&l->x, &l->next.orbit, 1) > 1e-3 * ahead);
     }
     l->x.equations.tolerance = usual;

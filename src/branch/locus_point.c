@@ -105,7 +105,19 @@ saltus_status saltus_locus_find_near(saltus_extended *x, saltus_locus_point *her
 /* For an orbit cut halfway: the deviation, in state entry i of the vector u of unknowns, from orbits of half
  * the period or, with `mirrored`, from those that are their own mirror images. */
 static double half_apart(const saltus_extended *x, const double *u, int i, bool mirrored) {
-    return u[x->orbits.n + i] + (mirrored ? u[i] : -u[i]);
+    const saltus_sequence *s = saltus_shooting_sequence(x->orbits.shooting);
+    int half = 1;
+    while (half + 1 < s->cuts && s->cut[half] < s->base + 0.499 * s->periods)
+        half++;
+    return u[half * x->orbits.n + i] + (mirrored ? u[i] : -u[i]);
+}
+
+double saltus_locus_leaving(const saltus_extended *x, const saltus_locus_point *here) {
+    double apart[2] = {0, 0};
+    for (int i = 0; i < x->orbits.n; i++)
+        for (int k = 0; k < 2; k++)
+            apart[k] = fmax(apart[k], fabs(half_apart(x, here->at.tangent, i, k)));
+    return fmin(apart[0], apart[1]);
 }
 
 saltus_status saltus_locus_find_crossing(saltus_extended *x, saltus_locus_point *here, bool leaves,
@@ -167,13 +179,19 @@ saltus_status saltus_locus_install(saltus_extended *x, saltus_locus_point *here,
     return status == SALTUS_OK ? saltus_locus_see(x, here, message) : status;
 }
 
+bool saltus_locus_grows(const saltus_extended *x, const saltus_solution *s) {
+    return s->growth > (x->kind == SALTUS_POINT_GR ? 1e4 : 1e2);
+}
+
 saltus_status saltus_locus_reframe(saltus_extended *x, saltus_locus_point *here, saltus_locus_point *scratch,
                                    saltus_message *message) {
     const int unknowns = here->at.unknowns;
     int order[SALTUS_MARKS_MAX];
     const saltus_sequence old = here->orbit.sequence;
     if (!saltus_solution_reframe(&x->orbits, x->kind != SALTUS_POINT_GR, false, &here->orbit, &scratch->orbit,
-                                 order))
+                                 order) &&
+        !(saltus_locus_grows(x, &here->orbit) &&
+          saltus_solution_refine(&x->orbits, &here->orbit, &scratch->orbit, order)))
         return SALTUS_OK;
     double *tangent = calloc((size_t)unknowns, sizeof *tangent);
     if (!tangent)

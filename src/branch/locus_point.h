@@ -43,14 +43,20 @@ saltus_status saltus_locus_find_near(saltus_extended *extended, saltus_locus_poi
  * if it `leaves`, otherwise the former's, from the null plane; where none cross after all, its own. */
 saltus_status saltus_locus_find_crossing(saltus_extended *extended, saltus_locus_point *here, bool leaves,
                                          saltus_message *message);
+/* How fast, along the tangent at such an orbit, the halves, or the mirror images, become unlike; it may be
+ * slow where perturbations grow along the orbit. */
+double saltus_locus_leaving(const saltus_extended *extended, const saltus_locus_point *here);
 /* `here` becomes a point of the same curve with the sequence that its orbit has now and that was made from
  * `old`, at which the tangent was `tangent` and the unknown beside the orbit's `more`; order: where the marks
  * stood. Errors: SALTUS_NO_MEMORY, those of the equations. */
 saltus_status saltus_locus_install(saltus_extended *extended, saltus_locus_point *here,
                                    const saltus_sequence *old, const double *tangent, double more,
                                    const int *order, saltus_message *message);
-/* Cut the orbit at `here` better if an event has come near its base or a cut; `scratch` is overwritten.
- * Errors: as above; there is then no such point. */
+/* Whether an orbit should be cut into more segments, as perturbations grow too much for Newton's method or,
+ * except at grazing, for the differences that are the second derivatives. */
+bool saltus_locus_grows(const saltus_extended *extended, const saltus_solution *orbit);
+/* Cut the orbit at `here` better if that is so, or an event has come near its base or a cut; `scratch` is
+ * overwritten. Errors: as above; there is then no such point. */
 saltus_status saltus_locus_reframe(saltus_extended *extended, saltus_locus_point *here,
                                    saltus_locus_point *scratch, saltus_message *message);
 /* Whether a point that was sought some way ahead of another is far aside of the tangent there: across a

@@ -129,9 +129,10 @@ saltus_status saltus_solution_contact_force(saltus_orbits *orbits, const saltus_
  * before. */
 bool saltus_solution_reframe(saltus_orbits *orbits, bool trims, bool leaves, saltus_solution *solution,
                              saltus_solution *scratch, int *order);
-/* The same with more segments, if possible: for orbits along which perturbations grow and shrink again, which
- * the growth over a segment does not show. */
-bool saltus_solution_refine(saltus_orbits *orbits, saltus_solution *solution, saltus_solution *scratch);
+/* The same with more segments: for orbits along which perturbations grow and shrink again, which the growth
+ * over a segment does not show. False: there are not more, though the base may have moved. */
+bool saltus_solution_refine(saltus_orbits *orbits, saltus_solution *solution, saltus_solution *scratch,
+                            int *order);
 /* Whether the base of the orbit last evaluated by the shooting, whose period is an unknown, lies beyond a
  * stop. */
 bool saltus_solution_base_beyond(const saltus_orbits *orbits, const saltus_solution *solution);

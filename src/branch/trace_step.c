@@ -560,7 +560,7 @@ static saltus_status go_on_lost(saltus_trace *t, saltus_status reason, const cha
     const saltus_equations *e = t->orbits.equations;
     bool ended;
     if (reason == SALTUS_NO_CONVERGENCE && e->size < 1e3 * e->tolerance &&
-        saltus_solution_refine(&t->orbits, t->here, t->trial)) {
+        saltus_solution_refine(&t->orbits, t->here, t->trial, NULL)) {
         trail->step = trail->options->step;
         return SALTUS_OK;
     }
