@@ -15,10 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static saltus_scaled plain(double value) {
-    return (saltus_scaled){value, 0};
-}
-
 /* Whether a breach belongs to the grazing impact that is followed, or to its mirror image. */
 static bool is_own(const saltus_extended *x, const saltus_solution *s, const saltus_breach *breach) {
     const double near = 1e-4;
@@ -132,9 +128,7 @@ static void keep_close(saltus_close *close, double re, double im) {
     }
 }
 
-/* The determinant of the equations last evaluated at fixed parameters, with `turned` closing rows for an
- * orbit that closes on minus its beginning: none or all. False without memory. */
-static bool measure_closing(saltus_shooting *shooting, int turned, saltus_scaled *value) {
+bool saltus_corner_closing(saltus_shooting *shooting, int turned, saltus_scaled *value) {
     const saltus_equations *e = saltus_shooting_equations(shooting);
     const int c = e->count, row = saltus_shooting_closing_row(shooting);
     saltus_dense_lu lu = {.n = 0};
@@ -152,10 +146,6 @@ static bool measure_closing(saltus_shooting *shooting, int turned, saltus_scaled
     return room;
 }
 
-bool saltus_corner_fold(saltus_shooting *shooting, saltus_scaled *value) {
-    return measure_closing(shooting, 0, value);
-}
-
 enum { of_fold, of_flip, of_pair, of_orbit };
 
 /* The functions of the orbit last evaluated by the shooting, on a curve of grazing, at fixed parameters: the
@@ -166,8 +156,8 @@ static bool measure_orbit(saltus_shooting *shooting, int n, saltus_locus_test te
     const double on = 1e-6, nothing = 1e-10,
                  infinite = 1e6; /* larger: infinite, but for the residual speed at grazing */
     saltus_locus_test *pair = &tests[of_pair];
-    const bool room = measure_closing(shooting, 0, &tests[of_fold].value) &&
-                      measure_closing(shooting, n, &tests[of_flip].value);
+    const bool room = saltus_corner_closing(shooting, 0, &tests[of_fold].value) &&
+                      saltus_corner_closing(shooting, n, &tests[of_flip].value);
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], size = 0, angle = 0, least = INFINITY;
     const int all = room ? saltus_corner_multipliers(shooting, n, re, im) : -1;
     int count = 0;
@@ -356,7 +346,7 @@ static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, 
     for (int without = 0; without < 2; without++)
         for (int k = 0; k < of_orbit; k++)
             tests[without][k] = (saltus_locus_test){
-                .kind = kinds[k], .value = plain(NAN), .without = without, .theta = k == of_pair ? NAN : 0};
+                .kind = kinds[k], .value = {NAN, 0}, .without = without, .theta = k == of_pair ? NAN : 0};
     const saltus_status status = evaluate_without(x, s, &shooting, &ignored);
     const bool room = status != SALTUS_NO_MEMORY &&
                       (status != SALTUS_OK || measure_orbit(shooting, x->orbits.n, tests[1])) &&
@@ -373,7 +363,7 @@ static bool measure_grazing(const saltus_extended *x, const saltus_solution *s, 
 }
 
 static saltus_locus_test smooth(saltus_point_kind kind, double value, bool ends) {
-    return (saltus_locus_test){.kind = kind, .value = plain(value), .ends = ends};
+    return (saltus_locus_test){.kind = kind, .value = {value, 0}, .ends = ends};
 }
 
 static saltus_locus_test double_multiplier(const saltus_extended *x, saltus_point_kind kind) {

@@ -58,9 +58,10 @@ saltus_status saltus_corner_tell(const saltus_extended *extended, const saltus_l
                                  const saltus_solution *orbit, saltus_point_kind *kind,
                                  saltus_message *message);
 
-/* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. False
+/* The determinant of the equations last evaluated by a shooting at fixed parameters: zero at a fold. With
+ * `turned` closing rows, all of them, for an orbit that closes on minus its beginning: zero at a flip. False
  * without memory. */
-bool saltus_corner_fold(saltus_shooting *shooting, saltus_scaled *value);
+bool saltus_corner_closing(saltus_shooting *shooting, int turned, saltus_scaled *value);
 /* The finite multipliers of the orbit last evaluated by a shooting; returns their number, at most n; -1
  * without memory. At grazing one multiplier is infinite, so the eigenvalues 1 / (mu - shift) of the inverse
  * of the shifted equations are computed. */

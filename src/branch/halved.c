@@ -20,71 +20,67 @@ typedef struct shorter {
     int parts;              /* R4: after how many of these orbits a free vibration comes back */
 } shorter;
 
-/* How far, as an angle, a pair of multipliers of the orbit at s->at without its grazing impact is from coming
- * back to 1 after so many orbits. */
-static saltus_status test_resonance(shorter *s, double *value, saltus_message *message) {
-    saltus_orbits *o = &s->x.orbits;
-    saltus_shooting *shooting = NULL;
-    saltus_sequence sequence, less;
+/* Evaluate the orbit at s->at without its grazing impact by a separate shooting, which the caller frees. */
+static saltus_status evaluate_without(const shorter *s, saltus_shooting **shooting, saltus_message *message) {
+    const saltus_orbits *o = &s->x.orbits;
     const saltus_breach gone = {.kind = SALTUS_BREACH_SPEED, .mark = s->x.mark};
+    saltus_sequence sequence, less;
     int order[SALTUS_MARKS_MAX];
-    double state[SALTUS_STATE_MAX], re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *u = NULL;
+    double state[SALTUS_STATE_MAX], *u = NULL;
     saltus_shooting_extract(o->shooting, s->at.u, &sequence, state);
     saltus_sequence_graze(&sequence, &gone, 1, &less, order);
     saltus_status status =
-        saltus_orbits_shoot(o, &less, s->at.u + o->equations->count, state, &shooting, &u, message);
+        saltus_orbits_shoot(o, &less, s->at.u + o->equations->count, state, shooting, &u, message);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, message);
-    const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
-    *value = INFINITY;
-    for (int k = 0; k < count; k++) {
-        const double own = remainder(s->parts * atan2(im[k], re[k]), 2 * M_PI);
-        if (im[k] > 0 && fabs(own) < fabs(*value))
-            *value = own;
-    }
-    saltus_shooting_free(shooting);
+        status = saltus_equations_evaluate(saltus_shooting_equations(*shooting), u, message);
     free(u);
-    if (count < 0)
-        return SALTUS_NO_MEMORY;
-    return status == SALTUS_OK && !isfinite(*value) ? SALTUS_SINGULAR : status;
+    return status;
 }
 
 /* The function that is zero at the point sought, on the curve `ahead` of s->on. From multipliers: the one
- * closest to 1, minus 1, or the squared modulus, minus 1, of the pair closest to the unit circle. */
+ * closest to 1, minus 1; the squared modulus, minus 1, of the pair closest to the unit circle; or, without
+ * the grazing impact, how far in angle a pair on the circle is from coming back to 1 after some orbits. */
 static bool test_at(shorter *s, double ahead, double *value) {
+    const double on = 1e-6;
     const bool pair = s->kind == SALTUS_POINT_PD_NS, grazes = s->kind == SALTUS_POINT_GR_LP,
-               multipliers = pair || s->kind == SALTUS_POINT_LP_PD;
+               comes_back = s->kind == SALTUS_POINT_R4,
+               multipliers = pair || comes_back || s->kind == SALTUS_POINT_LP_PD;
     saltus_orbits *o = &s->x.orbits;
-    double rounding;
+    saltus_shooting *without = NULL;
+    double rounding, re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
+    saltus_scaled fold;
     saltus_message ignored;
     saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
-    if (status == SALTUS_OK && s->kind == SALTUS_POINT_R4)
-        status = test_resonance(s, value, &ignored);
-    else if (status == SALTUS_OK && !grazes)
+    if (status == SALTUS_OK && !grazes && !comes_back)
         *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
         status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
-    if (status == SALTUS_OK && (multipliers || grazes))
+    if (status == SALTUS_OK && comes_back)
+        status = evaluate_without(s, &without, &ignored);
+    else if (status == SALTUS_OK && (multipliers || grazes))
         status = saltus_equations_evaluate(o->equations, s->at.u, &ignored);
-    saltus_scaled fold;
     if (status == SALTUS_OK && grazes)
-        status = saltus_corner_fold(o->shooting, &fold) ? SALTUS_OK : SALTUS_NO_MEMORY;
+        status = saltus_corner_closing(o->shooting, 0, &fold) ? SALTUS_OK : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK && grazes) {
         s->exponent = isnan(s->exponent) ? fold.exponent : s->exponent;
         *value = saltus_scaled_in(fold, s->exponent);
     }
-    if (saltus_orbits_noted(o, status) != SALTUS_OK || !multipliers)
-        return status == SALTUS_OK;
-    double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    const int count = saltus_corner_multipliers(o->shooting, o->n, re, im);
-    *value = INFINITY;
+    int count = 0;
+    if (status == SALTUS_OK && multipliers) {
+        count = saltus_corner_multipliers(without ? without : o->shooting, o->n, re, im);
+        *value = INFINITY;
+    }
     for (int k = 0; k < count; k++) {
-        const double own = pair ? re[k] * re[k] + im[k] * im[k] - 1 : re[k] - 1;
-        if ((im[k] != 0) == pair && fabs(own) < fabs(*value))
+        const double square = re[k] * re[k] + im[k] * im[k];
+        const bool fits = comes_back ? im[k] > 0 && fabs(square - 1) < on : (im[k] != 0) == pair;
+        const double own = comes_back ? remainder(s->parts * atan2(im[k], re[k]), 2 * M_PI)
+                           : pair     ? square - 1
+                                      : re[k] - 1;
+        if (fits && fabs(own) < fabs(*value))
             *value = own;
     }
-    saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : SALTUS_OK);
-    return isfinite(*value);
+    saltus_shooting_free(without);
+    return saltus_orbits_noted(o, count < 0 ? SALTUS_NO_MEMORY : status) == SALTUS_OK && isfinite(*value);
 }
 
 /* s->at becomes the zero of the test near s->on, where the test is almost linear. False if there is none. */
