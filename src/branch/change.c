@@ -85,18 +85,23 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
 
 /* The breaches of a grazing orbit that make the change: the worst one and its mirror image. In a run of ever
  * slower impacts the last ones are almost as slow as the one that is born or dies, but only that one does.
- * Returns their number. */
-static int pick_change(const saltus_solution *at, saltus_breach *picked) {
-    const double together = 1e-9, near = 1e-5;
+ * Where impacts die just as the orbit touches elsewhere, rounding decides which is worst: the deaths go
+ * first, and `attempt` 1 is the births, if there are any. Returns their number. */
+static int pick_change(const saltus_solution *at, int attempt, saltus_breach *picked) {
+    const double together = 1e-9, near = 1e-5, nothing = 1e-12;
     saltus_breach_kind kind = at->worst.kind;
     int count = 0;
     /* A maximum of the gap at an impact of zero speed is that impact's own touch. */
     for (int k = 0; k < at->breach_count && kind == SALTUS_BREACH_GAP; k++) {
         const saltus_breach *b = &at->breaches[k];
-        if (b->kind == SALTUS_BREACH_SPEED && b->face == at->worst.face && fabs(b->value) < together &&
-            fabs(b->time - at->worst.time) < near)
+        const bool own = b->face == at->worst.face && fabs(b->time - at->worst.time) < near;
+        if (b->kind == SALTUS_BREACH_SPEED && fabs(b->value) < (own ? together : nothing))
             kind = SALTUS_BREACH_SPEED;
     }
+    if (attempt && kind == SALTUS_BREACH_SPEED)
+        kind = SALTUS_BREACH_GAP;
+    else if (attempt)
+        return 0;
     for (int k = 0; k < at->breach_count; k++)
         if (at->breaches[k].kind == kind && fabs(at->breaches[k].value) < together)
             picked[count++] = at->breaches[k];
@@ -142,29 +147,38 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
     const double still = 1e-7;
     int order[SALTUS_MARKS_MAX];
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
-    *change = (saltus_change){.kind = SALTUS_POINT_GR};
-    if (!picked)
+    double *old = calloc((size_t)(at->at.unknowns + at->breach_count) + 1, sizeof *old);
+    saltus_sequence other;
+    bool passes = false;
+    *change = (saltus_change){.kind = SALTUS_POINT_EP};
+    if (!picked || !old) {
+        free(picked);
+        free(old);
         return saltus_branch_no_memory(message);
-    change->reason = saltus_sequence_graze(&at->sequence, picked, pick_change(at, picked), beyond, order);
-    free(picked);
-    if (!change->reason) {
-        change->kind = SALTUS_POINT_EP;
-        return SALTUS_OK;
     }
-    double *old = calloc((size_t)saltus_sequence_unknowns(beyond, o->n) + 1, sizeof *old);
-    if (!old)
-        return saltus_branch_no_memory(message);
-    saltus_sequence_carry(&at->sequence, at->at.tangent, beyond, order, o->n, 1, old);
-    if (saltus_change_pass(o, beyond, at->parameter, at->state, old, here, next)) {
+    for (int attempt = 0; attempt < 2 && !passes && (!attempt || change->reason); attempt++) {
+        saltus_sequence *fresh = attempt ? &other : beyond;
+        const char *reason =
+            saltus_sequence_graze(&at->sequence, picked, pick_change(at, attempt, picked), fresh, order);
+        if (!reason)
+            break;
+        saltus_sequence_carry(&at->sequence, at->at.tangent, fresh, order, o->n, 1, old);
+        passes = saltus_change_pass(o, fresh, at->parameter, at->state, old, here, next);
+        if (passes && attempt)
+            *beyond = other;
+        if (passes || !attempt)
+            change->reason = reason;
+    }
+    if (passes) {
+        change->kind = SALTUS_POINT_GR;
         saltus_solution_label(o, next, change->after);
         /* Where the orbit forgets all perturbations the new curve may begin at constant parameter. */
         double onward = fabs(saltus_solution_heading(here)) > still ? saltus_solution_heading(here)
                                                                     : next->parameter[0] - at->parameter[0];
         change->turns_back = saltus_solution_heading(at) * onward < 0;
         change->distance = next->at.ahead;
-    } else {
-        change->kind = SALTUS_POINT_EP;
     }
+    free(picked);
     free(old);
     return SALTUS_OK;
 }

@@ -69,13 +69,39 @@ void saltus_curve_bend(const saltus_curve_point *before, saltus_curve_point *poi
     point->bent = apart > 0;
 }
 
+/* The left null vector (m numbers, of which the last is 0) of the Jacobian last evaluated, whose null plane
+ * contains `other`; a: room for m x m. */
+static saltus_status find_left(const saltus_equations *e, const double *other, double *a, double *left) {
+    const int m = e->unknowns;
+    double value;
+    for (int k = 0; k < m * m; k++)
+        a[k] = k % m < e->count ? e->jacobian[k % m * m + k / m] : other[k / m];
+    return saltus_dense_null_vectors(a, m, m, 1, left, &value);
+}
+
+/* The derivative along v of w' J, to `out` (m), as a difference over `apart` to both sides of u. */
+static saltus_status bend_along(saltus_equations *e, const double *u, const double *v, const double *w,
+                                double apart, double *aside, double *out, saltus_message *message) {
+    const int m = e->unknowns;
+    saltus_status status = SALTUS_OK;
+    memset(out, 0, (size_t)m * sizeof *out);
+    for (int side = -1; side <= 1 && status == SALTUS_OK; side += 2) {
+        for (int j = 0; j < m; j++)
+            aside[j] = u[j] + side * apart * v[j];
+        status = saltus_equations_evaluate(e, aside, message);
+        for (int k = 0; k < e->count * m && status == SALTUS_OK; k++)
+            out[k % m] += side * 0.5 / apart * w[k / m] * e->jacobian[k];
+    }
+    return status;
+}
+
 saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const double *along, double *leaving,
                                    double *singular, saltus_message *message) {
     const double apart = 1e-5, nothing = 1e-6;
-    const int m = e->unknowns, c = e->count;
-    double values[2] = {0}, form[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 4)), sizeof *a);
-    double *one = a ? a + m * m : NULL, *other = one ? one + m : NULL, *left = one ? other + m : NULL,
-           *aside = one ? left + m : NULL;
+    const int m = e->unknowns;
+    double values[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 5)), sizeof *a);
+    double *one = a ? a + m * m : NULL, *other = a ? one + m : NULL, *left = a ? other + m : NULL,
+           *aside = a ? left + m : NULL, *form = a ? aside + m : NULL;
     saltus_status status = a ? saltus_equations_evaluate(e, u, message) : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
         status = saltus_null_plane(e, one, values, message);
@@ -86,28 +112,102 @@ saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const d
         one[j] = cos(turn) * first + sin(turn) * second;
         other[j] = cos(turn) * second - sin(turn) * first;
     }
-    for (int k = 0; k < m * m && status == SALTUS_OK; k++)
-        a[k] = k % m < c ? e->jacobian[k % m * m + k / m] : other[k / m];
     if (status == SALTUS_OK)
-        status = saltus_dense_null_vectors(a, m, m, 1, left, &length);
-    for (int side = -1; side <= 1 && status == SALTUS_OK; side += 2) {
+        status = find_left(e, other, a, left);
+    if (status == SALTUS_OK)
+        status = bend_along(e, u, other, left, apart, aside, form, message);
+    if (status == SALTUS_OK) {
+        const double mixed = saltus_dot(form, one, m), own = saltus_dot(form, other, m);
+        const double share = fabs(mixed) > nothing * (fabs(own) + 1) ? 0.5 * own / mixed : 0;
         for (int j = 0; j < m; j++)
-            aside[j] = u[j] + side * apart * other[j];
-        status = saltus_equations_evaluate(e, aside, message);
-        for (int i = 0; i < c && status == SALTUS_OK; i++) {
-            form[0] += side * left[i] * saltus_dot(e->jacobian + i * m, one, m);
-            form[1] += side * left[i] * saltus_dot(e->jacobian + i * m, other, m);
-        }
+            length = hypot(length, leaving[j] = other[j] - share * one[j]);
+        for (int j = 0; j < m; j++)
+            leaving[j] /= length;
     }
-    const bool told = fabs(form[0]) > nothing * (fabs(form[1]) + 2 * apart);
-    length = 0;
-    for (int j = 0; j < m && status == SALTUS_OK; j++)
-        length = hypot(length, leaving[j] = other[j] - (told ? 0.5 * form[1] / form[0] : 0) * one[j]);
-    for (int j = 0; j < m && status == SALTUS_OK; j++)
-        leaving[j] /= length;
     *singular = values[1];
     free(a);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : status;
+}
+
+/* The search for a crossing: borders, solutions of the bordered systems, and room. */
+typedef struct settling {
+    saltus_dense_lu lu;
+    double *matrix, *plane, *b, *v, *w, *step, *aside;
+    double off; /* the unknown that multiplies b */
+} settling;
+
+/* Newton's step from the point last evaluated. */
+static saltus_status settling_step(saltus_equations *e, settling *s, const double *u,
+                                   saltus_message *message) {
+    const double apart = 1e-4;
+    const int m = e->unknowns, c = e->count, size = m + 1;
+    saltus_status status = SALTUS_OK;
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++)
+            s->matrix[i * size + j] = i < c   ? (j < m ? e->jacobian[i * m + j] : s->b[i])
+                                      : j < m ? s->plane[(i - c) * m + j]
+                                              : 0;
+    memset(s->v, 0, 3 * (size_t)size * sizeof *s->v);
+    s->v[c] = s->v[size + c + 1] = s->w[m] = 1;
+    if (!saltus_dense_factor(&s->lu, s->matrix))
+        return saltus_fail(message, SALTUS_SINGULAR, "no crossing of two curves");
+    saltus_dense_resolve(&s->lu, false, 2, s->v);
+    saltus_dense_resolve(&s->lu, true, 1, s->w);
+    for (int i = 0; i < c; i++)
+        s->step[i] = -e->residual[i] - s->off * s->b[i];
+    for (int k = 0; k < 2 && status == SALTUS_OK; k++) {
+        s->step[c + k] = s->v[k * size + m];
+        status =
+            bend_along(e, u, s->v + k * size, s->w, apart, s->aside, s->matrix + (c + k) * size, message);
+        s->matrix[(c + k) * size + m] = 0;
+    }
+    if (status == SALTUS_OK && !saltus_dense_factor(&s->lu, s->matrix))
+        return saltus_fail(message, SALTUS_SINGULAR, "no crossing of two curves");
+    if (status == SALTUS_OK)
+        saltus_dense_resolve(&s->lu, false, 1, s->step);
+    return status;
+}
+
+saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error, saltus_message *message) {
+    enum { rounds = 8 };
+    const double sharp = 1e-9, nothing = 1e-14;
+    const int m = e->unknowns, size = m + 1;
+    double values[2], length = INFINITY, best = INFINITY;
+    settling s = {.matrix = calloc((size_t)(size * (size + 8)), sizeof *s.matrix)};
+    if (!s.matrix || !saltus_dense_lu_open(&s.lu, size)) {
+        free(s.matrix);
+        return saltus_branch_no_memory(message);
+    }
+    s.v = s.matrix + size * size;
+    s.w = s.v + 2 * size;
+    s.plane = s.w + size;
+    s.b = s.plane + 2 * size;
+    s.step = s.b + size;
+    s.aside = s.step + size;
+    saltus_status status = saltus_equations_evaluate(e, u, message);
+    if (status == SALTUS_OK)
+        status = saltus_null_plane(e, s.plane, values, message);
+    if (status == SALTUS_OK)
+        status = find_left(e, s.plane + m, s.matrix, s.b);
+    for (int round = 0; round < rounds && status == SALTUS_OK && best > nothing; round++) {
+        status = settling_step(e, &s, u, message);
+        length = 0;
+        for (int j = 0; j < m && status == SALTUS_OK; j++)
+            length = hypot(length, s.step[j]);
+        if (status != SALTUS_OK || !(length < best))
+            break;
+        best = length;
+        *error = fabs(s.step[m - 1]);
+        s.off += s.step[m];
+        for (int j = 0; j < m; j++)
+            u[j] += s.step[j];
+        status = saltus_equations_evaluate(e, u, message);
+    }
+    saltus_dense_lu_close(&s.lu);
+    free(s.matrix);
+    if (status == SALTUS_OK && !(best < sharp))
+        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "no crossing of two curves");
+    return status;
 }
 
 double saltus_curve_interpolate(const double *x, const double *y, int count) {

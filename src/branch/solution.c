@@ -6,6 +6,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/solution.h"
 
+#include "branch/sequence.h"
 #include "orbit/multipliers.h"
 #include "orbit/poincare.h"
 #include "orbit/sequence.h"
@@ -214,6 +215,39 @@ void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, do
             speed[s->breaches[k].mark] = -s->breaches[k].value * saltus_shooting_speed_scale(o->shooting);
 }
 
+/* Where perturbations grow by many orders of magnitude around the orbit, as after several slow impacts,
+ * rounding alone leads the flow away from it. Let the flow begin anew amid flights, from the prescribed
+ * states there; survey and `cocycle` (may be NULL) change only if it *follows then. */
+static saltus_status go_in_pieces(saltus_orbits *o, saltus_solution *s, saltus_cocycle *cocycle,
+                                  bool *follows, saltus_message *message) {
+    saltus_sequence pieces;
+    saltus_lap lap = {.keeps_events = true};
+    saltus_shooting *shooting = NULL;
+    double *u = NULL;
+    int order[SALTUS_MARKS_MAX];
+    saltus_sequence_turn(&s->sequence, s->sequence.base, SALTUS_CUTS_MAX, &pieces, order);
+    if (pieces.cuts <= s->sequence.cuts)
+        return SALTUS_OK;
+    saltus_status status = saltus_orbits_shoot(o, &pieces, s->parameter, s->state, &shooting, &u, message);
+    const double *states = status == SALTUS_OK ? saltus_shooting_states(shooting, u) : NULL;
+    if (status == SALTUS_OK)
+        status = saltus_sequence_walk(&pieces, o->flow, states, &lap, NULL, message);
+    *follows = status == SALTUS_OK && saltus_sequence_follows(&pieces, &lap);
+    if (*follows && cocycle)
+        status = saltus_cocycle_open(cocycle, o->system, pieces.periods, pieces.omega > 0, message);
+    if (*follows && cocycle && status == SALTUS_OK)
+        status = saltus_sequence_walk(&pieces, o->tangent, states, &lap, cocycle, message);
+    if (*follows && status == SALTUS_OK) {
+        const saltus_lap swap = s->survey.lap;
+        s->survey.lap = lap;
+        lap = swap;
+    }
+    saltus_lap_close(&lap);
+    saltus_shooting_free(shooting);
+    free(u);
+    return status;
+}
+
 /* Go around the orbit with the flow's own events, filling `cocycle` (may be NULL). A failure of the flow is
  * no error: the solution then does not follow. */
 static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocycle *cocycle,
@@ -230,13 +264,18 @@ static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocy
         status = saltus_cocycle_open(cocycle, o->system, s->sequence.periods, s->sequence.omega > 0, message);
     if (status != SALTUS_OK)
         return saltus_orbits_noted(o, status);
-    status = saltus_sequence_walk(&s->sequence, cocycle && !given ? o->tangent : o->flow,
-                                  saltus_shooting_states(o->shooting, s->at.u), &survey->lap, cocycle, &why);
+    saltus_cocycle *filled = given ? NULL : cocycle;
+    status = saltus_sequence_walk(&s->sequence, filled ? o->tangent : o->flow,
+                                  saltus_shooting_states(o->shooting, s->at.u), &survey->lap, filled, &why);
+    survey->follows = status == SALTUS_OK && saltus_sequence_follows(&s->sequence, &survey->lap);
+    if (!survey->follows && status != SALTUS_NO_MEMORY && !(s->worst.value > 0)) {
+        const saltus_status again = go_in_pieces(o, s, filled, &survey->follows, &why);
+        status = survey->follows || again == SALTUS_NO_MEMORY ? again : status;
+    }
     if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
     if (status == SALTUS_OK) {
         survey->walked = true;
-        survey->follows = saltus_sequence_follows(&s->sequence, &survey->lap);
         survey->impacts = saltus_lap_impacts(&survey->lap);
         survey->sticking_intervals = saltus_lap_sticking(&survey->lap);
         saltus_lap_label(&survey->lap, survey->label);
@@ -452,14 +491,16 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
     const double sharp = 1e-11 * o->family.unit[0];
     const size_t m = (size_t)from->at.unknowns;
     location l = {.orbits = o, .test = by, .from = from, .out = out, .visited = NAN};
-    double place, spread, apart = 0.1 * reach, middle = ahead;
+    double place, spread, error, apart = 0.1 * reach, middle = ahead;
     double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL;
+    bool settled = false;
     saltus_message ignored;
     saltus_zero zero = {.accuracy = INFINITY};
     saltus_orbits_noted(o, work ? SALTUS_OK : SALTUS_NO_MEMORY);
-    /* Come closer until the result is accurate enough, or rounding, which grows towards the place, outweighs
-     * the curvature. */
-    for (int pass = 0; pass < passes && work && (pass < 2 || zero.accuracy > sharp); pass++) {
+    /* Come closer until Newton's method for a crossing converges. At an equilibrium more curves meet than
+     * two: there come closer until the result is accurate enough, or rounding, which grows towards the place,
+     * outweighs the curvature. */
+    for (int pass = 0; pass < passes && work && !settled && (pass < 2 || zero.accuracy > sharp); pass++) {
         if (!saltus_curve_cross(test_at, &l, &from->at, &out->at, middle, apart, true, work, &place, &spread))
             break;
         double accuracy = o->family.unit[0] * fmax(spread, saltus_rounding_at(apart));
@@ -467,6 +508,19 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
             break;
         zero = (saltus_zero){.found = pass > 0, .ahead = place, .accuracy = accuracy};
         memcpy(best, work, m * sizeof *best);
+        settled = pass > 0 && by == SALTUS_TEST_CROSSING &&
+                  saltus_curve_settle(o->equations, work, &error, &ignored) == SALTUS_OK;
+        double moved = 0;
+        for (size_t j = 0; j < m && settled; j++)
+            moved = hypot(moved, work[j] - best[j]);
+        settled = settled && moved < apart;
+        if (settled) {
+            memcpy(best, work, m * sizeof *best);
+            zero.accuracy = o->family.unit[0] * error;
+            zero.ahead = 0;
+            for (size_t j = 0; j < m; j++)
+                zero.ahead += (best[j] - from->at.u[j]) * from->at.tangent[j];
+        }
         middle = zero.ahead;
         apart = pass == 0 ? fmin(4e-4, apart) : apart / 4;
     }

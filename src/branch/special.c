@@ -33,60 +33,119 @@ static bool begins_at_grazing(const saltus_solution *from) {
     return false;
 }
 
-/* Locate a special point between `from` and `to` by its test and insert it in order of arclength. */
-static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
-               saltus_point_kind kind, saltus_test test, double target, saltus_special *specials, int count,
+/* A place on a step with its tests' values; NAN where one is not compared. */
+typedef struct place {
+    double ahead, value[SALTUS_TEST_PAIR + 1];
+} place;
+
+/* Locate a special point between two places ahead of `from` by its test and insert it in order of arclength.
+ * `near` and `far`: the test's values there. */
+static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, const double ends[2],
+               double near, double far, saltus_special found, saltus_special *specials, int count,
                saltus_solution *scratch) {
-    double near = saltus_test_value(test, target, from, from);
-    double far = saltus_test_value(test, target, to, from);
-    saltus_special found = {.kind = kind, .test = test, .target = target, .ahead = to->at.ahead};
-    const double rounding = 1e-8;
-    if (!saltus_test_crosses(near, far) ||
-        (test != SALTUS_TEST_VALUE && fabs(near) < rounding * fabs(far) && begins_at_grazing(from)))
+    const double values[] = {near, far}, rounding = 1e-8;
+    if (!saltus_test_crosses(near, far) || (found.test != SALTUS_TEST_VALUE && ends[0] == 0 &&
+                                            fabs(near) < rounding * fabs(far) && begins_at_grazing(from)))
         return count;
+    found.ahead = ends[1];
     if (far != 0) {
-        saltus_zero zero = saltus_solution_zero(o, test, target, from, to, scratch);
+        const bool whole = ends[0] == 0 && ends[1] == to->at.ahead && found.test != SALTUS_TEST_PAIR;
+        const saltus_zero zero =
+            whole ? saltus_solution_zero(o, found.test, found.target, from, to, scratch)
+                  : saltus_solution_zero_between(o, found.test, found.target, from, ends, values, scratch);
         found.ahead = zero.ahead;
         found.accuracy = zero.accuracy;
-        if (!zero.found && kind != SALTUS_POINT_BP && kind != SALTUS_POINT_HB)
+        if (!zero.found && found.kind != SALTUS_POINT_BP && found.kind != SALTUS_POINT_HB)
             return count;
         if (!zero.found) /* singular: interpolated later */
-            found.ahead = to->at.ahead * near / (near - far);
+            found.ahead = ends[0] + (ends[1] - ends[0]) * near / (near - far);
     }
     return saltus_special_insert(found, specials, count);
 }
 
-/* Add the pairs on the unit circle. If a single multiplier crosses the circle in the same step, a pair of
- * real ones may pass the product 1 as well, so that the test has its old sign at the end of the step.
- * Therefore the test is evaluated at folds and flips too. */
-static int add_pairs(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
-                     saltus_special *specials, int count, saltus_solution *scratch) {
-    double place[4] = {0}, value[4] = {from->survey.pair};
+/* The same along the whole step. */
+static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
+                     saltus_special found, saltus_special *specials, int count, saltus_solution *scratch) {
+    const double ends[] = {0, to->at.ahead};
+    return add(o, from, to, ends, saltus_test_value(found.test, found.target, from, from),
+               saltus_test_value(found.test, found.target, to, from), found, specials, count, scratch);
+}
+
+/* Whether a test's zero between two places is known. */
+static bool is_known(const saltus_special *specials, int count, saltus_test test, const double ends[2]) {
+    for (int k = 0; k < count; k++)
+        if (specials[k].test == test && specials[k].ahead >= ends[0] && specials[k].ahead <= ends[1])
+            return true;
+    return false;
+}
+
+static void fill_values(const saltus_solution *s, const saltus_solution *from, place *out) {
+    for (int test = 0; test <= SALTUS_TEST_PAIR; test++)
+        out->value[test] = saltus_test_value((saltus_test)test, 0, s, from);
+}
+
+/* The tests' values at a place; `own` is zero there. False: there is no orbit. */
+static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_test own, place *out,
+                 saltus_solution *scratch) {
     saltus_message ignored;
-    int places = 1;
-    for (int k = 0; k < count && places < 3; k++)
-        if (specials[k].kind != SALTUS_POINT_BP && specials[k].ahead > 0 &&
-            specials[k].ahead < to->at.ahead &&
-            saltus_solution_visit(o, from, specials[k].ahead, scratch, &ignored) == SALTUS_OK &&
-            saltus_solution_survey(o, scratch, &ignored) == SALTUS_OK) {
-            place[places] = specials[k].ahead;
-            value[places++] = scratch->survey.pair;
+    if (saltus_solution_visit(o, from, ahead, scratch, &ignored) != SALTUS_OK ||
+        saltus_orbits_noted(o, saltus_solution_survey(o, scratch, &ignored)) != SALTUS_OK)
+        return false;
+    out->ahead = ahead;
+    fill_values(scratch, from, out);
+    if (own <= SALTUS_TEST_PAIR)
+        out->value[own] = NAN;
+    return true;
+}
+
+enum { places_max = 8, tested_max = 8 };
+
+/* Add the zeros of tests. A test may have two zeros on a step around the zero of another one: where a branch
+ * turns back into orbits that it has passed already, all other tests do; and where a single multiplier
+ * crosses the unit circle, a pair of real ones may pass the product 1. So the tests are compared at the zeros
+ * of others, too. At the start of a `fresh` branch determinants are rounding, as far as the square root of
+ * the error of the parameter there: the first place is beyond it. */
+static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
+                      saltus_special *specials, saltus_solution *scratch) {
+    static const saltus_special kinds[] = {{.kind = SALTUS_POINT_LP, .test = SALTUS_TEST_FOLD},
+                                           {.kind = SALTUS_POINT_PD, .test = SALTUS_TEST_FLIP},
+                                           {.kind = SALTUS_POINT_BP, .test = SALTUS_TEST_CROSSING},
+                                           {.kind = SALTUS_POINT_NS, .test = SALTUS_TEST_PAIR}};
+    const double beyond = 1e-4;
+    place places[places_max] = {{.ahead = 0}, {.ahead = to->at.ahead}};
+    int count = 0, known = 2;
+    fill_values(from, from, &places[0]);
+    fill_values(to, from, &places[1]);
+    if (fresh &&
+        (to->at.ahead < 2 * beyond || !look(o, from, beyond, SALTUS_TEST_VALUE, &places[0], scratch)))
+        return 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int k = 0; k < 4; k++) {
+            const saltus_test test = kinds[k].test;
+            const int before = count, compared = known;
+            place last = places[0];
+            for (int j = 1; j < compared && count < tested_max; j++) {
+                const double ends[] = {last.ahead, places[j].ahead};
+                if (isnan(places[j].value[test]) && j + 1 < compared)
+                    continue;
+                if (!is_known(specials, count, test, ends))
+                    count = add(o, from, to, ends, last.value[test], places[j].value[test], kinds[k],
+                                specials, count, scratch);
+                last = places[j];
+            }
+            for (int j = 0; j < count && count > before && known < places_max; j++) {
+                const double ahead = specials[j].ahead;
+                place fresh_one;
+                int at = known;
+                if (specials[j].test != test || test > SALTUS_TEST_FLIP || !(ahead > places[0].ahead) ||
+                    !(ahead < to->at.ahead) || !look(o, from, ahead, test, &fresh_one, scratch))
+                    continue;
+                for (; places[at - 1].ahead > ahead; at--)
+                    places[at] = places[at - 1];
+                places[at] = fresh_one;
+                known++;
+            }
         }
-    place[places] = to->at.ahead;
-    value[places++] = to->survey.pair;
-    for (int k = 0; k + 1 < places; k++) {
-        if (!saltus_test_crosses(value[k], value[k + 1]))
-            continue;
-        saltus_zero zero = {.found = value[k + 1] == 0, .ahead = place[k + 1]};
-        if (!zero.found)
-            zero = saltus_solution_zero_between(o, SALTUS_TEST_PAIR, 0, from, &place[k], &value[k], scratch);
-        if (zero.found)
-            count = saltus_special_insert((saltus_special){.kind = SALTUS_POINT_NS,
-                                                           .test = SALTUS_TEST_PAIR,
-                                                           .ahead = zero.ahead,
-                                                           .accuracy = zero.accuracy},
-                                          specials, count);
-    }
     return count;
 }
 
@@ -112,26 +171,18 @@ static int end_at_equilibrium(saltus_special *specials, int count, double reach)
 
 bool saltus_special_hopf(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to,
                          saltus_special *special, saltus_solution *scratch) {
-    return from->sequence.omega > 0 &&
-           add(o, from, to, SALTUS_POINT_HB, SALTUS_TEST_ONWARD, 0, special, 0, scratch) > 0;
+    const saltus_special wanted = {.kind = SALTUS_POINT_HB, .test = SALTUS_TEST_ONWARD};
+    return from->sequence.omega > 0 && add_along(o, from, to, wanted, special, 0, scratch) > 0;
 }
 
 int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, bool fresh,
                         const saltus_special *hopf, const double *targets, const saltus_point_kind *kinds,
                         int target_count, saltus_special *specials, saltus_solution *scratch) {
-    static const struct {
-        saltus_point_kind kind;
-        saltus_test test;
-    } tests[] = {{SALTUS_POINT_LP, SALTUS_TEST_FOLD},
-                 {SALTUS_POINT_PD, SALTUS_TEST_FLIP},
-                 {SALTUS_POINT_BP, SALTUS_TEST_CROSSING}};
-    int count = 0;
-    for (size_t k = 0; k < sizeof tests / sizeof tests[0] && !fresh; k++)
-        count = add(o, from, to, tests[k].kind, tests[k].test, 0, specials, count, scratch);
-    if (!fresh)
-        count = add_pairs(o, from, to, specials, count, scratch);
-    for (int k = 0; k < target_count; k++)
-        count = add(o, from, to, kinds[k], SALTUS_TEST_VALUE, targets[k], specials, count, scratch);
+    int count = add_tested(o, from, to, fresh, specials, scratch);
+    for (int k = 0; k < target_count; k++) {
+        const saltus_special wanted = {.kind = kinds[k], .test = SALTUS_TEST_VALUE, .target = targets[k]};
+        count = add_along(o, from, to, wanted, specials, count, scratch);
+    }
     if (hopf && hopf->ahead <= to->at.ahead)
         count = saltus_special_insert(*hopf, specials, count);
     return end_at_equilibrium(specials, count, to->at.ahead);
@@ -140,7 +191,21 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
 /* Distance in arclength between points that show how a test varies near its zero. */
 static const double apart = 1e-6;
 
-/* The value of a test, and the parameter, at this distance ahead of `at`. */
+/* The breach at which an orbit grazes; a maximum of the gap at an impact of zero speed is that impact's own
+ * touch. */
+static saltus_breach touch(const saltus_solution *at) {
+    const double still = 1e-9, near = 1e-5;
+    for (int k = 0; k < at->breach_count && at->worst.kind == SALTUS_BREACH_GAP; k++) {
+        const saltus_breach *b = &at->breaches[k];
+        if (b->kind == SALTUS_BREACH_SPEED && b->face == at->worst.face && fabs(b->value) < still &&
+            fabs(b->time - at->worst.time) < near)
+            return *b;
+    }
+    return at->worst;
+}
+
+/* The value of a test, and the parameter, at this distance ahead of `at`. Where an orbit touches in several
+ * places at once the greatest breach has a corner, so one of them is followed. */
 static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
                         saltus_solution *scratch, double *parameter, double *value) {
     saltus_message ignored;
@@ -149,31 +214,49 @@ static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_solutio
         status = saltus_solution_survey(o, scratch, &ignored);
     *parameter = scratch->parameter[0];
     *value = status == SALTUS_OK ? saltus_test_value(test, 0, scratch, at) : NAN;
+    if (status == SALTUS_OK && test == SALTUS_TEST_BREACH) {
+        const saltus_breach own = touch(at);
+        double nearest = INFINITY;
+        for (int k = 0; k < scratch->breach_count; k++) {
+            const saltus_breach *b = &scratch->breaches[k];
+            if (b->kind == own.kind && b->face == own.face && fabs(b->time - own.time) < nearest) {
+                nearest = fabs(b->time - own.time);
+                *value = b->value;
+            }
+        }
+    }
     return saltus_orbits_noted(o, status) == SALTUS_OK && isfinite(*value);
 }
 
-/* The parameter where a test is zero, by a line through three points around the one at distance `middle`
- * ahead of `at`, and the scatter there of points that should lie on the line. */
+/* The parabola through three points of `y` one apart, at x from the middle one; *slope: its derivative. */
+static double parabola(const double y[3], double x, double *slope) {
+    const double rise = 0.5 * (y[2] - y[0]), bend = 0.5 * (y[0] + y[2]) - y[1];
+    *slope = rise + 2 * bend * x;
+    return y[1] + x * (rise + bend * x);
+}
+
+/* The parameter where a test is zero near `at`, by parabolas through three points around the one at distance
+ * `middle` ahead of it, and the scatter there of points that should lie on them. */
 static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solution *at, double middle,
                         saltus_solution *scratch, double *parameter, double *scatter) {
-    enum { close_points = 4 };
-    const double close = 1e-3 * apart;
-    double place[3], value[3], mean = 0;
-    for (int k = 0; k < 3; k++) {
+    static const double close[] = {-2e-3, -1e-3, 1e-3, 2e-3}; /* times `apart` */
+    double place[3], value[3], along, rise, here, there, zero = -middle / apart;
+    for (int k = 0; k < 3; k++)
         if (!test_beside(o, test, at, middle + (k - 1) * apart, scratch, &place[k], &value[k]))
             return false;
-        mean += value[k] / 3;
+    for (int k = 0; k < 3; k++) {
+        const double off = parabola(value, zero, &rise);
+        zero -= rise != 0 ? off / rise : 0;
     }
-    double rise = value[2] - value[0], slope = rise != 0 ? (place[2] - place[0]) / rise : 0;
-    *parameter = place[1] - slope * mean;
+    *parameter = parabola(place, zero, &along);
+    parabola(value, zero, &rise);
+    const double slope = rise != 0 ? along / rise : 0;
     *scatter = middle == 0 ? fabs(slope * value[1]) : 0;
-    for (int k = 0; k < close_points; k++) {
-        double ahead = (k < 2 ? k - 2 : k - 1) * close, here, there;
-        if (!test_beside(o, test, at, middle + ahead, scratch, &here, &there))
+    for (size_t k = 0; k < sizeof close / sizeof close[0]; k++) {
+        if (!test_beside(o, test, at, middle + close[k] * apart, scratch, &here, &there))
             return false;
-        double share = ahead / (2 * apart);
-        *scatter = fmax(*scatter, fabs(here - place[1] - share * (place[2] - place[0])) +
-                                      fabs(slope * (there - value[1] - share * rise)));
+        *scatter = fmax(*scatter, fabs(here - parabola(place, close[k], &along)) +
+                                      fabs(slope * (there - parabola(value, close[k], &rise))));
     }
     return isfinite(*parameter);
 }

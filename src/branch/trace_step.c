@@ -85,12 +85,15 @@ static saltus_status give_return(saltus_trace *t, const saltus_solution *s, salt
 }
 
 /* At a pitchfork the parameter turns back exactly where the other branch crosses. Of a fold and a branch
- * point that cannot be told apart only the branch point is given out. */
-static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *special) {
+ * point that cannot be told apart only the branch point is given out: the equations are singular there, so
+ * that so close to it orbits may be found on either branch. */
+static bool is_pitchfork(const saltus_branch_point *last, const saltus_special *special, double arclength) {
+    const double singular = 1e-5;
     return ((last->kind == SALTUS_POINT_LP && special->kind == SALTUS_POINT_BP) ||
             (last->kind == SALTUS_POINT_BP && special->kind == SALTUS_POINT_LP)) &&
            isfinite(last->accuracy + special->accuracy) &&
-           fabs(last->value[0] - special->value) <= last->accuracy + special->accuracy;
+           (fabs(last->value[0] - special->value) <= last->accuracy + special->accuracy ||
+            fabs(last->arclength - arclength) < singular);
 }
 
 /* An end that another branch may share: give it out as the special point that it is, and then as the end. */
@@ -174,7 +177,7 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
     if (special->kind == SALTUS_POINT_REGULAR)
         return give_return(t, t->trial, what, message);
     saltus_branch_point *last = saltus_trail_last(t->trail);
-    if (last && is_pitchfork(last, special)) {
+    if (last && is_pitchfork(last, special, t->trail->arclength + special->ahead)) {
         if (special->kind == SALTUS_POINT_LP)
             return status;
         saltus_trail_drop_last(t->trail);
@@ -187,7 +190,7 @@ static saltus_status give_special(saltus_trace *t, const saltus_hopf_ahead *hopf
 /* Give out all special points of the step from `here` to `next`, in order. */
 static saltus_status give_specials(saltus_trace *t, const saltus_hopf_ahead *hopf, saltus_message *message) {
     const saltus_branch_options *options = t->trail->options;
-    saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 9];
+    saltus_special specials[SALTUS_BRANCH_VALUES_MAX + 10];
     double targets[SALTUS_BRANCH_VALUES_MAX + 1];
     saltus_point_kind kinds[SALTUS_BRANCH_VALUES_MAX + 1];
     int asked = 0;
