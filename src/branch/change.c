@@ -83,25 +83,16 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
     return false;
 }
 
-/* The breaches of a grazing orbit that make the change: the worst one and its mirror image. In a run of ever
- * slower impacts the last ones are almost as slow as the one that is born or dies, but only that one does.
- * Where impacts die just as the orbit touches elsewhere, rounding decides which is worst: the deaths go
- * first, and `attempt` 1 is the births, if there are any. Returns their number. */
-static int pick_change(const saltus_solution *at, int attempt, saltus_breach *picked) {
-    const double together = 1e-9, near = 1e-5, nothing = 1e-12;
-    saltus_breach_kind kind = at->worst.kind;
+/* The breaches of a grazing orbit that make the change: the one that does and its mirror image. In a run of
+ * ever slower impacts the last ones are almost as slow as the one that is born or dies, but only that one
+ * does. `others`: where impacts die, the births. Returns their number. */
+static int pick_change(const saltus_solution *at, bool others, saltus_breach *picked) {
+    const double together = 1e-9;
+    saltus_breach_kind kind = saltus_solution_touch(at)->kind;
     int count = 0;
-    /* A maximum of the gap at an impact of zero speed is that impact's own touch. */
-    for (int k = 0; k < at->breach_count && kind == SALTUS_BREACH_GAP; k++) {
-        const saltus_breach *b = &at->breaches[k];
-        const bool own = b->face == at->worst.face && fabs(b->time - at->worst.time) < near;
-        if (b->kind == SALTUS_BREACH_SPEED && fabs(b->value) < (own ? together : nothing))
-            kind = SALTUS_BREACH_SPEED;
-    }
-    if (attempt && kind == SALTUS_BREACH_SPEED)
-        kind = SALTUS_BREACH_GAP;
-    else if (attempt)
+    if (others && kind != SALTUS_BREACH_SPEED)
         return 0;
+    kind = others ? SALTUS_BREACH_GAP : kind;
     for (int k = 0; k < at->breach_count; k++)
         if (at->breaches[k].kind == kind && fabs(at->breaches[k].value) < together)
             picked[count++] = at->breaches[k];

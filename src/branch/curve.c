@@ -139,7 +139,7 @@ typedef struct settling {
 /* Newton's step from the point last evaluated. */
 static saltus_status settling_step(saltus_equations *e, settling *s, const double *u,
                                    saltus_message *message) {
-    const double apart = 1e-4;
+    const double apart = 1e-5;
     const int m = e->unknowns, c = e->count, size = m + 1;
     saltus_status status = SALTUS_OK;
     for (int i = 0; i < size; i++)
@@ -205,7 +205,9 @@ saltus_status saltus_curve_settle(saltus_equations *e, double *u, double *error,
     }
     saltus_dense_lu_close(&s.lu);
     free(s.matrix);
-    if (status == SALTUS_OK && !(best < sharp))
+    if (status == SALTUS_OK)
+        status = saltus_equations_evaluate(e, u, message);
+    if (status == SALTUS_OK && !(best < sharp && e->size <= e->tolerance))
         return saltus_fail(message, SALTUS_NO_CONVERGENCE, "no crossing of two curves");
     return status;
 }

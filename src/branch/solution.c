@@ -215,11 +215,25 @@ void saltus_solution_speeds(const saltus_orbits *o, const saltus_solution *s, do
             speed[s->breaches[k].mark] = -s->breaches[k].value * saltus_shooting_speed_scale(o->shooting);
 }
 
+/* Walk along a sequence from the states at its cuts, filling `cocycle` (may be NULL) unless that is `given`,
+ * but for what the flow's events add. */
+static saltus_status walk(saltus_orbits *o, const saltus_sequence *sequence, const double *states,
+                          saltus_cocycle *cocycle, bool given, saltus_lap *lap, saltus_message *message) {
+    saltus_status status = SALTUS_OK;
+    if (given)
+        cocycle->sum_rule = cocycle->zeros = 0;
+    else if (cocycle)
+        status = saltus_cocycle_open(cocycle, o->system, sequence->periods, sequence->omega > 0, message);
+    return status == SALTUS_OK ? saltus_sequence_walk(sequence, cocycle && !given ? o->tangent : o->flow,
+                                                      states, lap, cocycle, message)
+                               : status;
+}
+
 /* Where perturbations grow by many orders of magnitude around the orbit, as after several slow impacts,
  * rounding alone leads the flow away from it. Let the flow begin anew amid flights, from the prescribed
- * states there; survey and `cocycle` (may be NULL) change only if it *follows then. */
-static saltus_status go_in_pieces(saltus_orbits *o, saltus_solution *s, saltus_cocycle *cocycle,
-                                  bool *follows, saltus_message *message) {
+ * states there; survey and cocycle change only if it *follows then. */
+static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus_cocycle *cocycle, bool given,
+                                    bool *follows, saltus_message *message) {
     saltus_sequence pieces;
     saltus_lap lap = {.keeps_events = true};
     saltus_shooting *shooting = NULL;
@@ -231,12 +245,10 @@ static saltus_status go_in_pieces(saltus_orbits *o, saltus_solution *s, saltus_c
     saltus_status status = saltus_orbits_shoot(o, &pieces, s->parameter, s->state, &shooting, &u, message);
     const double *states = status == SALTUS_OK ? saltus_shooting_states(shooting, u) : NULL;
     if (status == SALTUS_OK)
-        status = saltus_sequence_walk(&pieces, o->flow, states, &lap, NULL, message);
+        status = walk(o, &pieces, states, NULL, false, &lap, message);
     *follows = status == SALTUS_OK && saltus_sequence_follows(&pieces, &lap);
     if (*follows && cocycle)
-        status = saltus_cocycle_open(cocycle, o->system, pieces.periods, pieces.omega > 0, message);
-    if (*follows && cocycle && status == SALTUS_OK)
-        status = saltus_sequence_walk(&pieces, o->tangent, states, &lap, cocycle, message);
+        status = walk(o, &pieces, states, cocycle, given, &lap, message);
     if (*follows && status == SALTUS_OK) {
         const saltus_lap swap = s->survey.lap;
         s->survey.lap = lap;
@@ -256,20 +268,15 @@ static saltus_status go_around(saltus_orbits *o, saltus_solution *s, saltus_cocy
     saltus_message why = {.text = ""};
     survey->follows = survey->walked = false;
     survey->lap.keeps_events = true;
-    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, message);
     const bool given = cocycle && cocycle->given && saltus_shooting_collected(o->shooting, s->at.u);
-    if (given)
-        cocycle->sum_rule = cocycle->zeros = 0;
-    else if (status == SALTUS_OK && cocycle)
-        status = saltus_cocycle_open(cocycle, o->system, s->sequence.periods, s->sequence.omega > 0, message);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, message);
     if (status != SALTUS_OK)
         return saltus_orbits_noted(o, status);
-    saltus_cocycle *filled = given ? NULL : cocycle;
-    status = saltus_sequence_walk(&s->sequence, filled ? o->tangent : o->flow,
-                                  saltus_shooting_states(o->shooting, s->at.u), &survey->lap, filled, &why);
+    const double *states = saltus_shooting_states(o->shooting, s->at.u);
+    status = walk(o, &s->sequence, states, cocycle, given, &survey->lap, &why);
     survey->follows = status == SALTUS_OK && saltus_sequence_follows(&s->sequence, &survey->lap);
     if (!survey->follows && status != SALTUS_NO_MEMORY && !(s->worst.value > 0)) {
-        const saltus_status again = go_in_pieces(o, s, filled, &survey->follows, &why);
+        const saltus_status again = walk_in_pieces(o, s, cocycle, given, &survey->follows, &why);
         status = survey->follows || again == SALTUS_NO_MEMORY ? again : status;
     }
     if (saltus_orbits_noted(o, status) == SALTUS_NO_MEMORY)
@@ -377,6 +384,17 @@ double saltus_solution_part_distance(saltus_orbits *o, const saltus_solution *s,
     saltus_shooting_free(shooting);
     free(u);
     return largest;
+}
+
+const saltus_breach *saltus_solution_touch(const saltus_solution *at) {
+    const double still = 1e-9, near = 1e-5, nothing = 1e-12;
+    for (int k = 0; k < at->breach_count && at->worst.kind == SALTUS_BREACH_GAP; k++) {
+        const saltus_breach *b = &at->breaches[k];
+        const bool own = b->face == at->worst.face && fabs(b->time - at->worst.time) < near;
+        if (b->kind == SALTUS_BREACH_SPEED && fabs(b->value) < (own ? still : nothing))
+            return b;
+    }
+    return &at->worst;
 }
 
 bool saltus_pair_on_circle(const saltus_survey *survey) {

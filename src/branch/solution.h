@@ -150,6 +150,10 @@ double saltus_solution_half_distance(saltus_orbits *orbits, const saltus_solutio
  * be NULL) if it is known. */
 double saltus_solution_part_distance(saltus_orbits *orbits, const saltus_solution *solution, int parts,
                                      double *apart);
+/* The breach of a grazing orbit that makes the change. A maximum of the gap at an impact of zero speed is
+ * that impact's own touch; and where impacts die just as the orbit touches elsewhere, so that rounding
+ * decides which breach is the worst, it is a death. */
+const saltus_breach *saltus_solution_touch(const saltus_solution *at);
 /* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
 bool saltus_pair_on_circle(const saltus_survey *survey);
 

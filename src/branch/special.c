@@ -38,14 +38,27 @@ typedef struct place {
     double ahead, value[SALTUS_TEST_PAIR + 1];
 } place;
 
+/* Whether a test's zero between two places is known. Rounding may put it on the other side of a place so
+ * close that the tests' zeros cannot be told apart. */
+static bool is_known(const saltus_special *specials, int count, saltus_test test, double first, double last) {
+    const double close = 1e-7;
+    for (int k = 0; k < count; k++)
+        if (specials[k].test == test && specials[k].ahead >= first - close &&
+            specials[k].ahead <= last + close)
+            return true;
+    return false;
+}
+
 /* Locate a special point between two places ahead of `from` by its test and insert it in order of arclength.
  * `near` and `far`: the test's values there. */
 static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solution *to, const double ends[2],
                double near, double far, saltus_special found, saltus_special *specials, int count,
                saltus_solution *scratch) {
     const double values[] = {near, far}, rounding = 1e-8;
-    if (!saltus_test_crosses(near, far) || (found.test != SALTUS_TEST_VALUE && ends[0] == 0 &&
-                                            fabs(near) < rounding * fabs(far) && begins_at_grazing(from)))
+    if (!saltus_test_crosses(near, far) ||
+        (found.test != SALTUS_TEST_VALUE && is_known(specials, count, found.test, ends[0], ends[1])) ||
+        (found.test != SALTUS_TEST_VALUE && ends[0] == 0 && fabs(near) < rounding * fabs(far) &&
+         begins_at_grazing(from)))
         return count;
     found.ahead = ends[1];
     if (far != 0) {
@@ -60,6 +73,8 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
         if (!zero.found) /* singular: interpolated later */
             found.ahead = ends[0] + (ends[1] - ends[0]) * near / (near - far);
     }
+    if (found.test != SALTUS_TEST_VALUE && is_known(specials, count, found.test, found.ahead, found.ahead))
+        return count;
     return saltus_special_insert(found, specials, count);
 }
 
@@ -69,14 +84,6 @@ static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus
     const double ends[] = {0, to->at.ahead};
     return add(o, from, to, ends, saltus_test_value(found.test, found.target, from, from),
                saltus_test_value(found.test, found.target, to, from), found, specials, count, scratch);
-}
-
-/* Whether a test's zero between two places is known. */
-static bool is_known(const saltus_special *specials, int count, saltus_test test, const double ends[2]) {
-    for (int k = 0; k < count; k++)
-        if (specials[k].test == test && specials[k].ahead >= ends[0] && specials[k].ahead <= ends[1])
-            return true;
-    return false;
 }
 
 static void fill_values(const saltus_solution *s, const saltus_solution *from, place *out) {
@@ -128,9 +135,8 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                 const double ends[] = {last.ahead, places[j].ahead};
                 if (isnan(places[j].value[test]) && j + 1 < compared)
                     continue;
-                if (!is_known(specials, count, test, ends))
-                    count = add(o, from, to, ends, last.value[test], places[j].value[test], kinds[k],
-                                specials, count, scratch);
+                count = add(o, from, to, ends, last.value[test], places[j].value[test], kinds[k], specials,
+                            count, scratch);
                 last = places[j];
             }
             for (int j = 0; j < count && count > before && known < places_max; j++) {
@@ -191,23 +197,11 @@ int saltus_special_find(saltus_orbits *o, const saltus_solution *from, const sal
 /* Distance in arclength between points that show how a test varies near its zero. */
 static const double apart = 1e-6;
 
-/* The breach at which an orbit grazes; a maximum of the gap at an impact of zero speed is that impact's own
- * touch. */
-static saltus_breach touch(const saltus_solution *at) {
-    const double still = 1e-9, near = 1e-5;
-    for (int k = 0; k < at->breach_count && at->worst.kind == SALTUS_BREACH_GAP; k++) {
-        const saltus_breach *b = &at->breaches[k];
-        if (b->kind == SALTUS_BREACH_SPEED && b->face == at->worst.face && fabs(b->value) < still &&
-            fabs(b->time - at->worst.time) < near)
-            return *b;
-    }
-    return at->worst;
-}
-
 /* The value of a test, and the parameter, at this distance ahead of `at`. Where an orbit touches in several
- * places at once the greatest breach has a corner, so one of them is followed. */
-static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
-                        saltus_solution *scratch, double *parameter, double *value) {
+ * places at once the greatest breach has a corner, so one `touch` is followed. */
+static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_breach *touch,
+                        const saltus_solution *at, double ahead, saltus_solution *scratch, double *parameter,
+                        double *value) {
     saltus_message ignored;
     saltus_status status = saltus_solution_visit(o, at, ahead, scratch, &ignored);
     if (status == SALTUS_OK && test == SALTUS_TEST_PAIR)
@@ -215,12 +209,11 @@ static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_solutio
     *parameter = scratch->parameter[0];
     *value = status == SALTUS_OK ? saltus_test_value(test, 0, scratch, at) : NAN;
     if (status == SALTUS_OK && test == SALTUS_TEST_BREACH) {
-        const saltus_breach own = touch(at);
         double nearest = INFINITY;
         for (int k = 0; k < scratch->breach_count; k++) {
             const saltus_breach *b = &scratch->breaches[k];
-            if (b->kind == own.kind && b->face == own.face && fabs(b->time - own.time) < nearest) {
-                nearest = fabs(b->time - own.time);
+            if (b->kind == touch->kind && b->face == touch->face && fabs(b->time - touch->time) < nearest) {
+                nearest = fabs(b->time - touch->time);
                 *value = b->value;
             }
         }
@@ -237,12 +230,13 @@ static double parabola(const double y[3], double x, double *slope) {
 
 /* The parameter where a test is zero near `at`, by parabolas through three points around the one at distance
  * `middle` ahead of it, and the scatter there of points that should lie on them. */
-static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solution *at, double middle,
-                        saltus_solution *scratch, double *parameter, double *scatter) {
+static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_breach *touch,
+                        const saltus_solution *at, double middle, saltus_solution *scratch, double *parameter,
+                        double *scatter) {
     static const double close[] = {-2e-3, -1e-3, 1e-3, 2e-3}; /* times `apart` */
     double place[3], value[3], along, rise, here, there, zero = -middle / apart;
     for (int k = 0; k < 3; k++)
-        if (!test_beside(o, test, at, middle + (k - 1) * apart, scratch, &place[k], &value[k]))
+        if (!test_beside(o, test, touch, at, middle + (k - 1) * apart, scratch, &place[k], &value[k]))
             return false;
     for (int k = 0; k < 3; k++) {
         const double off = parabola(value, zero, &rise);
@@ -253,7 +247,7 @@ static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_solutio
     const double slope = rise != 0 ? along / rise : 0;
     *scatter = middle == 0 ? fabs(slope * value[1]) : 0;
     for (size_t k = 0; k < sizeof close / sizeof close[0]; k++) {
-        if (!test_beside(o, test, at, middle + close[k] * apart, scratch, &here, &there))
+        if (!test_beside(o, test, touch, at, middle + close[k] * apart, scratch, &here, &there))
             return false;
         *scatter = fmax(*scatter, fabs(here - parabola(place, close[k], &along)) +
                                       fabs(slope * (there - parabola(value, close[k], &rise))));
@@ -295,13 +289,14 @@ static saltus_status open_other(const saltus_orbits *o, const saltus_solution *a
 double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_solution *at) {
     saltus_orbits other;
     saltus_solution there, scratch = {.value = 0};
+    const saltus_breach touch = *saltus_solution_touch(at);
     double here, beyond, scatter[2], doubt = INFINITY;
     saltus_status status = open_other(o, at, &other, &there);
     /* At the end of a domain only one side works. */
     for (int side = 0; side < 3 && isinf(doubt) && status == SALTUS_OK; side++) {
         double middle = (side == 2 ? -1 : side) * apart;
-        if (zero_around(o, test, at, middle, &scratch, &here, &scatter[0]) &&
-            zero_around(&other, test, &there, middle, &scratch, &beyond, &scatter[1]))
+        if (zero_around(o, test, &touch, at, middle, &scratch, &here, &scatter[0]) &&
+            zero_around(&other, test, &touch, &there, middle, &scratch, &beyond, &scatter[1]))
             doubt = cautious * o->family.unit[0] * (fabs(beyond - here) + fmax(scatter[0], scatter[1]));
     }
     saltus_orbits_noted(o, other.starved ? SALTUS_NO_MEMORY : status);

@@ -19,6 +19,7 @@ typedef struct saltus_visited {
     int branch, periods;
     char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
     double value, period;            /* period 0: none */
+    double accuracy;                 /* of the value; 0: not known */
     double *state;
     bool joined; /* a branch joins another one there, and has not been on it */
 } visited;
@@ -74,6 +75,17 @@ saltus_branch_point *saltus_trail_place(saltus_trail *t, saltus_message *message
     return &t->queue[t->count];
 }
 
+/* Sets of kinds. At `marginal` ones a multiplier is on the unit circle to rounding, or an eigenvalue on the
+ * imaginary axis. Branches of orbits, or of equilibria, end where they meet a point of the other sets that
+ * was visited. The places of `sharply` known ones are zeros of smooth functions. */
+static const unsigned marginal = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_BP |
+                                 1u << SALTUS_POINT_NS | 1u << SALTUS_POINT_HB,
+                      orbits_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
+                                    1u << SALTUS_POINT_GR | 1u << SALTUS_POINT_CH | 1u << SALTUS_POINT_ST,
+                      sharply = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
+                                1u << SALTUS_POINT_GR,
+                      rests_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_BE;
+
 /* The branch on which a special point was given out before; -1: none. Points of branches that cross, or begin
  * at one another, differ in kind or period. Where impacts die one after the other, points lie close together
  * without being the same; they differ in the number of impacts. Folds of cycles near a homoclinic orbit
@@ -87,7 +99,12 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
         /* At both, the same two motions meet, in either order. */
         const bool same = (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
                           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
-        const double close_value = same ? 1e-7 : 1e-11, close_state = same ? 1e-5 : 1e-7;
+        /* Where chatter completes is seen less sharply from one side than from the other. */
+        const bool sharp = sharply >> v->kind & 1 && v->accuracy > 0 && isfinite(point->accuracy);
+        const double close_value = !same    ? 1e-11
+                                   : !sharp ? 1e-7
+                                            : fmin(1e-7, 1e-9 + 10 * (v->accuracy + point->accuracy) / unit);
+        const double close_state = same ? 1e-5 : 1e-7;
         if (!v->joined && v->kind == point->kind && v->periods == point->periods &&
             fabs(v->period - period_of(point)) <= 1e-4 * v->period &&
             fabs(v->value - point->value[0]) < close_value * unit &&
@@ -122,6 +139,7 @@ static saltus_status remember(saltus_trail *t, const saltus_branch_point *point,
     v->periods = point->periods;
     v->value = point->value[0];
     v->period = period_of(point);
+    v->accuracy = isfinite(point->accuracy) ? point->accuracy : 0;
     memcpy(v->label[0], point->label, SALTUS_LABEL_MAX);
     memcpy(v->label[1], point->label_after, SALTUS_LABEL_MAX);
     return SALTUS_OK;
@@ -156,15 +174,6 @@ saltus_status saltus_trail_join(saltus_trail *t, const saltus_system *system, sa
     v->joined = true;
     return SALTUS_OK;
 }
-
-/* Sets of kinds. At `marginal` ones a multiplier is on the unit circle to rounding, or an eigenvalue on the
- * imaginary axis. Branches of orbits, or of equilibria, end where they meet a point of the other sets that
- * was visited. */
-static const unsigned marginal = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_BP |
-                                 1u << SALTUS_POINT_NS | 1u << SALTUS_POINT_HB,
-                      orbits_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_PD | 1u << SALTUS_POINT_NS |
-                                    1u << SALTUS_POINT_GR | 1u << SALTUS_POINT_CH | 1u << SALTUS_POINT_ST,
-                      rests_meet = 1u << SALTUS_POINT_LP | 1u << SALTUS_POINT_BE;
 
 saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, const saltus_notice *what,
                                 saltus_message *message) {
@@ -241,7 +250,7 @@ bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
 }
 
 void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
-    enum { numbers_min = 8 }; /* per visited point */
+    enum { numbers_min = 9 }; /* per visited point */
     t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
     for (int k = 0; k < t->visited_count; k++) {
         visited *v = &t->visited[k];
@@ -252,6 +261,7 @@ void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
         saltus_archive_label(a, v->label[1]);
         saltus_archive_finite(a, &v->value, 1);
         saltus_archive_finite(a, &v->period, 1);
+        saltus_archive_finite(a, &v->accuracy, 1);
         saltus_archive_array(a, &v->state, (size_t)a->n);
         v->joined = saltus_archive_flag(a, v->joined);
     }
