@@ -578,6 +578,50 @@ static void crossings_have_no_tangent(void **state) {
     made_close(&m);
 }
 
+/* The hyperbola x y = b: two curves cross only if b is zero. */
+static void hyperbola(const made *m, const double *u, double *residual, double *jacobian) {
+    residual[0] = u[0] * u[1] - m->b;
+    jacobian[0] = u[1];
+    jacobian[1] = u[0];
+}
+
+/* Newton's method leads to where curves cross, though the equations are singular there, and says so where
+ * they only come near one another, or where memory is lacking. */
+static void crossings_are_settled(void **state) {
+    (void)state;
+    saltus_message message = {.text = ""};
+    double error;
+    made m;
+    made_open(&m, 2, made_crossing, 1, 2);
+    for (int k = 0; k < 16; k++) {
+        double u[2] = {1 + 0.03 * cos(k), 2 + 0.03 * sin(k)};
+        check_ok(saltus_curve_settle(&m.e, u, &error, &message), &message);
+        check_near(u[0], 1, 1e-14);
+        check_near(u[1], 2, 1e-14);
+        assert_true(error < 1e-8);
+        check_near(m.e.size, 0, 1e-15);
+    }
+    saltus_status status = SALTUS_NO_MEMORY;
+    int failed = 0;
+    for (lacking_from = 0; status == SALTUS_NO_MEMORY; lacking_from++) {
+        double u[2] = {1.01, 2.02};
+        allocations = 0;
+        status = saltus_curve_settle(&m.e, u, &error, &message);
+        failed += status == SALTUS_NO_MEMORY;
+    }
+    lacking_from = -1;
+    assert_int_equal(status, SALTUS_OK);
+    assert_true(failed > 1);
+    made_close(&m);
+    for (int k = 0; k < 3; k++) {
+        double u[2] = {0.01, -0.02};
+        made_open(&m, 2, hyperbola, 0, (k - 1) * 1e-4);
+        status = saltus_curve_settle(&m.e, u, &error, &message);
+        assert_int_equal(status, k == 1 ? SALTUS_OK : SALTUS_NO_CONVERGENCE);
+        made_close(&m);
+    }
+}
+
 /* A function with known zeros, and where it fails. */
 typedef struct known {
     int kind, calls;
@@ -688,6 +732,7 @@ int main(void) {
         cmocka_unit_test(places_without_value_end_curves),
         cmocka_unit_test(lack_of_memory),
         cmocka_unit_test(crossings_have_no_tangent),
+        cmocka_unit_test(crossings_are_settled),
         cmocka_unit_test(zeros_are_located),
         cmocka_unit_test(zeros_between_tiny_values),
         cmocka_unit_test(zeros_that_cannot_be_had),
