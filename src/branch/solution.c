@@ -244,8 +244,10 @@ static saltus_status walk_in_pieces(saltus_orbits *o, saltus_solution *s, saltus
         return SALTUS_OK;
     saltus_status status = saltus_orbits_shoot(o, &pieces, s->parameter, s->state, &shooting, &u, message);
     const double *states = status == SALTUS_OK ? saltus_shooting_states(shooting, u) : NULL;
+    /* At grazing it is chance which of the flows meets the impact. */
     if (status == SALTUS_OK)
-        status = walk(o, &pieces, states, NULL, false, &lap, message);
+        status = saltus_sequence_walk(&pieces, cocycle && !given ? o->tangent : o->flow, states, &lap, NULL,
+                                      message);
     *follows = status == SALTUS_OK && saltus_sequence_follows(&pieces, &lap);
     if (*follows && cocycle)
         status = walk(o, &pieces, states, cocycle, given, &lap, message);
