@@ -79,9 +79,10 @@ static saltus_status find_left(const saltus_equations *e, const double *other, d
     return saltus_dense_null_vectors(a, m, m, 1, left, &value);
 }
 
-/* The derivative along v of w' J, to `out` (m), as a difference over `apart` to both sides of u. */
+/* The derivative along v of w' J, to `out` (m), as a difference to both sides of u. */
 static saltus_status bend_along(saltus_equations *e, const double *u, const double *v, const double *w,
-                                double apart, double *aside, double *out, saltus_message *message) {
+                                double *aside, double *out, saltus_message *message) {
+    const double apart = 1e-5;
     const int m = e->unknowns;
     saltus_status status = SALTUS_OK;
     memset(out, 0, (size_t)m * sizeof *out);
@@ -98,10 +99,10 @@ static saltus_status bend_along(saltus_equations *e, const double *u, const doub
 saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const double *along, double *leaving,
                                    double *singular, saltus_message *message) {
     const double apart = 1e-5, nothing = 1e-6;
-    const int m = e->unknowns;
-    double values[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 5)), sizeof *a);
-    double *one = a ? a + m * m : NULL, *other = a ? one + m : NULL, *left = a ? other + m : NULL,
-           *aside = a ? left + m : NULL, *form = a ? aside + m : NULL;
+    const int m = e->unknowns, c = e->count;
+    double values[2] = {0}, form[2] = {0}, length = 0, *a = calloc((size_t)(m * (m + 4)), sizeof *a);
+    double *one = a ? a + m * m : NULL, *other = one ? one + m : NULL, *left = one ? other + m : NULL,
+           *aside = one ? left + m : NULL;
     saltus_status status = a ? saltus_equations_evaluate(e, u, message) : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK)
         status = saltus_null_plane(e, one, values, message);
@@ -114,16 +115,21 @@ saltus_status saltus_curve_leaving(saltus_equations *e, const double *u, const d
     }
     if (status == SALTUS_OK)
         status = find_left(e, other, a, left);
-    if (status == SALTUS_OK)
-        status = bend_along(e, u, other, left, apart, aside, form, message);
-    if (status == SALTUS_OK) {
-        const double mixed = saltus_dot(form, one, m), own = saltus_dot(form, other, m);
-        const double share = fabs(mixed) > nothing * (fabs(own) + 1) ? 0.5 * own / mixed : 0;
+    for (int side = -1; side <= 1 && status == SALTUS_OK; side += 2) {
         for (int j = 0; j < m; j++)
-            length = hypot(length, leaving[j] = other[j] - share * one[j]);
-        for (int j = 0; j < m; j++)
-            leaving[j] /= length;
+            aside[j] = u[j] + side * apart * other[j];
+        status = saltus_equations_evaluate(e, aside, message);
+        for (int i = 0; i < c && status == SALTUS_OK; i++) {
+            form[0] += side * left[i] * saltus_dot(e->jacobian + i * m, one, m);
+            form[1] += side * left[i] * saltus_dot(e->jacobian + i * m, other, m);
+        }
     }
+    const bool told = fabs(form[0]) > nothing * (fabs(form[1]) + 2 * apart);
+    length = 0;
+    for (int j = 0; j < m && status == SALTUS_OK; j++)
+        length = hypot(length, leaving[j] = other[j] - (told ? 0.5 * form[1] / form[0] : 0) * one[j]);
+    for (int j = 0; j < m && status == SALTUS_OK; j++)
+        leaving[j] /= length;
     *singular = values[1];
     free(a);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : status;
@@ -139,7 +145,6 @@ typedef struct settling {
 /* Newton's step from the point last evaluated. */
 static saltus_status settling_step(saltus_equations *e, settling *s, const double *u,
                                    saltus_message *message) {
-    const double apart = 1e-5;
     const int m = e->unknowns, c = e->count, size = m + 1;
     saltus_status status = SALTUS_OK;
     for (int i = 0; i < size; i++)
@@ -157,8 +162,7 @@ static saltus_status settling_step(saltus_equations *e, settling *s, const doubl
         s->step[i] = -e->residual[i] - s->off * s->b[i];
     for (int k = 0; k < 2 && status == SALTUS_OK; k++) {
         s->step[c + k] = s->v[k * size + m];
-        status =
-            bend_along(e, u, s->v + k * size, s->w, apart, s->aside, s->matrix + (c + k) * size, message);
+        status = bend_along(e, u, s->v + k * size, s->w, s->aside, s->matrix + (c + k) * size, message);
         s->matrix[(c + k) * size + m] = 0;
     }
     if (status == SALTUS_OK && !saltus_dense_factor(&s->lu, s->matrix))
