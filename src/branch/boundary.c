@@ -161,8 +161,7 @@ static saltus_status open_bounce(bounce *b, saltus_rests *r, const saltus_rest *
 /* The parameter derivatives of the gap and of the equilibrium, `along` (n, scaled); NAN if there are none. */
 static double gap_slope(saltus_rests *r, const saltus_rest *at, int face, double *along, saltus_rest *near) {
     const double apart = 1e-6;
-    saltus_message ignored;
-    if (saltus_rests_noted(r, saltus_rest_visit(r, at, apart, near, &ignored)) != SALTUS_OK)
+    if (saltus_rests_noted(r, saltus_rest_visit(r, at, apart, near, NULL)) != SALTUS_OK)
         return NAN;
     const double ahead = near->parameter[0] - at->parameter[0];
     for (int i = 0; i < r->n; i++)
@@ -266,9 +265,8 @@ static saltus_status cut_in_flight(saltus_orbits *o, const saltus_solution *s, s
                                    double *state) {
     const double time = saltus_sequence_amid_flight(&s->sequence);
     int order[SALTUS_MARKS_MAX];
-    saltus_message ignored;
     saltus_sequence_turn(&s->sequence, time, 1, fresh, order);
-    return saltus_solution_state_at(o, s, time, state, &ignored);
+    return saltus_solution_state_at(o, s, time, state, NULL);
 }
 
 bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const saltus_solution *next,
@@ -280,7 +278,6 @@ bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const 
     double place[2] = {here->parameter[0], next->parameter[0]};
     double size[2] = {impact_speed(here), impact_speed(next)}, end = NAN, before = NAN;
     saltus_sequence sequence;
-    saltus_message ignored;
     bool sound = cut_in_flight(o, here, &sequence, state[0]) == SALTUS_OK &&
                  cut_in_flight(o, next, &sequence, state[1]) == SALTUS_OK;
     for (int k = 0; k <= rounds && sound; k++) {
@@ -291,14 +288,14 @@ bool saltus_boundary_reach(saltus_orbits *o, const saltus_solution *here, const 
         const double to = end + shrink * (place[1] - end), ahead = (to - place[1]) / (place[1] - place[0]);
         for (int i = 0; i < n; i++)
             guess[i] = state[1][i] + ahead * (state[1][i] - state[0][i]);
-        saltus_status status = saltus_orbits_tune(o, &to, sequence.omega, &ignored);
+        saltus_status status = saltus_orbits_tune(o, &to, sequence.omega, NULL);
         if (status == SALTUS_OK)
-            status = saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), guess, sequence.contacts,
-                                       &ignored);
+            status =
+                saltus_flow_place(o->flow, 0, saltus_time_of(sequence.base), guess, sequence.contacts, NULL);
         if (status == SALTUS_OK)
             saltus_sequence_anchor(&sequence, o->flow, false);
         if (status == SALTUS_OK)
-            status = saltus_solution_place(o, &sequence, &to, guess, true, at, &ignored);
+            status = saltus_solution_place(o, &sequence, &to, guess, true, at, NULL);
         sound = saltus_orbits_noted(o, status) == SALTUS_OK && impact_speed(at) < 0.5 * size[1];
         memcpy(state[0], state[1], (size_t)n * sizeof *state[0]);
         place[0] = place[1];

@@ -16,11 +16,10 @@
  * distance `by`. False where the equations cannot be evaluated. */
 static bool speeds_aside(saltus_orbits *o, const saltus_solution *s, const double *way, double by,
                          const int *marks, double *u, double *speeds) {
-    saltus_message ignored;
     int count;
     for (int j = 0; j < s->at.unknowns; j++)
         u[j] = s->at.u[j] + by * way[j];
-    if (saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, u, &ignored)) != SALTUS_OK)
+    if (saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, u, NULL)) != SALTUS_OK)
         return false;
     const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &count);
     for (int k = 0; k < count; k++)
@@ -38,16 +37,14 @@ static void leave_alike(saltus_orbits *o, saltus_solution *s) {
     const size_t m = (size_t)s->at.unknowns;
     int marks[2] = {0}, count = 0;
     double values[2], speeds[2][2], length = 0, *plane = NULL;
-    saltus_message ignored;
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(s->breaches[k].value) < still && count++ < 2)
             marks[count - 1] = s->breaches[k].mark;
     if (count != 2 ||
-        saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, s->at.u, &ignored)) != SALTUS_OK)
+        saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, s->at.u, NULL)) != SALTUS_OK)
         return;
     plane = calloc(3 * m, sizeof *plane);
-    saltus_status status =
-        plane ? saltus_null_plane(o->equations, plane, values, &ignored) : SALTUS_NO_MEMORY;
+    saltus_status status = plane ? saltus_null_plane(o->equations, plane, values, NULL) : SALTUS_NO_MEMORY;
     bool found = saltus_orbits_noted(o, status) == SALTUS_OK && fabs(values[1]) < nothing;
     for (int k = 0; k < 2 && found; k++)
         found = speeds_aside(o, s, plane + (size_t)k * m, apart, marks, plane + 2 * m, speeds[k]);
@@ -66,17 +63,15 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
                         const double *state, const double *old, saltus_solution *here,
                         saltus_solution *next) {
     static const double ahead[] = {1e-4, 1e-3, 1e-5, 1e-2};
-    saltus_message ignored;
-    if (saltus_solution_place(o, beyond, parameters, state, false, here, &ignored) != SALTUS_OK)
+    if (saltus_solution_place(o, beyond, parameters, state, false, here, NULL) != SALTUS_OK)
         return false;
     if (old)
         saltus_curve_align(&here->at, old);
     leave_alike(o, here);
     for (size_t k = 0; k < sizeof ahead / sizeof ahead[0]; k++)
         for (int way = 0; way < 2; way++) {
-            if (saltus_solution_visit(o, here, ahead[k], next, &ignored) == SALTUS_OK &&
-                next->worst.value < 0 && saltus_solution_survey(o, next, &ignored) == SALTUS_OK &&
-                next->survey.follows)
+            if (saltus_solution_visit(o, here, ahead[k], next, NULL) == SALTUS_OK && next->worst.value < 0 &&
+                saltus_solution_survey(o, next, NULL) == SALTUS_OK && next->survey.follows)
                 return true;
             saltus_curve_turn(&here->at);
         }
@@ -105,7 +100,6 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
     int order[SALTUS_MARKS_MAX], ones = 0, both = 0;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX], *u = NULL;
     saltus_shooting *shooting = NULL;
-    saltus_message ignored;
     *doubled = false;
     if (at->sequence.omega > 0)
         return false;
@@ -117,9 +111,9 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
         saltus_sequence_graze(&kept, &gone, 1, &less, order);
         kept = less;
     }
-    saltus_status status = saltus_orbits_shoot(o, &kept, at->parameter, at->state, &shooting, &u, &ignored);
+    saltus_status status = saltus_orbits_shoot(o, &kept, at->parameter, at->state, &shooting, &u, NULL);
     if (status == SALTUS_OK)
-        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, &ignored);
+        status = saltus_equations_evaluate(saltus_shooting_equations(shooting), u, NULL);
     const int count = status == SALTUS_OK ? saltus_corner_multipliers(shooting, o->n, re, im) : 0;
     for (int k = 0; k < count; k++) {
         ones += hypot(re[k] - 1, im[k]) < close;
@@ -185,16 +179,15 @@ static double bracket(saltus_orbits *o, const saltus_solution *from, double ahea
                       saltus_solution *at) {
     enum { halvings = 50 };
     double low = 0, high = ahead;
-    saltus_message ignored;
     for (int k = 0; k < halvings && fabs(high - low) > 1e-12; k++) {
         double middle = 0.5 * (low + high);
-        bool sound = saltus_solution_visit(o, from, middle, at, &ignored) == SALTUS_OK &&
-                     !(at->worst.value > 0) && saltus_solution_walk(o, at, &ignored) == SALTUS_OK &&
+        bool sound = saltus_solution_visit(o, from, middle, at, NULL) == SALTUS_OK &&
+                     !(at->worst.value > 0) && saltus_solution_walk(o, at, NULL) == SALTUS_OK &&
                      at->survey.follows && (!like || same_contacts(like, &at->survey));
         *(sound ? &low : &high) = middle;
     }
-    if (saltus_solution_visit(o, from, low, at, &ignored) != SALTUS_OK ||
-        saltus_solution_survey(o, at, &ignored) != SALTUS_OK)
+    if (saltus_solution_visit(o, from, low, at, NULL) != SALTUS_OK ||
+        saltus_solution_survey(o, at, NULL) != SALTUS_OK)
         return NAN;
     /* At the edge the survey, which runs with tangent vectors, may see other contacts than the walk. */
     if (low != 0 && like && !same_contacts(like, &at->survey)) {
@@ -212,7 +205,7 @@ static double slope(const saltus_orbits *o, const saltus_solution *s) {
 /* How well the parameter is known at the point `s` that is known to `width` in arclength. Where a bracket
  * shrinks to rounding, orbits are still followed no finer than this. */
 static double accuracy_at(const saltus_orbits *o, const saltus_solution *s, double width) {
-    return width * slope(o, s) + 32 * DBL_EPSILON * fabs(s->value);
+    return width * slope(o, s) + 64 * DBL_EPSILON * fabs(s->value);
 }
 
 /* The arclength beyond `at` at which the contact that completes a chatter shrinks to zero length, if it
@@ -229,12 +222,11 @@ static double beyond_contact(const saltus_solution *from, const saltus_solution 
 /* The sequence of events that the flow meets on the orbit `s`; `state` (n) becomes the state at its base. */
 static bool sequence_met(saltus_orbits *o, const saltus_solution *s, double *state, saltus_sequence *met) {
     saltus_lap lap = {.keeps_events = true};
-    saltus_message ignored;
     memcpy(state, s->survey.lap.points, (size_t)o->n * sizeof *state);
-    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, &ignored);
+    saltus_status status = saltus_orbits_tune(o, s->parameter, s->sequence.omega, NULL);
     if (status == SALTUS_OK)
-        status = saltus_sequence_make(o->flow, s->sequence.periods, s->sequence.omega > 0, state, &lap, met,
-                                      &ignored);
+        status =
+            saltus_sequence_make(o->flow, s->sequence.periods, s->sequence.omega > 0, state, &lap, met, NULL);
     saltus_lap_close(&lap);
     return saltus_orbits_noted(o, status) == SALTUS_OK;
 }
@@ -248,17 +240,16 @@ static bool shoot_freely(saltus_orbits *o, const saltus_sequence *old, const dou
     driven.count = 0;
     driven.cuts = 1;
     driven.cut[0] = old->base;
-    saltus_message ignored;
-    if (saltus_orbits_tune(o, parameters, old->omega, &ignored) != SALTUS_OK)
+    if (saltus_orbits_tune(o, parameters, old->omega, NULL) != SALTUS_OK)
         return false;
     /* A guess along the tangent may lie beyond a stop, above all where a contact becomes permanent. */
     saltus_state_admit(o->system, state);
-    if (saltus_solution_place(o, &driven, parameters, state, true, out, &ignored) != SALTUS_OK ||
-        saltus_solution_walk(o, out, &ignored) != SALTUS_OK || !out->survey.follows)
+    if (saltus_solution_place(o, &driven, parameters, state, true, out, NULL) != SALTUS_OK ||
+        saltus_solution_walk(o, out, NULL) != SALTUS_OK || !out->survey.follows)
         return false;
     return sequence_met(o, out, state, &met) &&
-           saltus_solution_place(o, &met, parameters, state, true, out, &ignored) == SALTUS_OK &&
-           !saltus_solution_rests(out, NULL) && saltus_solution_survey(o, out, &ignored) == SALTUS_OK;
+           saltus_solution_place(o, &met, parameters, state, true, out, NULL) == SALTUS_OK &&
+           !saltus_solution_rests(out, NULL) && saltus_solution_survey(o, out, NULL) == SALTUS_OK;
 }
 
 /* The same at `parameter`, with a guess along the tangent at `from`. */
@@ -304,7 +295,6 @@ static double last_speed(const saltus_survey *survey, int periods, int face, dou
  * parameter does not tell, since such a branch folds again and again. */
 static bool leads_away(saltus_orbits *o, const saltus_solution *at, const saltus_solution *here,
                        double distance, saltus_solution *scratch) {
-    saltus_message ignored;
     if (at->worst.kind != SALTUS_BREACH_HOLD)
         return true;
     const double ahead = fmax(0.01 * distance, 1e-6);
@@ -312,8 +302,8 @@ static bool leads_away(saltus_orbits *o, const saltus_solution *at, const saltus
     const int periods = at->sequence.periods, face = at->worst.face;
     double speed = last_speed(&here->survey, periods, face, time);
     for (int way = 1; way >= -1; way -= 2)
-        if (saltus_solution_visit(o, here, way * ahead, scratch, &ignored) == SALTUS_OK &&
-            saltus_solution_walk(o, scratch, &ignored) == SALTUS_OK &&
+        if (saltus_solution_visit(o, here, way * ahead, scratch, NULL) == SALTUS_OK &&
+            saltus_solution_walk(o, scratch, NULL) == SALTUS_OK &&
             scratch->survey.impacts == here->survey.impacts)
             return way * (last_speed(&scratch->survey, periods, face, time) - speed) <= 0;
     return true;
@@ -509,7 +499,6 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
                             saltus_solution *at, saltus_solution *scratch, double *state, double *ahead) {
     enum { rounds = 12 };
     const double beyond = 4, nearer = 0.7;
-    saltus_message ignored;
     for (int k = 0; k < rounds && !isnan(width); k++) {
         double parameter = at->parameter[0], before = at->worst.value;
         double back = fmax(beyond * beyond_contact(here, at, *ahead), 1e-10);
@@ -526,7 +515,7 @@ static double find_vanished(saltus_orbits *o, const saltus_solution *here, doubl
             break;
     }
     /* The branch goes on from `here`. */
-    saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, &ignored));
+    saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, NULL));
     return width;
 }
 
@@ -609,16 +598,15 @@ bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus
                            saltus_solution *scratch, double *value, double *accuracy) {
     const double back = 1e-3;
     saltus_sequence met;
-    saltus_message ignored;
     double *state = calloc((size_t)o->n, sizeof *state);
     if (!state)
         saltus_orbits_noted(o, SALTUS_NO_MEMORY);
     bool found = state && sequence_met(o, here, state, &met) &&
-                 saltus_solution_place(o, &met, here->parameter, state, true, fresh, &ignored) == SALTUS_OK &&
-                 saltus_solution_survey(o, fresh, &ignored) == SALTUS_OK && fresh->survey.follows;
+                 saltus_solution_place(o, &met, here->parameter, state, true, fresh, NULL) == SALTUS_OK &&
+                 saltus_solution_survey(o, fresh, NULL) == SALTUS_OK && fresh->survey.follows;
     free(state);
     if (!found) {
-        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, &ignored));
+        saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, NULL));
         return false;
     }
     saltus_solution_head(fresh, saltus_solution_heading(here));

@@ -103,10 +103,9 @@ static double parameter_along(saltus_rests *r, const double *place, const double
     const int unknowns = r->equations.unknowns;
     double u[unknowns_max], anchor[unknowns_max];
     int iterations;
-    saltus_message ignored;
     for (int j = 0; j < unknowns; j++)
         u[j] = anchor[j] = place[j] + by * normal[j];
-    saltus_status status = saltus_newton(&r->equations, u, normal, anchor, true, &iterations, &ignored);
+    saltus_status status = saltus_newton(&r->equations, u, normal, anchor, true, &iterations, NULL);
     return saltus_rests_noted(r, status) == SALTUS_OK ? u[unknowns - 1] : NAN;
 }
 
@@ -208,8 +207,7 @@ saltus_status saltus_cycle_tell_shrinking(saltus_orbits *o, const saltus_solutio
 static double real_part(saltus_rests *r, double *u, double *square) {
     int iterations;
     double found;
-    saltus_message ignored;
-    const saltus_status status = saltus_newton(&r->equations, u, NULL, NULL, true, &iterations, &ignored);
+    const saltus_status status = saltus_newton(&r->equations, u, NULL, NULL, true, &iterations, NULL);
     if (saltus_rests_noted(r, status) != SALTUS_OK)
         return NAN;
     const double half = saltus_rests_pair(r, u, *square, &found);
@@ -407,20 +405,19 @@ saltus_zero saltus_cycle_touches(saltus_orbits *o, const saltus_solution *here, 
     static const double reach[] = {1e-4, 1e-3, 3e-3, 1e-2, 3e-2};
     enum { reaches = sizeof reach / sizeof reach[0] };
     const double heading = saltus_solution_heading(here);
-    saltus_message ignored;
     saltus_zero zero = {.found = false};
     saltus_sequence without = here->sequence;
     without.count = 0;
     for (int k = 0; k < reaches && !zero.found; k++) {
         const double parameter = here->parameter[0] + copysign(reach[k], heading);
         if (parameter < range[0] || parameter > range[1] ||
-            saltus_solution_place(o, &without, &parameter, here->state, true, bare, &ignored) != SALTUS_OK ||
-            bare->worst.value > 0 || saltus_solution_survey(o, bare, &ignored) != SALTUS_OK ||
+            saltus_solution_place(o, &without, &parameter, here->state, true, bare, NULL) != SALTUS_OK ||
+            bare->worst.value > 0 || saltus_solution_survey(o, bare, NULL) != SALTUS_OK ||
             !bare->survey.follows)
             continue;
         saltus_solution_head(bare, -heading);
         const double back = reach[k] / fabs(saltus_solution_heading(bare));
-        if (saltus_solution_visit(o, bare, back, scratch, &ignored) == SALTUS_OK && scratch->worst.value > 0)
+        if (saltus_solution_visit(o, bare, back, scratch, NULL) == SALTUS_OK && scratch->worst.value > 0)
             zero = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, bare, scratch, at);
     }
     return zero;

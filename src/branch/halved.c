@@ -49,16 +49,15 @@ static bool test_at(shorter *s, double ahead, double *value) {
     saltus_shooting *without = NULL;
     double rounding, re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
     saltus_scaled fold;
-    saltus_message ignored;
-    saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, &ignored);
+    saltus_status status = saltus_curve_visit(&s->x.equations, &s->on.at, ahead, &s->at, NULL);
     if (status == SALTUS_OK && !grazes && !comes_back)
         *value = saltus_extended_double(&s->x, &rounding);
     if (status == SALTUS_OK && (s->kind == SALTUS_POINT_GPD || s->kind == SALTUS_POINT_CP))
-        status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, &ignored);
+        status = saltus_extended_criticality(&s->x, s->at.u, s->apart, value, NULL);
     if (status == SALTUS_OK && comes_back)
-        status = evaluate_without(s, &without, &ignored);
+        status = evaluate_without(s, &without, NULL);
     else if (status == SALTUS_OK && (multipliers || grazes))
-        status = saltus_equations_evaluate(o->equations, s->at.u, &ignored);
+        status = saltus_equations_evaluate(o->equations, s->at.u, NULL);
     if (status == SALTUS_OK && grazes)
         status = saltus_corner_closing(o->shooting, 0, &fold) ? SALTUS_OK : SALTUS_NO_MEMORY;
     if (status == SALTUS_OK && grazes) {
@@ -124,7 +123,6 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
                          const saltus_sequence *sequence, saltus_point_kind locus, int mark) {
     const double sharp = 1e-12, far = 1e-4;
     const bool turns = locus == SALTUS_POINT_NS, mirrored = locus == SALTUS_POINT_BP;
-    saltus_message ignored;
     *s = (shorter){.exponent = NAN,
                    .x = {.kind = locus,
                          .orbits = whole->orbits,
@@ -140,7 +138,7 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
     saltus_orbits *o = &s->x.orbits;
     o->shooting = NULL;
     saltus_status status =
-        saltus_orbits_shoot(o, sequence, at->orbit.parameter, at->orbit.state, &o->shooting, &s->u, &ignored);
+        saltus_orbits_shoot(o, sequence, at->orbit.parameter, at->orbit.state, &o->shooting, &s->u, NULL);
     o->equations = status == SALTUS_OK ? saltus_shooting_equations(o->shooting) : NULL;
     if (saltus_orbits_noted(o, status) != SALTUS_OK)
         return false;
@@ -149,13 +147,13 @@ static bool open_shorter(shorter *s, const saltus_extended *whole, const saltus_
     /* One parameter is kept fixed, or the angle. */
     for (int tried = 0; tried < 2 - turns && !found; tried++) {
         const int k = turns ? c + 2 : c + 1 - tried;
-        status = saltus_locus_take_up(&s->x, &s->on, s->u, turns ? 0.5 * M_PI : 0, &ignored);
+        status = saltus_locus_take_up(&s->x, &s->on, s->u, turns ? 0.5 * M_PI : 0, NULL);
         if (status == SALTUS_OK)
-            status = saltus_locus_find_first(&s->x, &s->on, k, &ignored);
-        found = saltus_orbits_noted(o, status) == SALTUS_OK &&
-                hypot(s->on.at.u[c] - s->u[c], s->on.at.u[c + 1] - s->u[c + 1]) < far &&
-                saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, s->on.at.u, &ignored)) ==
-                    SALTUS_OK;
+            status = saltus_locus_find_first(&s->x, &s->on, k, NULL);
+        found =
+            saltus_orbits_noted(o, status) == SALTUS_OK &&
+            hypot(s->on.at.u[c] - s->u[c], s->on.at.u[c + 1] - s->u[c + 1]) < far &&
+            saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, s->on.at.u, NULL)) == SALTUS_OK;
     }
     return found;
 }
@@ -201,7 +199,6 @@ static int find_mark(const saltus_sequence *once, saltus_mark *mark) {
 static bool go_through(saltus_extended *x, const shorter *s, const double *unknowns, saltus_locus_point *at) {
     saltus_sequence once, whole = at->orbit.sequence;
     saltus_shooting *shooting = NULL;
-    saltus_message ignored;
     double state[SALTUS_STATE_MAX], *u = NULL;
     saltus_shooting_extract(s->x.orbits.shooting, unknowns, &once, state);
     const bool all = whole.count == once.count * (whole.periods / once.periods);
@@ -211,10 +208,10 @@ static bool go_through(saltus_extended *x, const shorter *s, const double *unkno
         else if (find_mark(&once, &whole.mark[k]) < 0)
             return false;
     saltus_status status = saltus_orbits_shoot(&x->orbits, &whole, unknowns + s->x.orbits.equations->count,
-                                               state, &shooting, &u, &ignored);
+                                               state, &shooting, &u, NULL);
     if (status == SALTUS_OK) {
         memcpy(at->at.u, u, (size_t)x->orbits.equations->unknowns * sizeof *u);
-        status = saltus_locus_see_orbit(x, at, &ignored);
+        status = saltus_locus_see_orbit(x, at, NULL);
     }
     saltus_shooting_free(shooting);
     free(u);
@@ -284,7 +281,6 @@ bool saltus_halved_touch(saltus_extended *x, saltus_locus_point *at) {
 saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_locus_point *at) {
     const double alike = 1e-7;
     saltus_sequence half = at->orbit.sequence;
-    saltus_message ignored;
     double state[SALTUS_STATE_MAX];
     saltus_point_kind kind = mirrored ? SALTUS_POINT_CP : SALTUS_POINT_REGULAR, locus = SALTUS_POINT_PD;
     if (mirrored) {
@@ -295,7 +291,7 @@ saltus_point_kind saltus_halved_tell(saltus_extended *x, bool mirrored, saltus_l
         half = saltus_sequence_first_half(&half);
     }
     if (!mirrored && half.periods % 2 == 0 && half.count % 2 == 0 &&
-        saltus_solution_state_at(&x->orbits, &at->orbit, half.base + 0.5 * half.periods, state, &ignored) ==
+        saltus_solution_state_at(&x->orbits, &at->orbit, half.base + 0.5 * half.periods, state, NULL) ==
             SALTUS_OK &&
         saltus_system_distance(x->orbits.system, state, at->orbit.state) < alike) {
         half = saltus_sequence_first_half(&half);

@@ -102,7 +102,6 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     if (saltus_halved_touch(x, at))
         return;
     double spread, least = clear, ahead = place, *u = calloc(2 * (size_t)m, sizeof *u);
-    saltus_message ignored;
     saltus_orbits_noted(&x->orbits, u ? SALTUS_OK : SALTUS_NO_MEMORY);
     if (!u)
         return;
@@ -112,7 +111,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     memcpy(u, located, (size_t)m * sizeof *u);
     for (int k = 0; k < 2 * spacings; k++) {
         const saltus_status status = extrapolate(x, here, place, apart[k / 2], samples_most,
-                                                 k % 2 ? BY_ROOT : BY_BREACH, 0, at, &spread, &ignored);
+                                                 k % 2 ? BY_ROOT : BY_BREACH, 0, at, &spread, NULL);
         const double moved = hypot(at->at.u[c] - located[c], at->at.u[c + 1] - located[c + 1]);
         if (saltus_orbits_noted(&x->orbits, status) != SALTUS_OK || !(spread < least) || !(moved < far) ||
             moved < fmax(trusted, 10 * spread))
@@ -124,7 +123,7 @@ void saltus_locus_sharpen_end(saltus_extended *x, saltus_locus_point *here, salt
     here->at.bent = bent;
     memcpy(at->at.u, u, (size_t)m * sizeof *u);
     at->at.ahead = ahead;
-    saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, &ignored));
+    saltus_orbits_noted(&x->orbits, saltus_locus_see_orbit(x, at, NULL));
     free(u);
 }
 
@@ -156,10 +155,9 @@ typedef struct crossing {
 static bool crosses_at(void *context, double ahead, double *value) {
     const double alike = 1e-8;
     crossing *c = context;
-    saltus_message ignored;
-    saltus_status status = saltus_curve_visit(&c->x->equations, &c->from, ahead, &c->at->at, &ignored);
+    saltus_status status = saltus_curve_visit(&c->x->equations, &c->from, ahead, &c->at->at, NULL);
     if (status == SALTUS_OK)
-        status = saltus_locus_see_orbit(c->x, c->at, &ignored);
+        status = saltus_locus_see_orbit(c->x, c->at, NULL);
     if (isnan(c->exponent))
         c->exponent = c->at->at.crossing.exponent;
     *value = saltus_scaled_in(c->at->at.crossing, c->exponent);
@@ -177,7 +175,6 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
     const int m = here->at.unknowns;
     const size_t size = (size_t)m * sizeof(double);
     double singular, spread, ahead, *work = calloc((size_t)(10 * m), sizeof *work);
-    saltus_message ignored;
     if (!work) {
         saltus_orbits_noted(&x->orbits, SALTUS_NO_MEMORY);
         return;
@@ -190,7 +187,7 @@ static void sharpen_join(saltus_extended *x, const saltus_locus_point *here, int
     memcpy(best, start, size);
     x->equations.tolerance = tolerance;
     const saltus_status status =
-        saltus_curve_leaving(&x->equations, start, here->at.tangent, c.from.tangent, &singular, &ignored);
+        saltus_curve_leaving(&x->equations, start, here->at.tangent, c.from.tangent, &singular, NULL);
     for (int k = 0; k < 4 && status == SALTUS_OK && singular < clear; k++)
         if (saltus_curve_cross(crosses_at, &c, &c.from, &at->at, 0, apart[k], true, work, &ahead, &spread) &&
             spread < least && hypot(work[m - 1] - start[m - 1], work[m - 2] - start[m - 2]) < far) {
@@ -211,7 +208,6 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     const size_t size = (size_t)here->at.unknowns * sizeof(double);
     int parts;
     double spread, least = INFINITY;
-    saltus_message ignored;
     *kind = SALTUS_POINT_REGULAR;
     if (x->kind != SALTUS_POINT_GR)
         return saltus_locus_join_halves(x, here, at, kind, message);
@@ -224,7 +220,7 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
      * That may be small of second order, where impacts undo each other's effects: try their speeds. */
     for (int k = 0; k < 3 * spacings && least > trusted && status != SALTUS_NO_MEMORY; k++) {
         const measure by = k / spacings;
-        status = extrapolate(x, here, 0, apart[k % spacings], 6, by, parts, at, &spread, &ignored);
+        status = extrapolate(x, here, 0, apart[k % spacings], 6, by, parts, at, &spread, NULL);
         if (status != SALTUS_OK || !(spread < least) || !(fabs(at->at.ahead) < 2 * apart[k % spacings]) ||
             !(fabs(saltus_corner_breach(x, &at->orbit)) < sharp[by]) ||
             !(saltus_locus_distance(x, &at->orbit, parts) < sharp[by]))
@@ -238,7 +234,7 @@ saltus_status saltus_locus_join(saltus_extended *x, saltus_locus_point *here, sa
     if (*kind && status != SALTUS_NO_MEMORY) {
         memcpy(at->at.u, u, size);
         sharpen_join(x, here, parts, least, at);
-        status = saltus_locus_see_orbit(x, at, &ignored);
+        status = saltus_locus_see_orbit(x, at, NULL);
     }
     free(u);
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
@@ -254,12 +250,11 @@ static saltus_status seek_end(saltus_extended *x, saltus_locus_point *here, meas
     const double farthest = 8, sharp = 1e-5, clear = 1e-6;
     const int m = here->at.unknowns, c = x->orbits.equations->count;
     double spread, ahead = 0, before[2] = {NAN, NAN}, *u = calloc((size_t)m, sizeof *u);
-    saltus_message ignored;
     saltus_status status = u ? SALTUS_OK : SALTUS_NO_MEMORY;
     for (int k = 2 * first; k < 2 * end && status != SALTUS_NO_MEMORY; k++) {
         const double own = apart[k / 2];
         status = extrapolate(x, here, 0, own, k % 2 ? samples_most : samples_most - 2, by, parts, at, &spread,
-                             &ignored);
+                             NULL);
         if (status != SALTUS_OK)
             continue;
         /* The change from the attempt before says more than `spread` alone. */
@@ -278,7 +273,7 @@ static saltus_status seek_end(saltus_extended *x, saltus_locus_point *here, meas
     if (*found) {
         memcpy(at->at.u, u, (size_t)m * sizeof *u);
         at->at.ahead = ahead;
-        status = saltus_locus_see_orbit(x, at, &ignored);
+        status = saltus_locus_see_orbit(x, at, NULL);
         *found = status == SALTUS_OK;
     }
     free(u);

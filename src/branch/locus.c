@@ -624,10 +624,9 @@ static saltus_status meet_halves(saltus_locus *l, bool *shorter, saltus_message 
 
 static bool onward_at(void *context, double ahead, double *value) {
     saltus_locus *l = context;
-    saltus_message ignored;
-    saltus_status status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->trial.at, &ignored);
+    saltus_status status = saltus_curve_visit(&l->x.equations, &l->here.at, ahead, &l->trial.at, NULL);
     if (status == SALTUS_OK)
-        status = saltus_locus_see_orbit(&l->x, &l->trial, &ignored);
+        status = saltus_locus_see_orbit(&l->x, &l->trial, NULL);
     *value = l->trial.orbit.onward;
     return saltus_orbits_noted(&l->x.orbits, status) == SALTUS_OK;
 }

@@ -153,8 +153,7 @@ static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, 
 static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
                                   saltus_branch_point *point, int *returns, saltus_message *message) {
     saltus_lap lap = {.keeps_events = true};
-    saltus_message ignored;
-    saltus_status status = saltus_cycle_around(o, s, &lap, &ignored);
+    saltus_status status = saltus_cycle_around(o, s, &lap, NULL);
     saltus_spec_set_omega(&point->spec, 2 * M_PI / point->period);
     if (status == SALTUS_OK) {
         *returns = lap.returns;
@@ -178,7 +177,6 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
     const double rest = s->value - (o->origin + o->family.unit[0] * s->parameter[0]);
     const saltus_spec spec = saltus_family_spec(&o->family, s->parameter, s->sequence.omega);
     const size_t state_bytes = (size_t)o->n * sizeof *point->state;
-    saltus_message ignored;
     *returns = -1;
     saltus_status status = saltus_point_open(point, o->n, found ? seen : seen + s->sequence.count, message);
     if (status != SALTUS_OK)
@@ -202,9 +200,9 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
             k < point->multiplier_count ? survey->multipliers[k] : (saltus_multiplier){0, 0, NAN};
     /* If chatter is left to the flow the prescribed path may not lead to the section: then take the flow's
      * state nearby. */
-    if (found || saltus_solution_state_at(o, s, section, point->state, &ignored) != SALTUS_OK)
+    if (found || saltus_solution_state_at(o, s, section, point->state, NULL) != SALTUS_OK)
         memcpy(point->state, survey->lap.points, state_bytes);
-    if (saltus_solution_contact_force(o, s, &point->contact_force, &ignored) == SALTUS_NO_MEMORY) {
+    if (saltus_solution_contact_force(o, s, &point->contact_force, NULL) == SALTUS_NO_MEMORY) {
         saltus_branch_point_clear(point);
         return saltus_branch_no_memory(message);
     }

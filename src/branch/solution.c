@@ -307,10 +307,9 @@ saltus_status saltus_cycle_around(saltus_orbits *o, const saltus_solution *s, sa
 
 void saltus_solution_label(saltus_orbits *o, const saltus_solution *s, char label[SALTUS_LABEL_MAX]) {
     saltus_lap lap = {0};
-    saltus_message ignored;
     memcpy(label, s->survey.label, SALTUS_LABEL_MAX);
     if (label[0] && s->sequence.omega > 0 &&
-        saltus_orbits_noted(o, saltus_cycle_around(o, s, &lap, &ignored)) == SALTUS_OK)
+        saltus_orbits_noted(o, saltus_cycle_around(o, s, &lap, NULL)) == SALTUS_OK)
         saltus_orbit_label(s->survey.impacts, lap.periods, label);
     saltus_lap_close(&lap);
 }
@@ -331,7 +330,6 @@ static double pair_product(const saltus_multiplier *mu, int n) {
 saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
     saltus_survey *survey = &s->survey;
     saltus_cocycle *cocycle = &o->cocycle;
-    saltus_message ignored;
     saltus_status status = go_around(o, s, cocycle, message);
     survey->unstable = survey->multiplier_count = 0;
     survey->trivial = 0;
@@ -341,7 +339,7 @@ saltus_status saltus_solution_survey(saltus_orbits *o, saltus_solution *s, saltu
     if (status != SALTUS_OK || !survey->walked)
         return status;
     status = saltus_cocycle_solve(cocycle, survey->multipliers, &survey->multiplier_count, &survey->trivial,
-                                  &survey->log_volume, &ignored);
+                                  &survey->log_volume, NULL);
     survey->sum_rule = cocycle->sum_rule;
     survey->unstable = saltus_multipliers_unstable(survey->multipliers, survey->multiplier_count);
     survey->pair = pair_product(survey->multipliers, survey->multiplier_count);
@@ -442,31 +440,29 @@ typedef struct location {
  * may lie on the other curve: there all points are predicted from the same one. */
 static saltus_status visit(location *l, double ahead) {
     const bool crosses = l->test == SALTUS_TEST_CROSSING || l->test == SALTUS_TEST_ONWARD;
-    saltus_message ignored;
     saltus_orbits *o = l->orbits;
     saltus_status status = SALTUS_NO_CONVERGENCE;
     if (l->visited == ahead)
         return SALTUS_OK;
     if (isfinite(l->visited) && !crosses) {
-        status = saltus_curve_revisit(o->equations, &l->from->at, ahead, &l->out->at, &ignored);
+        status = saltus_curve_revisit(o->equations, &l->from->at, ahead, &l->out->at, NULL);
         if (status == SALTUS_OK)
-            status = saltus_solution_see(o, l->out, &ignored);
+            status = saltus_solution_see(o, l->out, NULL);
     }
     if (status != SALTUS_OK && saltus_orbits_noted(o, status) != SALTUS_NO_MEMORY)
-        status = saltus_solution_visit(o, l->from, ahead, l->out, &ignored);
+        status = saltus_solution_visit(o, l->from, ahead, l->out, NULL);
     l->visited = status == SALTUS_OK ? ahead : NAN;
     return status;
 }
 
 static bool test_at(void *context, double ahead, double *value) {
     location *l = context;
-    saltus_message ignored;
     saltus_status status = visit(l, ahead);
     /* The equations may be singular at this very point. */
     for (int side = -1; side <= 1 && l->end != 0 && status != SALTUS_OK; side += 2)
         status = visit(l, ahead + side * 1e-5 * l->end);
     if (status == SALTUS_OK && l->test == SALTUS_TEST_PAIR)
-        status = saltus_solution_survey(l->orbits, l->out, &ignored);
+        status = saltus_solution_survey(l->orbits, l->out, NULL);
     *value = saltus_test_value(l->test, l->target, l->out, l->from);
     return status == SALTUS_OK;
 }
@@ -514,7 +510,6 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
     double place, spread, error, apart = 0.1 * reach, middle = ahead;
     double *work = calloc(8 * m, sizeof *work), *best = work ? work + 7 * m : NULL;
     bool settled = false;
-    saltus_message ignored;
     saltus_zero zero = {.accuracy = INFINITY};
     saltus_orbits_noted(o, work ? SALTUS_OK : SALTUS_NO_MEMORY);
     /* Come closer until Newton's method for a crossing converges. At an equilibrium more curves meet than
@@ -529,7 +524,7 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
         zero = (saltus_zero){.found = pass > 0, .ahead = place, .accuracy = accuracy};
         memcpy(best, work, m * sizeof *best);
         settled = pass > 0 && by == SALTUS_TEST_CROSSING &&
-                  saltus_curve_settle(o->equations, work, &error, &ignored) == SALTUS_OK;
+                  saltus_curve_settle(o->equations, work, &error, NULL) == SALTUS_OK;
         double moved = 0;
         for (size_t j = 0; j < m && settled; j++)
             moved = hypot(moved, work[j] - best[j]);
@@ -547,8 +542,8 @@ saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const sal
     if (zero.found) {
         memcpy(out->at.u, best, m * sizeof *best);
         out->at.ahead = zero.ahead;
-        zero.found = saltus_equations_evaluate(o->equations, out->at.u, &ignored) == SALTUS_OK &&
-                     saltus_solution_see(o, out, &ignored) == SALTUS_OK;
+        zero.found = saltus_equations_evaluate(o->equations, out->at.u, NULL) == SALTUS_OK &&
+                     saltus_solution_see(o, out, NULL) == SALTUS_OK;
     }
     free(work);
     return zero;

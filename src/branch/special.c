@@ -94,9 +94,8 @@ static void fill_values(const saltus_solution *s, const saltus_solution *from, p
 /* The tests' values at a place; `own` is zero there. False: there is no orbit. */
 static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_test own, place *out,
                  saltus_solution *scratch) {
-    saltus_message ignored;
-    if (saltus_solution_visit(o, from, ahead, scratch, &ignored) != SALTUS_OK ||
-        saltus_orbits_noted(o, saltus_solution_survey(o, scratch, &ignored)) != SALTUS_OK)
+    if (saltus_solution_visit(o, from, ahead, scratch, NULL) != SALTUS_OK ||
+        saltus_orbits_noted(o, saltus_solution_survey(o, scratch, NULL)) != SALTUS_OK)
         return false;
     out->ahead = ahead;
     fill_values(scratch, from, out);
@@ -202,10 +201,9 @@ static const double apart = 1e-6;
 static bool test_beside(saltus_orbits *o, saltus_test test, const saltus_breach *touch,
                         const saltus_solution *at, double ahead, saltus_solution *scratch, double *parameter,
                         double *value) {
-    saltus_message ignored;
-    saltus_status status = saltus_solution_visit(o, at, ahead, scratch, &ignored);
+    saltus_status status = saltus_solution_visit(o, at, ahead, scratch, NULL);
     if (status == SALTUS_OK && test == SALTUS_TEST_PAIR)
-        status = saltus_solution_survey(o, scratch, &ignored);
+        status = saltus_solution_survey(o, scratch, NULL);
     *parameter = scratch->parameter[0];
     *value = status == SALTUS_OK ? saltus_test_value(test, 0, scratch, at) : NAN;
     if (status == SALTUS_OK && test == SALTUS_TEST_BREACH) {
@@ -261,15 +259,13 @@ static const double cautious = 4;
 /* Orbits of a flow of another tolerance, at a solution of the shooting's sequence. Close both in any case. */
 static saltus_status open_other(const saltus_orbits *o, const saltus_solution *at, saltus_orbits *other,
                                 saltus_solution *there) {
-    saltus_message ignored;
     *other = (saltus_orbits){.family = o->family, .origin = o->origin, .options = o->options};
     *there = (saltus_solution){.value = 0};
     double *rtol = &other->options.flow.rtol;
     *rtol = *rtol < 1e-4 ? 10 * *rtol : *rtol / 10;
-    saltus_status status = saltus_orbits_open(other, &ignored);
+    saltus_status status = saltus_orbits_open(other, NULL);
     if (status == SALTUS_OK)
-        status =
-            saltus_solution_place(other, &at->sequence, at->parameter, at->state, false, there, &ignored);
+        status = saltus_solution_place(other, &at->sequence, at->parameter, at->state, false, there, NULL);
     if (status == SALTUS_OK && there->at.unknowns != at->at.unknowns)
         status = SALTUS_NO_CONVERGENCE;
     if (status != SALTUS_OK)
@@ -332,7 +328,6 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
     double state[SALTUS_STATE_MAX], apart[SALTUS_STATE_MAX], singular;
     int order[SALTUS_MARKS_MAX];
     saltus_sequence sequence = at->sequence;
-    saltus_message ignored;
     if (!isfinite(saltus_solution_part_distance(o, at, mirrored ? 1 : 2, apart)))
         return SALTUS_NO_CONVERGENCE;
     for (int i = 0; i < o->n; i++)
@@ -348,7 +343,7 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
         sequence.count = marks;
     }
     saltus_status status =
-        saltus_solution_place(own, &sequence, at->parameter, state, !mirrored, between, &ignored);
+        saltus_solution_place(own, &sequence, at->parameter, state, !mirrored, between, NULL);
     if (!mirrored || status != SALTUS_OK)
         return status;
     /* At the place itself both curves' tangents are possible. */
@@ -358,8 +353,7 @@ saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const
     for (int k = 0; k < sequence.count; k++)
         order[k] = k;
     saltus_sequence_carry(&at->sequence, at->at.tangent, &sequence, order, o->n, 1, along);
-    status =
-        saltus_curve_leaving(own->equations, between->at.u, along, between->at.tangent, &singular, &ignored);
+    status = saltus_curve_leaving(own->equations, between->at.u, along, between->at.tangent, &singular, NULL);
     free(along);
     return status;
 }
@@ -374,16 +368,15 @@ static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *
     saltus_orbits own = {.family = o->family, .origin = o->origin, .options = o->options};
     saltus_solution between = {.value = 0}, side[2] = {{.value = 0}, {.value = 0}}, place = {.value = 0};
     saltus_zero zero = {.found = false};
-    saltus_message ignored;
     own.options.tolerance = fmin(own.options.tolerance, tolerance);
-    saltus_status status = saltus_orbits_open(&own, &ignored);
+    saltus_status status = saltus_orbits_open(&own, NULL);
     if (status == SALTUS_OK)
         status = saltus_special_between(o, &own, at, mirrored, &between);
     for (int k = 0; k < 3 && status == SALTUS_OK && !zero.found; k++) {
         if (mirrored) {
             zero = saltus_solution_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], &place);
-        } else if (saltus_solution_visit(&own, &between, -reach[k], &side[0], &ignored) == SALTUS_OK &&
-                   saltus_solution_visit(&own, &side[0], 2 * reach[k], &side[1], &ignored) == SALTUS_OK &&
+        } else if (saltus_solution_visit(&own, &between, -reach[k], &side[0], NULL) == SALTUS_OK &&
+                   saltus_solution_visit(&own, &side[0], 2 * reach[k], &side[1], NULL) == SALTUS_OK &&
                    saltus_test_crosses(saltus_test_value(SALTUS_TEST_FLIP, 0, &side[0], &side[0]),
                                        saltus_test_value(SALTUS_TEST_FLIP, 0, &side[1], &side[0]))) {
             zero = saltus_solution_zero(&own, SALTUS_TEST_FLIP, 0, &side[0], &side[1], &place);
@@ -466,7 +459,6 @@ static bool lacks_multiplier(const saltus_solution *at, saltus_point_kind kind) 
 saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from, double reach,
                                    saltus_special *special, saltus_solution *at, bool *is_one,
                                    saltus_message *message) {
-    saltus_message ignored;
     saltus_zero crossing = {.found = false};
     const double still = 0.2; /* relative to the orbit before */
     const double sharp = 1e-7;
@@ -478,7 +470,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
     if (crossing.found)
         special->accuracy =
             crossing.accuracy + doubt_of_crossing(o, by, from, special->ahead, reach, at->value);
-    else if (saltus_solution_visit(o, from, special->ahead, at, &ignored) != SALTUS_OK)
+    else if (saltus_solution_visit(o, from, special->ahead, at, NULL) != SALTUS_OK)
         return SALTUS_OK;
     saltus_status status = saltus_solution_survey(o, at, message);
     if (status != SALTUS_OK)

@@ -59,11 +59,10 @@ const saltus_breach *saltus_trace_touch(const saltus_solution *at, bool joins) {
 
 /* Section points of an orbit; for a cycle `lap`, which the caller closes, holds them. NULL: not known. */
 static const double *section_points(saltus_orbits *o, const saltus_solution *s, saltus_lap *lap, int *count) {
-    saltus_message ignored;
     *count = s->sequence.periods;
     if (s->sequence.omega == 0)
         return s->survey.walked ? s->survey.lap.points : NULL;
-    const bool known = saltus_orbits_noted(o, saltus_cycle_around(o, s, lap, &ignored)) == SALTUS_OK;
+    const bool known = saltus_orbits_noted(o, saltus_cycle_around(o, s, lap, NULL)) == SALTUS_OK;
     *count = known ? lap->periods : 0;
     return known ? lap->points : NULL;
 }
@@ -124,15 +123,14 @@ saltus_status saltus_trace_follow_joined(saltus_trace *t, const saltus_solution 
     saltus_branch_start start = saltus_trail_leaving(t->trail);
     saltus_orbits own = {.family = o->family, .origin = o->origin, .options = o->options};
     saltus_solution between = {.value = 0};
-    saltus_message ignored;
     int order[SALTUS_MARKS_MAX];
     if (!saltus_trail_switches(t->trail))
         return SALTUS_OK;
-    saltus_status status = saltus_orbits_open(&own, &ignored);
+    saltus_status status = saltus_orbits_open(&own, NULL);
     if (status == SALTUS_OK)
         status = saltus_special_between(&t->orbits, &own, at, kind == SALTUS_POINT_BP, &between);
     if (status == SALTUS_OK)
-        status = saltus_solution_walk(&own, &between, &ignored);
+        status = saltus_solution_walk(&own, &between, NULL);
     if (status == SALTUS_OK && between.survey.walked) {
         saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, order);
         start.parameter = between.parameter[0];

@@ -29,12 +29,11 @@ static saltus_status end_by_border(saltus_trace *t, saltus_solution *s, bool *en
     const double close = 1e-8;
     const int side = s->parameter[0] > 0.5 * (t->range[0] + t->range[1]);
     saltus_system *system = NULL;
-    saltus_message ignored;
     *ended = fabs(s->parameter[0] - t->range[side]) < close;
     if (!*ended)
         return SALTUS_OK;
     const saltus_spec spec = saltus_family_spec(&t->orbits.family, &t->range[side], s->sequence.omega);
-    const saltus_status status = saltus_system_new(&spec, &system, &ignored);
+    const saltus_status status = saltus_system_new(&spec, &system, NULL);
     saltus_system_free(system);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
@@ -394,10 +393,9 @@ static saltus_status settle(saltus_trace *t, saltus_message *message) {
 static double hidden_breach(saltus_trace *t) {
     enum { halvings = 10 };
     double rest = t->next->at.ahead;
-    saltus_message ignored;
     for (int k = 0; k < halvings; k++) {
         rest *= 0.5;
-        if (saltus_solution_visit(&t->orbits, t->here, t->next->at.ahead - rest, t->trial, &ignored) ==
+        if (saltus_solution_visit(&t->orbits, t->here, t->next->at.ahead - rest, t->trial, NULL) ==
                 SALTUS_OK &&
             t->trial->worst.value > 0 && t->trial->worst.kind == SALTUS_BREACH_GAP)
             return t->next->at.ahead - rest;
@@ -529,7 +527,6 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
                                    saltus_message *message) {
     const double least = 1e-7, most = 1e-5;
     saltus_orbits *o = &t->orbits;
-    saltus_message ignored;
     *breach = saltus_solution_zero(o, SALTUS_TEST_BREACH, 0, t->here, t->next, t->trial);
     if (!breach->found)
         return SALTUS_OK;
@@ -545,7 +542,7 @@ static saltus_status cut_at_breach(saltus_trace *t, saltus_zero *breach, int *re
     for (double back = least; back <= most && status == SALTUS_OK && !(surveyed && t->next->survey.follows);
          back *= 10) {
         if (t->next->at.ahead <= 10 * back ||
-            saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial, &ignored) != SALTUS_OK)
+            saltus_solution_visit(o, t->here, t->next->at.ahead - back, t->trial, NULL) != SALTUS_OK)
             break;
         status = saltus_solution_survey(o, t->trial, message);
         saltus_survey_swap(t->trial, t->next);

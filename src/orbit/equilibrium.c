@@ -209,10 +209,9 @@ static saltus_status search(newton *w, const double *guess, const saltus_equilib
     const unsigned all = (1u << w->system->face_count) - 1;
     unsigned followed[followed_most], set = touched_faces(w->system, guess), other = 0;
     int count = 0;
-    saltus_message ignored;
     saltus_status first = SALTUS_OK;
     for (bool following = true, more = true; more;) {
-        saltus_status status = solve(w, guess, set, options, count ? &ignored : message);
+        saltus_status status = solve(w, guess, set, options, count ? NULL : message);
         unsigned next = status == SALTUS_OK ? corrected_contacts(w) : set;
         if (status == SALTUS_OK && next == set)
             return SALTUS_OK;
