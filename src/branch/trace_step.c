@@ -329,11 +329,10 @@ static saltus_status graze(saltus_trace *t, double accuracy, saltus_message *mes
     what.reason = joins ? NULL : change.reason;
     what.after = goes_on ? change.after : NULL;
     what.addition = goes_on && change.turns_back ? "; the branch turns back (non-smooth fold)" : NULL;
-    if (joins)
-        status = saltus_trace_follow_grazing(t, at, images, message);
-    if (status == SALTUS_OK)
-        status =
-            joins ? saltus_trace_give(t, at, what, message) : give_branching(t, at, what, &beyond, message);
+    status = joins ? saltus_trace_follow_grazing(t, at, images, message)
+                   : give_branching(t, at, what, &beyond, message);
+    if (joins && status == SALTUS_OK)
+        status = saltus_trace_give(t, at, what, message);
     if (status != SALTUS_OK || !t->trail->following)
         return status;
     if (joins)
