@@ -90,11 +90,11 @@ saltus_status saltus_curve_leaving(saltus_equations *equations, const double *u,
                                    double *leaving, double *singular, saltus_message *message);
 
 /* Newton's method from a point near one at which two curves cross; afterwards the equations are evaluated
- * there. The crossing is a regular solution of F(u) + s b = 0 and g = 0, where b is near the left null vector
- * of the Jacobian J, and J, bordered by b and by its null plane C, defines two numbers g that are zero
- * exactly where it is singular: [J  b] [v]   [0] [C' 0] [g] = [e_k]    (Govaerts, Numerical methods for
- * bifurcations of dynamical equilibria, SIAM 2000) *error: the last change of the last unknown, the
- * parameter. Errors: SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, SALTUS_NO_MEMORY, those of the evaluation. */
+ * there. The crossing is a regular solution of F(u) + s b = 0 and g_1 = g_2 = 0: b is near the left null
+ * vector of the Jacobian J, whose null plane has the rows C, and J v + g_k b = 0, C v = e_k define two
+ * numbers that are zero exactly where J is singular (Govaerts, Numerical methods for bifurcations of
+ * dynamical equilibria, SIAM 2000). *error: the last change of the last unknown, the parameter. Errors:
+ * SALTUS_NO_CONVERGENCE, SALTUS_SINGULAR, SALTUS_NO_MEMORY, those of the evaluation. */
 saltus_status saltus_curve_settle(saltus_equations *equations, double *u, double *error,
                                   saltus_message *message);
 
