@@ -1571,13 +1571,15 @@ static void scripts_are_kept(void **state) {
 }
 
 /* The speed of a grazing impact, a rounding error, does not stretch a logarithmic axis, and its mark, below
- * the panel, has no name; an end at a Hopf point has the mark of that alone. */
+ * the panel, has no name; orbits without impacts, which it does not reach, are counted; an end at a Hopf
+ * point has the mark of that alone. */
 static void marks_that_say_nothing_are_left_out(void **state) {
     (void)state;
     saltus_plot_options how = saltus_plot_defaults();
     make_branch();
     made.point[20].kind = SALTUS_POINT_GR;
     made.event[20][0].velocity_before = made.event[20][1].velocity_before = 1e-13;
+    made.point[10].event_count = made.point[11].event_count = 0;
     made.point[28].kind = SALTUS_POINT_HB;
     made.point[29].kind = SALTUS_POINT_EP;
     made.point[29].value[0] = made.point[28].value[0];
@@ -1589,6 +1591,7 @@ static void marks_that_say_nothing_are_left_out(void **state) {
     const figure_panel *panel = &f.panel[0];
     assert_true(panel->logarithmic[1] && panel->range[1][0] > 0.1 && panel->range[1][1] < 10);
     assert_null(figure_mark_of(panel, 'a', "nohead", 0));
+    assert_non_null(figure_mark_of(panel, 'l', "at or below 0, so not shown: 2", 0));
     for (int k = 0; k < panel->mark_count; k++)
         assert_true(panel->mark[k].kind != 'l' || strcmp(panel->mark[k].text, "GR") != 0);
     assert_non_null(figure_element_of(panel, "'HB  Hopf'", 0));

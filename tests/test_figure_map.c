@@ -1102,6 +1102,37 @@ static void colours_read_back_from_the_bar(void **state) {
     saltus_sweep_file_clear(&file);
 }
 
+static void fill_some_apart(made_place *m) {
+    fill_numbers(m);
+    if (m->point % 3 == 1)
+        m->row[0].contact_fraction = 0;
+}
+
+/* Numbers at or below 0, which logarithmic colours do not reach, are counted. */
+static void what_has_no_logarithm_is_counted(void **state) {
+    (void)state;
+    saltus_scene scene = made_scene();
+    saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_sweep_view how = {.view = SALTUS_VIEW_CONTACT};
+    saltus_axis axes[2];
+    char path[path_size], said[64];
+    int below = 0;
+    make_axes(axes, SALTUS_LINEAR);
+    made_write(path_in("s.h5", path), &scene, axes, 2, &options, fill_some_apart, 100);
+    saltus_sweep_file file = made_read(path);
+    for (int p = 0; p < columns * rows; p++)
+        below += number_shown(how.view, &file.rows[p]) <= 0;
+    assert_true(below > 0);
+    how.look.logarithmic = (const char *const[]){"contact"};
+    how.look.logarithmic_count = 1;
+    figure f = draw(&how, "s.png");
+    assert_true(f.panel[1].logarithmic[3]);
+    snprintf(said, sizeof said, "at or below 0, so in the lowest colour: %d", below);
+    figure_says(&f, said);
+    figure_free(&f);
+    saltus_sweep_file_clear(&file);
+}
+
 /* Exponents have zero in the middle: the palest step of the bar. */
 static void zero_is_the_palest_of_exponents(void **state) {
     (void)state;
@@ -1525,6 +1556,7 @@ int main(void) {
         cmocka_unit_test(undecided_is_called_so),
         cmocka_unit_test(names_stand_where_there_is_most_room),
         cmocka_unit_test(colours_read_back_from_the_bar),
+        cmocka_unit_test(what_has_no_logarithm_is_counted),
         cmocka_unit_test(zero_is_the_palest_of_exponents),
         cmocka_unit_test(cut_ranges_say_so),
         cmocka_unit_test(names_of_bars_stay_on_the_page),

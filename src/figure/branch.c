@@ -250,6 +250,11 @@ static saltus_status match_axes(const saltus_branch_file *a, saltus_branch_file 
 static saltus_status check_options(const saltus_branch_file *file, const saltus_plot_options *options,
                                    saltus_message *message) {
     const saltus_branch_options *o = &file->options;
+    if (o->locus != SALTUS_POINT_REGULAR && options->show != SALTUS_SHOW_AUTOMATIC)
+        return saltus_fail(message, SALTUS_BAD_INPUT,
+                           "the figure shows curves of special points in %s and %s; what is shown of orbits "
+                           "is chosen for branches over one parameter",
+                           o->key[0], o->key[1]);
     for (int k = 0; k < options->part_count; k++)
         if (!is_axis(o, options->parts[k].key))
             return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the figure shows %s%s%s",

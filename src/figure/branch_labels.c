@@ -622,18 +622,38 @@ static void name_stretches_again(places *all, int most) {
     }
 }
 
-/* Say above the panel how many marks, and stretches longer than a name, have none: the marks by their kinds,
- * if that is short enough. */
+/* How many numbers shown of branches a logarithmic axis does not reach. At a grazing point the speed is a
+ * rounding error. */
+static int below_axis(const saltus_plot_page *page) {
+    int below = 0;
+    for (int k = 0; k < page->row_count && page->logarithmic[!page->swap] && !page->locus; k++) {
+        const saltus_plot_row *row = &page->rows[k];
+        if (!saltus_plot_shown(page, row) || row->point->kind == SALTUS_POINT_GR)
+            continue;
+        for (int v = 0; v < row->count; v++)
+            below += !(row->visits[v].value > 0);
+        below += row->count == 0 && !((page->swap ? row->x : row->y) > 0);
+    }
+    return below;
+}
+
+/* Say above the panel how many numbers are not on its axis and how many marks, and stretches longer than a
+ * name, have no name: the marks by their kinds, if that is short enough. */
 static void put_note(const places *all) {
     const saltus_plot_page *page = all->page;
     const double size = 9, type = saltus_page_type(page->paper, size), above = 10, least = 2;
+    const int below = below_axis(page);
     int stretches = 0;
     saltus_line line = {.length = 0};
     for (int k = 0; k < all->unnamed_stretch_count; k++)
         stretches += all->unnamed_stretch[k].length >= least;
+    const bool unnamed = all->unnamed_count || stretches;
     for (int kinds = 1; kinds >= 0; kinds--) {
         line.length = 0;
-        saltus_line_add(&line, "no room to name:");
+        if (below)
+            saltus_line_add(&line, "at or below 0, so not shown: %d%s", below, unnamed ? ";  " : "");
+        if (unnamed)
+            saltus_line_add(&line, "no room to name:");
         for (int kind = SALTUS_POINT_LP, first = 1; kind < SALTUS_POINT_KINDS && kinds; kind++) {
             int count = 0;
             for (int k = 0; k < all->unnamed_count; k++)
@@ -650,7 +670,7 @@ static void put_note(const places *all) {
         if (saltus_page_width(line.text, type) < page->frame.right - page->frame.left)
             break;
     }
-    if (all->unnamed_count || stretches)
+    if (below || unnamed)
         saltus_page_label(page->paper, line.text, page->frame.right, page->frame.top + above,
                           "right front font ',%.4g' tc rgb '#606060'", type);
 }

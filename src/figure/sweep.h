@@ -76,6 +76,7 @@ typedef struct saltus_sweep_page {
     bool logarithmic;  /* `up` is a logarithmic axis */
     bool asked;        /* the caller requested the range `up` */
     long long shown;   /* points of a cloud that are shown */
+    long long below;   /* numbers at or below 0, which a logarithmic axis does not reach */
     bool sides;        /* impact speeds are signed */
     bool swap;         /* diagrams: the parameter is vertical */
     double *observers; /* rows that map displacements to the observed one: a single row, or one for each value

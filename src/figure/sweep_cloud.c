@@ -136,6 +136,8 @@ static saltus_status find_range(saltus_sweep_page *page, saltus_message *message
         for (walk w = walk_of(page, pass); next_point(page, &w); page->shown++)
             if (!page->logarithmic || w.value > 0)
                 saltus_range_add(&found, w.value);
+            else
+                page->below++;
     if (page->branches) { /* also include the branches drawn over the cloud */
         const saltus_range curves = saltus_plot_range(page->branches, true);
         saltus_range_add(&found, curves.low);

@@ -252,6 +252,7 @@ static bool find_numbers(saltus_sweep_map *map) {
         /* Values that are not positive get the colour of the smallest positive one. */
         while (page->logarithmic && first + 1 < count && sorted[first] <= 0)
             first++;
+        page->below = (long long)first;
         /* The range of the colours: all values, but cut off at the quantiles `rare` and 1 - `rare` if only
          * few values lie far outside. */
         const double last = (double)(count - first - 1), low = sorted[first], high = sorted[count - 1],

@@ -100,6 +100,9 @@ static void add_method(const saltus_sweep_page *page, saltus_line *line) {
         if (page->classes.list[k].verdict == SALTUS_IRREGULAR &&
             !(sweep->axis_count > 1 && page->view != SALTUS_VIEW_CLASS))
             saltus_line_add(line, ";  irregular: no period up to %d", o->longest);
+    if (page->below)
+        saltus_line_add(line, ";  at or below 0, so %s: %lld",
+                        sweep->axis_count > 1 ? "in the lowest colour" : "not shown", page->below);
     bool numbers = page->view >= SALTUS_VIEW_LARGEST && saltus_sweep_visits(sweep) > 1;
     if (numbers && sweep->axis_count > 1)
         saltus_line_add(line, ";  shown: the first");
