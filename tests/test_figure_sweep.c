@@ -298,6 +298,26 @@ static void fill_near_stops(made_place *m) {
     m->turning[1] = -0.24;
 }
 
+/* The clearances of several stops are told apart. */
+static void several_stops_have_numbers(void **state) {
+    (void)state;
+    saltus_scene scene = scene_of(0.25, SALTUS_UPPER);
+    saltus_sweep_options options = saltus_sweep_defaults();
+    const saltus_sweep_view how = {.view = SALTUS_VIEW_TURNING};
+    const saltus_axis axis = {.key = "omega", .count = 4, .low = 0.5, .high = 1.5};
+    char path[path_size];
+    add_stop(&scene.spec, 0.26, 0.5, SALTUS_LOWER);
+    options.keep = SALTUS_KEEP_TURNING;
+    made_write(path_in("s.h5", path), &scene, &axis, 1, &options, fill_near_stops, 100);
+    figure f = draw("s.h5", &how, "s.png");
+    const figure_mark *first = figure_mark_of(&f.panel[0], 'l', "{/:Italic d}_{1}", 0),
+                      *second = figure_mark_of(&f.panel[0], 'l', "−{/:Italic d}_{2}", 0);
+    assert_true(first && first->text[0] == '{' && second);
+    figure_near(first->place[0][1], 0.25, 1e-7);
+    figure_near(second->place[0][1], -0.26, 1e-7);
+    figure_free(&f);
+}
+
 /* A visible stop is a line with grey beyond it: horizontal, or rising if the clearance is the axis. Speeds
  * have no stop. */
 static void stops_are_where_the_clearance_says(void **state) {
@@ -1330,6 +1350,7 @@ int main(void) {
         cmocka_unit_test(captions_tell_how_the_sweep_was_made),
         cmocka_unit_test(impacts_on_two_sides_keep_their_signs),
         cmocka_unit_test(sections_of_a_moving_stop_are_observed_at_it),
+        cmocka_unit_test(several_stops_have_numbers),
         cmocka_unit_test(stops_are_where_the_clearance_says),
         cmocka_unit_test(stops_that_leave_the_panel_are_named),
         cmocka_unit_test(stops_near_the_points_widen_the_range),

@@ -459,7 +459,10 @@ static void put_face_names(const saltus_sweep_page *page) {
         if (!(d > page->up.low && d < page->up.high))
             continue;
         const double part = (k + 1.0) / steps;
-        fprintf(page->paper.file, "set label '%s{/:Italic d}' at ", face.side < 0 ? "−" : "");
+        fprintf(page->paper.file, "set label '%s{/:Italic d}", face.side < 0 ? "−" : "");
+        if (saltus_system_spec(page->system)->stop_count > 1)
+            fprintf(page->paper.file, "_{%d}", face.stop + 1);
+        fputs("' at ", page->paper.file);
         if (k < steps - 1 && face.side < 0) /* in the grey, as the strip is beyond the edge */
             fprintf(page->paper.file,
                     page->swap ? "graph 0.04, graph %.4f center offset 0,-2"
