@@ -17,8 +17,8 @@ static const char so_far[] = "this is what was found so far";
 
 static void show_seeds(void *context, double done, double seeds) {
     (void)context;
-    progress_line("%.0f of %.0f seeds done, %.0f %% of the next at most", floor(done), seeds,
-                  100 * (done - floor(done)));
+    /* Short enough for 30 columns. */
+    progress_line("%.0f of %.0f seeds done + %.0f %%", floor(done), seeds, 100 * (done - floor(done)));
 }
 
 static saltus_status classify(const cli_request *request, cli_setup *setup, const char **cut,
