@@ -452,15 +452,21 @@ static void an_impact_in_the_section_doubles_nothing(void **state) {
     }
 }
 
+/* With fixed times. */
+static saltus_sweep_options fixed_options(double rtol, long long transient, long long record) {
+    saltus_sweep_options options = settling_options(rtol);
+    options.adaptive = false;
+    options.transient = transient;
+    options.record = record;
+    return options;
+}
+
 /* Near grazing the disturbance that proves stability may carry a trajectory far from its orbit. In a sweep
  * with fixed times, where a motion that does not recur is not waited for, it still has time to come back. */
 static void a_disturbed_trajectory_may_come_back(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("fig6", "");
-    saltus_sweep_options options = settling_options(5e-8);
-    options.adaptive = false;
-    options.transient = 300;
-    options.record = 100;
+    const saltus_sweep_options options = fixed_options(5e-8, 300, 100);
     single s = run_single(&scene, "omega", 0.5 + 54.5 * 776 / 999, &options);
     assert_string_equal(s.label, "4/4");
     close_single(&s);
@@ -471,14 +477,11 @@ static void a_disturbed_trajectory_may_come_back(void **unused) {
 static void a_long_transient_proves_the_orbit(void **unused) {
     (void)unused;
     saltus_scene scene = scene_of("fig7d", "");
-    saltus_sweep_options options = settling_options(1e-10);
-    options.adaptive = false;
-    options.record = 60;
-    for (options.transient = 192; options.transient <= 400; options.transient += 104) {
+    for (long long transient = 192; transient <= 400; transient += 104) {
+        const saltus_sweep_options options = fixed_options(1e-10, transient, 60);
         single s = run_single(&scene, "omega", 42, &options);
         assert_string_equal(s.label, "4/4");
-        assert_true((s.result.rows->settled == options.transient + options.record) ==
-                    (options.transient > 192));
+        assert_true((s.result.rows->settled == options.transient + options.record) == (transient > 192));
         close_single(&s);
     }
 }
@@ -494,10 +497,7 @@ static void a_disturbance_leaves_no_trace_in_the_record(void **unused) {
                                "initial: {x: 0.1, x': 0, y: 0, y': 0}\nobserve: y\n";
     saltus_scene scene;
     saltus_message message = {.text = ""};
-    saltus_sweep_options options = settling_options(1e-10);
-    options.adaptive = false;
-    options.transient = 300;
-    options.record = 20;
+    const saltus_sweep_options options = fixed_options(1e-10, 300, 20);
     check_ok(saltus_scene_parse(text, strlen(text), "text", &scene, &message), &message);
     single s = run_single(&scene, "F", 0.4, &options);
     const saltus_sweep_row *row = s.result.rows;

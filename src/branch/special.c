@@ -106,6 +106,15 @@ static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, sa
 
 enum { places_max = 8, tested_max = 8 };
 
+/* Insert a place in order of arclength. Returns how many there are. */
+static int insert_place(place new, place *places, int count) {
+    int at = count;
+    for (; at > 0 && places[at - 1].ahead > new.ahead; at--)
+        places[at] = places[at - 1];
+    places[at] = new;
+    return count + 1;
+}
+
 /* Add the zeros of tests. A test may have two zeros on a step around the zero of another one: where a branch
  * turns back into orbits that it has passed already, all other tests do; and where a single multiplier
  * crosses the unit circle, a pair of real ones may pass the product 1. So the tests are compared at the zeros
@@ -140,15 +149,10 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
             }
             for (int j = 0; j < count && count > before && known < places_max; j++) {
                 const double ahead = specials[j].ahead;
-                place fresh_one;
-                int at = known;
-                if (specials[j].test != test || test > SALTUS_TEST_FLIP || !(ahead > places[0].ahead) ||
-                    !(ahead < to->at.ahead) || !look(o, from, ahead, test, &fresh_one, scratch))
-                    continue;
-                for (; places[at - 1].ahead > ahead; at--)
-                    places[at] = places[at - 1];
-                places[at] = fresh_one;
-                known++;
+                place new;
+                if (specials[j].test == test && test <= SALTUS_TEST_FLIP && ahead > places[0].ahead &&
+                    ahead < to->at.ahead && look(o, from, ahead, test, &new, scratch))
+                    known = insert_place(new, places, known);
             }
         }
     return count;

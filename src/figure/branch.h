@@ -64,6 +64,9 @@ saltus_status saltus_plot_open(saltus_plot_page *page, saltus_message *message);
 void saltus_plot_close(saltus_plot_page *page);
 /* Whether the parameters of a row lie in the ranges shown. */
 bool saltus_plot_shown(const saltus_plot_page *page, const saltus_plot_row *row);
+/* Whether also the numbers of a row count for the axis of what is measured. At a grazing point the speed is a
+ * rounding error, which no logarithmic axis has to reach. */
+bool saltus_plot_measured(const saltus_plot_page *page, const saltus_plot_row *row);
 /* Convert coordinates of the axes, or a visit of a row, into page units from the panel's lower left corner.
  */
 void saltus_plot_place(const saltus_plot_page *page, double x, double y, double place[2]);

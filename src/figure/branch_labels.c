@@ -622,13 +622,12 @@ static void name_stretches_again(places *all, int most) {
     }
 }
 
-/* How many numbers shown of branches a logarithmic axis does not reach. At a grazing point the speed is a
- * rounding error. */
+/* How many numbers shown of branches a logarithmic axis does not reach. */
 static int below_axis(const saltus_plot_page *page) {
     int below = 0;
     for (int k = 0; k < page->row_count && page->logarithmic[!page->swap] && !page->locus; k++) {
         const saltus_plot_row *row = &page->rows[k];
-        if (!saltus_plot_shown(page, row) || row->point->kind == SALTUS_POINT_GR)
+        if (!saltus_plot_measured(page, row))
             continue;
         for (int v = 0; v < row->count; v++)
             below += !(row->visits[v].value > 0);

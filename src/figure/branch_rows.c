@@ -17,14 +17,17 @@ bool saltus_plot_shown(const saltus_plot_page *page, const saltus_plot_row *row)
            (!page->locus || (value[1] >= page->y.low && value[1] <= page->y.high));
 }
 
+bool saltus_plot_measured(const saltus_plot_page *page, const saltus_plot_row *row) {
+    return saltus_plot_shown(page, row) &&
+           (!page->logarithmic[!page->swap] || page->locus || row->point->kind != SALTUS_POINT_GR);
+}
+
 saltus_range saltus_plot_range(const saltus_plot_page *page, bool measure) {
     const bool up = measure != page->swap;
     saltus_range found = {INFINITY, -INFINITY};
     for (int k = 0; k < page->row_count; k++) {
         const saltus_plot_row *row = &page->rows[k];
-        /* At a grazing point the speed is a rounding error, which no logarithmic axis has to reach. */
-        if (!saltus_plot_shown(page, row) ||
-            (measure && page->logarithmic[up] && !page->locus && row->point->kind == SALTUS_POINT_GR))
+        if (!(measure ? saltus_plot_measured(page, row) : saltus_plot_shown(page, row)))
             continue;
         for (int v = -1; v < (measure ? row->count : 0); v++) {
             const double value = v >= 0 ? row->visits[v].value : up ? row->y : row->x;

@@ -212,32 +212,23 @@ static int decide(const double *c, int degree, double noise, int slope, int curv
     return found ? 1 : -1;
 }
 
-/* Signs of p' and p'' on [0, 1] as far as the coefficients' positive and negative parts settle them, that of
- * p'' only if that of p' is unknown. */
-static void plain_signs(const double *c, int degree, int *slope, int *curvature) {
-    int *sign[2] = {slope, curvature};
-    for (int d = 0; d < 2; d++) {
-        double low = d ? 2 * c[2] : c[1], high = low, number = d + 2;
-        for (int k = d + 2; k <= degree; k++, number += 1) {
-            const double term = factor_of(number, d + 1) * c[k];
-            low += term < 0 ? term : 0;
-            high += term > 0 ? term : 0;
-        }
-        *sign[d] = low >= 0 ? 1 : high <= 0 ? -1 : 0;
-        if (*slope)
-            return;
+/* The sign of p' or p'' on [0, 1] as far as the coefficients' positive and negative parts settle it; 0:
+ * unknown. */
+static int plain_sign(const double *c, int degree, int derivative) {
+    double low = factor_of(derivative, derivative) * c[derivative], high = low, number = derivative + 1;
+    for (int k = derivative + 1; k <= degree; k++, number += 1) {
+        const double term = factor_of(number, derivative) * c[k];
+        low += term < 0 ? term : 0;
+        high += term > 0 ? term : 0;
     }
+    return low >= 0 ? 1 : high <= 0 ? -1 : 0;
 }
 
 /* The same by Bernstein coefficients, which settle nearly all that are not plain. */
-static void close_signs(const double *c, int degree, int *slope, int *curvature) {
+static int close_sign(const double *c, int degree, int derivative) {
     double b[SALTUS_DEGREE_MAX + 1];
-    derivative_to_bernstein(c, degree, 1, b);
-    *slope = common_sign(b, degree - 1);
-    if (*slope)
-        return;
-    derivative_to_bernstein(c, degree, 2, b);
-    *curvature = common_sign(b, degree - 2);
+    derivative_to_bernstein(c, degree, derivative, b);
+    return common_sign(b, degree - derivative);
 }
 
 /* An upper bound on [0, 1]: the largest Bernstein coefficient of the part of degree 6, plus the positive
@@ -269,13 +260,16 @@ bool saltus_isolate_rise(const double *c, int degree, double *root) {
     noise = 4 * (degree + 1) * DBL_EPSILON * size;
     while (degree > 0 && c[degree] == 0)
         degree--;
-    int slope = 0, curvature = 0;
-    if (degree >= 2)
-        plain_signs(c, degree, &slope, &curvature);
+    /* The sign of p'' is of use only if that of p' is unknown. */
+    const bool curved = degree >= 2;
+    int slope = curved ? plain_sign(c, degree, 1) : 0;
     if (slope == 0 && upper_bound(c, degree) < -noise)
         return false;
-    if (degree >= 2 && !slope && !curvature)
-        close_signs(c, degree, &slope, &curvature);
+    int curvature = curved && !slope ? plain_sign(c, degree, 2) : 0;
+    if (curved && !slope && !curvature) {
+        slope = close_sign(c, degree, 1);
+        curvature = slope ? 0 : close_sign(c, degree, 2);
+    }
     int verdict = decide(c, degree, noise, slope, curvature, 0, 1, root);
     if (verdict != 0)
         return verdict > 0;

@@ -227,20 +227,19 @@ static bool finish(saltus_equations *e, double *u, const double *normal, const d
 }
 
 /* Iterate with the Jacobian just evaluated at u, by residuals alone, if the first step hardly moves u and
- * these fall fast. Otherwise u, residuals and Jacobian are unchanged. Errors: those that other ways cannot
- * avoid either. */
-static saltus_status polish(saltus_equations *e, double *u, bool *near, int *iterations,
-                            saltus_message *message) {
+ * these fall fast: *iterations says after how many steps. 0: u, residuals and Jacobian are unchanged. Errors:
+ * those that other ways cannot avoid either. */
+static saltus_status polish(saltus_equations *e, double *u, int *iterations, saltus_message *message) {
     enum { steps_max = 3 };
     static const double close = 1e-6, fast = 0.1;
     const double start = e->size;
     double length = 0;
-    *near = false;
+    *iterations = 0;
     if (!factor_bordered(e, NULL))
         return SALTUS_OK;
     memcpy(e->kept, e->residual, (size_t)e->count * sizeof *e->residual);
     memcpy(e->trial, u, (size_t)e->unknowns * sizeof *u);
-    for (int k = 0; k < steps_max && !*near; k++) {
+    for (int k = 0; k < steps_max && !*iterations; k++) {
         const double before = e->size;
         solve_step(e, e->trial, NULL, NULL);
         for (int j = 0; j < e->unknowns; j++)
@@ -251,14 +250,13 @@ static saltus_status polish(saltus_equations *e, double *u, bool *near, int *ite
         const saltus_status tried = find_residual(e, e->measure, e->trial, message);
         if (tried == SALTUS_NO_MEMORY || tried == SALTUS_INTERRUPTED)
             return tried;
-        *near = tried == SALTUS_OK && is_small(e, e->size, e->size / before);
-        if (!*near && !(tried == SALTUS_OK && e->size < fast * before))
+        const bool near = tried == SALTUS_OK && is_small(e, e->size, e->size / before);
+        if (!near && !(tried == SALTUS_OK && e->size < fast * before))
             break;
-        report(e, *iterations + k + 1);
-        if (*near)
-            *iterations += k + 1;
+        report(e, k + 1);
+        *iterations = near ? k + 1 : 0;
     }
-    if (*near) {
+    if (*iterations) {
         memcpy(u, e->trial, (size_t)e->unknowns * sizeof *u);
         return SALTUS_OK;
     }
@@ -284,10 +282,9 @@ saltus_status saltus_newton(saltus_equations *e, double *u, const double *normal
         *iterations = found.near ? found.iterations : 1;
         return status;
     }
-    bool near = false;
     if (status == SALTUS_OK && e->hasty && e->measure && !normal)
-        status = polish(e, u, &near, iterations, message);
-    if (near)
+        status = polish(e, u, iterations, message);
+    if (*iterations)
         return status;
     while (status == SALTUS_OK && *iterations < e->iterations) {
         bool taken;
