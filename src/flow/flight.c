@@ -137,7 +137,7 @@ static void judge_pace(saltus_flow *flow) {
     saltus_work_settle_degrees(w);
 }
 
-void saltus_flow_expand(saltus_flow *flow) {
+bool saltus_flow_expand(saltus_flow *flow) {
     saltus_work *w = &flow->work;
     double ahead[SALTUS_LANES_MAX];
     unsigned hasty = 0;
@@ -145,9 +145,10 @@ void saltus_flow_expand(saltus_flow *flow) {
         choose_pace(flow);
     if (flow->shortened)
         set_full_degrees(flow);
-    for (int l = 0; l < flow->lanes; l++) {
+    for (unsigned left = saltus_lanes_but(flow, flow->quiet); left; left &= left - 1) {
+        const int l = __builtin_ctz(left);
         const saltus_lane *self = &flow->lane[l];
-        if (!(flow->quiet >> l & 1) && self->target.aimed && self->hold.count == 0 &&
+        if (self->target.aimed && self->hold.count == 0 &&
             (self->flight <= self->brief || w->lane->left[l] <= self->brief)) {
             hasty |= 1u << l;
             w->lane->reach[l] = w->lane->limit[l];
@@ -161,12 +162,14 @@ void saltus_flow_expand(saltus_flow *flow) {
     const int some = w->degree_most;
     if (!hasty || some > first_orders) {
         expand(flow, hasty ? first_orders : 0, some);
+        if (!hasty && !flow->transients && !flow->shortened)
+            return false;
         flow->kernel->measure(w);
     }
     if (flow->transients)
         judge_pace(flow);
     if (!flow->shortened)
-        return;
+        return true;
     if (raise_degrees(flow, ahead)) {
         if (some < full)
             expand(flow, some, w->degree_most);
@@ -175,4 +178,5 @@ void saltus_flow_expand(saltus_flow *flow) {
     for (int l = 0; l < flow->lanes; l++)
         if (is_short(flow, l))
             w->lane->step[l] = fmin(w->lane->step[l], fmax(margin * ahead[l], clock * w->lane->period[l]));
+    return true;
 }

@@ -78,6 +78,7 @@ void saltus_flow_restart(saltus_flow *flow, int lane, saltus_time time, const do
                           .later = self->later,
                           .brief = self->brief,
                           .flight = INFINITY,
+                          .cycle_from = now.phase,
                           .now = now,
                           .target = {.until = now},
                           .step = {.begin = now},
@@ -123,6 +124,7 @@ void saltus_flow_aim_observed(saltus_flow *flow, int lane, saltus_time until, un
                               saltus_turnings turnings) {
     saltus_lane *self = &flow->lane[lane];
     saltus_status status = saltus_time_check(until, &self->why);
+    saltus_quiet_end(flow, lane);
     saltus_quiet_break(flow, lane);
     self->target.aimed = true;
     flow->due |= 1u << lane;
@@ -323,16 +325,12 @@ static void prepare(saltus_flow *flow, int lane) {
     saltus_quiet_begin(flow, lane);
 }
 
-/* The lanes of a flow but for some, as bits. */
-static unsigned lanes_but(const saltus_flow *flow, unsigned some) {
-    return ((1u << flow->lanes) - 1) & ~some;
-}
-
 /* Jets of all lanes, and where each lane's step ends: at its own length, the target or the first event. Of
  * the lanes in *passed the step is concluded. */
 static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_message *message) {
     saltus_work *w = &flow->work;
-    for (unsigned left = lanes_but(flow, flow->quiet); left; left &= left - 1)
+    bool measured = true;
+    for (unsigned left = saltus_lanes_but(flow, flow->quiet); left; left &= left - 1)
         prepare(flow, __builtin_ctz(left));
     if (flow->radau) {
         saltus_status status = saltus_flow_mix(flow);
@@ -345,13 +343,22 @@ static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_me
             return status;
         }
     } else {
-        saltus_flow_expand(flow);
+        measured = saltus_flow_expand(flow);
     }
-    flow->kernel->plan(w);
-    if (flow->turning)
-        expect_turnings(flow);
-    *passed = saltus_quiet_pass(flow);
-    for (unsigned left = lanes_but(flow, *passed); left; left &= left - 1) {
+    if (!measured && !(flow->turning | flow->observed)) {
+        const unsigned all = saltus_lanes_but(flow, 0);
+        *passed = flow->kernel->proceed(w, all, &flow->quiet);
+        if (*passed == all)
+            return SALTUS_OK;
+    } else {
+        if (!measured)
+            flow->kernel->measure(w);
+        flow->kernel->plan(w);
+        if (flow->turning)
+            expect_turnings(flow);
+        *passed = saltus_quiet_pass(flow);
+    }
+    for (unsigned left = saltus_lanes_but(flow, *passed); left; left &= left - 1) {
         const int l = __builtin_ctz(left);
         saltus_lane *self = &flow->lane[l];
         if (!self->target.aimed)
@@ -563,7 +570,7 @@ saltus_status saltus_flow_run(saltus_flow *flow, int *lane, saltus_event *event,
             return status;
         }
         /* A failure is kept until the lane's turn comes, so that the others finish their steps. */
-        for (unsigned left = lanes_but(flow, passed); left; left &= left - 1) {
+        for (unsigned left = saltus_lanes_but(flow, passed); left; left &= left - 1) {
             const int l = __builtin_ctz(left);
             saltus_lane *self = &flow->lane[l];
             if (!self->target.aimed)

@@ -150,6 +150,11 @@ struct saltus_flow {
     saltus_contact_map scratch; /* a map being tried */
 };
 
+/* The lanes of a flow but for some, as bits. */
+static inline unsigned saltus_lanes_but(const saltus_flow *flow, unsigned some) {
+    return ((1u << flow->lanes) - 1) & ~some;
+}
+
 /* time.c */
 /* SALTUS_BAD_INPUT unless the phase is a finite number of at most 1e15. */
 saltus_status saltus_time_check(saltus_time time, saltus_message *message);
@@ -179,8 +184,9 @@ saltus_status saltus_flow_coast_by_steps(saltus_flow *flow, int lane, saltus_tim
                                          saltus_message *message);
 
 /* flight.c */
-/* Expand the series of all lanes to the degrees that their steps need, and measure how far they reach. */
-void saltus_flow_expand(saltus_flow *flow);
+/* Expand the series of all lanes to the degrees that their steps need. False: to their full degrees, and how
+ * far they reach has not been measured yet. */
+bool saltus_flow_expand(saltus_flow *flow);
 /* The longest time that a series of order `degree` - 2 surely covers within rtol, even for motion at the
  * highest rate of the linear part. */
 double saltus_flow_brief(const saltus_system *system, int degree, double rtol);

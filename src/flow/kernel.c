@@ -564,6 +564,16 @@ KERNEL_INLINE shape shape_alone(const saltus_work *w) {
     return (shape){.packs = 1, .degree_least = w->degree_most, .degree_most = w->degree_most};
 }
 
+/* Wide lanes of one degree, without anything but displacements and velocities. */
+KERNEL_INLINE bool is_plain(const saltus_work *w) {
+    return LANES > 1 && w->columns == 0 && w->extra == 0 && w->hold.count == 0 &&
+           w->degree_least == w->degree_most;
+}
+
+KERNEL_INLINE shape shape_plain(const saltus_work *w) {
+    return (shape){.packs = row_packs(w->dof), .degree_least = w->degree_most, .degree_most = w->degree_most};
+}
+
 /* Norm of a column at one order: max of |q_k|, |v_k| / omega_unit, |e_k|. */
 KERNEL_INLINE lane_t column_norm(const saltus_work *w, shape f, int k, int c) {
     const long row = (long)k * (1 + f.columns) + c;
@@ -658,9 +668,11 @@ KERNEL_INLINE void measure_shape(saltus_work *w, shape f) {
     *NUMBERS(w->lane->step) = lane_if_less(finite_sum(w, f), lane_constant(1), step, lane_constant(0));
 }
 
-static void measure(saltus_work *w) {
+KERNEL_INLINE void measure(saltus_work *w) {
     if (is_alone(w))
         measure_shape(w, shape_alone(w));
+    else if (is_plain(w))
+        measure_shape(w, shape_plain(w));
     else
         measure_shape(w, shape_of(w));
 }
@@ -739,15 +751,12 @@ static void damp(saltus_work *w) {
 }
 
 /* The step of a lane: its own, or what is left to the target, or half of that if a sliver would remain. */
-static void plan(saltus_work *w) {
+KERNEL_INLINE void plan(saltus_work *w) {
     const lane_t left = *NUMBERS(w->lane->left), step = *NUMBERS(w->lane->step);
     const lane_t advance = lane_if_less(step, left, lane_smaller(step, 0.5 * left), left);
     lane_t near = lane_constant(-1);
-    bool far = false;
     *NUMBERS(w->lane->advance) = advance;
-    for (int l = 0; l < LANES; l++)
-        far |= w->lane->limit[l] < w->lane->advance[l] && w->lane->limit[l] < w->lane->reach[l];
-    if (far)
+    if (lanes_less(*NUMBERS(w->lane->limit), lane_smaller(advance, *NUMBERS(w->lane->reach))))
         damp(w);
     for (int f = 0; f < w->faces.count; f++) {
         const lane_t margin = gap_margin(w, f, advance);
@@ -758,23 +767,32 @@ static void plan(saltus_work *w) {
     *NUMBERS(w->lane->near) = near;
 }
 
-/* A quiet lane's step meets nothing if it ends before the target and the period do and no face comes near. */
-static unsigned pass(saltus_work *w, unsigned *quiet) {
+/* A quiet lane's step meets nothing if it ends before the target and no face comes near. It may begin a new
+ * period, but not pass one whole. */
+KERNEL_INLINE unsigned pass(saltus_work *w, unsigned *quiet) {
     const lane_t one = lane_constant(1), none = lane_constant(0), phase = *NUMBERS(w->lane->phase);
-    const lane_t next = phase + *NUMBERS(w->lane->passing), left = *NUMBERS(w->lane->left);
+    const lane_t next = phase + *NUMBERS(w->lane->passing), over = next - one;
+    const lane_t left = *NUMBERS(w->lane->left), flight = *NUMBERS(w->lane->flight);
+    const lane_t advance = *NUMBERS(w->lane->advance), brief = *NUMBERS(w->lane->brief);
     lane_t passed = lane_if_less(*NUMBERS(w->lane->quiet), none, one, none);
     passed = lane_if_less(*NUMBERS(w->lane->near), none, passed, none);
-    passed = lane_if_less(*NUMBERS(w->lane->advance), left, passed, none);
+    passed = lane_if_less(advance, left, passed, none);
     passed = lane_if_less(phase, next, passed, none);
-    passed = lane_if_less(next, one, passed, none);
-    const lane_t ahead = *NUMBERS(w->lane->cycles) + (*NUMBERS(w->lane->until) - next);
-    const lane_t later = lane_if_less(none, passed, ahead * *NUMBERS(w->lane->period), left),
+    passed = lane_if_less(over, phase, passed, none);
+    const lane_t begun = lane_if_less(none, passed, lane_if_less(next, one, none, one), none),
+                 cycles = *NUMBERS(w->lane->cycles) - begun,
+                 now = lane_if_less(none, passed, lane_if_less(next, one, next, over), phase);
+    const lane_t ahead = (cycles + (*NUMBERS(w->lane->until) - now)) * *NUMBERS(w->lane->period),
+                 later = lane_if_less(none, passed, ahead, left),
+                 fly = lane_if_less(advance, flight, flight - advance, lane_constant(INFINITY)),
                  taken = *NUMBERS(w->lane->taken) + passed;
     *NUMBERS(w->lane->from) = phase;
-    *NUMBERS(w->lane->phase) = lane_if_less(none, passed, next, phase);
+    *NUMBERS(w->lane->phase) = now;
+    *NUMBERS(w->lane->cycles) = cycles;
     *NUMBERS(w->lane->left) = later;
+    *NUMBERS(w->lane->flight) = lane_if_less(none, passed, fly, flight);
     *NUMBERS(w->lane->taken) = taken;
-    const lane_t far = lane_if_less(*NUMBERS(w->lane->brief), later, -passed, one);
+    const lane_t far = lane_if_less(brief, lane_smaller(later, fly), -passed, one);
     const lane_t goes_on = lane_if_less(taken, lane_constant(SALTUS_QUIET_STEPS), far, one);
     *NUMBERS(w->lane->quiet) = goes_on;
     const unsigned lanes = lanes_less(none, passed);
@@ -803,7 +821,7 @@ static void cut_series(const saltus_work *w, saltus_pack *series, long stride) {
             series[k * stride + p] = lane_spread(series_term(w, lane_of(series[k * stride + p]), k, -0.0));
 }
 
-static void evaluate(saltus_work *w) {
+KERNEL_INLINE void evaluate(saltus_work *w) {
     const int order = w->degree_most, extras = (1 + w->columns) * w->extra;
     const lane_t time = *NUMBERS(w->lane->advance);
     const saltus_pack spread = lane_spread(time), square = spread * spread;
@@ -865,6 +883,15 @@ static double integrate_square(const saltus_work *w, int row, int lane, int piec
     return sum * step;
 }
 
+static unsigned proceed(saltus_work *w, unsigned lanes, unsigned *quiet) {
+    measure(w);
+    plan(w);
+    const unsigned passed = pass(w, quiet);
+    if (passed == lanes)
+        evaluate(w);
+    return passed;
+}
+
 extern const saltus_kernel SALTUS_KERNEL_NAME;
 const saltus_kernel SALTUS_KERNEL_NAME = {
     .model = MODEL_NAME,
@@ -877,6 +904,7 @@ const saltus_kernel SALTUS_KERNEL_NAME = {
     .measure = measure,
     .plan = plan,
     .pass = pass,
+    .proceed = proceed,
     .bound_velocity = bound_velocity,
     .evaluate = evaluate,
     .integrate_square = integrate_square,

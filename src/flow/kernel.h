@@ -55,7 +55,8 @@ typedef struct saltus_lane_numbers {
     double quiet[SALTUS_LANES_MAX];  /* negative: the lane is one of them */
     double cycles[SALTUS_LANES_MAX]; /* to the target: whole periods from the present one, ... */
     double until[SALTUS_LANES_MAX];  /* ... and the phase in that period */
-    double brief[SALTUS_LANES_MAX];  /* this near to the target the lane is quiet no longer, ... */
+    double flight[SALTUS_LANES_MAX]; /* estimated time to the next impact, or infinite */
+    double brief[SALTUS_LANES_MAX];  /* this near to either the lane is quiet no longer, ... */
     double taken[SALTUS_LANES_MAX];  /* ... nor after SALTUS_QUIET_STEPS such steps */
     double from[SALTUS_LANES_MAX];   /* phase at the last step's begin */
     /* of the step */
@@ -170,6 +171,9 @@ struct saltus_kernel {
     /* Let the planned step's time pass in quiet lanes that meet nothing in it: these, as bits, are returned,
      * and in *quiet those of them whose next step may be left to the kernel too. */
     unsigned (*pass)(saltus_work *work, unsigned *quiet);
+    /* `measure`, `plan`, `pass` and, if all of `lanes` pass, `evaluate` in one, without the wait for numbers
+     * that are stored and loaded again. */
+    unsigned (*proceed)(saltus_work *work, unsigned lanes, unsigned *quiet);
     /* A row of the gap series and `advance` -> `turning`. */
     void (*bound_velocity)(saltus_work *work, int row);
     /* Jets of the lanes' degrees -> states at `advance`. */

@@ -22,9 +22,13 @@ double saltus_flow_step_length(const saltus_flow *flow, int lane) {
     return numbers->taken[lane] > 0 ? numbers->advance[lane] : flow->lane[lane].step.length;
 }
 saltus_time saltus_flow_step_begin(const saltus_flow *flow, int lane) {
-    const saltus_lane *self = &flow->lane[lane];
     const saltus_lane_numbers *numbers = flow->work.lane;
-    return numbers->taken[lane] > 0 ? (saltus_time){self->now.cycle, numbers->from[lane]} : self->step.begin;
+    saltus_time begin = saltus_quiet_time(flow, lane);
+    if (numbers->taken[lane] == 0)
+        return flow->lane[lane].step.begin;
+    begin.cycle -= begin.phase < numbers->from[lane];
+    begin.phase = numbers->from[lane];
+    return begin;
 }
 
 void saltus_lane_gather(const saltus_flow *flow, int lane, int column, double *vector) {

@@ -28,7 +28,8 @@ saltus_status saltus_flow_mix(saltus_flow *flow) {
     saltus_work *w = &flow->work;
     flow->collocated = collocation_pays(flow);
     if (!flow->collocated) {
-        saltus_flow_expand(flow);
+        if (!saltus_flow_expand(flow))
+            flow->kernel->measure(w);
         return SALTUS_OK;
     }
     w->lane->degree[0] = SALTUS_RADAU_DEGREE;

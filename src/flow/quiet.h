@@ -1,9 +1,9 @@
 /* Quiet lanes.
  *
- * Most steps of most lanes meet nothing: no face is near, no contact holds, the target and the end of the
- * period are further away. The kernel takes such lanes on for all lanes at once, and what a lane counts is
- * brought up to date only when a step of it may meet something. Only a lane's own state decides, and time
- * passes by the same arithmetic, so its bits do not depend on its neighbours.
+ * Most steps of most lanes meet nothing: no face is near, no contact holds, the target is further away. The
+ * kernel takes such lanes on for all lanes at once, and what a lane counts is brought up to date only when a
+ * step of it may meet something. Only a lane's own state decides, and time passes by the same arithmetic, so
+ * its bits do not depend on its neighbours.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_FLOW_QUIET_H
 #define SALTUS_FLOW_QUIET_H
@@ -12,12 +12,11 @@
 
 #include <math.h>
 
-/* Whether the kernel may take a lane on as long as its steps meet nothing. A period's first step is not for
- * the kernel, because counters begin there. */
+/* Whether the kernel may take a lane on as long as its steps meet nothing. */
 static inline bool saltus_quiet_allowed(const saltus_flow *flow, const saltus_lane *self) {
     return !flow->radau && !flow->options.effort && !flow->options.directions && !flow->transients &&
            self->step.calm && self->target.aimed && !(self->target.watch & SALTUS_WATCH_STEP) &&
-           self->flight == INFINITY && !self->turned && self->failure == SALTUS_OK && self->cycle_steps > 0 &&
+           !self->turned && self->failure == SALTUS_OK &&
            self->cycle_steps + SALTUS_QUIET_STEPS < flow->period_steps_max && !self->system->guarded;
 }
 
@@ -25,23 +24,24 @@ static inline bool saltus_quiet_allowed(const saltus_flow *flow, const saltus_la
 static inline void saltus_quiet_begin(saltus_flow *flow, int lane) {
     const saltus_lane *self = &flow->lane[lane];
     saltus_lane_numbers *to = flow->work.lane;
-    if (!saltus_quiet_allowed(flow, self) || to->left[lane] <= self->brief) {
+    if (!saltus_quiet_allowed(flow, self) || fmin(to->left[lane], self->flight) <= self->brief) {
         to->quiet[lane] = 1;
         return;
     }
     to->quiet[lane] = -1;
     to->cycles[lane] = (double)(self->target.until.cycle - self->now.cycle);
     to->until[lane] = self->target.until.phase;
+    to->flight[lane] = self->flight;
     to->brief[lane] = self->brief;
 }
 
 /* A lane's time, and what it has counted, with the steps that the kernel took on. */
 static inline saltus_time saltus_quiet_time(const saltus_flow *flow, int lane) {
     const saltus_lane_numbers *numbers = flow->work.lane;
-    saltus_time now = flow->lane[lane].now;
-    if (numbers->taken[lane] > 0)
-        now.phase = numbers->phase[lane];
-    return now;
+    const saltus_lane *self = &flow->lane[lane];
+    if (numbers->taken[lane] == 0)
+        return self->now;
+    return (saltus_time){self->target.until.cycle - (long long)numbers->cycles[lane], numbers->phase[lane]};
 }
 
 static inline saltus_flow_info saltus_quiet_information(const saltus_flow *flow, int lane) {
@@ -58,9 +58,16 @@ static inline void saltus_quiet_end(saltus_flow *flow, int lane) {
     double *taken = &flow->work.lane->taken[lane];
     if (*taken == 0)
         return;
-    self->now = saltus_quiet_time(flow, lane);
+    const saltus_time now = saltus_quiet_time(flow, lane);
+    if (now.cycle != self->now.cycle) {
+        self->cycle_from = now.phase;
+        self->cycle_steps = self->cycle_events = 0;
+    } else {
+        self->cycle_steps += (int)*taken;
+    }
+    self->now = now;
     self->info = saltus_quiet_information(flow, lane);
-    self->cycle_steps += (int)*taken;
+    self->flight = flow->work.lane->flight[lane];
     self->idle_events = 0;
     *taken = 0;
 }
