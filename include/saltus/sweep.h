@@ -109,7 +109,8 @@ long long saltus_sweep_rows(const saltus_sweep *sweep);
 saltus_status saltus_sweep_scene_at(const saltus_sweep *sweep, long long point, saltus_scene *scene,
                                     saltus_message *message);
 
-/* The results of one trajectory. Measured values refer to the recorded periods. */
+/* The results of one trajectory. Measured values refer to once around the orbit of a periodic motion, and
+ * otherwise to the recorded periods. */
 typedef struct saltus_sweep_row {
     int verdict;   /* saltus_verdict; motions without a period are irregular unless SALTUS_KEEP_LYAPUNOV is
                       set */

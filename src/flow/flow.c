@@ -345,11 +345,10 @@ static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_me
     } else {
         measured = saltus_flow_expand(flow);
     }
-    if (!measured && !(flow->turning | flow->observed)) {
-        const unsigned all = saltus_lanes_but(flow, 0);
+    const unsigned all = saltus_lanes_but(flow, 0);
+    const bool together = !measured && !flow->turning;
+    if (together) {
         *passed = flow->kernel->proceed(w, all, &flow->quiet);
-        if (*passed == all)
-            return SALTUS_OK;
     } else {
         if (!measured)
             flow->kernel->measure(w);
@@ -380,7 +379,8 @@ static saltus_status expand_lanes(saltus_flow *flow, unsigned *passed, saltus_me
             w->lane->passing[l] = first.time / self->system->period;
         }
     }
-    flow->kernel->evaluate(w);
+    if (!together || *passed != all)
+        flow->kernel->evaluate(w);
     if (flow->turning | flow->observed)
         observe(flow);
     return SALTUS_OK;

@@ -24,11 +24,17 @@ static bool stage_ends(const saltus_sweep_trajectory *t) {
     return saltus_sweep_trajectory_cycle(t) >= t->stage_end;
 }
 
-/* Events to watch in the present stage: of a lap after the recording contacts alone count. */
+/* Whether the observed displacement matters in the present stage. That of a proven orbit is measured on the
+ * lap after the recording. */
+static bool observes(const saltus_sweep_trajectory *t) {
+    return t->active &&
+           (t->proof.proven == 0 || t->active == &t->round || t->active->keep & SALTUS_KEEP_TURNING);
+}
+
+/* Events to watch in the present stage. */
 static unsigned watched(const saltus_sweep_trajectory *t) {
-    const bool forced = saltus_system_forced(t->system);
-    const unsigned turnings = forced && t->active == &t->round ? 0 : SALTUS_WATCH_TURNING,
-                   section = forced ? 0 : saltus_crossings_watch(t->system);
+    const unsigned turnings = observes(t) ? SALTUS_WATCH_TURNING : 0,
+                   section = saltus_system_forced(t->system) ? 0 : saltus_crossings_watch(t->system);
     return t->active ? SALTUS_WATCH_CONTACT | turnings | section : section;
 }
 
@@ -36,7 +42,7 @@ static unsigned watched(const saltus_sweep_trajectory *t) {
  * those count that extend the range of displacements. */
 static saltus_turnings take_turnings(const saltus_sweep_trajectory *t) {
     saltus_turnings turnings = {.take = NULL};
-    if (!t->active || !saltus_system_forced(t->system))
+    if (!observes(t) || !saltus_system_forced(t->system))
         return turnings;
     turnings.take = saltus_watch_turning;
     turnings.context = t->active;
@@ -152,6 +158,7 @@ bool saltus_sweep_trajectory_start(saltus_sweep_trajectory *t, saltus_flow *flow
     t->before = (saltus_flow_info){0};
     t->effort = (saltus_effort){.period = saltus_system_period(t->system)};
     t->proof.disturbed = false;
+    t->proof.proven = 0;
     saltus_settling_reset(&t->proof.settling, t->system, o->flow.rtol);
     if (!saltus_system_forced(t->system))
         saltus_visits_reset(&t->proof.visits, t->system);
@@ -205,7 +212,8 @@ static saltus_next begin_lap(saltus_sweep_trajectory *t) {
     return SALTUS_NEXT_GO_ON;
 }
 
-/* Act on a verdict: go once around an orbit; record anything else now, or end if it has been recorded. */
+/* Act on a verdict: go once around an orbit; record anything else now, or end if it has been recorded and
+ * measured. */
 static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement) {
     const bool adaptive = t->sweep->options.adaptive;
     if (judgement.verdict == SALTUS_FAILED) {
@@ -217,7 +225,10 @@ static saltus_next act_on(saltus_sweep_trajectory *t, saltus_judgement judgement
         return begin_lap(t);
     }
     saltus_sweep_trajectory_settle(t, judgement.verdict, 0);
-    return adaptive ? begin_recording(t) : end_place(t);
+    if (!adaptive && t->proof.proven == 0)
+        return end_place(t);
+    t->proof.proven = 0;
+    return begin_recording(t);
 }
 
 /* Section points since the start or the last disturbance, which may carry an orbit near grazing far away. */
@@ -241,9 +252,13 @@ static saltus_next settling_on(saltus_sweep_trajectory *t) {
     return act_on(t, judgement);
 }
 
+/* Fill the row with the measures of what has just been gone through; `recorded` are the clouds' periods. */
 static void measure(saltus_sweep_trajectory *t) {
-    saltus_watch_measure(&t->watch, saltus_flow_time(t->flow, t->lane), t->state,
+    const long long recorded = t->row.recorded;
+    saltus_watch_measure(t->active, saltus_flow_time(t->flow, t->lane), t->state,
                          saltus_sweep_trajectory_information(t).square, &t->row);
+    if (t->active == &t->round)
+        t->row.recorded = recorded;
 }
 
 /* The lap around the orbit is complete. */
@@ -266,8 +281,7 @@ static saltus_next orbit_done(saltus_sweep_trajectory *t) {
         t->row.verdict = SALTUS_HELD;
         t->row.periods = 0;
     }
-    if (t->active == &t->watch)
-        measure(t);
+    measure(t);
     if (t->row.periods > 0)
         t->row.period = t->row.periods * saltus_system_period(t->system);
     if (!saltus_system_forced(t->system)) { /* back onto the section */
@@ -299,6 +313,7 @@ static saltus_next proving(saltus_sweep_trajectory *t, const saltus_flow_info *d
     if (pending && left > (disturbed ? 0 : proving_periods - reaching_periods))
         return SALTUS_NEXT_GO_ON;
     t->stage = SALTUS_STAGE_TRANSIENT;
+    t->proof.proven = judgement.verdict == SALTUS_PERIODIC ? judgement.periods : 0;
     if (judgement.verdict == SALTUS_FAILED || (pending && disturbed && !saltus_sweep_trajectory_go_back(t))) {
         saltus_sweep_trajectory_fail(t);
         return SALTUS_NEXT_DONE;
@@ -307,7 +322,10 @@ static saltus_next proving(saltus_sweep_trajectory *t, const saltus_flow_info *d
 }
 
 static saltus_next recorded(saltus_sweep_trajectory *t) {
-    measure(t);
+    if (t->proof.proven)
+        t->row.recorded = t->sweep->options.record;
+    else
+        measure(t);
     if (t->sweep->options.adaptive)
         return end_place(t);
     begin_settling(t);

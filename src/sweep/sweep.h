@@ -130,6 +130,7 @@ typedef struct saltus_proof {
     bool disturbed;         /* it has been disturbed, to prove stability, ... */
     double *undisturbed;    /* ... from this state ... */
     long long disturbed_at; /* ... at this cycle */
+    int proven;             /* the period of the orbit that was proven before the recording; 0: none */
     double *rejected;       /* a point of an unstable orbit that Newton's method found, ... */
     int rejected_period;    /* ... of this period; 0: none */
     long long rejected_at;  /* ... and the cycle when the trajectory passed it */
