@@ -434,6 +434,10 @@ static void linear_oscillators(void **unused) {
         saltus_system *system = build(&spec);
         saltus_lyapunov_options options = short_options(3);
         options.exponents = 0;
+        if (c > 10) { /* a period takes so many steps that a long transient would be given up */
+            options.members = 3;
+            options.transient = 100;
+        }
         saltus_lyapunov l = run_from(system, state, &options);
         check_orbit(&l, expected, 2, 1, 1e-12, "linear");
         check_near(l.sum_rule, -c, 1e-12 * fmax(c, 1));
