@@ -218,7 +218,7 @@ static void archive_survey(saltus_archive *a, saltus_survey *survey) {
 void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
     saltus_archive_point(a, &s->at);
     saltus_archive_sequence(a, &s->sequence);
-    saltus_archive_array(a, &s->state, (size_t)a->n);
+    saltus_archive_finite(a, s->state, (size_t)a->n);
     saltus_archive_finite(a, s->parameter, 2);
     saltus_archive_finite(a, &s->value, 1);
     scaled(a, &s->flip);
@@ -234,10 +234,6 @@ void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
         a->sound = a->sound && (between || breach->mark < s->sequence.count);
     }
     archive_breach(a, &s->sequence, &s->worst);
-    if (a->reading && a->sound && !s->survey.multipliers) {
-        s->survey.multipliers = calloc((size_t)a->n, sizeof *s->survey.multipliers);
-        found(a, s->survey.multipliers);
-    }
     archive_survey(a, &s->survey);
 }
 
@@ -290,11 +286,11 @@ void saltus_archive_starts(saltus_archive *a, saltus_starts *starts) {
         saltus_branch_start *start = &starts->start[k];
         saltus_archive_sequence(a, &start->sequence);
         saltus_archive_finite(a, &start->parameter, 1);
-        saltus_archive_array(a, &start->state, (size_t)a->n);
-        if (saltus_archive_flag(a, start->tangent != NULL)) {
-            start->unknowns = (int)saltus_archive_length(a, (size_t)start->unknowns, 1);
+        saltus_archive_finite(a, start->state, (size_t)a->n);
+        if (saltus_archive_flag(a, start->unknowns > 0)) {
+            start->unknowns = (int)saltus_archive_whole(a, start->unknowns, 1, SALTUS_START_UNKNOWNS_MAX);
             a->sound = a->sound && start->unknowns == saltus_sequence_unknowns(&start->sequence, a->n) + 1;
-            saltus_archive_array(a, &start->tangent, (size_t)start->unknowns);
+            saltus_archive_finite(a, start->tangent, (size_t)start->unknowns);
         }
         start->heading = (int)saltus_archive_whole(a, start->heading, -1, 1);
         start->parent = (int)saltus_archive_whole(a, start->parent, -1, INT_MAX);

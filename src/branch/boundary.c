@@ -174,14 +174,13 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
                                     saltus_starts *starts, saltus_message *message) {
     bounce b = {.n = 0};
     saltus_branch_start start = *like;
-    double along[SALTUS_STATE_MAX], half[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + 3] = {0};
+    double along[SALTUS_STATE_MAX], half[SALTUS_STATE_MAX];
     if (at->contacts)
         return SALTUS_OK;
     const double slope = gap_slope(r, at, face, along, scratch);
     if (r->starved)
         return saltus_branch_no_memory(message);
     saltus_status status = open_bounce(&b, r, at, face, message);
-    start.tangent = tangent;
     start.unknowns = r->n + 3; /* of a cycle with one impact; those beyond the state are unused */
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .count = 1};
     start.sequence.mark[0] = (saltus_mark){SALTUS_IMPACT, face, 0.5, false};
@@ -203,10 +202,10 @@ saltus_status saltus_boundary_leave(saltus_rests *r, const saltus_rest *at, int 
             status = find_cycle(&b, period, half, &side, message);
             start.heading = side * slope > 0 ? -1 : 1;
             for (int i = 0; i < r->n; i++)
-                tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
+                start.tangent[i] = along[i] + start.heading * fabs(slope) * half[i];
             start.sequence.omega = 2 * M_PI / period;
             if (status == SALTUS_OK && side)
-                status = saltus_starts_add(starts, r->n, &start, message);
+                status = saltus_starts_add(starts, &start, message);
             exponential(&b, k * b.h, b.flow);
         }
         before = sign;

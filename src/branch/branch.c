@@ -115,7 +115,7 @@ static saltus_status begin_locus(saltus_branch *b, saltus_message *message) {
     saltus_message why = {.text = ""};
     if (orbit)
         first = saltus_locus_start_at(kind, orbit, kind == SALTUS_POINT_GR ? &b->trace.beyond : NULL);
-    if (!first.state)
+    if (!first.kind)
         return SALTUS_OK;
     if (orbit && of_rests)
         first.sequence = (saltus_sequence){.contacts = orbit->sequence.contacts,
@@ -164,7 +164,6 @@ static saltus_status advance(saltus_branch *b, bool *more, saltus_message *messa
         saltus_branch_start start = saltus_starts_take(starts);
         status = of_rests ? saltus_equilibria_start(&b->equilibria, &start, message)
                           : saltus_trace_start(&b->trace, &start, message);
-        saltus_start_clear(&start);
     }
     return b->equilibria.rests.starved || b->trace.orbits.starved ? saltus_branch_no_memory(message) : status;
 }

@@ -64,12 +64,13 @@ saltus_status saltus_equilibria_open(saltus_equilibria *e, const saltus_spec *sp
         return status;
     saltus_equilibrium rest = {0};
     status = saltus_equilibrium_find(r->system, state, &how, &rest, message);
-    saltus_branch_start start = {
-        .sequence = {.periods = 1, .cuts = 1, .contacts = rest.contacts}, .state = rest.state, .parent = -1};
-    if (status == SALTUS_OK)
-        status = saltus_starts_add_ways(&e->starts, r->n, &start, options->direction, message);
+    if (status != SALTUS_OK)
+        return status;
+    saltus_branch_start start = {.sequence = {.periods = 1, .cuts = 1, .contacts = rest.contacts},
+                                 .parent = -1};
+    memcpy(start.state, rest.state, (size_t)r->n * sizeof *start.state);
     saltus_equilibrium_clear(&rest);
-    return status;
+    return saltus_starts_add_ways(&e->starts, &start, options->direction, message);
 }
 
 void saltus_equilibria_close(saltus_equilibria *e) {
@@ -200,7 +201,7 @@ static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest
     start.origin = origin;
     start.sequence = (saltus_sequence){.periods = 1, .cuts = 1, .contacts = at->contacts};
     start.parameter = at->parameter[0];
-    start.state = at->state;
+    memcpy(start.state, at->state, sizeof start.state);
     return start;
 }
 
@@ -209,15 +210,14 @@ static saltus_branch_start leaving(const saltus_equilibria *e, const saltus_rest
 static saltus_status leave(saltus_equilibria *e, const saltus_rest *at, saltus_message *message) {
     saltus_rests *r = &e->rests;
     const double nothing[SALTUS_STATE_MAX] = {0};
-    double singular, tangent[SALTUS_REST_UNKNOWNS_MAX] = {0};
+    double singular;
     const bool mirrored = r->system->mirror && saltus_system_distance(r->system, at->state, nothing) < 1e-7;
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_BP);
-    start.tangent = tangent;
     start.unknowns = r->n + 1; /* as many as an orbit's; those beyond m are unused */
     saltus_status status =
-        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, tangent, &singular, message);
+        saltus_curve_leaving(&r->equations, at->at.u, e->here->at.tangent, start.tangent, &singular, message);
     if (status == SALTUS_OK)
-        status = saltus_starts_add_ways(&e->starts, r->n, &start, mirrored, message);
+        status = saltus_starts_add_ways(&e->starts, &start, mirrored, message);
     return status == SALTUS_NO_CONVERGENCE ? SALTUS_OK : status;
 }
 
@@ -228,9 +228,9 @@ static saltus_status find(saltus_equilibria *e, const saltus_rest *at, int face,
         .kind = e->trail->options->locus,
         .sequence = {.contacts = face < 0 ? at->contacts : at->contacts & ~(1u << face), .omega = omega},
         .parameter = {at->parameter[0]},
-        .state = at->state,
         .mark = face,
         .parent = -1};
+    memcpy(e->found.state, at->state, sizeof e->found.state);
     e->trail->following = false;
     return SALTUS_OK;
 }
@@ -268,13 +268,11 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
     }
     if (status != SALTUS_OK || !saltus_trail_switches(e->trail))
         return status;
-    double tangent[SALTUS_STATE_MAX + 2] = {0};
-    saltus_hopf_direction(&e->rests, &hopf, tangent);
     saltus_branch_start start = leaving(e, at, SALTUS_POINT_HB);
+    saltus_hopf_direction(&e->rests, &hopf, start.tangent);
     start.sequence.omega = hopf.omega;
-    start.tangent = tangent;
     start.unknowns = e->rests.n + 2;
-    return saltus_starts_add(e->cycles, e->rests.n, &start, message);
+    return saltus_starts_add(e->cycles, &start, message);
 }
 
 /* Find all special points of the step from `here` to `next`, and give them out in order. */
@@ -435,7 +433,7 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
                                       .grazing = &touch},
                       message);
     for (int k = 0; k < born.count && status == SALTUS_OK && saltus_trail_switches(e->trail); k++)
-        status = saltus_starts_add(e->cycles, e->rests.n, &born.start[k], message);
+        status = saltus_starts_add(e->cycles, &born.start[k], message);
     saltus_starts_clear(&born);
     if (status != SALTUS_OK || !trail->following)
         return status;
@@ -507,14 +505,16 @@ saltus_status saltus_equilibria_start(saltus_equilibria *e, const saltus_branch_
     saltus_trail *trail = e->trail;
     saltus_rest *here = e->here;
     saltus_message why = {.text = ""};
-    saltus_trail_begin(trail, e->cycles->begun++, start->parent, start->depth, start->tangent != NULL);
-    saltus_status status = saltus_rest_place(&e->rests, start->sequence.contacts, start->state,
-                                             &start->parameter, !start->tangent, start->tangent, here, &why);
+    saltus_trail_begin(trail, e->cycles->begun++, start->parent, start->depth, start->unknowns > 0);
+    const bool crosses = start->unknowns > 0;
+    saltus_status status =
+        saltus_rest_place(&e->rests, start->sequence.contacts, start->state, &start->parameter, !crosses,
+                          crosses ? start->tangent : NULL, here, &why);
     if (status != SALTUS_OK) {
         trail->following = false;
         return saltus_fail(message, status, "no branch of equilibria can be begun: %.300s", why.text);
     }
-    const int heading = start->tangent ? 0 : start->heading;
+    const int heading = crosses ? 0 : start->heading;
     if (heading_of(here) * heading < 0)
         saltus_curve_turn(&here->at);
     status = give(e, here, (saltus_notice){.accuracy = NAN}, message);

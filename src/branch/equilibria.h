@@ -16,7 +16,7 @@ typedef struct saltus_equilibria {
     double range[2]; /* of the parameter unknown */
     saltus_rest *here, *next, *trial, *spare;
     saltus_rest solutions[4];
-    saltus_locus_start found; /* where the requested locus begins, until the next step; no state: not found */
+    saltus_locus_start found; /* where the requested locus begins; REGULAR: not found */
 } saltus_equilibria;
 
 /* Branches through the equilibrium near a state (length dimension; NULL: none, if saltus_equilibria_archive

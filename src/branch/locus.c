@@ -214,11 +214,9 @@ saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_so
                                          const saltus_sequence *beyond) {
     const bool born = beyond && beyond->count > at->sequence.count;
     const saltus_sequence *more = born ? beyond : &at->sequence, *less = born ? &at->sequence : beyond;
-    saltus_locus_start start = {.kind = kind,
-                                .sequence = *more,
-                                .parameter = {at->parameter[0], 0},
-                                .state = at->state,
-                                .parent = -1};
+    saltus_locus_start start = {
+        .kind = kind, .sequence = *more, .parameter = {at->parameter[0], 0}, .parent = -1};
+    memcpy(start.state, at->state, sizeof start.state);
     while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
         start.mark++;
     if (kind == SALTUS_POINT_NS)

@@ -26,8 +26,6 @@
 #include <string.h>
 
 void saltus_locus_starts_clear(saltus_locus_starts *starts) {
-    for (int k = 0; k < starts->count; k++)
-        free(starts->start[k].state);
     free(starts->start);
     *starts = (saltus_locus_starts){.count = 0};
 }
@@ -49,7 +47,7 @@ static bool are_one(const saltus_locus_start *a, const saltus_locus_start *b, do
     return fabs(remainder(one->time - other->time - apart, 1)) < near_time;
 }
 
-saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
+saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, const saltus_locus_start *start,
                                       double image, saltus_message *message) {
     for (int k = 0; k < starts->count; k++)
         if (are_one(&starts->start[k], start, image)) {
@@ -57,17 +55,10 @@ saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const 
             return SALTUS_OK;
         }
     saltus_locus_start *grown = realloc(starts->start, ((size_t)starts->count + 1) * sizeof *grown);
-    if (grown)
-        starts->start = grown;
-    double *state = calloc((size_t)n, sizeof *state);
-    if (!grown || !state) {
-        free(state);
+    if (!grown)
         return saltus_branch_no_memory(message);
-    }
-    memcpy(state, start->state, (size_t)n * sizeof *state);
-    saltus_locus_start *own = &starts->start[starts->count++];
-    *own = *start;
-    own->state = state;
+    starts->start = grown;
+    grown[starts->count++] = *start;
     return SALTUS_OK;
 }
 
@@ -79,17 +70,14 @@ static double image_shift(const saltus_extended *x) {
 
 saltus_status saltus_locus_starts_pass(const saltus_extended *x, const saltus_solution *at, bool joins,
                                        saltus_locus_starts *starts, bool *closes, saltus_message *message) {
-    saltus_locus_start own = {.kind = x->kind,
-                              .sequence = at->sequence,
-                              .state = at->state,
-                              .mark = x->mark,
-                              .leaves = joins,
-                              .done = true};
+    saltus_locus_start own = {
+        .kind = x->kind, .sequence = at->sequence, .mark = x->mark, .leaves = joins, .done = true};
+    memcpy(own.state, at->state, sizeof own.state);
     memcpy(own.parameter, at->parameter, sizeof own.parameter);
     const double image = image_shift(x);
     for (int k = 0; k < starts->count; k++)
         *closes |= k == starts->next - 1 && are_one(&starts->start[k], &own, image);
-    return saltus_locus_starts_add(starts, x->orbits.n, &own, image, message);
+    return saltus_locus_starts_add(starts, &own, image, message);
 }
 
 /* A touch moved into the first `periods` periods of an orbit. */
@@ -338,12 +326,12 @@ saltus_status saltus_locus_starts_meet(saltus_extended *x, const saltus_locus_te
         if (fresh[k].leaves ? doubled : family && fresh[k].kind != SALTUS_POINT_GR)
             continue;
         fresh[k].origin = corner->kind;
-        fresh[k].state = at->state;
         fresh[k].parent = parent;
         fresh[k].depth = depth;
         fresh[k].sequence.cuts = 1;
         memcpy(fresh[k].parameter, at->parameter, sizeof at->parameter);
-        status = saltus_locus_starts_add(starts, x->orbits.n, &fresh[k], image_shift(x), message);
+        memcpy(fresh[k].state, at->state, sizeof at->state);
+        status = saltus_locus_starts_add(starts, &fresh[k], image_shift(x), message);
     }
     return status;
 }
@@ -375,7 +363,7 @@ void saltus_locus_starts_archive(saltus_archive *a, saltus_locus_starts *starts)
         start->kind = saltus_locus_start_kind(a, start->kind);
         saltus_archive_sequence(a, &start->sequence);
         saltus_archive_finite(a, start->parameter, 2);
-        saltus_archive_array(a, &start->state, (size_t)a->n);
+        saltus_archive_finite(a, start->state, (size_t)a->n);
         start->mark = (int)saltus_archive_whole(a, start->mark, 0, SALTUS_MARKS_MAX - 1);
         a->sound = a->sound && (start->kind != SALTUS_POINT_GR || start->mark < start->sequence.count);
         saltus_archive_finite(a, &start->theta, 1);

@@ -11,12 +11,13 @@ typedef struct saltus_locus_start {
     saltus_point_kind kind; /* of the curve's points; HB, or begun at BT: of equilibria (rest_locus.h) */
     saltus_sequence sequence;
     double parameter[2];
-    double *state; /* at the base; GH: the equilibrium, which the sequence's anchor leads away from */
-    int mark;      /* grazing: the impact that has no speed */
-    double theta;  /* Neimark-Sacker: of the pair of multipliers */
-    bool one_way;  /* beyond the point of codimension two its orbits are not admissible */
-    bool leaves;   /* its orbits are not those of half the period, or not their own mirror images,
-                      as the one that it begins at is */
+    /* At the base; GH: the equilibrium, which the sequence's anchor leads away from. */
+    double state[SALTUS_STATE_MAX];
+    int mark;                 /* grazing: the impact that has no speed */
+    double theta;             /* Neimark-Sacker: of the pair of multipliers */
+    bool one_way;             /* beyond the point of codimension two its orbits are not admissible */
+    bool leaves;              /* its orbits are not those of half the period, or not their own mirror images,
+                                 as the one that it begins at is */
     saltus_point_kind origin; /* the point of codimension two; REGULAR: none */
     int parent, depth;
     bool done; /* a curve has come here from elsewhere */
@@ -32,7 +33,7 @@ void saltus_locus_starts_clear(saltus_locus_starts *starts);
 /* Keep a copy; or, if there is such a start already, note that it is done if this one is. In a scene that is
  * its own mirror image the curves of orbits and of their images, `image` forcing periods later, are one;
  * otherwise it is NAN. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, int n, const saltus_locus_start *start,
+saltus_status saltus_locus_starts_add(saltus_locus_starts *starts, const saltus_locus_start *start,
                                       double image, saltus_message *message);
 /* The curve of kind x->kind has come to a point of codimension two, the orbit `at`, where it joins orbits of
  * half the period, or such that are their own mirror images, if `joins`: a start that waits there for this

@@ -234,14 +234,13 @@ static bool is_known(const saltus_starts *starts, const saltus_branch_start *sta
 /* Try one motion on one side, where `rest` is the equilibrium. */
 static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_branch_start *like,
                          saltus_starts *starts, saltus_message *message) {
-    double state[SALTUS_STATE_MAX], tangent[SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2] = {0};
+    double state[SALTUS_STATE_MAX];
     saltus_branch_start start = *like;
     found f = {.speed = 0};
     bool does = false;
     begin_aside(b, rest, trial, state);
     saltus_status status = follow(b, rest, state);
     const double period = status == SALTUS_OK ? settled(b, state) : 0;
-    start.tangent = tangent;
     if (period > 0)
         status = polish(b, b->system, period, state, &f);
     if (period > 0 && status == SALTUS_OK &&
@@ -252,7 +251,7 @@ static saltus_status try(newborn *b, int trial, saltus_rest *rest, const saltus_
     start.unknowns = saltus_sequence_unknowns(&start.sequence, b->rests->n) + 1;
     if (!does || status != SALTUS_OK || is_known(starts, &start))
         return saltus_rests_noted(b->rests, status);
-    return saltus_starts_add(starts, b->rests->n, &start, message);
+    return saltus_starts_add(starts, &start, message);
 }
 
 saltus_status saltus_newborn_find(saltus_rests *r, const saltus_rest *at, int face,

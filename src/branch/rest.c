@@ -382,8 +382,6 @@ void saltus_rests_lift(const saltus_rests *r, int count, const double *vector, d
 
 void saltus_rest_clear(saltus_rest *s) {
     saltus_curve_clear(&s->at);
-    free(s->state);
-    free(s->rates);
     *s = (saltus_rest){.rate_count = 0};
 }
 
@@ -406,12 +404,6 @@ static saltus_scaled product_of_pairs(const saltus_eigenvalue *rates, int count)
 saltus_status saltus_rest_see(saltus_rests *r, saltus_rest *s, saltus_message *message) {
     work *w = r->work;
     double re[SALTUS_STATE_MAX], im[SALTUS_STATE_MAX];
-    if (!s->state)
-        s->state = calloc((size_t)r->n, sizeof *s->state);
-    if (!s->rates)
-        s->rates = calloc((size_t)r->n, sizeof *s->rates);
-    if (!s->state || !s->rates)
-        return saltus_branch_no_memory(message);
     saltus_status status = saltus_rests_linear(r, s->at.u, NULL, 0, w->matrix, &s->rate_count, message);
     if (status == SALTUS_OK)
         status = saltus_held_eigenvalues(w->matrix, s->rate_count, re, im, s->rates, message);

@@ -57,10 +57,10 @@ typedef struct saltus_rest {
     saltus_curve_point at;
     unsigned contacts;
     double parameter[2], value[2];
-    double *state;                                         /* n */
+    double state[SALTUS_STATE_MAX];
     double force[SALTUS_FACES_MAX], gap[SALTUS_FACES_MAX]; /* as saltus_equilibrium has them */
     double breach[SALTUS_FACES_MAX]; /* scaled: gap of a free face, or minus the force of a contact */
-    saltus_eigenvalue *rates;        /* by decreasing real part */
+    saltus_eigenvalue rates[SALTUS_STATE_MAX]; /* by decreasing real part */
     int rate_count, unstable;
     bool stable;
     double trace;        /* of the vector field's Jacobian, the sum of the rates; NAN in contact */

@@ -207,20 +207,20 @@ static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const sa
         .kind = l->special.kind,
         .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
         .parameter = {at->parameter[0], at->parameter[1]},
-        .state = at->state,
         .one_way = grows,
         .origin = kind,
         .parent = trail->number,
         .depth = trail->depth + 1,
         .done = true};
-    status = saltus_locus_starts_add(l->starts, l->rests.n, &start, NAN, message);
+    memcpy(start.state, at->state, sizeof start.state);
+    status = saltus_locus_starts_add(l->starts, &start, NAN, message);
     if (status != SALTUS_OK || trail->depth >= trail->options->switches)
         return status;
     start.kind = start.kind == SALTUS_POINT_HB ? SALTUS_POINT_LP : SALTUS_POINT_HB;
     start.done = false;
     if (grows)
         saltus_hopf_direction(&l->rests, &hopf, start.sequence.anchor);
-    return saltus_locus_starts_add(l->starts, l->rests.n, &start, NAN, message);
+    return saltus_locus_starts_add(l->starts, &start, NAN, message);
 }
 
 /* Begin a curve that was met: on a curve of Hopf points from where two eigenvalues are zero on the way on

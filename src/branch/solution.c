@@ -89,9 +89,7 @@ saltus_status saltus_orbits_tune(saltus_orbits *o, const double *parameters, dou
 
 void saltus_solution_clear(saltus_solution *s) {
     saltus_curve_clear(&s->at);
-    free(s->state);
     free(s->breaches);
-    free(s->survey.multipliers);
     saltus_lap_close(&s->survey.lap);
     *s = (saltus_solution){.value = 0};
 }
@@ -113,18 +111,14 @@ void saltus_survey_swap(saltus_solution *a, saltus_solution *b) {
 
 saltus_status saltus_solution_see(saltus_orbits *o, saltus_solution *s, saltus_message *message) {
     const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &s->breach_count);
-    if (!s->state)
-        s->state = calloc((size_t)o->n, sizeof *s->state);
-    if (!s->survey.multipliers)
-        s->survey.multipliers = calloc((size_t)o->n, sizeof *s->survey.multipliers);
     if (s->breach_count > s->breach_room) {
         free(s->breaches);
         s->breaches = calloc((size_t)s->breach_count, sizeof *s->breaches);
         s->breach_room = s->breaches ? s->breach_count : 0;
-    }
-    if (!s->state || !s->survey.multipliers || s->breach_count > s->breach_room) {
-        s->breach_count = 0;
-        return saltus_orbits_noted(o, saltus_branch_no_memory(message));
+        if (!s->breaches) {
+            s->breach_count = 0;
+            return saltus_orbits_noted(o, saltus_branch_no_memory(message));
+        }
     }
     const double *u = s->at.u, *parameters = u + o->equations->count;
     saltus_shooting_extract(o->shooting, u, &s->sequence, s->state);

@@ -18,9 +18,9 @@ typedef struct saltus_survey {
     long long impacts;
     int sticking_intervals;
     char label[SALTUS_LABEL_MAX];
-    saltus_multiplier *multipliers; /* NAN where not known */
-    int multiplier_count, unstable; /* of them */
-    double trivial;                 /* trivial multiplier, along the flow, if the period is an unknown */
+    saltus_multiplier multipliers[SALTUS_STATE_MAX]; /* NAN where not known */
+    int multiplier_count, unstable;                  /* of them */
+    double trivial; /* trivial multiplier, along the flow, if the period is an unknown */
     double log_volume, sum_rule;
     double pair; /* product of mu_i mu_j - 1 over all pairs of multipliers: zero where a pair is on the unit
                     circle */
@@ -29,9 +29,9 @@ typedef struct saltus_survey {
 /* A point of the curve: an orbit. */
 typedef struct saltus_solution {
     saltus_curve_point at;
-    saltus_sequence sequence;   /* with the event times of this orbit */
-    double *state;              /* at its base */
-    double parameter[2], value; /* `value` of the first parameter */
+    saltus_sequence sequence;       /* with the event times of this orbit */
+    double state[SALTUS_STATE_MAX]; /* at its base */
+    double parameter[2], value;     /* `value` of the first parameter */
     saltus_scaled flip;   /* determinant of the equations with x(pT) + x(0) for x(pT) - x(0): zero where a
                              multiplier is -1, and smooth through grazing */
     double onward, speed; /* if the period is an unknown: speed of the flow across the anchor's hyperplane,

@@ -49,13 +49,16 @@ double saltus_special_doubt(saltus_orbits *orbits, saltus_test test, const saltu
  * there. */
 bool saltus_special_strays(saltus_orbits *orbits, const saltus_solution *here, const saltus_solution *next);
 
+/* Unknowns of an orbit that is not cut, and its parameter. */
+enum { SALTUS_START_UNKNOWNS_MAX = SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2 };
+
 /* Where a branch begins. */
 typedef struct saltus_branch_start {
     saltus_sequence sequence;
     double parameter;
-    double *state;   /* at the base */
-    double *tangent; /* NULL: the null vector of the equations, with the sign of `heading` */
-    int unknowns;
+    double state[SALTUS_STATE_MAX]; /* at the base */
+    double tangent[SALTUS_START_UNKNOWNS_MAX];
+    int unknowns; /* entries of the tangent; 0: it is the null vector, with the sign of `heading` */
     int heading, parent, depth;
     bool grazes; /* an impact has zero speed: the flow decides the direction */
     int place;   /* number of the joined place (trail.h) that this and its like lead away from, counted
@@ -77,17 +80,16 @@ saltus_status saltus_special_between(saltus_orbits *orbits, saltus_orbits *own, 
                                      bool mirrored, saltus_solution *between);
 
 /* Append a copy. Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
+saltus_status saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start,
                                 saltus_message *message);
 /* Append both directions along a branch or, if `direction` is not 0, one: with that heading, or with the
  * tangent as it is (1) or reversed (-1). start->tangent is left reversed. */
-saltus_status saltus_starts_add_ways(saltus_starts *starts, int n, saltus_branch_start *start, int direction,
+saltus_status saltus_starts_add_ways(saltus_starts *starts, saltus_branch_start *start, int direction,
                                      saltus_message *message);
-/* Take out the first start; the caller clears it. */
+/* Take out the first start. */
 saltus_branch_start saltus_starts_take(saltus_starts *starts);
 /* Remove those that lead away from a joined place; returns their number. */
 int saltus_starts_drop(saltus_starts *starts, int place);
-void saltus_start_clear(saltus_branch_start *start);
 void saltus_starts_clear(saltus_starts *starts);
 
 /* Add the branches that leave at a flip or branch point `at`; `like` has what the starts have in common.
@@ -98,8 +100,8 @@ saltus_status saltus_starts_leave(saltus_orbits *orbits, const saltus_solution *
 /* Add the branch of twice the period that leaves at grazing, whose orbits have the impact in one half only;
  * `beyond`: the sequence on the other side of `at`. None is added where more than one impact is born or dies.
  * Errors: SALTUS_NO_MEMORY. */
-saltus_status saltus_starts_graze(saltus_orbits *orbits, const saltus_solution *at,
-                                  const saltus_sequence *beyond, const saltus_branch_start *like,
-                                  saltus_starts *starts, saltus_message *message);
+saltus_status saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
+                                  const saltus_branch_start *like, saltus_starts *starts,
+                                  saltus_message *message);
 
 #endif

@@ -7,44 +7,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-saltus_status saltus_starts_add(saltus_starts *starts, int n, const saltus_branch_start *start,
+saltus_status saltus_starts_add(saltus_starts *starts, const saltus_branch_start *start,
                                 saltus_message *message) {
-    size_t room = ((size_t)starts->count + 1) * sizeof *starts->start;
-    saltus_branch_start *grown = realloc(starts->start, room), own = *start;
-    if (grown)
-        starts->start = grown;
-    own.state = calloc((size_t)n, sizeof *own.state);
-    own.tangent = start->tangent ? calloc((size_t)start->unknowns, sizeof *own.tangent) : NULL;
-    if (!grown || !own.state || (start->tangent && !own.tangent)) {
-        free(own.state);
-        free(own.tangent);
+    const size_t room = ((size_t)starts->count + 1) * sizeof *starts->start;
+    saltus_branch_start *grown = realloc(starts->start, room);
+    if (!grown)
         return saltus_branch_no_memory(message);
-    }
-    memcpy(own.state, start->state, (size_t)n * sizeof *own.state);
-    if (start->tangent)
-        memcpy(own.tangent, start->tangent, (size_t)start->unknowns * sizeof *own.tangent);
-    starts->start[starts->count++] = own;
+    starts->start = grown;
+    grown[starts->count++] = *start;
     return SALTUS_OK;
 }
 
-saltus_status saltus_starts_add_ways(saltus_starts *starts, int n, saltus_branch_start *start, int direction,
+saltus_status saltus_starts_add_ways(saltus_starts *starts, saltus_branch_start *start, int direction,
                                      saltus_message *message) {
     saltus_status status = SALTUS_OK;
     for (int way = 1; way >= -1 && status == SALTUS_OK; way -= 2) {
-        for (int j = 0; j < start->unknowns && start->tangent && way < 0; j++)
+        for (int j = 0; j < start->unknowns && way < 0; j++)
             start->tangent[j] = -start->tangent[j];
-        if (!start->tangent)
+        if (start->unknowns == 0)
             start->heading = way;
         if (direction * way >= 0)
-            status = saltus_starts_add(starts, n, start, message);
+            status = saltus_starts_add(starts, start, message);
     }
     return status;
-}
-
-void saltus_start_clear(saltus_branch_start *start) {
-    free(start->state);
-    free(start->tangent);
-    start->state = start->tangent = NULL;
 }
 
 saltus_branch_start saltus_starts_take(saltus_starts *starts) {
@@ -58,17 +43,13 @@ saltus_branch_start saltus_starts_take(saltus_starts *starts) {
 int saltus_starts_drop(saltus_starts *starts, int place) {
     int kept = 0, count = starts->count;
     for (int k = 0; k < count; k++)
-        if (starts->start[k].place == place)
-            saltus_start_clear(&starts->start[k]);
-        else
+        if (starts->start[k].place != place)
             starts->start[kept++] = starts->start[k];
     starts->count = kept;
     return count - kept;
 }
 
 void saltus_starts_clear(saltus_starts *starts) {
-    for (int k = 0; k < starts->count; k++)
-        saltus_start_clear(&starts->start[k]);
     free(starts->start);
     *starts = (saltus_starts){.count = 0};
 }
@@ -90,12 +71,11 @@ static void leaving(const double *plane, const double *old, int m, bool pitchfor
 saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, saltus_point_kind kind,
                                   const saltus_branch_start *like, saltus_starts *starts,
                                   saltus_message *message) {
-    enum { most = SALTUS_STATE_MAX + SALTUS_MARKS_MAX + 2 };
     const bool flips = kind == SALTUS_POINT_PD;
     bool shift;
     const bool pitchfork = flips || saltus_system_mirror_symmetric(o->system, &shift);
     int order[SALTUS_MARKS_MAX];
-    double plane[2 * most], values[2], old[most], tangent[most], *u = NULL;
+    double plane[2 * SALTUS_START_UNKNOWNS_MAX], values[2], old[SALTUS_START_UNKNOWNS_MAX], *u = NULL;
     saltus_shooting *shooting = NULL;
     saltus_branch_start start = *like;
     start.sequence = at->sequence;
@@ -118,26 +98,25 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     if (!pitchfork)
         saltus_sequence_carry(&at->sequence, at->at.tangent, &start.sequence, order, o->n, 1, old);
     start.parameter = at->parameter[0];
-    start.state = at->state;
-    start.tangent = tangent;
+    memcpy(start.state, at->state, sizeof start.state);
     start.unknowns = saltus_sequence_unknowns(&start.sequence, o->n) + 1;
     start.origin = kind;
-    leaving(plane, old, start.unknowns, pitchfork, tangent);
+    leaving(plane, old, start.unknowns, pitchfork, start.tangent);
     /* At pitchforks and flips the other half of the branch is the image of this half. */
-    return saltus_starts_add_ways(starts, o->n, &start, pitchfork, message);
+    return saltus_starts_add_ways(starts, &start, pitchfork, message);
 }
 
-saltus_status saltus_starts_graze(saltus_orbits *o, const saltus_solution *at, const saltus_sequence *beyond,
+saltus_status saltus_starts_graze(const saltus_solution *at, const saltus_sequence *beyond,
                                   const saltus_branch_start *like, saltus_starts *starts,
                                   saltus_message *message) {
     const saltus_sequence *more = beyond->count > at->sequence.count ? beyond : &at->sequence;
     const saltus_sequence *less = more == beyond ? &at->sequence : beyond;
     saltus_branch_start start = *like;
     start.parameter = at->parameter[0];
-    start.state = at->state;
+    memcpy(start.state, at->state, sizeof start.state);
     start.grazes = true;
     start.origin = SALTUS_POINT_GR;
     if (more->count != less->count + 1 || !saltus_sequence_join(more, less, &start.sequence))
         return SALTUS_OK;
-    return saltus_starts_add(starts, o->n, &start, message);
+    return saltus_starts_add(starts, &start, message);
 }

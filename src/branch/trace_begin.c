@@ -26,7 +26,8 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
     saltus_status status =
         cycle ? saltus_cycle_polish(o->system, state, &options, &orbit, &clocked, &lap, message)
               : saltus_return_polish(o->flow, periods, state, &options, &orbit, &lap, message);
-    start.state = orbit.state;
+    if (status == SALTUS_OK)
+        memcpy(start.state, orbit.state, (size_t)o->n * sizeof *start.state);
     if (status == SALTUS_OK && cycle)
         status = saltus_orbits_tune(o, at_start, orbit.omega, message);
     if (status == SALTUS_OK)
@@ -34,7 +35,7 @@ saltus_status saltus_trace_begin(saltus_trace *t, int periods, const double *sta
             saltus_sequence_make(o->flow, orbit.periods, cycle, start.state, &lap, &start.sequence, message);
     saltus_system_free(clocked);
     if (status == SALTUS_OK)
-        status = saltus_starts_add_ways(t->starts, o->n, &start, t->trail->options->direction, message);
+        status = saltus_starts_add_ways(t->starts, &start, t->trail->options->direction, message);
     saltus_orbit_clear(&orbit);
     saltus_lap_close(&lap);
     return status;
@@ -111,7 +112,7 @@ static saltus_status place_first(saltus_trace *t, const saltus_branch_start *sta
         if (cuts > 1)
             saltus_sequence_turn(&start->sequence, start->sequence.base, cuts, &sequence, order);
         status =
-            saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->tangent, here, why);
+            saltus_solution_place(o, &sequence, &start->parameter, start->state, !start->unknowns, here, why);
         if (cuts > 1 && status == SALTUS_NO_CONVERGENCE && isfinite(o->equations->size))
             growth = fmax(growth, saltus_shooting_growth(o->shooting));
     }
@@ -155,7 +156,7 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
     saltus_orbits *o = &t->orbits;
     saltus_message why = {.text = ""};
     const bool small = is_small(start);
-    saltus_trail_begin(t->trail, t->starts->begun - 1, start->parent, start->depth, start->tangent != NULL);
+    saltus_trail_begin(t->trail, t->starts->begun - 1, start->parent, start->depth, start->unknowns > 0);
     t->returns = -1;
     t->births.count = 0;
     saltus_lap_close(&t->first);
@@ -177,12 +178,12 @@ saltus_status saltus_trace_start(saltus_trace *t, const saltus_branch_start *sta
         t->trail->following = false;
         return SALTUS_OK;
     }
-    if (start->tangent && !small)
+    if (start->unknowns && !small)
         memcpy(t->here->at.tangent, start->tangent, (size_t)start->unknowns * sizeof *start->tangent);
     else if (!small)
         saltus_solution_head(t->here, start->heading);
     status = give_first(t, start, message);
-    if (status == SALTUS_OK && !start->tangent)
+    if (status == SALTUS_OK && !start->unknowns)
         saltus_solution_reframe(o, true, false, t->here, t->trial, NULL);
     return status;
 }

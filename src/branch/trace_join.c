@@ -7,6 +7,7 @@
 #include "orbit/lap.h"
 
 #include <math.h>
+#include <string.h>
 
 void saltus_trace_drop_starts(saltus_trace *t) {
     const saltus_branch_point *point = saltus_trail_last(t->trail);
@@ -15,11 +16,9 @@ void saltus_trace_drop_starts(saltus_trace *t) {
         saltus_branch_start *start = &t->starts->start[k];
         double value = t->orbits.origin + t->orbits.family.unit[0] * start->parameter;
         if (start->place == 0 && start->origin == point->kind && start->sequence.periods == point->periods &&
-            fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0]) {
-            saltus_start_clear(start);
-        } else {
-            t->starts->start[kept++] = *start;
-        }
+            fabs(value - point->value[0]) < 1e-7 * t->orbits.family.unit[0])
+            continue;
+        t->starts->start[kept++] = *start;
     }
     t->starts->count = kept;
 }
@@ -107,10 +106,10 @@ static saltus_status add_joined(saltus_trace *t, const saltus_solution *orbit, s
         status = saltus_trail_join(t->trail, o->system, start->origin, periods, value, points, &start->place,
                                    message);
         if (status == SALTUS_OK && !sequences)
-            status = saltus_starts_add_ways(t->starts, o->n, start, 0, message);
+            status = saltus_starts_add_ways(t->starts, start, 0, message);
         for (int k = 0; k < 2 && sequences && status == SALTUS_OK; k++) {
             start->sequence = sequences[k];
-            status = saltus_starts_add(t->starts, o->n, start, message);
+            status = saltus_starts_add(t->starts, start, message);
         }
     }
     saltus_lap_close(&lap);
@@ -134,9 +133,9 @@ saltus_status saltus_trace_follow_joined(saltus_trace *t, const saltus_solution 
     if (status == SALTUS_OK && between.survey.walked) {
         saltus_sequence_turn(&between.sequence, between.sequence.base, 1, &start.sequence, order);
         start.parameter = between.parameter[0];
-        start.state = between.state;
-        start.tangent = between.at.tangent;
+        memcpy(start.state, between.state, sizeof start.state);
         start.unknowns = between.at.unknowns;
+        memcpy(start.tangent, between.at.tangent, (size_t)start.unknowns * sizeof *start.tangent);
         start.origin = kind;
         status = add_joined(t, &between, &start, NULL, value, message);
     }
@@ -175,7 +174,7 @@ saltus_status saltus_trace_follow_grazing(saltus_trace *t, const saltus_solution
         return SALTUS_OK;
     start.sequence = sequences[0];
     start.parameter = at->parameter[0];
-    start.state = at->state;
+    memcpy(start.state, at->state, sizeof start.state);
     start.grazes = true;
     start.origin = SALTUS_POINT_GR;
     return add_joined(t, at, &start, sequences, at->value, message);

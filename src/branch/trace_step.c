@@ -51,7 +51,7 @@ static saltus_status add_starts(saltus_trace *t, const saltus_solution *at, salt
     if (!saltus_trail_switches(trail))
         return SALTUS_OK;
     saltus_status status = kind == SALTUS_POINT_GR
-                               ? saltus_starts_graze(&t->orbits, at, beyond, &like, t->starts, &why)
+                               ? saltus_starts_graze(at, beyond, &like, t->starts, &why)
                                : saltus_starts_leave(&t->orbits, at, kind, &like, t->starts, &why);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
@@ -74,10 +74,8 @@ static saltus_status give_return(saltus_trace *t, const saltus_solution *s, salt
     if (!saltus_trace_same_orbit(t, s, &t->first))
         return SALTUS_OK;
     /* The other direction from the same start leads around the same branch. */
-    if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading) {
-        saltus_branch_start other = saltus_starts_take(t->starts);
-        saltus_start_clear(&other);
-    }
+    if (t->starts->begun == 1 && t->starts->count > 0 && t->starts->start[0].heading)
+        saltus_starts_take(t->starts);
     what.kind = SALTUS_POINT_EP;
     what.reason = "the branch is closed: it has come back";
     return saltus_trace_give(t, s, what, message);
