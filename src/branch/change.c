@@ -12,23 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The derivatives of the speeds of two impacts (`marks`, zero at `s`) in the direction `way`, from a point at
- * distance `by`. False where the equations cannot be evaluated. */
-static bool speeds_aside(saltus_orbits *o, const saltus_solution *s, const double *way, double by,
-                         const int *marks, double *u, double *speeds) {
-    int count;
-    for (int j = 0; j < s->at.unknowns; j++)
-        u[j] = s->at.u[j] + by * way[j];
-    if (saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, u, NULL)) != SALTUS_OK)
-        return false;
-    const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &count);
-    for (int k = 0; k < count; k++)
-        for (int i = 0; i < 2; i++)
-            if (breaches[k].kind == SALTUS_BREACH_SPEED && breaches[k].mark == marks[i])
-                speeds[i] = -breaches[k].value / by;
-    return true;
-}
-
 /* On an orbit that forgets when its impacts happen, as in a planar flow, two impacts that are born at once
  * can each occur without the other: the equations have a two-dimensional null space. Take as tangent the
  * vector in it along which both speeds grow equally. */
@@ -36,7 +19,7 @@ static void leave_alike(saltus_orbits *o, saltus_solution *s) {
     const double still = 1e-9, nothing = 1e-8, apart = 1e-6;
     const size_t m = (size_t)s->at.unknowns;
     int marks[2] = {0}, count = 0;
-    double values[2], speeds[2][2], length = 0, *plane = NULL;
+    double values[2], speeds[2][2] = {{0}}, length = 0, *plane = NULL;
     for (int k = 0; k < s->breach_count; k++)
         if (s->breaches[k].kind == SALTUS_BREACH_SPEED && fabs(s->breaches[k].value) < still && count++ < 2)
             marks[count - 1] = s->breaches[k].mark;
@@ -46,16 +29,23 @@ static void leave_alike(saltus_orbits *o, saltus_solution *s) {
     plane = calloc(3 * m, sizeof *plane);
     saltus_status status = plane ? saltus_null_plane(o->equations, plane, values, NULL) : SALTUS_NO_MEMORY;
     bool found = saltus_orbits_noted(o, status) == SALTUS_OK && fabs(values[1]) < nothing;
-    for (int k = 0; k < 2 && found; k++)
-        found = speeds_aside(o, s, plane + (size_t)k * m, apart, marks, plane + 2 * m, speeds[k]);
-    const double share[2] = {found ? speeds[1][1] - speeds[1][0] : 0,
-                             found ? speeds[0][0] - speeds[0][1] : 0};
+    double *aside = found ? plane + 2 * m : NULL;
+    /* The derivatives of both speeds along both vectors. */
+    for (size_t k = 0; k < 2 && found; k++) {
+        for (size_t j = 0; j < m; j++)
+            aside[j] = s->at.u[j] + apart * plane[k * m + j];
+        found = saltus_orbits_noted(o, saltus_equations_evaluate(o->equations, aside, NULL)) == SALTUS_OK;
+        const saltus_breach *breaches = saltus_shooting_breaches(o->shooting, &count);
+        for (int i = 0; i < 2 * count && found; i++)
+            if (breaches[i / 2].kind == SALTUS_BREACH_SPEED && breaches[i / 2].mark == marks[i % 2])
+                speeds[k][i % 2] = -breaches[i / 2].value / apart;
+    }
     for (size_t j = 0; j < m && found; j++) {
-        plane[2 * m + j] = share[0] * plane[j] + share[1] * plane[m + j];
-        length = hypot(length, plane[2 * m + j]);
+        aside[j] = (speeds[1][1] - speeds[1][0]) * plane[j] + (speeds[0][0] - speeds[0][1]) * plane[m + j];
+        length = hypot(length, aside[j]);
     }
     for (size_t j = 0; j < m && length > 0; j++)
-        s->at.tangent[j] = plane[2 * m + j] / length;
+        s->at.tangent[j] = aside[j] / length;
     free(plane);
 }
 
@@ -76,22 +66,6 @@ bool saltus_change_pass(saltus_orbits *o, const saltus_sequence *beyond, const d
             saltus_curve_turn(&here->at);
         }
     return false;
-}
-
-/* The breaches of a grazing orbit that make the change: the one that does and its mirror image. In a run of
- * ever slower impacts the last ones are almost as slow as the one that is born or dies, but only that one
- * does. `others`: where impacts die, the births. Returns their number. */
-static int pick_change(const saltus_solution *at, bool others, saltus_breach *picked) {
-    const double together = 1e-9;
-    saltus_breach_kind kind = saltus_solution_touch(at)->kind;
-    int count = 0;
-    if (others && kind != SALTUS_BREACH_SPEED)
-        return 0;
-    kind = others ? SALTUS_BREACH_GAP : kind;
-    for (int k = 0; k < at->breach_count; k++)
-        if (at->breaches[k].kind == kind && fabs(at->breaches[k].value) < together)
-            picked[count++] = at->breaches[k];
-    return count;
 }
 
 bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *doubled) {
@@ -129,7 +103,8 @@ bool saltus_change_in_family(saltus_orbits *o, const saltus_solution *at, bool *
 saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, saltus_sequence *beyond,
                                   saltus_solution *here, saltus_solution *next, saltus_change *change,
                                   saltus_message *message) {
-    const double still = 1e-7;
+    const double still = 1e-7, together = 1e-9;
+    const saltus_breach_kind worst = saltus_solution_touch(at)->kind;
     int order[SALTUS_MARKS_MAX];
     saltus_breach *picked = calloc((size_t)at->breach_count + 1, sizeof *picked);
     double *old = calloc((size_t)(at->at.unknowns + at->breach_count) + 1, sizeof *old);
@@ -141,10 +116,17 @@ saltus_status saltus_change_graze(saltus_orbits *o, const saltus_solution *at, s
         free(old);
         return saltus_branch_no_memory(message);
     }
+    /* What makes the change is the worst breach and its mirror image: in a run of ever slower impacts the
+     * last ones are almost as slow as the one that is born or dies, but only that one does. Where impacts die
+     * the births are tried next. */
     for (int attempt = 0; attempt < 2 && !passes && (!attempt || change->reason); attempt++) {
+        const saltus_breach_kind kind = attempt ? SALTUS_BREACH_GAP : worst;
         saltus_sequence *fresh = attempt ? &other : beyond;
-        const char *reason =
-            saltus_sequence_graze(&at->sequence, picked, pick_change(at, attempt, picked), fresh, order);
+        int count = 0;
+        for (int k = 0; k < at->breach_count && (!attempt || worst == SALTUS_BREACH_SPEED); k++)
+            if (at->breaches[k].kind == kind && fabs(at->breaches[k].value) < together)
+                picked[count++] = at->breaches[k];
+        const char *reason = saltus_sequence_graze(&at->sequence, picked, count, fresh, order);
         if (!reason)
             break;
         saltus_sequence_carry(&at->sequence, at->at.tangent, fresh, order, o->n, 1, old);
@@ -418,23 +400,20 @@ static saltus_change compare(const saltus_orbits *o, const saltus_solution *from
     return change;
 }
 
-saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead,
-                                 saltus_leap leap, const char *why, const double range[2],
-                                 saltus_solution *at, saltus_solution *here, saltus_solution *scratch,
-                                 saltus_change *change, saltus_message *message) {
+void saltus_change_leap(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_leap leap,
+                        const char *why, const double range[2], saltus_solution *at, saltus_solution *here,
+                        saltus_solution *scratch, saltus_change *change) {
     static const double reach[] = {1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 1e-2};
     enum { reaches = sizeof reach / sizeof reach[0], wide = 2 };
     double width = bracket(o, from, ahead, from->survey.walked ? &from->survey : NULL, at);
     double heading = saltus_solution_heading(at);
     *change = (saltus_change){.kind = SALTUS_POINT_EP, .reason = why, .accuracy = NAN};
     if (isnan(width))
-        return SALTUS_OK;
+        return;
     if (ceases_to_complete(at))
         change->reason = why = "chatter ceases to complete: the contact after it shrinks to nothing";
     change->accuracy = accuracy_at(o, at, width);
-    double *state = calloc((size_t)o->n, sizeof *state), border = range[heading > 0];
-    if (!state)
-        return saltus_branch_no_memory(message);
+    double state[SALTUS_STATE_MAX], border = range[heading > 0];
     change->at_border =
         fabs(at->parameter[0] - border) < saltus_at_border && shoot_ahead(o, at, border, state, here);
     /* Where chatter completes, changes lie close together; where grazings accumulate, the parameter turns
@@ -460,8 +439,6 @@ saltus_status saltus_change_leap(saltus_orbits *o, const saltus_solution *from, 
         if (belongs == BELONGS_ELSE && other < 0 && distance >= reach[wide])
             other = own;
     }
-    free(state);
-    return SALTUS_OK;
 }
 
 /* Follow the branch of `here`, an orbit with complete chatter, back to where the contact after the chatter
@@ -546,13 +523,11 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
                             saltus_solution *scratch, saltus_change *change) {
     static const double reach[] = {1, 4, 0.25, 16};
     const double sharp = far ? 0.02 : 0.2, near = far ? 0.5 : 1e-2;
-    double *state = calloc((size_t)o->n, sizeof *state);
+    double state[SALTUS_STATE_MAX];
     bool found = false, there = false;
-    if (!state)
-        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
     /* The far side first; but where the parameter turns back as impacts are born, the near side may be the
      * right one. */
-    for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && state && !there; k++) {
+    for (size_t k = 0; k < 2 * sizeof reach / sizeof reach[0] && !there; k++) {
         double way = copysign(1, k % 2 ? -rest : rest), distance = reach[k / 2] * fabs(rest), ahead;
         double parameter = limit + way * distance;
         memcpy(state, from->state, (size_t)o->n * sizeof *state);
@@ -576,7 +551,6 @@ bool saltus_change_complete(saltus_orbits *o, const saltus_solution *from, doubl
                                   .distance = -ahead};
         saltus_solution_label(o, here, change->after);
     }
-    free(state);
     return found;
 }
 
@@ -598,14 +572,10 @@ bool saltus_change_retrace(saltus_orbits *o, const saltus_solution *here, saltus
                            saltus_solution *scratch, double *value, double *accuracy) {
     const double back = 1e-3;
     saltus_sequence met;
-    double *state = calloc((size_t)o->n, sizeof *state);
-    if (!state)
-        saltus_orbits_noted(o, SALTUS_NO_MEMORY);
-    bool found = state && sequence_met(o, here, state, &met) &&
-                 saltus_solution_place(o, &met, here->parameter, state, true, fresh, NULL) == SALTUS_OK &&
-                 saltus_solution_survey(o, fresh, NULL) == SALTUS_OK && fresh->survey.follows;
-    free(state);
-    if (!found) {
+    double state[SALTUS_STATE_MAX];
+    if (!(sequence_met(o, here, state, &met) &&
+          saltus_solution_place(o, &met, here->parameter, state, true, fresh, NULL) == SALTUS_OK &&
+          saltus_solution_survey(o, fresh, NULL) == SALTUS_OK && fresh->survey.follows)) {
         saltus_orbits_noted(o, saltus_shooting_shape(o->shooting, &here->sequence, NULL));
         return false;
     }

@@ -53,10 +53,9 @@ typedef enum saltus_leap {
 /* The orbits of the branch through `from` exist, or are followed by the flow, only up to some point before
  * `ahead`: `at` becomes the last of them, `here` an orbit beyond, within `range`. Kind EP: no such orbit was
  * found; if there is no last orbit either, accuracy is NAN and `at` is not set. `scratch` is overwritten. */
-saltus_status saltus_change_leap(saltus_orbits *orbits, const saltus_solution *from, double ahead,
-                                 saltus_leap leap, const char *why, const double range[2],
-                                 saltus_solution *at, saltus_solution *here, saltus_solution *scratch,
-                                 saltus_change *change, saltus_message *message);
+void saltus_change_leap(saltus_orbits *orbits, const saltus_solution *from, double ahead, saltus_leap leap,
+                        const char *why, const double range[2], saltus_solution *at, saltus_solution *here,
+                        saltus_solution *scratch, saltus_change *change);
 /* The latest of successive births of impacts. */
 enum { saltus_births_length = 4 };
 typedef struct saltus_births {

@@ -461,25 +461,23 @@ static bool test_at(void *context, double ahead, double *value) {
     return status == SALTUS_OK;
 }
 
-/* Locate a zero between two places, given the values there. */
-static saltus_zero locate(location *l, const double ends[2], const double values[2]) {
+saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, double target,
+                                         const saltus_solution *from, const saltus_solution *to,
+                                         const double ends[2], const double values[2], saltus_solution *out) {
+    location l = {.orbits = o, .test = test, .target = target, .from = from, .out = out, .visited = NAN};
     saltus_zero zero = {.accuracy = INFINITY};
     double width;
-    l->end = ends[1];
-    if (!saltus_curve_zero_between(l->orbits->solver, test_at, l, ends, values, &zero.ahead, &width) ||
-        visit(l, zero.ahead) != SALTUS_OK)
+    l.end = ends[1];
+    if (to && saltus_orbits_noted(o, saltus_curve_copy(&to->at, &out->at) ? SALTUS_OK : SALTUS_NO_MEMORY) ==
+                  SALTUS_OK)
+        l.visited = to->at.ahead;
+    if (!saltus_curve_zero_between(o->solver, test_at, &l, ends, values, &zero.ahead, &width) ||
+        visit(&l, zero.ahead) != SALTUS_OK)
         return zero;
-    double unit = l->orbits->family.unit[0], slope = fabs(saltus_solution_heading(l->out)) * unit;
+    double unit = o->family.unit[0], slope = fabs(saltus_solution_heading(out)) * unit;
     zero.accuracy = slope * width + unit * width * width;
     zero.found = true;
     return zero;
-}
-
-saltus_zero saltus_solution_zero_between(saltus_orbits *o, saltus_test test, double target,
-                                         const saltus_solution *from, const double ends[2],
-                                         const double values[2], saltus_solution *out) {
-    location l = {.orbits = o, .test = test, .target = target, .from = from, .out = out, .visited = NAN};
-    return locate(&l, ends, values);
 }
 
 saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double target,
@@ -488,11 +486,7 @@ saltus_zero saltus_solution_zero(saltus_orbits *o, saltus_test test, double targ
     const double ends[] = {0, to->at.ahead};
     const double values[] = {saltus_test_value(test, target, from, from),
                              saltus_test_value(test, target, to, from)};
-    location l = {.orbits = o, .test = test, .target = target, .from = from, .out = out, .visited = NAN};
-    if (saltus_orbits_noted(o, saltus_curve_copy(&to->at, &out->at) ? SALTUS_OK : SALTUS_NO_MEMORY) ==
-        SALTUS_OK)
-        l.visited = to->at.ahead;
-    return locate(&l, ends, values);
+    return saltus_solution_zero_between(o, test, target, from, to, ends, values, out);
 }
 
 saltus_zero saltus_solution_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from,

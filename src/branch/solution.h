@@ -154,6 +154,7 @@ double saltus_solution_part_distance(saltus_orbits *orbits, const saltus_solutio
  * that impact's own touch; and where impacts die just as the orbit touches elsewhere, so that rounding
  * decides which breach is the worst, it is a death. */
 const saltus_breach *saltus_solution_touch(const saltus_solution *at);
+
 /* Whether a complex pair of multipliers is on the unit circle, not two real ones whose product is 1. */
 bool saltus_pair_on_circle(const saltus_survey *survey);
 
@@ -181,10 +182,11 @@ double saltus_test_value(saltus_test test, double target, const saltus_solution 
 saltus_zero saltus_solution_zero(saltus_orbits *orbits, saltus_test test, double target,
                                  const saltus_solution *from, const saltus_solution *to,
                                  saltus_solution *out);
-/* The same between two places ahead of `from`, with the test's values there. */
+/* The same between two places ahead of `from`, with the test's values there; `to` (may be NULL) is the point
+ * at the second one. */
 saltus_zero saltus_solution_zero_between(saltus_orbits *orbits, saltus_test test, double target,
-                                         const saltus_solution *from, const double ends[2],
-                                         const double values[2], saltus_solution *out);
+                                         const saltus_solution *from, const saltus_solution *to,
+                                         const double ends[2], const double values[2], saltus_solution *out);
 /* The accuracy of solutions at this distance from a place where the equations are singular. */
 static inline double saltus_rounding_at(double apart) {
     return 1e-14 / fabs(apart);

@@ -63,9 +63,8 @@ static int add(saltus_orbits *o, const saltus_solution *from, const saltus_solut
     found.ahead = ends[1];
     if (far != 0) {
         const bool whole = ends[0] == 0 && ends[1] == to->at.ahead && found.test != SALTUS_TEST_PAIR;
-        const saltus_zero zero =
-            whole ? saltus_solution_zero(o, found.test, found.target, from, to, scratch)
-                  : saltus_solution_zero_between(o, found.test, found.target, from, ends, values, scratch);
+        const saltus_zero zero = saltus_solution_zero_between(o, found.test, found.target, from,
+                                                              whole ? to : NULL, ends, values, scratch);
         found.ahead = zero.ahead;
         found.accuracy = zero.accuracy;
         if (!zero.found && found.kind != SALTUS_POINT_BP && found.kind != SALTUS_POINT_HB)
@@ -86,34 +85,20 @@ static int add_along(saltus_orbits *o, const saltus_solution *from, const saltus
                saltus_test_value(found.test, found.target, to, from), found, specials, count, scratch);
 }
 
-static void fill_values(const saltus_solution *s, const saltus_solution *from, place *out) {
+static place place_of(const saltus_solution *s, const saltus_solution *from, double ahead) {
+    place own = {.ahead = ahead};
     for (int test = 0; test <= SALTUS_TEST_PAIR; test++)
-        out->value[test] = saltus_test_value((saltus_test)test, 0, s, from);
+        own.value[test] = saltus_test_value((saltus_test)test, 0, s, from);
+    return own;
 }
 
-/* The tests' values at a place; `own` is zero there. False: there is no orbit. */
-static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_test own, place *out,
-                 saltus_solution *scratch) {
-    if (saltus_solution_visit(o, from, ahead, scratch, NULL) != SALTUS_OK ||
-        saltus_orbits_noted(o, saltus_solution_survey(o, scratch, NULL)) != SALTUS_OK)
-        return false;
-    out->ahead = ahead;
-    fill_values(scratch, from, out);
-    if (own <= SALTUS_TEST_PAIR)
-        out->value[own] = NAN;
-    return true;
+/* `scratch` becomes the orbit at a place, surveyed. False: there is none. */
+static bool look(saltus_orbits *o, const saltus_solution *from, double ahead, saltus_solution *scratch) {
+    return saltus_solution_visit(o, from, ahead, scratch, NULL) == SALTUS_OK &&
+           saltus_orbits_noted(o, saltus_solution_survey(o, scratch, NULL)) == SALTUS_OK;
 }
 
 enum { places_max = 8, tested_max = 8 };
-
-/* Insert a place in order of arclength. Returns how many there are. */
-static int insert_place(place new, place *places, int count) {
-    int at = count;
-    for (; at > 0 && places[at - 1].ahead > new.ahead; at--)
-        places[at] = places[at - 1];
-    places[at] = new;
-    return count + 1;
-}
 
 /* Add the zeros of tests. A test may have two zeros on a step around the zero of another one: where a branch
  * turns back into orbits that it has passed already, all other tests do; and where a single multiplier
@@ -127,13 +112,12 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
                                            {.kind = SALTUS_POINT_BP, .test = SALTUS_TEST_CROSSING},
                                            {.kind = SALTUS_POINT_NS, .test = SALTUS_TEST_PAIR}};
     const double beyond = 1e-4;
-    place places[places_max] = {{.ahead = 0}, {.ahead = to->at.ahead}};
+    place places[places_max] = {place_of(from, from, 0), place_of(to, from, to->at.ahead)};
     int count = 0, known = 2;
-    fill_values(from, from, &places[0]);
-    fill_values(to, from, &places[1]);
-    if (fresh &&
-        (to->at.ahead < 2 * beyond || !look(o, from, beyond, SALTUS_TEST_VALUE, &places[0], scratch)))
+    if (fresh && (to->at.ahead < 2 * beyond || !look(o, from, beyond, scratch)))
         return 0;
+    if (fresh)
+        places[0] = place_of(scratch, from, beyond);
     for (int pass = 0; pass < 2; pass++)
         for (int k = 0; k < 4; k++) {
             const saltus_test test = kinds[k].test;
@@ -149,10 +133,15 @@ static int add_tested(saltus_orbits *o, const saltus_solution *from, const saltu
             }
             for (int j = 0; j < count && count > before && known < places_max; j++) {
                 const double ahead = specials[j].ahead;
-                place new;
-                if (specials[j].test == test && test <= SALTUS_TEST_FLIP && ahead > places[0].ahead &&
-                    ahead < to->at.ahead && look(o, from, ahead, test, &new, scratch))
-                    known = insert_place(new, places, known);
+                int at = known;
+                if (specials[j].test != test || test > SALTUS_TEST_FLIP || !(ahead > places[0].ahead) ||
+                    !(ahead < to->at.ahead) || !look(o, from, ahead, scratch))
+                    continue;
+                for (; places[at - 1].ahead > ahead; at--)
+                    places[at] = places[at - 1];
+                places[at] = place_of(scratch, from, ahead);
+                places[at].value[test] = NAN; /* zero there */
+                known++;
             }
         }
     return count;
@@ -283,17 +272,24 @@ static saltus_status open_other(const saltus_orbits *o, const saltus_solution *a
         memcpy(there->at.bend, at->at.bend, 2 * size);
     there->at.crossing = at->at.crossing;
     there->flip = at->flip;
+    there->onward = at->onward;
     return status;
 }
 
-double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_solution *at) {
+/* The doubt of saltus_special_doubt or, with `reach`, the same for a crossing of curves near `ahead` of `at`,
+ * found at parameter `value`. */
+static double doubt_of(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
+                       double reach, double value) {
     saltus_orbits other;
     saltus_solution there, scratch = {.value = 0};
     const saltus_breach touch = *saltus_solution_touch(at);
     double here, beyond, scatter[2], doubt = INFINITY;
     saltus_status status = open_other(o, at, &other, &there);
+    if (status == SALTUS_OK && reach > 0 &&
+        saltus_solution_crossing(&other, test, &there, ahead, reach, &scratch).found)
+        doubt = cautious * fabs(scratch.value - value);
     /* At the end of a domain only one side works. */
-    for (int side = 0; side < 3 && isinf(doubt) && status == SALTUS_OK; side++) {
+    for (int side = 0; side < 3 && isinf(doubt) && status == SALTUS_OK && reach == 0; side++) {
         double middle = (side == 2 ? -1 : side) * apart;
         if (zero_around(o, test, &touch, at, middle, &scratch, &here, &scatter[0]) &&
             zero_around(&other, test, &touch, &there, middle, &scratch, &beyond, &scatter[1]))
@@ -306,23 +302,8 @@ double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_sol
     return doubt;
 }
 
-/* The same for a crossing of curves near `ahead` of `from`, found at parameter `value`. */
-static double doubt_of_crossing(saltus_orbits *o, saltus_test by, const saltus_solution *from, double ahead,
-                                double reach, double value) {
-    saltus_orbits other;
-    saltus_solution there, scratch = {.value = 0};
-    double doubt = INFINITY;
-    saltus_status status = open_other(o, from, &other, &there);
-    if (status == SALTUS_OK) {
-        there.onward = from->onward;
-        if (saltus_solution_crossing(&other, by, &there, ahead, reach, &scratch).found)
-            doubt = cautious * fabs(scratch.value - value);
-    }
-    saltus_orbits_noted(o, other.starved ? SALTUS_NO_MEMORY : status);
-    saltus_solution_clear(&there);
-    saltus_solution_clear(&scratch);
-    saltus_orbits_close(&other);
-    return doubt;
+double saltus_special_doubt(saltus_orbits *o, saltus_test test, const saltus_solution *at) {
+    return doubt_of(o, test, at, 0, 0, 0);
 }
 
 saltus_status saltus_special_between(saltus_orbits *o, saltus_orbits *own, const saltus_solution *at,
@@ -387,9 +368,9 @@ static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *
         }
         zero.found = zero.found && fabs(place.parameter[0] - at->parameter[0]) < near;
         if (zero.found)
-            zero.accuracy +=
-                mirrored ? doubt_of_crossing(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], place.value)
-                         : saltus_special_doubt(&own, SALTUS_TEST_FLIP, &place);
+            zero.accuracy += mirrored
+                                 ? doubt_of(&own, SALTUS_TEST_CROSSING, &between, 0, reach[k], place.value)
+                                 : saltus_special_doubt(&own, SALTUS_TEST_FLIP, &place);
     }
     *value = place.value;
     saltus_orbits_noted(o, own.starved ? SALTUS_NO_MEMORY : status);
@@ -401,40 +382,30 @@ static saltus_zero zero_between_halves(saltus_orbits *o, const saltus_solution *
     return zero;
 }
 
-/* Whether the branch joins that of half the period at `at`. */
-static bool joins_half(saltus_orbits *o, const saltus_solution *at, saltus_special *special) {
-    const double apart = saltus_solution_half_distance(o, at, false), unit = o->family.unit[0];
-    double value;
-    saltus_zero flip = {.found = false};
-    if (apart < 2e-2 && at->sequence.count % 2 == 0)
-        flip = zero_between_halves(o, at, false, &value);
-    if (!(apart < 1e-4 || (flip.found && fabs(value - at->value) < 1e-6 * unit)))
-        return false;
-    special->kind = SALTUS_POINT_PD;
-    special->end = "joins the orbits of half the period";
-    if (flip.found) {
-        special->value = value;
-        special->accuracy = flip.accuracy;
-    }
-    return true;
-}
-
-/* Whether at `at`, a fold, asymmetric orbits join the branch of orbits that are their own mirror images. */
-static bool joins_image(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at,
-                        saltus_special *special) {
+/* Whether at `at`, a fold, the branch joins that of half the period or, `mirrored`, asymmetric orbits join
+ * those that are their own mirror images. */
+static bool joins(saltus_orbits *o, const saltus_solution *from, const saltus_solution *at, bool mirrored,
+                  saltus_special *special) {
     bool shift;
-    if (!saltus_system_mirror_symmetric(o->system, &shift))
+    if (mirrored && !saltus_system_mirror_symmetric(o->system, &shift))
         return false;
-    double apart = saltus_solution_half_distance(o, at, true), value;
-    double before = saltus_solution_half_distance(o, from, true);
-    if (!(apart < 1e-3 && apart < 0.05 * before && before > asymmetric))
+    const double apart = saltus_solution_half_distance(o, at, mirrored), unit = o->family.unit[0],
+                 before = mirrored ? saltus_solution_half_distance(o, from, true) : INFINITY;
+    const bool near = mirrored ? apart < 1e-3 && apart < 0.05 * before && before > asymmetric
+                               : apart < 2e-2 && at->sequence.count % 2 == 0;
+    double value = NAN;
+    saltus_zero zero = {.found = false};
+    if (near)
+        zero = zero_between_halves(o, at, mirrored, &value);
+    const bool found = zero.found && fabs(value - at->value) < 1e-6 * unit;
+    if (mirrored ? !near : !(apart < 1e-4 || found))
         return false;
-    special->kind = SALTUS_POINT_BP;
-    special->end = "joins the orbits that are their own mirror images";
-    const saltus_zero crossing = zero_between_halves(o, at, true, &value);
-    if (crossing.found) {
+    special->kind = mirrored ? SALTUS_POINT_BP : SALTUS_POINT_PD;
+    special->end = mirrored ? "joins the orbits that are their own mirror images"
+                            : "joins the orbits of half the period";
+    if (zero.found) {
         special->value = value;
-        special->accuracy = crossing.accuracy;
+        special->accuracy = zero.accuracy;
     }
     return true;
 }
@@ -472,8 +443,7 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
         crossing = saltus_solution_crossing(o, by, from, special->ahead, reach, at);
     special->sharp = crossing.found;
     if (crossing.found)
-        special->accuracy =
-            crossing.accuracy + doubt_of_crossing(o, by, from, special->ahead, reach, at->value);
+        special->accuracy = crossing.accuracy + doubt_of(o, by, from, special->ahead, reach, at->value);
     else if (saltus_solution_visit(o, from, special->ahead, at, NULL) != SALTUS_OK)
         return SALTUS_OK;
     saltus_status status = saltus_solution_survey(o, at, message);
@@ -485,12 +455,12 @@ saltus_status saltus_special_visit(saltus_orbits *o, const saltus_solution *from
                   ? at->speed < still
                   : special->test == SALTUS_TEST_VALUE || !forgets_all(&at->survey);
     bool is_fold = special->kind == SALTUS_POINT_LP || special->kind == SALTUS_POINT_BP;
-    bool joins = is_fold && (joins_half(o, at, special) || joins_image(o, from, at, special));
+    const bool ends = is_fold && (joins(o, from, at, false, special) || joins(o, from, at, true, special));
     const bool by_determinant = is_fold || special->kind == SALTUS_POINT_PD;
-    if (*is_one && !joins && !crossing.found && special->test != SALTUS_TEST_VALUE)
+    if (*is_one && !ends && !crossing.found && special->test != SALTUS_TEST_VALUE)
         special->accuracy += saltus_special_doubt(o, special->test, at);
     const bool vague = at->sequence.omega > 0 || !(special->accuracy < sharp * o->family.unit[0]);
-    if (by_determinant && !joins && vague)
+    if (by_determinant && !ends && vague)
         *is_one = *is_one && !lacks_multiplier(at, special->kind);
     return status;
 }

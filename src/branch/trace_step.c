@@ -255,10 +255,9 @@ static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const
     saltus_status status = SALTUS_OK;
     for (int pass = 0; pass < 2; pass++) {
         bool completes = false;
-        status = saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare,
-                                    t->other, &change, message);
-        if (pass || status != SALTUS_OK || change.kind != SALTUS_POINT_EP ||
-            t->births.count < saltus_births_length)
+        saltus_change_leap(&t->orbits, t->here, ahead, kind, why, t->range, t->trial, t->spare, t->other,
+                           &change);
+        if (pass || change.kind != SALTUS_POINT_EP || t->births.count < saltus_births_length)
             break;
         /* Rounding may hide the last births before chatter completes. If this fails the leap is repeated,
          * since the attempt has overwritten its result. */
@@ -266,8 +265,6 @@ static saltus_status leap(saltus_trace *t, double ahead, saltus_leap kind, const
         if (status != SALTUS_OK || completes)
             return status;
     }
-    if (status != SALTUS_OK)
-        return status;
     if (isnan(change.accuracy))
         return saltus_trace_end(t, t->here, 0, why, message);
     if (change.at_border)
