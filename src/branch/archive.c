@@ -141,7 +141,7 @@ void saltus_archive_sequence(saltus_archive *a, saltus_sequence *s) {
     }
 }
 
-static void scaled(saltus_archive *a, saltus_scaled *number) {
+void saltus_archive_scaled(saltus_archive *a, saltus_scaled *number) {
     saltus_archive_real(a, &number->mantissa);
     saltus_archive_real(a, &number->exponent);
 }
@@ -162,7 +162,7 @@ void saltus_archive_point(saltus_archive *a, saltus_curve_point *point) {
     saltus_archive_finite(a, &point->ahead, 1);
     point->iterations = (int)saltus_archive_whole(a, point->iterations, 0, INT_MAX);
     saltus_archive_real(a, &point->residual);
-    scaled(a, &point->crossing);
+    saltus_archive_scaled(a, &point->crossing);
 }
 
 static void archive_breach(saltus_archive *a, const saltus_sequence *s, saltus_breach *breach) {
@@ -221,7 +221,7 @@ void saltus_archive_solution(saltus_archive *a, saltus_solution *s) {
     saltus_archive_finite(a, s->state, (size_t)a->n);
     saltus_archive_finite(a, s->parameter, 2);
     saltus_archive_finite(a, &s->value, 1);
-    scaled(a, &s->flip);
+    saltus_archive_scaled(a, &s->flip);
     saltus_archive_real(a, &s->onward);
     saltus_archive_real(a, &s->speed);
     saltus_archive_real(a, &s->growth);

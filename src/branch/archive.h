@@ -23,6 +23,7 @@ typedef struct saltus_archive {
 
 /* Numbers that are missing or out of bounds read as zero (or the lower bound); `sound` becomes false. */
 void saltus_archive_real(saltus_archive *archive, double *value); /* may be infinite or NAN */
+void saltus_archive_scaled(saltus_archive *archive, saltus_scaled *number);
 void saltus_archive_finite(saltus_archive *archive, double *values, size_t count);
 /* Returns the number read or, writing, `value`. */
 long long saltus_archive_whole(saltus_archive *archive, long long value, long long low, long long high);

@@ -243,25 +243,14 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
         saltus_locus_starts_archive(a, &b->loci);
     if (b->phase > RUN_ORBITS && a->reading)
         status = open_loci(b, NULL, message);
-    switch (b->phase) {
-    case RUN_RESTS:
-        if (!b->equilibria.here)
-            status = saltus_equilibria_open(&b->equilibria, &o->family.spec, NULL, message);
-        if (status == SALTUS_OK)
-            status = saltus_equilibria_archive(&b->equilibria, a, message);
-        break;
-    case RUN_ORBITS:
-        if (b->trail.following)
-            saltus_trace_archive(&b->trace, a);
-        break;
-    case RUN_REST_LOCUS:
-        if (status == SALTUS_OK)
-            status = saltus_rest_locus_archive(&b->rest_locus, a, message);
-        break;
-    case RUN_LOCUS:
-        if (status == SALTUS_OK)
-            status = saltus_locus_archive(b->locus, a, message);
-    }
+    if (b->phase == RUN_RESTS && !b->equilibria.here)
+        status = saltus_equilibria_open(&b->equilibria, &o->family.spec, NULL, message);
+    if (b->phase == RUN_ORBITS && b->trail.following)
+        saltus_trace_archive(&b->trace, a);
+    else if (status == SALTUS_OK && b->phase != RUN_ORBITS)
+        status = b->phase == RUN_RESTS        ? saltus_equilibria_archive(&b->equilibria, a, message)
+                 : b->phase == RUN_REST_LOCUS ? saltus_rest_locus_archive(&b->rest_locus, a, message)
+                                              : saltus_locus_archive(b->locus, a, message);
     b->effort.spent = spent; /* whatever reading has taken */
     if (status == SALTUS_NO_MEMORY || a->starved)
         return saltus_branch_no_memory(message);
@@ -277,12 +266,12 @@ saltus_status saltus_branch_save(saltus_branch *b, double **state, int *count, s
     if (saltus_trail_last(&b->trail) || b->trail.number < 0)
         return SALTUS_OK;
     saltus_status status = archive_run(b, &archive, message);
-    if (status != SALTUS_OK) {
+    if (status == SALTUS_OK) {
+        *state = archive.made;
+        *count = (int)archive.count;
+    } else {
         free(archive.made);
-        return status;
     }
-    *state = archive.made;
-    *count = (int)archive.count;
     return status;
 }
 

@@ -11,7 +11,7 @@
 #include "branch/hopf.h"
 #include "branch/newborn.h"
 #include "branch/options.h"
-#include "branch/rest_point.h"
+#include "branch/point.h"
 #include "saltus/equilibrium.h"
 
 #include <float.h>
@@ -19,26 +19,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Check that the scene is unforced at both ends of the range: a forced one has no equilibria. */
-static saltus_status check_unforced(const saltus_equilibria *e, saltus_message *message) {
-    const saltus_branch_options *o = e->trail->options;
-    for (int side = 0; side < 2; side++) {
-        const saltus_spec spec = saltus_family_spec(&e->rests.family, &e->range[side], 0);
-        saltus_system *system = NULL;
-        /* If no system exists there, the branch will end before. */
-        const saltus_status status = saltus_system_new(&spec, &system, NULL);
-        const bool forced = status == SALTUS_OK && saltus_system_forced(system);
-        saltus_system_free(system);
-        if (status == SALTUS_NO_MEMORY)
-            return saltus_branch_no_memory(message);
-        if (forced)
-            return saltus_fail(message, SALTUS_BAD_INPUT,
-                               "%s=%g:%g: with %s = %g the scene is forced, and has no equilibria to follow",
-                               o->key[0], o->low[0], o->high[0], o->key[0], side ? o->high[0] : o->low[0]);
-    }
-    return SALTUS_OK;
-}
 
 saltus_status saltus_equilibria_open(saltus_equilibria *e, const saltus_spec *spec, const double *state,
                                      saltus_message *message) {
@@ -58,8 +38,22 @@ saltus_status saltus_equilibria_open(saltus_equilibria *e, const saltus_spec *sp
     saltus_status status = saltus_branch_family(spec, options, 1, &r->family, r->origin, &e->range, message);
     if (status == SALTUS_OK)
         status = saltus_rests_open(r, message);
-    if (status == SALTUS_OK)
-        status = check_unforced(e, message);
+    /* At neither end of the range may the scene be forced. If no system exists there, the branch will end
+     * before. */
+    for (int side = 0; side < 2 && status == SALTUS_OK; side++) {
+        const saltus_spec end = saltus_family_spec(&r->family, &e->range[side], 0);
+        saltus_system *system = NULL;
+        const saltus_status made = saltus_system_new(&end, &system, NULL);
+        if (made == SALTUS_NO_MEMORY)
+            status = saltus_branch_no_memory(message);
+        if (made == SALTUS_OK && saltus_system_forced(system))
+            status =
+                saltus_fail(message, SALTUS_BAD_INPUT,
+                            "%s=%g:%g: with %s = %g the scene is forced, and has no equilibria to follow",
+                            options->key[0], options->low[0], options->high[0], options->key[0],
+                            side ? options->high[0] : options->low[0]);
+        saltus_system_free(system);
+    }
     if (status != SALTUS_OK || !state)
         return status;
     saltus_equilibrium rest = {0};
@@ -80,9 +74,61 @@ void saltus_equilibria_close(saltus_equilibria *e) {
     saltus_rests_close(&e->rests);
 }
 
+static const char *label_of(unsigned contacts) {
+    return contacts ? "held" : "equilibrium";
+}
+
+saltus_status saltus_rest_give(const saltus_rests *r, const saltus_rest *s, saltus_notice what,
+                               saltus_trail *trail, saltus_message *message) {
+    const saltus_rest_special *special = r->special;
+    const bool touches = special && special->kind == SALTUS_POINT_BE;
+    saltus_branch_point *point = saltus_trail_place(trail, message);
+    if (!point)
+        return SALTUS_NO_MEMORY;
+    saltus_status status = saltus_point_open(point, r->n, 0, message);
+    if (status != SALTUS_OK)
+        return status;
+    point->spec = saltus_family_spec(&r->family, s->parameter, 0);
+    for (int d = 0; d < r->family.parameters; d++) {
+        /* What the rounded unknown lacks to the equilibrium's value, which is exact on a border of the
+         * range. */
+        const double rest = s->value[d] - (r->origin[d] + r->family.unit[d] * s->parameter[d]);
+        point->spec = saltus_spec_shifted(&point->spec, &r->family.direction[d], rest);
+        point->value[d] = s->value[d];
+    }
+    point->heading = s->at.tangent[s->at.unknowns - r->family.parameters] * r->family.unit[0];
+    point->locus = special ? special->kind : SALTUS_POINT_REGULAR;
+    point->unstable = s->unstable;
+    point->stable = s->stable && !special;
+    point->admissible = true;
+    point->residual = s->at.residual;
+    point->iterations = s->at.iterations;
+    point->sum_rule = s->trace;
+    point->multiplier_count = s->rate_count;
+    memcpy(point->state, s->state, (size_t)r->n * sizeof *s->state);
+    for (int k = 0; k < r->n; k++)
+        point->multipliers[k] = k < s->rate_count
+                                    ? (saltus_multiplier){s->rates[k].re, s->rates[k].im, s->rates[k].re}
+                                    : (saltus_multiplier){NAN, NAN, NAN};
+    for (int k = 0; k < s->rate_count; k++)
+        point->log_volume += s->rates[k].re;
+    for (int f = 0; f < r->system->face_count; f++)
+        if (s->contacts >> f & 1)
+            point->contact_force = fmin(point->contact_force, s->force[f]);
+    snprintf(point->label, sizeof point->label, "%s", label_of(s->contacts));
+    status = saltus_trail_give(trail, r->system, &what, message);
+    if (touches || (what.grazing && point->kind == SALTUS_POINT_BE)) {
+        const saltus_face f = r->system->faces[touches ? special->face : what.grazing->face];
+        point->grazing_time = 0;
+        point->grazing_stop = f.stop + 1;
+        point->grazing_side = f.side;
+    }
+    return status;
+}
+
 static saltus_status give(saltus_equilibria *e, const saltus_rest *s, saltus_notice what,
                           saltus_message *message) {
-    return saltus_rest_give(&e->rests, s, &what, e->trail, message);
+    return saltus_rest_give(&e->rests, s, what, e->trail, message);
 }
 
 static saltus_status end(saltus_equilibria *e, const saltus_rest *s, double ahead, const char *reason,
@@ -247,7 +293,7 @@ static saltus_status give_hopf(saltus_equilibria *e, const saltus_rest *at, salt
         pair = pair || (at->rates[k].im > 0 && fabs(at->rates[k].re) < on_axis * at->rates[k].im);
     if (!pair)
         return SALTUS_OK;
-    saltus_status status = saltus_hopf_find(&e->rests, at, &hopf, NULL);
+    saltus_status status = saltus_hopf_find(&e->rests, at, &hopf);
     if (status == SALTUS_NO_MEMORY)
         return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
@@ -429,7 +475,7 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
                                       .ahead = zero.ahead,
                                       .accuracy = zero.accuracy,
                                       .reason = reason,
-                                      .after = goes_on ? saltus_rest_label(e->spare->contacts) : NULL,
+                                      .after = goes_on ? label_of(e->spare->contacts) : NULL,
                                       .grazing = &touch},
                       message);
     for (int k = 0; k < born.count && status == SALTUS_OK && saltus_trail_switches(e->trail); k++)
@@ -442,15 +488,6 @@ static saltus_status meet(saltus_equilibria *e, int face, saltus_zero zero, salt
     saltus_trail_jump(trail, zero.ahead);
     swap(&e->here, &e->spare);
     return status;
-}
-
-/* Whether more than one Hopf point may lie between `here` and `next`, or one that the test does not show: so
- * many eigenvalues have changed sides. */
-static bool hides_pairs(saltus_equilibria *e) {
-    const sought pair = {.e = e, .test = SALTUS_TEST_PAIR};
-    const int changed = abs(e->next->unstable - e->here->unstable);
-    const bool shown = saltus_test_crosses(value_at(&pair, e->here), value_at(&pair, e->next));
-    return changed >= 4 || (changed >= 2 && !shown);
 }
 
 saltus_status saltus_equilibria_advance(saltus_equilibria *e, saltus_message *message) {
@@ -469,7 +506,12 @@ saltus_status saltus_equilibria_advance(saltus_equilibria *e, saltus_message *me
         return saltus_branch_no_memory(message);
     if (status != SALTUS_OK)
         return end(e, e->here, 0, why.text, message);
-    if (hides_pairs(e) && e->next->at.ahead > finest) {
+    /* So many eigenvalues may have changed sides that there is more than one Hopf point on the step, or one
+     * that the test does not show. */
+    const sought pair = {.e = e, .test = SALTUS_TEST_PAIR};
+    const int changed = abs(e->next->unstable - e->here->unstable),
+              shown = saltus_test_crosses(value_at(&pair, e->here), value_at(&pair, e->next)) ? 4 : 2;
+    if (changed >= shown && e->next->at.ahead > finest) {
         trail->step = 0.5 * e->next->at.ahead;
         return SALTUS_OK;
     }

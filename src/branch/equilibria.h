@@ -37,4 +37,9 @@ saltus_status saltus_equilibria_advance(saltus_equilibria *equilibria, saltus_me
 saltus_status saltus_equilibria_archive(saltus_equilibria *equilibria, saltus_archive *archive,
                                         saltus_message *message);
 
+/* Give out an equilibrium as a point of a branch or, if the equations are those of special ones, of a locus.
+ * A BE, and each point of their locus, tells the face that is touched. Errors: SALTUS_NO_MEMORY. */
+saltus_status saltus_rest_give(const saltus_rests *rests, const saltus_rest *rest, saltus_notice what,
+                               saltus_trail *trail, saltus_message *message);
+
 #endif

@@ -6,20 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void reserve(saltus_extended *x, int count) {
-    size_t m = (size_t)count + 2, c = (size_t)count, k = (size_t)x->copies;
-    saltus_equations_reserve(&x->equations, count + 2 + x->extra, &x->arena);
-    x->matrix = saltus_arena_doubles(&x->arena, k * (c + 1) * k * (c + 1));
-    x->right = saltus_arena_doubles(&x->arena, k * (c + 1));
-    x->left = saltus_arena_doubles(&x->arena, k * k * (c + 1));
-    x->b = saltus_arena_doubles(&x->arena, k * c);
-    x->c = saltus_arena_doubles(&x->arena, k * c);
-    x->folding[0] = saltus_arena_doubles(&x->arena, c);
-    x->folding[1] = saltus_arena_doubles(&x->arena, c);
-    x->aside = saltus_arena_doubles(&x->arena, m);
-    x->along = saltus_arena_doubles(&x->arena, k * c * m);
-    x->fresh = saltus_arena_doubles(&x->arena, k * c * m);
-    x->anchor = saltus_arena_doubles(&x->arena, m);
+static double length_of(const double *v, int count) {
+    double length = 0;
+    for (int i = 0; i < count; i++)
+        length = hypot(length, v[i]);
+    return length;
 }
 
 void saltus_extended_close(saltus_extended *x) {
@@ -30,13 +21,26 @@ void saltus_extended_close(saltus_extended *x) {
 }
 
 saltus_status saltus_extended_shape(saltus_extended *x, saltus_message *message) {
-    int count = x->orbits.equations->count;
+    const int count = x->orbits.equations->count;
+    const size_t m = (size_t)count + 2, c = (size_t)count, k = (size_t)x->copies;
     saltus_extended_close(x);
-    reserve(x, count);
-    if (!saltus_arena_open(&x->arena) || !saltus_dense_lu_open(&x->lu, x->copies * (count + 1)) ||
+    do {
+        saltus_equations_reserve(&x->equations, count + 2 + x->extra, &x->arena);
+        x->matrix = saltus_arena_doubles(&x->arena, k * (c + 1) * k * (c + 1));
+        x->right = saltus_arena_doubles(&x->arena, k * (c + 1));
+        x->left = saltus_arena_doubles(&x->arena, k * k * (c + 1));
+        x->b = saltus_arena_doubles(&x->arena, k * c);
+        x->c = saltus_arena_doubles(&x->arena, k * c);
+        x->folding[0] = saltus_arena_doubles(&x->arena, c);
+        x->folding[1] = saltus_arena_doubles(&x->arena, c);
+        x->aside = saltus_arena_doubles(&x->arena, m);
+        x->along = saltus_arena_doubles(&x->arena, k * c * m);
+        x->fresh = saltus_arena_doubles(&x->arena, k * c * m);
+        x->anchor = saltus_arena_doubles(&x->arena, m);
+    } while (saltus_arena_again(&x->arena));
+    if (!x->arena.base || !saltus_dense_lu_open(&x->lu, x->copies * (count + 1)) ||
         !saltus_dense_lu_open(&x->equations.lu, count + 2 + x->extra))
         return saltus_branch_no_memory(message);
-    reserve(x, count);
     x->differs = x->folds = false;
     return SALTUS_OK;
 }
@@ -161,10 +165,8 @@ static saltus_status renew_along(saltus_extended *x, const double *u, saltus_mes
     memset(x->fresh, 0, size * sizeof *x->fresh);
     for (int k = 0; k < x->copies * places && status == SALTUS_OK; k++) {
         const double *v = x->right + k / places * c;
-        double length = 0, *out = x->fresh + k / places * c * m;
-        for (int j = 0; j < c; j++)
-            length = hypot(length, v[j]);
-        const double by = place[k % places],
+        double *out = x->fresh + k / places * c * m;
+        const double by = place[k % places], length = length_of(v, c),
                      factor = (x->sharp ? share[k % places] : 0.5 * by) * length / apart;
         memcpy(x->aside, u, (size_t)m * sizeof *u);
         for (int j = 0; j < c; j++)
@@ -255,13 +257,9 @@ saltus_status saltus_extended_evaluate(void *self, const double *u, saltus_messa
 
 void saltus_extended_renew(saltus_extended *x, const double *u) {
     int c = x->orbits.equations->count, size = x->copies * c;
-    double right = 0, left = 0;
     if (x->kind == SALTUS_POINT_GR)
         return;
-    for (int i = 0; i < size; i++) {
-        right = hypot(right, x->right[i]);
-        left = hypot(left, x->left[i]);
-    }
+    const double right = length_of(x->right, size), left = length_of(x->left, size);
     for (int i = 0; i < size; i++) {
         x->c[i] = x->right[i] / right;
         x->b[i] = x->left[i] / left;
@@ -272,15 +270,8 @@ void saltus_extended_renew(saltus_extended *x, const double *u) {
 double saltus_extended_double(const saltus_extended *x, double *rounding) {
     const double digits = 1e-12;
     const int c = x->orbits.equations->count, row = saltus_shooting_closing_row(x->orbits.shooting);
-    double sum = 0, left = 0, right = 0;
-    for (int i = 0; i < c; i++) {
-        left = hypot(left, x->left[i]);
-        right = hypot(right, x->right[i]);
-    }
-    for (int i = 0; i < x->orbits.n; i++)
-        sum += x->left[row + i] * x->right[i];
-    *rounding = digits * left * right;
-    return sum;
+    *rounding = digits * length_of(x->left, c) * length_of(x->right, c);
+    return saltus_dot(x->left + row, x->right, x->orbits.n);
 }
 
 bool saltus_extended_breaks(const saltus_extended *x) {
@@ -288,12 +279,8 @@ bool saltus_extended_breaks(const saltus_extended *x) {
 }
 
 double saltus_extended_cusp(const saltus_extended *x) {
-    int c = x->orbits.equations->count;
-    const double *gradient = x->equations.jacobian + c * x->equations.unknowns;
-    double sum = 0;
-    for (int i = 0; i < c; i++)
-        sum += gradient[i] * x->right[i];
-    return sum;
+    const int c = x->orbits.equations->count;
+    return saltus_dot(x->equations.jacobian + (ptrdiff_t)c * x->equations.unknowns, x->right, c);
 }
 
 saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, double apart, double *value,
@@ -305,15 +292,14 @@ saltus_status saltus_extended_criticality(saltus_extended *x, const double *u, d
     const int c = e->count, m = e->unknowns;
     const bool flips = x->kind == SALTUS_POINT_PD;
     const double *v = x->right, *w = x->left;
-    double length = 0, cubic = 0, *work = calloc((size_t)(c * c + 2 * c + 1), sizeof *work);
+    const double length = length_of(v, c);
+    double cubic = 0, *work = calloc((size_t)(c * c + 2 * c + 1), sizeof *work);
     saltus_dense_lu lu = {.n = 0};
     if (!work || !saltus_dense_lu_open(&lu, c)) {
         free(work);
         return saltus_branch_no_memory(message);
     }
     double *matrix = work, *square = work + c * c, *mixed = square + c + 1;
-    for (int j = 0; j < c; j++)
-        length = hypot(length, v[j]);
     saltus_status status = SALTUS_OK;
     for (int k = -arm; k <= arm && status == SALTUS_OK; k++) {
         const double slope = k == 0 ? 0 : (k < 0 ? -1 : 1) * first[abs(k) - 1] / apart,

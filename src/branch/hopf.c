@@ -22,8 +22,7 @@ typedef struct expansion {
 } expansion;
 
 /* First and second derivatives of the Jacobian along both parts; the greatest displacement is `reach`. */
-static saltus_status differentiate(saltus_rests *r, const saltus_rest *at, expansion *x, double reach,
-                                   saltus_message *message) {
+static saltus_status differentiate(saltus_rests *r, const saltus_rest *at, expansion *x, double reach) {
     const int entries = x->count * x->count;
     saltus_status status = SALTUS_OK;
     for (int part = 0; part < 2; part++) {
@@ -36,7 +35,7 @@ static saltus_status differentiate(saltus_rests *r, const saltus_rest *at, expan
             const int place = k / 2, way = k % 2 ? -1 : 1;
             int count;
             status = saltus_rests_linear(r, at->at.u, x->part[part], way * (place + 1) * step, x->trial,
-                                         &count, message);
+                                         &count, NULL);
             for (int j = 0; j < entries && status == SALTUS_OK; j++) {
                 x->along[part][j] += way * first[place] * x->trial[j] / step;
                 x->twice[part][j] += second[place] * x->trial[j] / (step * step);
@@ -85,14 +84,13 @@ static bool resolve(expansion *x, double complex shift, double complex *right) {
 }
 
 /* The complex null vector of A - i omega, or with `left` of A' + i omega. */
-static saltus_status null_vector(expansion *x, double omega, bool left, double complex *out,
-                                 saltus_message *message) {
+static saltus_status null_vector(expansion *x, double omega, bool left, double complex *out) {
     const int c = x->count;
     double value, *b = take_real_form(x, left, left ? -omega * I : omega * I);
     saltus_status status = saltus_dense_null_vectors(x->real, 2 * c, 2 * c, 1, b, &value);
     for (int i = 0; i < c && status == SALTUS_OK; i++)
         out[i] = b[i] + I * b[c + i];
-    return status == SALTUS_OK ? status : saltus_fail(message, status, "no eigenvector at a Hopf point");
+    return status;
 }
 
 /* The coefficient, from the derivatives in `x` and the eigenvectors `left` and `right`. */
@@ -132,17 +130,17 @@ static double coefficient_of(expansion *x, double omega, const double complex *l
 
 /* Eigenvectors with q*q = 1 and p*q = 1; q also goes to the expansion's parts and, as states, to `hopf`. */
 static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex *left, double complex *right,
-                                  saltus_hopf *hopf, saltus_message *message) {
-    saltus_status status = null_vector(x, hopf->omega, false, right, message);
+                                  saltus_hopf *hopf) {
+    saltus_status status = null_vector(x, hopf->omega, false, right);
     if (status == SALTUS_OK)
-        status = null_vector(x, hopf->omega, true, left, message);
+        status = null_vector(x, hopf->omega, true, left);
     if (status != SALTUS_OK)
         return status;
     double complex scale = 0;
     for (int i = 0; i < x->count; i++)
         scale += conj(left[i]) * right[i];
     if (!(cabs(scale) > 0))
-        return saltus_fail(message, SALTUS_NO_CONVERGENCE, "the eigenvalues at a Hopf point are double");
+        return SALTUS_NO_CONVERGENCE; /* the eigenvalues are double */
     for (int i = 0; i < x->count; i++) {
         left[i] /= conj(scale);
         x->part[0][i] = creal(right[i]);
@@ -156,8 +154,7 @@ static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex 
     return SALTUS_OK;
 }
 
-saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf,
-                               saltus_message *message) {
+saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_hopf *hopf) {
     static const double reach[] = {1, 0.3, 0.1, 0.03, 0.01, 0.003};
     const size_t entries = (size_t)(r->n * r->n);
     expansion x = {.linear = calloc(10 * entries + 2 * (size_t)r->n, sizeof *x.linear)};
@@ -170,24 +167,22 @@ saltus_status saltus_hopf_find(saltus_rests *r, const saltus_rest *at, saltus_ho
             hopf->omega = at->rates[k].im;
         }
     if (!x.linear)
-        return saltus_branch_no_memory(message);
+        return SALTUS_NO_MEMORY;
     x.trial = x.linear + entries;
     for (size_t k = 0; k < 2; k++) {
         x.along[k] = x.trial + (1 + k) * entries;
         x.twice[k] = x.trial + (3 + k) * entries;
     }
     x.real = x.trial + 5 * entries;
-    saltus_status status =
-        hopf->omega > 0 ? SALTUS_OK
-                        : saltus_fail(message, SALTUS_NO_CONVERGENCE, "no eigenvalues are a complex pair");
+    saltus_status status = hopf->omega > 0
+                               ? saltus_rests_linear(r, at->at.u, NULL, 0, x.linear, &x.count, NULL)
+                               : SALTUS_NO_CONVERGENCE;
     if (status == SALTUS_OK)
-        status = saltus_rests_linear(r, at->at.u, NULL, 0, x.linear, &x.count, message);
-    if (status == SALTUS_OK)
-        status = find_vectors(r, &x, left, right, hopf, message);
+        status = find_vectors(r, &x, left, right, hopf);
     hopf->error = status == SALTUS_OK ? INFINITY : NAN;
     /* Try differences over several widths; keep the result at which two successive ones agree best. */
     for (size_t k = 0; k < sizeof reach / sizeof reach[0] && status == SALTUS_OK; k++) {
-        const saltus_status made = differentiate(r, at, &x, reach[k], message);
+        const saltus_status made = differentiate(r, at, &x, reach[k]);
         if (made == SALTUS_NO_MEMORY)
             status = made;
         const double now = made == SALTUS_OK ? coefficient_of(&x, hopf->omega, left, right) : NAN;

@@ -17,8 +17,7 @@ typedef struct saltus_hopf {
 } saltus_hopf;
 
 /* Errors: SALTUS_NO_MEMORY; SALTUS_NO_CONVERGENCE if there is no such pair. */
-saltus_status saltus_hopf_find(saltus_rests *rests, const saltus_rest *at, saltus_hopf *hopf,
-                               saltus_message *message);
+saltus_status saltus_hopf_find(saltus_rests *rests, const saltus_rest *at, saltus_hopf *hopf);
 /* The unit vector, scaled (n), along the cycles born there where their observed displacement turns. */
 void saltus_hopf_direction(const saltus_rests *rests, const saltus_hopf *hopf, double *tangent);
 /* The state `apart` from an equilibrium along such a vector, and the sequence, of its contacts and frequency,

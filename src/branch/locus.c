@@ -71,17 +71,6 @@ static bool begins_crossing(const saltus_locus *l) {
            (l->x.mirrored || l->begun_at == SALTUS_POINT_GR_BP);
 }
 
-/* The angle of the pair on the unit circle. */
-static double angle_on_circle(const saltus_survey *survey) {
-    double best = INFINITY, angle = 0;
-    for (int i = 0; i < survey->multiplier_count; i++)
-        if (survey->multipliers[i].im > 0 && fabs(survey->multipliers[i].log_modulus) < best) {
-            best = fabs(survey->multipliers[i].log_modulus);
-            angle = atan2(survey->multipliers[i].im, survey->multipliers[i].re);
-        }
-    return angle;
-}
-
 /* Set the equations for a kind of points. On curves of branch points, orbits that are their own mirror images
  * are cut in halves. */
 static void become(saltus_locus *l, saltus_point_kind kind, bool mirrored) {
@@ -219,8 +208,15 @@ saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_so
     memcpy(start.state, at->state, sizeof start.state);
     while (less && start.mark < less->count && more->mark[start.mark].time == less->mark[start.mark].time)
         start.mark++;
-    if (kind == SALTUS_POINT_NS)
-        start.theta = angle_on_circle(&at->survey);
+    /* The angle of the pair on the unit circle. */
+    double best = INFINITY;
+    for (int i = 0; i < at->survey.multiplier_count && kind == SALTUS_POINT_NS; i++) {
+        const saltus_multiplier mu = at->survey.multipliers[i];
+        if (!(mu.im > 0 && fabs(mu.log_modulus) < best))
+            continue;
+        best = fabs(mu.log_modulus);
+        start.theta = atan2(mu.im, mu.re);
+    }
     return start;
 }
 
@@ -252,10 +248,7 @@ saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, sal
         return open_start(l, first, message);
     }
     l->way = l->way_count = 1;
-    l->first = (saltus_sequence){.periods = 1, .cuts = 1};
-    l->beginning = calloc((size_t)saltus_sequence_unknowns(&l->first, o->n) + 2, sizeof *l->beginning);
-    become(l, SALTUS_POINT_LP, false);
-    return l->beginning ? SALTUS_OK : saltus_branch_no_memory(message);
+    return SALTUS_OK;
 }
 
 void saltus_locus_free(saltus_locus *l) {
@@ -807,30 +800,26 @@ static saltus_status archive_here(saltus_locus *l, saltus_archive *a, saltus_mes
     return SALTUS_OK;
 }
 
-static void archive_close(saltus_archive *a, saltus_close *close) {
-    close->count = (int)saltus_archive_whole(a, close->count, 0, SALTUS_CLOSE_MAX);
-    saltus_archive_finite(a, close->re, (size_t)close->count);
-    saltus_archive_finite(a, close->im, (size_t)close->count);
-}
-
 /* The functions whose zeros are corners, as far as the next step compares with them. */
 static void archive_corners(saltus_locus *l, saltus_archive *a) {
     l->here.corner_count = (int)saltus_archive_whole(a, l->here.corner_count, 0, SALTUS_CORNERS_MAX);
     for (int k = 0; k < l->here.corner_count; k++) {
         saltus_locus_test *test = &l->here.corners[k];
         test->kind = saltus_archive_kind(a, test->kind);
-        saltus_archive_real(a, &test->value.mantissa);
-        saltus_archive_real(a, &test->value.exponent);
+        saltus_archive_scaled(a, &test->value);
         saltus_archive_real(a, &test->quiet);
         test->breach = saltus_archive_flag(a, test->breach);
         test->ends = saltus_archive_flag(a, test->ends);
         test->without = saltus_archive_flag(a, test->without);
         test->joins = saltus_archive_flag(a, test->joins);
         saltus_archive_real(a, &test->theta);
-        archive_close(a, &test->single);
-        archive_close(a, &test->product);
-        saltus_archive_real(a, &l->here.before[k].mantissa);
-        saltus_archive_real(a, &l->here.before[k].exponent);
+        for (int j = 0; j < 2; j++) {
+            saltus_close *close = j ? &test->product : &test->single;
+            close->count = (int)saltus_archive_whole(a, close->count, 0, SALTUS_CLOSE_MAX);
+            saltus_archive_finite(a, close->re, (size_t)close->count);
+            saltus_archive_finite(a, close->im, (size_t)close->count);
+        }
+        saltus_archive_scaled(a, &l->here.before[k]);
     }
     saltus_archive_finite(a, &l->here.before_place, 1);
     saltus_archive_finite(a, l->grazings.last, 2);

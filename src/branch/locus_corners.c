@@ -23,8 +23,7 @@ typedef struct search {
     saltus_extended *x;
     const saltus_locus_point *here, *next; /* ends of the step */
     saltus_locus_point *out;               /* the point last visited */
-    sample *samples;
-    int count, room;
+    saltus_list samples;
     /* The zero that is being located. */
     int corner, asked;
     double clear; /* a smooth function is below this after many evaluations */
@@ -36,20 +35,17 @@ static sample sample_of(const saltus_locus_point *p, double place) {
     return own;
 }
 
+/* The last sample, or one before it. */
+static const sample *last_sample(const search *s, int before) {
+    return (const sample *)s->samples.items + (s->samples.count - 1 - before);
+}
+
 /* False without memory. */
 static bool append(search *s, const sample *own) {
-    if (s->count == s->room) {
-        const int room = s->room ? 2 * s->room : 32;
-        sample *grown = realloc(s->samples, (size_t)room * sizeof *grown);
-        if (!grown) {
-            s->x->orbits.starved = true;
-            return false;
-        }
-        s->samples = grown;
-        s->room = room;
-    }
-    s->samples[s->count++] = *own;
-    return true;
+    sample *fresh = saltus_list_grow(&s->samples, sizeof *fresh, &s->x->orbits.starved);
+    if (fresh)
+        *fresh = *own;
+    return fresh;
 }
 
 /* Whether a function may cross zero between the last two of three places and come back: the parabola through
@@ -74,7 +70,7 @@ static bool is_quiet(const search *s, int k) {
  * multiplier may pass through infinity nearby, and on the way 1, -1 and other multipliers. */
 static bool may_hide(const search *s, const sample *end, bool sure) {
     const saltus_locus_point *here = s->here;
-    const sample *begin = &s->samples[s->count - 1], *last = s->count > 1 ? begin - 1 : NULL;
+    const sample *begin = last_sample(s, 0), *last = s->samples.count > 1 ? last_sample(s, 1) : NULL;
     const double place[] = {last ? last->place : here->before_place, begin->place, end->place};
     bool hides = false;
     for (int k = 0; k < here->corner_count && !hides; k++) {
@@ -98,7 +94,7 @@ enum { halvings = 5, halvings_most = 28, samples_most = 400 };
  * zeros there than signs tell, or multipliers prove it. False without memory, or if the step is so long that
  * it may lead across a hairpin. */
 static bool append_until(search *s, const sample *end, int depth) {
-    const sample *begin = &s->samples[s->count - 1];
+    const sample *begin = last_sample(s, 0);
     const double finest = 4e-3, near = 1e-5, far = 1e-3;
     const double length = end->place - begin->place, middle = begin->place + 0.5 * length;
     const bool grazes = s->x->kind == SALTUS_POINT_GR;
@@ -106,7 +102,7 @@ static bool append_until(search *s, const sample *end, int depth) {
                         (grazes && length > near && may_hide(s, end, true)) ||
                         (grazes && depth < halvings_most &&
                          saltus_corner_misses(begin->corners, end->corners, s->here->corner_count));
-    if (!doubts || s->count >= samples_most)
+    if (!doubts || s->samples.count >= samples_most)
         return append(s, end);
     if (!saltus_locus_visit(s->x, s->here, middle, s->out))
         return middle > far && saltus_locus_strays(s->here, s->out) ? false : append(s, end);
@@ -118,19 +114,19 @@ static bool append_until(search *s, const sample *end, int depth) {
  * infinity nearby and its product with another one passes through 1. There the test for pairs changes sign as
  * at GR-NS, so it must be evaluated in between. False without memory. */
 static bool add_samples(search *s, const saltus_locus_zeros *found) {
+    const sample *old = s->samples.items;
     search fresh = *s;
-    fresh.samples = NULL;
-    fresh.count = fresh.room = 0;
-    bool room = append(&fresh, &s->samples[0]);
-    for (int j = 1, k = 0; j < s->count && room; j++) {
-        for (; k < found->count && found->zero[k].place < s->samples[j].place && room; k++)
+    fresh.samples = (saltus_list){.count = 0};
+    bool room = append(&fresh, &old[0]);
+    for (int j = 1, k = 0; j < s->samples.count && room; j++) {
+        for (; k < found->count && found->zero[k].place < old[j].place && room; k++)
             if (saltus_locus_visit_zero(s->x, s->here, &found->zero[k], s->out)) {
                 const sample own = sample_of(s->out, found->zero[k].place);
                 room = append_until(&fresh, &own, halvings);
             }
-        room = room && append_until(&fresh, &s->samples[j], halvings);
+        room = room && append_until(&fresh, &old[j], halvings);
     }
-    free(s->samples);
+    free(s->samples.items);
     *s = fresh;
     return room;
 }
@@ -277,13 +273,14 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
             sound = add_samples(&s, found);
             added = true;
         }
-        const sample *from = &s.samples[0];
-        for (int j = 1; j < s.count && sound; j++) {
-            const sample *to = &s.samples[j];
+        const sample *all = s.samples.items, *from = all;
+        for (int j = 1; j < s.samples.count && sound; j++) {
+            const sample *to = &all[j];
             struct saltus_locus_zero zero;
             double value;
             /* Towards the end of a curve functions may fall to nothing, and their signs are chance. */
-            if (x->kind != SALTUS_POINT_GR && j + 1 < s.count && saltus_corner_is_rounding(&to->corners[k]))
+            if (x->kind != SALTUS_POINT_GR && j + 1 < s.samples.count &&
+                saltus_corner_is_rounding(&to->corners[k]))
                 continue;
             const bool located = find_zero(&s, k, from, to, &zero);
             const double end = to->corners[k].value.mantissa;
@@ -302,6 +299,6 @@ bool saltus_locus_find_corners(saltus_extended *x, const saltus_locus_point *her
                 break;
         }
     }
-    free(s.samples);
+    free(s.samples.items);
     return sound;
 }

@@ -55,12 +55,10 @@ static saltus_status check_range(const saltus_branch_options *o, int k, const sa
     saltus_status status = saltus_spec_direction(spec, o->key[k], direction, &value, message);
     if (status != SALTUS_OK)
         return status;
-    if (!(o->low[k] < o->high[k]))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must go from low to high",
-                           o->key[k], o->low[k], o->high[k]);
-    if (!isfinite(o->high[k] - o->low[k]))
-        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must be finite", o->key[k],
-                           o->low[k], o->high[k]);
+    const bool turned = !(o->low[k] < o->high[k]);
+    if (turned || !isfinite(o->high[k] - o->low[k]))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must %s", o->key[k], o->low[k],
+                           o->high[k], turned ? "go from low to high" : "be finite");
     if (!(value >= o->low[k] && value <= o->high[k]))
         return saltus_fail(message, SALTUS_BAD_INPUT, "%s=%g:%g: the range must hold the start, %s = %.12g",
                            o->key[k], o->low[k], o->high[k], o->key[k], value);

@@ -15,7 +15,8 @@ typedef struct saltus_rest_work {
     saltus_flow *flow;
     double at[2]; /* parameters of the system */
     saltus_variation varied[2];
-    double *state, *field, *jacobian; /* n, n; n + parameters columns of n */
+    double state[SALTUS_STATE_MAX], field[SALTUS_STATE_MAX];
+    double *jacobian;                 /* n + parameters columns of n */
     double *basis, *matrix, *product; /* n x n each; rows of the basis: coordinates of the motion */
     int held, face[SALTUS_FACES_MAX]; /* faces of the contacts */
     double *aside;                    /* bordered Jacobian */
@@ -25,21 +26,6 @@ typedef struct saltus_rest_work {
 saltus_status saltus_rests_noted(saltus_rests *r, saltus_status status) {
     r->starved |= status == SALTUS_NO_MEMORY;
     return status;
-}
-
-static void reserve(saltus_rests *r) {
-    work *w = r->work;
-    const size_t n = (size_t)r->n, order = (size_t)(r->width + r->first->face_count + 1);
-    w->state = saltus_arena_doubles(&w->arena, n);
-    w->field = saltus_arena_doubles(&w->arena, n);
-    w->jacobian = saltus_arena_doubles(&w->arena, n * (n + 2));
-    w->basis = saltus_arena_doubles(&w->arena, n * n);
-    w->matrix = saltus_arena_doubles(&w->arena, n * n);
-    w->product = saltus_arena_doubles(&w->arena, n * n);
-    w->aside = saltus_arena_doubles(&w->arena, order * order);
-    r->row_scale = saltus_arena_doubles(&w->arena, (size_t)r->width);
-    for (int d = 0; d < r->family.parameters; d++)
-        saltus_variation_reserve(&w->varied[d], r->first, &w->arena);
 }
 
 saltus_status saltus_rests_open(saltus_rests *r, saltus_message *message) {
@@ -67,11 +53,18 @@ saltus_status saltus_rests_open(saltus_rests *r, saltus_message *message) {
     if (status != SALTUS_OK)
         return status;
     saltus_flow_set_directions(w->flow, r->family.direction);
-    reserve(r);
-    if (!saltus_arena_open(&w->arena))
-        return saltus_branch_no_memory(message);
-    reserve(r);
-    return SALTUS_OK;
+    const size_t n = (size_t)r->n, order = (size_t)(r->width + first->face_count + 1);
+    do {
+        w->jacobian = saltus_arena_doubles(&w->arena, n * (n + 2));
+        w->basis = saltus_arena_doubles(&w->arena, n * n);
+        w->matrix = saltus_arena_doubles(&w->arena, n * n);
+        w->product = saltus_arena_doubles(&w->arena, n * n);
+        w->aside = saltus_arena_doubles(&w->arena, order * order);
+        r->row_scale = saltus_arena_doubles(&w->arena, (size_t)r->width);
+        for (int d = 0; d < r->family.parameters; d++)
+            saltus_variation_reserve(&w->varied[d], first, &w->arena);
+    } while (saltus_arena_again(&w->arena));
+    return w->arena.base ? SALTUS_OK : saltus_branch_no_memory(message);
 }
 
 static void close_shape(saltus_rests *r) {
@@ -264,16 +257,19 @@ static double special(saltus_rests *r, const double *u) {
     return a[size];
 }
 
-/* The special equation of HB or LP, its gradient by central differences; these overwrite the other rows. */
-static saltus_status fill_special(saltus_rests *r, const double *u, saltus_message *message) {
+/* The special equation of HB and LP has its gradient by central differences, which overwrite the other rows.
+ */
+static saltus_status evaluate(void *self, const double *u, saltus_message *message) {
     const double apart = 1e-5;
+    saltus_rests *r = self;
     saltus_equations *e = &r->equations;
     const int last = e->count - 1, m = e->unknowns;
+    const bool touches = r->special && r->special->kind == SALTUS_POINT_BE, differs = r->special && !touches;
     double v[SALTUS_REST_UNKNOWNS_MAX], row[SALTUS_REST_UNKNOWNS_MAX];
     memcpy(v, u, (size_t)m * sizeof *v);
-    const double value = special(r, u);
+    const double value = differs ? special(r, u) : 0;
     bool sound = isfinite(value);
-    for (int j = 0; j < m && sound; j++) {
+    for (int j = 0; j < m && sound && differs; j++) {
         const bool force = j >= r->width && j < r->size;
         double side[2] = {0, 0};
         for (int k = 0; k < 2 && !force; k++) {
@@ -290,19 +286,12 @@ static saltus_status fill_special(saltus_rests *r, const double *u, saltus_messa
         return saltus_fail(message, SALTUS_NO_CONVERGENCE,
                            "what makes the equilibrium special is not defined");
     saltus_status status = fill_rows(r, u, message);
+    if (status == SALTUS_OK && touches)
+        fill_gap(r, r->special->face, &e->residual[last], e->jacobian + last * m);
+    if (!differs)
+        return status;
     e->residual[last] = value;
     memcpy(e->jacobian + last * m, row, (size_t)m * sizeof *row);
-    return status;
-}
-
-static saltus_status evaluate(void *self, const double *u, saltus_message *message) {
-    saltus_rests *r = self;
-    saltus_equations *e = &r->equations;
-    if (r->special && r->special->kind != SALTUS_POINT_BE)
-        return fill_special(r, u, message);
-    saltus_status status = fill_rows(r, u, message);
-    if (status == SALTUS_OK && r->special)
-        fill_gap(r, r->special->face, &e->residual[e->count - 1], e->jacobian + (e->count - 1) * e->unknowns);
     return status;
 }
 
@@ -319,11 +308,12 @@ saltus_status saltus_rests_shape(saltus_rests *r, unsigned contacts, const doubl
     const int unknowns = r->size + r->family.parameters;
     r->equations = (saltus_equations){
         .self = r, .evaluate = evaluate, .tolerance = 1e-11, .iterations = 20, .kind = "equilibrium"};
-    saltus_equations_reserve(&r->equations, unknowns, &w->shape_arena);
-    if (!saltus_dense_lu_open(&r->equations.lu, unknowns) || !saltus_arena_open(&w->shape_arena) ||
+    do {
+        saltus_equations_reserve(&r->equations, unknowns, &w->shape_arena);
+    } while (saltus_arena_again(&w->shape_arena));
+    if (!saltus_dense_lu_open(&r->equations.lu, unknowns) || !w->shape_arena.base ||
         !saltus_dense_lu_open(&w->lu, r->size + 1))
         return saltus_branch_no_memory(message);
-    saltus_equations_reserve(&r->equations, unknowns, &w->shape_arena);
     take_state(r, parameters, state, r->equations.trial);
     for (int i = 0; i < r->width; i++)
         r->row_scale[i] = 1;

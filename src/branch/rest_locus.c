@@ -2,9 +2,9 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "branch/rest_locus.h"
 
+#include "branch/equilibria.h"
 #include "branch/hopf.h"
 #include "branch/options.h"
-#include "branch/rest_point.h"
 
 #include <complex.h>
 #include <limits.h>
@@ -55,7 +55,7 @@ static saltus_status look(saltus_rest_locus *l, saltus_rest_spot *s, saltus_mess
     s->tests[0] = square / (r->rate_scale * r->rate_scale);
     if (!(square > 0))
         return SALTUS_OK;
-    status = saltus_hopf_find(r, &s->rest, &hopf, NULL);
+    status = saltus_hopf_find(r, &s->rest, &hopf);
     s->tests[1] = status == SALTUS_OK ? hopf.coefficient : NAN;
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
@@ -159,7 +159,7 @@ static saltus_status give(saltus_rest_locus *l, const saltus_rest_spot *at, salt
                           double ahead, const char *reason, saltus_message *message) {
     const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
     const double square = at->tests[0];
-    saltus_status status = saltus_rest_give(&l->rests, &at->rest, &what, l->trail, message);
+    saltus_status status = saltus_rest_give(&l->rests, &at->rest, what, l->trail, message);
     if (status == SALTUS_OK && l->special.kind == SALTUS_POINT_HB) {
         saltus_branch_point *point = saltus_trail_last(l->trail);
         point->lyapunov_coefficient = at->tests[1];
@@ -200,7 +200,7 @@ static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const sa
     saltus_hopf hopf = {.omega = 0};
     if (trail->options->switches == 0)
         return SALTUS_OK;
-    saltus_status status = grows ? saltus_hopf_find(&l->rests, at, &hopf, NULL) : SALTUS_OK;
+    saltus_status status = grows ? saltus_hopf_find(&l->rests, at, &hopf) : SALTUS_OK;
     if (status != SALTUS_OK)
         return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     saltus_locus_start start = {

@@ -114,34 +114,20 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
     return -1;
 }
 
-/* Room for another one with a state of n numbers; NULL without memory. */
-static visited *add_visited(saltus_trail *t, const double *state, size_t n, saltus_message *message) {
+/* Add one of the present branch, with a copy of its state of n numbers. */
+static saltus_status add_visited(saltus_trail *t, visited fresh, const double *state, size_t n,
+                                 saltus_message *message) {
     visited *grown = realloc(t->visited, ((size_t)t->visited_count + 1) * sizeof *grown);
     if (grown)
         t->visited = grown;
-    double *own = calloc(n, sizeof *own);
-    if (!grown || !own) {
-        free(own);
-        saltus_branch_no_memory(message);
-        return NULL;
+    fresh.branch = t->number;
+    fresh.state = calloc(n, sizeof *fresh.state);
+    if (!grown || !fresh.state) {
+        free(fresh.state);
+        return saltus_branch_no_memory(message);
     }
-    memcpy(own, state, n * sizeof *own);
-    visited *v = &grown[t->visited_count++];
-    *v = (visited){.branch = t->number, .state = own};
-    return v;
-}
-
-static saltus_status remember(saltus_trail *t, const saltus_branch_point *point, saltus_message *message) {
-    visited *v = add_visited(t, point->state, (size_t)point->dimension, message);
-    if (!v)
-        return SALTUS_NO_MEMORY;
-    v->kind = point->kind;
-    v->periods = point->periods;
-    v->value = point->value[0];
-    v->period = period_of(point);
-    v->accuracy = isfinite(point->accuracy) ? point->accuracy : 0;
-    memcpy(v->label[0], point->label, SALTUS_LABEL_MAX);
-    memcpy(v->label[1], point->label_after, SALTUS_LABEL_MAX);
+    memcpy(fresh.state, state, n * sizeof *state);
+    grown[t->visited_count++] = fresh;
     return SALTUS_OK;
 }
 
@@ -164,15 +150,10 @@ int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus
 saltus_status saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point_kind kind,
                                 int periods, double value, const double *state, int *place,
                                 saltus_message *message) {
-    visited *v = add_visited(t, state, (size_t)saltus_system_dimension(system), message);
+    const visited fresh = {.kind = kind, .periods = periods, .value = value, .joined = true};
+    saltus_status status = add_visited(t, fresh, state, (size_t)saltus_system_dimension(system), message);
     *place = t->visited_count;
-    if (!v)
-        return SALTUS_NO_MEMORY;
-    v->kind = kind;
-    v->periods = periods;
-    v->value = value;
-    v->joined = true;
-    return SALTUS_OK;
+    return status;
 }
 
 saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, const saltus_notice *what,
@@ -198,8 +179,16 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, co
     const bool kept = meets >> point->kind & 1;
     const bool crosses = !point->locus && point->periods && point->kind == SALTUS_POINT_BP;
     const int earlier = kept ? find_visited(t, system, point) : -1;
-    if ((kept && earlier < 0) || crosses)
-        status = remember(t, point, message);
+    if ((kept && earlier < 0) || crosses) {
+        visited fresh = {.kind = point->kind,
+                         .periods = point->periods,
+                         .value = point->value[0],
+                         .period = period_of(point),
+                         .accuracy = isfinite(point->accuracy) ? point->accuracy : 0};
+        memcpy(fresh.label[0], point->label, SALTUS_LABEL_MAX);
+        memcpy(fresh.label[1], point->label_after, SALTUS_LABEL_MAX);
+        status = add_visited(t, fresh, point->state, (size_t)point->dimension, message);
+    }
     if (earlier >= 0) {
         point->kind = SALTUS_POINT_EP;
         snprintf(point->reason, sizeof point->reason,
