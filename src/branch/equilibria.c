@@ -80,8 +80,8 @@ static const char *label_of(unsigned contacts) {
 
 saltus_status saltus_rest_give(const saltus_rests *r, const saltus_rest *s, saltus_notice what,
                                saltus_trail *trail, saltus_message *message) {
-    const saltus_rest_special *special = r->special;
-    const bool touches = special && special->kind == SALTUS_POINT_BE;
+    const saltus_rest_special *special = &r->special;
+    const bool touches = special->kind == SALTUS_POINT_BE;
     saltus_branch_point *point = saltus_trail_place(trail, message);
     if (!point)
         return SALTUS_NO_MEMORY;
@@ -97,9 +97,9 @@ saltus_status saltus_rest_give(const saltus_rests *r, const saltus_rest *s, salt
         point->value[d] = s->value[d];
     }
     point->heading = s->at.tangent[s->at.unknowns - r->family.parameters] * r->family.unit[0];
-    point->locus = special ? special->kind : SALTUS_POINT_REGULAR;
+    point->locus = special->kind;
     point->unstable = s->unstable;
-    point->stable = s->stable && !special;
+    point->stable = s->stable && !special->kind;
     point->admissible = true;
     point->residual = s->at.residual;
     point->iterations = s->at.iterations;

@@ -235,7 +235,7 @@ double saltus_rests_pair(saltus_rests *r, const double *u, double near, double *
 /* The value at u that makes the equilibrium special, for HB or LP. For a fold it is the last entry of the
  * bordered Jacobian's solution: zero where the Jacobian is singular. */
 static double special(saltus_rests *r, const double *u) {
-    const saltus_rest_special *s = r->special;
+    const saltus_rest_special *s = &r->special;
     const int size = r->size, order = size + 1;
     double square, *a = r->work->aside;
     if (s->kind == SALTUS_POINT_HB)
@@ -264,7 +264,7 @@ static saltus_status evaluate(void *self, const double *u, saltus_message *messa
     saltus_rests *r = self;
     saltus_equations *e = &r->equations;
     const int last = e->count - 1, m = e->unknowns;
-    const bool touches = r->special && r->special->kind == SALTUS_POINT_BE, differs = r->special && !touches;
+    const bool touches = r->special.kind == SALTUS_POINT_BE, differs = r->special.kind && !touches;
     double v[SALTUS_REST_UNKNOWNS_MAX], row[SALTUS_REST_UNKNOWNS_MAX];
     memcpy(v, u, (size_t)m * sizeof *v);
     const double value = differs ? special(r, u) : 0;
@@ -287,7 +287,7 @@ static saltus_status evaluate(void *self, const double *u, saltus_message *messa
                            "what makes the equilibrium special is not defined");
     saltus_status status = fill_rows(r, u, message);
     if (status == SALTUS_OK && touches)
-        fill_gap(r, r->special->face, &e->residual[last], e->jacobian + last * m);
+        fill_gap(r, r->special.face, &e->residual[last], e->jacobian + last * m);
     if (!differs)
         return status;
     e->residual[last] = value;

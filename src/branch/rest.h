@@ -18,12 +18,12 @@
 #include "saltus/equilibrium.h"
 #include "system/system.h"
 
-enum { SALTUS_REST_UNKNOWNS_MAX = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2 };
+enum { SALTUS_REST_UNKNOWNS_MAX = SALTUS_STATE_MAX + SALTUS_FACES_MAX + 2, SALTUS_REST_TESTS = 2 };
 
 /* What makes the equilibria on a curve in two parameters special. The code that follows the curve renews it
  * from point to point. */
 typedef struct saltus_rest_special {
-    saltus_point_kind kind; /* HB, BE or LP */
+    saltus_point_kind kind; /* HB, BE or LP; REGULAR: nothing, with one parameter */
     int face;               /* BE: the face that is touched */
     double square;          /* HB: product of the two eigenvalues, which identifies them */
     /* LP: borders of the Jacobian, below it and to its right: its null vectors at a nearby point. */
@@ -33,11 +33,11 @@ typedef struct saltus_rest_special {
 /* The equations of equilibria. Only rest.c writes the members after the first three; but a resumed run also
  * reads back row_scale. */
 typedef struct saltus_rests {
-    saltus_family family;               /* one or two parameters */
-    double origin[2];                   /* the parameters' values at the specification */
-    const saltus_rest_special *special; /* with two parameters: the caller's; with one: NULL */
-    int n, dof, width;                  /* states; displacements; unknowns that are states */
-    saltus_system *first;               /* at the specification: its metric is used at all parameters */
+    saltus_family family; /* one or two parameters */
+    double origin[2];     /* the parameters' values at the specification */
+    saltus_rest_special special;
+    int n, dof, width;    /* states; displacements; unknowns that are states */
+    saltus_system *first; /* at the specification: its metric is used at all parameters */
     const double *state_scale;
     double force_scale, rate_scale;
     /* For the contacts for which the equations are shaped. */
@@ -65,9 +65,11 @@ typedef struct saltus_rest {
     bool stable;
     double trace;        /* of the vector field's Jacobian, the sum of the rates; NAN in contact */
     saltus_scaled pairs; /* product of the sums of all pairs of rates */
+    /* On curves in two parameters: the functions whose zeros are points of codimension two; NAN: none. */
+    double tests[SALTUS_REST_TESTS];
 } saltus_rest;
 
-/* family, origin and special must be set; close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
+/* family and origin must be set; close in any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT. */
 saltus_status saltus_rests_open(saltus_rests *rests, saltus_message *message);
 void saltus_rests_close(saltus_rests *rests);
 /* Shape the equations for these contacts; rows are scaled by the Jacobian at a state and parameters. Errors:

@@ -16,7 +16,7 @@
 static const struct {
     saltus_point_kind kind;
     bool ends; /* the curve ends there */
-} tests[SALTUS_POINT_KINDS][SALTUS_REST_LOCUS_TESTS] = {
+} tests[SALTUS_POINT_KINDS][SALTUS_REST_TESTS] = {
     [SALTUS_POINT_HB] = {{SALTUS_POINT_BT, true}, {SALTUS_POINT_GH, false}},
     [SALTUS_POINT_LP] = {{SALTUS_POINT_CP, false}, {SALTUS_POINT_BT, false}},
 };
@@ -35,27 +35,27 @@ static double product_of_others(const saltus_rest *s) {
 }
 
 /* All that a point's unknowns tell. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
-static saltus_status look(saltus_rest_locus *l, saltus_rest_spot *s, saltus_message *message) {
+static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *message) {
     saltus_rests *r = &l->rests;
     const saltus_equations *e = &r->equations;
     s->tests[0] = s->tests[1] = NAN;
-    saltus_status status = saltus_equations_evaluate(&r->equations, s->rest.at.u, message);
+    saltus_status status = saltus_equations_evaluate(&r->equations, s->at.u, message);
     if (status == SALTUS_OK)
-        status = saltus_rest_see(r, &s->rest, message);
-    if (status == SALTUS_OK && l->special.kind == SALTUS_POINT_LP) {
+        status = saltus_rest_see(r, s, message);
+    if (status == SALTUS_OK && l->rests.special.kind == SALTUS_POINT_LP) {
         const double *row = e->jacobian + (ptrdiff_t)(e->count - 1) * e->unknowns;
-        s->tests[0] = saltus_dot(row, l->special.right, r->size);
-        s->tests[1] = product_of_others(&s->rest);
+        s->tests[0] = saltus_dot(row, l->rests.special.right, r->size);
+        s->tests[1] = product_of_others(s);
     }
-    if (status != SALTUS_OK || l->special.kind != SALTUS_POINT_HB)
+    if (status != SALTUS_OK || l->rests.special.kind != SALTUS_POINT_HB)
         return status;
     saltus_hopf hopf;
     double square;
-    saltus_rests_pair(r, s->rest.at.u, l->special.square, &square);
+    saltus_rests_pair(r, s->at.u, l->rests.special.square, &square);
     s->tests[0] = square / (r->rate_scale * r->rate_scale);
     if (!(square > 0))
         return SALTUS_OK;
-    status = saltus_hopf_find(r, &s->rest, &hopf);
+    status = saltus_hopf_find(r, s, &hopf);
     s->tests[1] = status == SALTUS_OK ? hopf.coefficient : NAN;
     return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
 }
@@ -64,7 +64,7 @@ static saltus_status look(saltus_rest_locus *l, saltus_rest_spot *s, saltus_mess
  * sign of the test for cusps. */
 static saltus_status renew(saltus_rest_locus *l, const double *u, saltus_message *message) {
     saltus_rests *r = &l->rests;
-    saltus_rest_special *special = &l->special;
+    saltus_rest_special *special = &l->rests.special;
     double square, before[SALTUS_REST_UNKNOWNS_MAX];
     if (special->kind == SALTUS_POINT_HB && isfinite(saltus_rests_pair(r, u, special->square, &square)))
         special->square = square;
@@ -83,13 +83,13 @@ static saltus_status open_curve(saltus_rest_locus *l, const saltus_locus_start *
                                 saltus_message *message) {
     const double little = 1e-6; /* relative to rate_scale; identifies the two eigenvalues at BT */
     saltus_rests *r = &l->rests;
-    saltus_curve_point *at = &l->here.rest.at;
+    saltus_curve_point *at = &l->here.at;
     double anchor[SALTUS_REST_UNKNOWNS_MAX];
     const double omega =
         start->origin == SALTUS_POINT_BT ? sqrt(little) * r->rate_scale : start->sequence.omega;
-    l->special.kind = start->kind;
-    l->special.face = start->kind == SALTUS_POINT_BE ? start->mark : -1;
-    l->special.square = omega * omega;
+    l->rests.special.kind = start->kind;
+    l->rests.special.face = start->kind == SALTUS_POINT_BE ? start->mark : -1;
+    l->rests.special.square = omega * omega;
     l->trail->parent = start->parent;
     l->trail->depth = start->depth;
     saltus_status status =
@@ -125,7 +125,7 @@ static saltus_status open_curve(saltus_rest_locus *l, const saltus_locus_start *
         saltus_curve_turn(at);
     memcpy(l->beginning, at->u, bytes);
     memcpy(l->beginning + m, at->tangent, bytes);
-    l->first_square = l->special.square;
+    l->first_square = l->rests.special.square;
     return SALTUS_OK;
 }
 
@@ -133,7 +133,6 @@ saltus_status saltus_rest_locus_open(saltus_rest_locus *l, const saltus_spec *sp
                                      const saltus_locus_start *first, saltus_message *message) {
     const saltus_branch_options *options = l->trail->options;
     saltus_rests *r = &l->rests;
-    r->special = &l->special;
     l->way_count = options->direction ? 1 : 2;
     l->ways[0] = options->direction < 0 ? -1 : 1;
     l->ways[1] = -1;
@@ -148,19 +147,19 @@ saltus_status saltus_rest_locus_open(saltus_rest_locus *l, const saltus_spec *sp
 }
 
 void saltus_rest_locus_close(saltus_rest_locus *l) {
-    saltus_rest_clear(&l->here.rest);
-    saltus_rest_clear(&l->next.rest);
-    saltus_rest_clear(&l->trial.rest);
+    saltus_rest_clear(&l->here);
+    saltus_rest_clear(&l->next);
+    saltus_rest_clear(&l->trial);
     saltus_rests_close(&l->rests);
     *l = (saltus_rest_locus){.trail = l->trail, .starts = l->starts};
 }
 
-static saltus_status give(saltus_rest_locus *l, const saltus_rest_spot *at, saltus_point_kind kind,
-                          double ahead, const char *reason, saltus_message *message) {
+static saltus_status give(saltus_rest_locus *l, const saltus_rest *at, saltus_point_kind kind, double ahead,
+                          const char *reason, saltus_message *message) {
     const saltus_notice what = {.kind = kind, .ahead = ahead, .accuracy = NAN, .reason = reason};
     const double square = at->tests[0];
-    saltus_status status = saltus_rest_give(&l->rests, &at->rest, what, l->trail, message);
-    if (status == SALTUS_OK && l->special.kind == SALTUS_POINT_HB) {
+    saltus_status status = saltus_rest_give(&l->rests, at, what, l->trail, message);
+    if (status == SALTUS_OK && l->rests.special.kind == SALTUS_POINT_HB) {
         saltus_branch_point *point = saltus_trail_last(l->trail);
         point->lyapunov_coefficient = at->tests[1];
         point->period = square > 0 ? 2 * M_PI / (sqrt(square) * l->rests.rate_scale) : NAN;
@@ -170,24 +169,24 @@ static saltus_status give(saltus_rest_locus *l, const saltus_rest_spot *at, salt
 
 /* Begin the next direction from the first point. */
 static saltus_status begin(saltus_rest_locus *l, saltus_message *message) {
-    saltus_curve_point *at = &l->here.rest.at;
+    saltus_curve_point *at = &l->here.at;
     const size_t bytes = (size_t)at->unknowns * sizeof *at->u;
     saltus_trail_begin(l->trail, l->trail->number + 1, l->trail->parent, l->trail->depth, false);
     memcpy(at->u, l->beginning, bytes);
     memcpy(at->tangent, l->beginning + at->unknowns, bytes);
     at->bent = false;
     at->ahead = 0;
-    l->special.square = l->first_square;
+    l->rests.special.square = l->first_square;
     if (l->ways[l->way++] < 0)
         saltus_curve_turn(at);
     saltus_status status = renew(l, at->u, message);
     if (status == SALTUS_OK)
         status = look(l, &l->here, message);
     /* At the BT point itself their signs mean nothing. */
-    for (int k = 0; k < SALTUS_REST_LOCUS_TESTS && l->switched; k++)
+    for (int k = 0; k < SALTUS_REST_TESTS && l->switched; k++)
         l->here.tests[k] = NAN;
     at->residual = l->rests.equations.size;
-    return status == SALTUS_OK ? give(l, &l->here, l->special.kind, 0, "", message) : status;
+    return status == SALTUS_OK ? give(l, &l->here, l->rests.special.kind, 0, "", message) : status;
 }
 
 /* Where two eigenvalues are zero, the curve of folds passes through, and that of Hopf points ends. Where the
@@ -204,7 +203,7 @@ static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const sa
     if (status != SALTUS_OK)
         return status == SALTUS_NO_MEMORY ? saltus_branch_no_memory(message) : SALTUS_OK;
     saltus_locus_start start = {
-        .kind = l->special.kind,
+        .kind = l->rests.special.kind,
         .sequence = {.periods = 1, .contacts = at->contacts, .cuts = 1, .omega = hopf.omega},
         .parameter = {at->parameter[0], at->parameter[1]},
         .one_way = grows,
@@ -227,7 +226,7 @@ static saltus_status meet(saltus_rest_locus *l, saltus_point_kind kind, const sa
  * which these are a pair. */
 static saltus_status switch_to(saltus_rest_locus *l, saltus_locus_start *start, saltus_message *message) {
     const double apart = 1e-3;
-    saltus_rest *aside = &l->trial.rest;
+    saltus_rest *aside = &l->trial;
     saltus_message why = {.text = ""};
     double square;
     start->done = l->switched = true;
@@ -238,8 +237,8 @@ static saltus_status switch_to(saltus_rest_locus *l, saltus_locus_start *start, 
     const bool through = start->kind != SALTUS_POINT_HB || start->origin != SALTUS_POINT_BT;
     const bool pairs =
         through ||
-        (saltus_rest_visit(&l->rests, &l->here.rest, apart, aside, &why) == SALTUS_OK &&
-         isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->special.square, &square)) && square > 0);
+        (saltus_rest_visit(&l->rests, &l->here, apart, aside, &why) == SALTUS_OK &&
+         isfinite(saltus_rests_pair(&l->rests, aside->at.u, l->rests.special.square, &square)) && square > 0);
     l->way = 0;
     l->way_count = through ? 2 : 1;
     l->ways[0] = pairs ? 1 : -1;
@@ -256,9 +255,8 @@ typedef struct sought {
 static bool value_ahead(void *context, double ahead, double *value) {
     const sought *s = context;
     saltus_rest_locus *l = s->locus;
-    saltus_rest_spot *at = &l->trial;
-    saltus_status status =
-        saltus_curve_visit(&l->rests.equations, &l->here.rest.at, ahead, &at->rest.at, NULL);
+    saltus_rest *at = &l->trial;
+    saltus_status status = saltus_curve_visit(&l->rests.equations, &l->here.at, ahead, &at->at, NULL);
     if (status == SALTUS_OK)
         status = look(l, at, NULL);
     if (saltus_rests_noted(&l->rests, status) != SALTUS_OK)
@@ -269,27 +267,27 @@ static bool value_ahead(void *context, double ahead, double *value) {
 
 /* Give out the points of codimension two between `here` and `next`, in order. */
 static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message) {
-    saltus_special found[SALTUS_REST_LOCUS_TESTS];
+    saltus_special found[SALTUS_REST_TESTS];
     int count = 0;
     double width, value;
     saltus_status status = SALTUS_OK;
-    for (int k = 0; k < SALTUS_REST_LOCUS_TESTS; k++) {
+    for (int k = 0; k < SALTUS_REST_TESTS; k++) {
         sought s = {l, k};
-        saltus_special own = {.kind = tests[l->special.kind][k].kind};
+        saltus_special own = {.kind = tests[l->rests.special.kind][k].kind};
         const double near = l->here.tests[k], far = l->next.tests[k];
-        if (near * far < 0 && saltus_curve_zero(l->rests.solver, value_ahead, &s, near, l->next.rest.at.ahead,
-                                                far, &own.ahead, &width))
+        if (near * far < 0 && saltus_curve_zero(l->rests.solver, value_ahead, &s, near, l->next.at.ahead, far,
+                                                &own.ahead, &width))
             count = saltus_special_insert(own, found, count);
     }
     for (int i = 0; i < count && status == SALTUS_OK && l->trail->following; i++) {
         const saltus_point_kind kind = found[i].kind;
-        sought s = {l, kind != tests[l->special.kind][0].kind};
+        sought s = {l, kind != tests[l->rests.special.kind][0].kind};
         if (!value_ahead(&s, found[i].ahead, &value))
             continue;
         status = give(l, &l->trial, kind, found[i].ahead, "", message);
         if (status == SALTUS_OK && kind != SALTUS_POINT_CP && l->trail->following)
-            status = meet(l, kind, &l->trial.rest, message);
-        if (status == SALTUS_OK && tests[l->special.kind][s.test].ends && l->trail->following)
+            status = meet(l, kind, &l->trial, message);
+        if (status == SALTUS_OK && tests[l->rests.special.kind][s.test].ends && l->trail->following)
             status = give(l, &l->trial, SALTUS_POINT_EP, found[i].ahead,
                           "beyond it two real eigenvalues add up to zero: no Hopf points", message);
     }
@@ -298,7 +296,7 @@ static saltus_status give_corners(saltus_rest_locus *l, saltus_message *message)
 
 /* Whether the curve has come back to its first point in the step from `here` to `next`. */
 static bool is_closed(const saltus_rest_locus *l) {
-    const saltus_curve_point *here = &l->here.rest.at, *next = &l->next.rest.at;
+    const saltus_curve_point *here = &l->here.at, *next = &l->next.at;
     double before = 0, after = 0, apart = 0;
     for (int j = 0; j < here->unknowns; j++) {
         const double first = l->beginning[j], way = l->beginning[here->unknowns + j];
@@ -315,13 +313,13 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     const double near = 1e-9;
     saltus_rests *r = &l->rests;
     saltus_trail *trail = l->trail;
-    saltus_rest *next = &l->next.rest;
+    saltus_rest *next = &l->next;
     const saltus_curve_bound bounds[2] = {{r->size, l->border[0][0], l->border[0][1]},
                                           {r->size + 1, l->border[1][0], l->border[1][1]}};
     saltus_message why = {.text = ""};
     int reached;
-    saltus_status status = saltus_curve_step(&r->equations, &l->here.rest.at, &trail->step, bounds, 2,
-                                             &next->at, &reached, &why);
+    saltus_status status =
+        saltus_curve_step(&r->equations, &l->here.at, &trail->step, bounds, 2, &next->at, &reached, &why);
     if (status == SALTUS_OK)
         status = look(l, &l->next, &why);
     if (status == SALTUS_NO_MEMORY)
@@ -334,7 +332,7 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
     const double ahead = next->at.ahead;
     /* A face that the equilibrium has crossed or whose contact pulls. */
     int face = 0;
-    while (face < r->system->face_count && (face == l->special.face || !(next->breach[face] > near)))
+    while (face < r->system->face_count && (face == l->rests.special.face || !(next->breach[face] > near)))
         face++;
     if (face < r->system->face_count)
         return give(l, &l->here, SALTUS_POINT_EP, 0,
@@ -351,13 +349,13 @@ static saltus_status advance(saltus_rest_locus *l, saltus_message *message) {
         return give(l, &l->next, SALTUS_POINT_EP, ahead, "end of the parameters' range", message);
     }
     trail->step = saltus_curve_next_step(trail->step, next->at.iterations, trail->options->step_max);
-    status = give(l, &l->next, l->special.kind, ahead, "", message);
+    status = give(l, &l->next, l->rests.special.kind, ahead, "", message);
     trail->arclength += ahead;
-    const saltus_rest_spot swap = l->here;
+    const saltus_rest swap = l->here;
     l->here = l->next;
     l->next = swap;
-    saltus_curve_bend(&l->next.rest.at, &l->here.rest.at);
-    return status == SALTUS_OK ? renew(l, l->here.rest.at.u, message) : status;
+    saltus_curve_bend(&l->next.at, &l->here.at);
+    return status == SALTUS_OK ? renew(l, l->here.at.u, message) : status;
 }
 
 saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_message *message) {
@@ -375,21 +373,21 @@ saltus_status saltus_rest_locus_step(saltus_rest_locus *l, bool *more, saltus_me
 saltus_status saltus_rest_locus_archive(saltus_rest_locus *l, saltus_archive *a, saltus_message *message) {
     const unsigned kinds = 1u << SALTUS_POINT_HB | 1u << SALTUS_POINT_BE | 1u << SALTUS_POINT_LP;
     l->switched = saltus_archive_flag(a, l->switched);
-    l->special.kind = saltus_archive_kind(a, l->special.kind);
-    a->sound = a->sound && kinds >> l->special.kind & 1;
-    l->special.face = (int)saltus_archive_whole(a, l->special.face, -1, a->faces - 1);
+    l->rests.special.kind = saltus_archive_kind(a, l->rests.special.kind);
+    a->sound = a->sound && kinds >> l->rests.special.kind & 1;
+    l->rests.special.face = (int)saltus_archive_whole(a, l->rests.special.face, -1, a->faces - 1);
     l->way_count = (int)saltus_archive_whole(a, l->way_count, 1, 2);
     for (int k = 0; k < 2; k++)
         l->ways[k] = (int)saltus_archive_whole(a, l->ways[k], -1, 1);
     l->way = (int)saltus_archive_whole(a, l->way, 0, l->way_count);
-    saltus_archive_real(a, &l->special.square);
+    saltus_archive_real(a, &l->rests.special.square);
     saltus_archive_real(a, &l->first_square);
-    for (int k = 0; k < SALTUS_REST_LOCUS_TESTS; k++) {
-        saltus_archive_kind(a, tests[l->special.kind][k].kind);
-        saltus_archive_flag(a, tests[l->special.kind][k].ends);
+    for (int k = 0; k < SALTUS_REST_TESTS; k++) {
+        saltus_archive_kind(a, tests[l->rests.special.kind][k].kind);
+        saltus_archive_flag(a, tests[l->rests.special.kind][k].ends);
         saltus_archive_real(a, &l->here.tests[k]);
     }
-    saltus_rest *here = &l->here.rest;
+    saltus_rest *here = &l->here;
     saltus_status status = saltus_archive_rest(a, &l->rests, here, message);
     if (status == SALTUS_OK && a->sound)
         saltus_archive_finite(a, l->beginning, 2 * (size_t)here->at.unknowns);

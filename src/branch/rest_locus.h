@@ -7,23 +7,13 @@
 #include "branch/rest.h"
 #include "branch/trail.h"
 
-enum { SALTUS_REST_LOCUS_TESTS = 2 };
-
-/* A point of a curve, and the values there of the functions whose zeros are points of codimension two; NAN:
- * none. */
-typedef struct saltus_rest_spot {
-    saltus_rest rest;
-    double tests[SALTUS_REST_LOCUS_TESTS];
-} saltus_rest_spot;
-
 typedef struct saltus_rest_locus {
     saltus_trail *trail;         /* the caller's: receives the points */
     saltus_locus_starts *starts; /* the caller's: receives places at which other curves begin, at generalised
                                     Hopf points of cycles that fold */
     bool switched;               /* the curve under way begins at such a place */
-    saltus_rests rests;
-    saltus_rest_special special; /* what makes the equilibria special, renewed from point to point */
-    saltus_rest_spot here, next, trial;
+    saltus_rests rests;          /* what makes the equilibria special is renewed from point to point */
+    saltus_rest here, next, trial;
     double beginning[2 * SALTUS_REST_UNKNOWNS_MAX]; /* unknowns and tangent of the first point */
     double first_square;
     double border[2][2]; /* of both parameter unknowns: low, high */
