@@ -32,7 +32,7 @@ struct saltus_branch {
     saltus_equilibria equilibria; /* opened only where a run begins with them */
     saltus_locus_starts loci;     /* of curves of special equilibria and orbits */
     saltus_rest_locus rest_locus; /* opened only in its phase */
-    saltus_locus *locus;          /* NULL except in its phase */
+    saltus_locus locus;           /* likewise */
     saltus_branch_point given;
     long long given_count;
 };
@@ -71,9 +71,9 @@ saltus_status saltus_branch_new(const saltus_spec *spec, int periods, const doub
     b->stop = options->orbit.flow.stop;
     b->phase = RUN_ORBITS;
     b->trail.options = &b->options;
-    b->trace.trail = b->equilibria.trail = b->rest_locus.trail = &b->trail;
+    b->trace.trail = b->equilibria.trail = b->rest_locus.trail = b->locus.trail = &b->trail;
     b->trace.starts = b->equilibria.cycles = &b->starts;
-    b->rest_locus.starts = &b->loci;
+    b->rest_locus.starts = b->locus.starts = &b->loci;
     saltus_status status = open_run(b, spec, periods, state, message);
     if (status == SALTUS_OK)
         *branch = b;
@@ -92,16 +92,15 @@ void saltus_branch_free(saltus_branch *b) {
     saltus_equilibria_close(&b->equilibria);
     saltus_locus_starts_clear(&b->loci);
     saltus_rest_locus_close(&b->rest_locus);
-    saltus_locus_free(b->locus);
+    saltus_locus_close(&b->locus);
     free(b);
 }
 
 /* Open the curves of special points of the present phase, with one through `first`; NULL: with none yet. */
 static saltus_status open_loci(saltus_branch *b, const saltus_locus_start *first, saltus_message *message) {
     const saltus_spec *spec = &b->trace.orbits.family.spec;
-    return b->phase == RUN_REST_LOCUS
-               ? saltus_rest_locus_open(&b->rest_locus, spec, first, message)
-               : saltus_locus_new(spec, &b->trail, &b->loci, first, &b->locus, message);
+    return b->phase == RUN_REST_LOCUS ? saltus_rest_locus_open(&b->rest_locus, spec, first, message)
+                                      : saltus_locus_open(&b->locus, spec, first, message);
 }
 
 /* If a branch has reached the first point of the requested locus, begin the locus there. */
@@ -135,12 +134,11 @@ static saltus_status advance_loci(saltus_branch *b, bool *more, saltus_message *
     for (;;) {
         const bool of_rests = b->phase == RUN_REST_LOCUS;
         saltus_status status = of_rests ? saltus_rest_locus_step(&b->rest_locus, more, message)
-                                        : saltus_locus_step(b->locus, more, message);
+                                        : saltus_locus_step(&b->locus, more, message);
         if (status != SALTUS_OK || *more || !saltus_locus_starts_wait(&b->loci, !of_rests))
             return status;
         saltus_rest_locus_close(&b->rest_locus);
-        saltus_locus_free(b->locus);
-        b->locus = NULL;
+        saltus_locus_close(&b->locus);
         b->phase = of_rests ? RUN_LOCUS : RUN_REST_LOCUS;
         status = open_loci(b, NULL, message);
         if (status != SALTUS_OK)
@@ -250,7 +248,7 @@ static saltus_status archive_run(saltus_branch *b, saltus_archive *a, saltus_mes
     else if (status == SALTUS_OK && b->phase != RUN_ORBITS)
         status = b->phase == RUN_RESTS        ? saltus_equilibria_archive(&b->equilibria, a, message)
                  : b->phase == RUN_REST_LOCUS ? saltus_rest_locus_archive(&b->rest_locus, a, message)
-                                              : saltus_locus_archive(b->locus, a, message);
+                                              : saltus_locus_archive(&b->locus, a, message);
     b->effort.spent = spent; /* whatever reading has taken */
     if (status == SALTUS_NO_MEMORY || a->starved)
         return saltus_branch_no_memory(message);

@@ -180,14 +180,11 @@ static double bracket(saltus_orbits *o, const saltus_solution *from, double ahea
     return fabs(high - low);
 }
 
-static double slope(const saltus_orbits *o, const saltus_solution *s) {
-    return fabs(saltus_solution_heading(s)) * o->family.unit[0];
-}
-
 /* How well the parameter is known at the point `s` that is known to `width` in arclength. Where a bracket
  * shrinks to rounding, orbits are still followed no finer than this. */
 static double accuracy_at(const saltus_orbits *o, const saltus_solution *s, double width) {
-    return width * slope(o, s) + 64 * DBL_EPSILON * fabs(s->value);
+    const double slope = fabs(saltus_solution_heading(s)) * o->family.unit[0];
+    return width * slope + 64 * DBL_EPSILON * fabs(s->value);
 }
 
 /* The arclength beyond `at` at which the contact that completes a chatter shrinks to zero length, if it
@@ -396,7 +393,8 @@ static saltus_change compare(const saltus_orbits *o, const saltus_solution *from
                   : before->impacts != after->impacts                       ? SALTUS_POINT_GR
                                                                             : SALTUS_POINT_REGULAR;
     if (change.kind == SALTUS_POINT_CH)
-        change.accuracy += beyond_contact(from, at, at->at.ahead) * slope(o, at);
+        change.accuracy +=
+            beyond_contact(from, at, at->at.ahead) * (fabs(saltus_solution_heading(at)) * o->family.unit[0]);
     return change;
 }
 

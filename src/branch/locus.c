@@ -5,7 +5,6 @@
 #include "branch/hopf.h"
 #include "branch/join.h"
 #include "branch/locus_corners.h"
-#include "branch/locus_starts.h"
 #include "branch/options.h"
 #include "branch/point.h"
 #include "branch/sequence.h"
@@ -21,30 +20,6 @@ static const double slowest = 0.1;
 /* The shortest step. */
 static const double stride_min = 1e-5;
 static const char is_back[] = "the curve is closed: it has come back";
-
-/* Successive places on a curve where two impacts graze. */
-typedef struct grazings {
-    double last[2], gap; /* the last place, and its distance from the one before */
-    int closer;          /* how many times in a row the distance has shrunk */
-} grazings;
-
-struct saltus_locus {
-    saltus_trail *trail; /* the caller's */
-    saltus_extended x;
-    double origin[2];
-    double border[2][2];         /* of both parameter unknowns: low, high */
-    saltus_locus_starts *starts; /* the caller's */
-    /* The current curve. */
-    saltus_point_kind begun_at; /* point of codimension two at which it begins; REGULAR: none */
-    int way_count, way;         /* directions from its first point, and those begun so far */
-    saltus_sequence first;      /* sequence of its first point */
-    double *beginning;          /* unknowns of its first point */
-    int first_mark;
-    double first_way[2]; /* direction in the plane in which it left that point */
-    bool has_left;       /* it has been more than a few steps away from there */
-    grazings grazings;
-    saltus_locus_point here, next, trial;
-};
 
 /* The parameters' part of a vector of unknowns. */
 static double *plane_of(const saltus_locus *l, double *u) {
@@ -114,19 +89,6 @@ static saltus_status find_small(saltus_locus *l, const saltus_locus_start *start
     return status;
 }
 
-/* Cut the orbit at `here`, where a curve is to begin, into more segments; false if that cannot be. */
-static bool cut_finer(saltus_locus *l) {
-    const double base = l->here.orbit.sequence.base;
-    const int mark = l->x.mark;
-    int order[SALTUS_MARKS_MAX];
-    const bool finer = saltus_solution_refine(&l->x.orbits, &l->here.orbit, &l->trial.orbit, order);
-    const saltus_sequence *s = &l->here.orbit.sequence;
-    for (int k = 0; k < s->count && s->base != base; k++)
-        if (order[k] == mark)
-            l->x.mark = k;
-    return finer;
-}
-
 /* `here` becomes the orbit of a start, as one of its curve. */
 static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start, saltus_message *message) {
     const double alike = 1e-6;
@@ -161,8 +123,15 @@ static saltus_status find_start(saltus_locus *l, const saltus_locus_start *start
         status = saltus_solution_place(o, &sequence, start->parameter, start->state, false, &l->here.orbit,
                                        message);
     }
-    while (status == SALTUS_OK && saltus_locus_grows(&l->x, &l->here.orbit) && cut_finer(l))
-        continue;
+    /* Into more and more segments, as long as there are more. */
+    for (bool finer = true; status == SALTUS_OK && finer && saltus_locus_grows(&l->x, &l->here.orbit);) {
+        const double base = l->here.orbit.sequence.base;
+        const int mark = l->x.mark;
+        int order[SALTUS_MARKS_MAX];
+        finer = saltus_solution_refine(o, &l->here.orbit, &l->trial.orbit, order);
+        for (int k = 0; k < l->here.orbit.sequence.count && l->here.orbit.sequence.base != base; k++)
+            l->x.mark = order[k] == mark ? k : l->x.mark;
+    }
     if (status != SALTUS_OK || !crossing)
         return status == SALTUS_OK ? saltus_locus_find_near(&l->x, &l->here, start->theta, message) : status;
     status = saltus_locus_take_up(&l->x, &l->here, l->here.orbit.at.u, 0, message);
@@ -220,17 +189,10 @@ saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_so
     return start;
 }
 
-saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
-                               const saltus_locus_start *first, saltus_locus **locus,
-                               saltus_message *message) {
-    const saltus_branch_options *options = trail->options;
-    saltus_locus *l = calloc(1, sizeof *l);
-    *locus = l;
-    if (!l)
-        return saltus_branch_no_memory(message);
+saltus_status saltus_locus_open(saltus_locus *l, const saltus_spec *spec, const saltus_locus_start *first,
+                                saltus_message *message) {
+    const saltus_branch_options *options = l->trail->options;
     saltus_orbits *o = &l->x.orbits;
-    l->trail = trail;
-    l->starts = starts;
     l->x.equations = (saltus_equations){
         .self = &l->x, .evaluate = saltus_extended_evaluate, .iterations = options->orbit.iterations};
     o->options = options->orbit;
@@ -242,25 +204,21 @@ saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, sal
     if (status != SALTUS_OK)
         return status;
     o->options.free_period = !saltus_system_forced(o->system);
-    if (first) {
-        trail->number = -1;
-        l->way_count = options->direction ? 1 : 2;
-        return open_start(l, first, message);
-    }
-    l->way = l->way_count = 1;
-    return SALTUS_OK;
+    l->way = l->way_count = options->direction || !first ? 1 : 2;
+    if (!first)
+        return SALTUS_OK;
+    l->trail->number = -1;
+    return open_start(l, first, message);
 }
 
-void saltus_locus_free(saltus_locus *l) {
-    if (!l)
-        return;
+void saltus_locus_close(saltus_locus *l) {
     saltus_extended_close(&l->x);
     saltus_locus_point_clear(&l->here);
     saltus_locus_point_clear(&l->next);
     saltus_locus_point_clear(&l->trial);
     saltus_orbits_close(&l->x.orbits);
     free(l->beginning);
-    free(l);
+    *l = (saltus_locus){.trail = l->trail, .starts = l->starts};
 }
 
 /* Give out a point of the curve, `ahead` of `here`; nothing if the curve has ended. */
@@ -431,7 +389,7 @@ static saltus_status begin(saltus_locus *l, bool leaves, saltus_message *message
     l->way++;
     saltus_trail_begin(l->trail, l->trail->number + 1, l->trail->parent, l->trail->depth, false);
     l->has_left = false;
-    l->grazings = (grazings){.gap = 0};
+    l->grazings = (saltus_grazings){.gap = 0};
     l->trail->step = 0.1 * l->trail->options->step;
     memcpy(l->first_way, plane_of(l, l->here.at.tangent), sizeof l->first_way);
     status = give(l, &l->here, l->x.kind, 0, NULL, message);
@@ -491,10 +449,10 @@ static const char *const corner_reasons[2][SALTUS_POINT_KINDS] = {
      [SALTUS_POINT_R4] = "its orbits join those of a quarter of the period, at a pair at a quarter"}};
 
 /* Add a place where two impacts graze; whether these places accumulate. */
-static bool accumulate(grazings *g, const double place[2]) {
+static bool accumulate(saltus_grazings *g, const double place[2]) {
     enum { enough = 4 };
     const double gap = hypot(place[0] - g->last[0], place[1] - g->last[1]);
-    *g = (grazings){{place[0], place[1]}, gap, gap < 0.9 * g->gap ? g->closer + 1 : 0};
+    *g = (saltus_grazings){{place[0], place[1]}, gap, gap < 0.9 * g->gap ? g->closer + 1 : 0};
     return g->closer >= enough;
 }
 

@@ -3,28 +3,50 @@
 #ifndef SALTUS_BRANCH_LOCUS_H
 #define SALTUS_BRANCH_LOCUS_H
 
+#include "branch/locus_point.h"
 #include "branch/locus_starts.h"
 #include "branch/trail.h"
 
-typedef struct saltus_locus saltus_locus;
+/* Successive places on a curve where two impacts graze. */
+typedef struct saltus_grazings {
+    double last[2], gap; /* the last place, and its distance from the one before */
+    int closer;          /* how many times in a row the distance has shrunk */
+} saltus_grazings;
+
+typedef struct saltus_locus {
+    saltus_trail *trail;         /* the caller's: receives the points */
+    saltus_locus_starts *starts; /* the caller's: receives all places at which other curves begin */
+    saltus_extended x;
+    double origin[2];
+    double border[2][2]; /* of both parameter unknowns: low, high */
+    /* The current curve. */
+    saltus_point_kind begun_at; /* point of codimension two at which it begins; REGULAR: none */
+    int way_count, way;         /* directions from its first point, and those begun so far */
+    saltus_sequence first;      /* sequence of its first point */
+    double *beginning;          /* unknowns of its first point */
+    int first_mark;
+    double first_way[2]; /* direction in the plane in which it left that point */
+    bool has_left;       /* it has been more than a few steps away from there */
+    saltus_grazings grazings;
+    saltus_locus_point here, next, trial;
+} saltus_locus;
 
 /* The start of a curve at a special point `at` of a branch in the first parameter. At grazing `beyond` is the
  * sequence on the other side, otherwise NULL. */
 saltus_locus_start saltus_locus_start_at(saltus_point_kind kind, const saltus_solution *at,
                                          const saltus_sequence *beyond);
-/* A locus through such a point; NULL: none, if it is to begin at one of `starts`, or if saltus_locus_archive
- * is to read it. Its points go to the trail, and all places at which other curves begin to `starts`; both are
- * the caller's. When it is done, those of Hopf points may wait there: rest_locus.h follows them. Free it in
- * any case. Errors: SALTUS_NO_MEMORY, SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */
-saltus_status saltus_locus_new(const saltus_spec *spec, saltus_trail *trail, saltus_locus_starts *starts,
-                               const saltus_locus_start *first, saltus_locus **locus,
-                               saltus_message *message);
-/* NULL is accepted. */
-void saltus_locus_free(saltus_locus *locus);
+/* A locus through such a point; NULL: none, if it is to begin at one of the starts, or if
+ * saltus_locus_archive is to read it. `trail` and `starts` must be set. When it is done, starts of curves of
+ * Hopf points may wait: rest_locus.h follows them. Close in any case. Errors: SALTUS_NO_MEMORY,
+ * SALTUS_BAD_INPUT, SALTUS_NO_CONVERGENCE. */
+saltus_status saltus_locus_open(saltus_locus *locus, const saltus_spec *spec, const saltus_locus_start *first,
+                                saltus_message *message);
+/* It can be opened again, with the same trail and starts. */
+void saltus_locus_close(saltus_locus *locus);
 /* One step, which may give out points; *more is false when all curves are done. Errors: SALTUS_NO_MEMORY. */
 saltus_status saltus_locus_step(saltus_locus *locus, bool *more, saltus_message *message);
 /* Everything, except trail and starts, on which later steps depend, written or read. Errors:
- * SALTUS_NO_MEMORY, those of saltus_locus_new. */
+ * SALTUS_NO_MEMORY, those of saltus_locus_open. */
 saltus_status saltus_locus_archive(saltus_locus *locus, saltus_archive *archive, saltus_message *message);
 
 #endif

@@ -163,16 +163,6 @@ static int pieces(const saltus_sequence *both, int mark, int other, saltus_locus
     return 2;
 }
 
-/* The curves of the other impact's grazing, with and without the first impact. */
-static int other_grazing(saltus_extended *x, const saltus_solution *at, saltus_locus_start *starts) {
-    const saltus_breach *touch = saltus_corner_touch(x, at);
-    const saltus_mark *first = &at->sequence.mark[x->mark];
-    saltus_sequence both;
-    int other = touch ? saltus_locus_starts_grazing(&x->orbits, at, touch, &both) : -1;
-    int own = other < 0 ? -1 : mark_at(&both, first->face, first->time);
-    return own < 0 || both.periods != at->sequence.periods ? 0 : pieces(&both, other, own, starts);
-}
-
 /* The mark half an orbit away from a mark, `mirrored` on another face; -1: none. */
 static int counterpart(const saltus_sequence *s, int mark, bool mirrored) {
     int found = -1;
@@ -279,6 +269,7 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
                                                                   [SALTUS_POINT_GR_NS] = SALTUS_POINT_NS,
                                                                   [SALTUS_POINT_GR_BP] = SALTUS_POINT_BP};
     saltus_locus_start *start = &starts[0];
+    start->sequence = at->sequence;
     if (corner->joins && x->kind == SALTUS_POINT_GR)
         return joined_curves(x, corner, at, starts);
     if (corner->joins) {
@@ -289,8 +280,15 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
         starts[1].theta = M_PI;
         return corner->kind == SALTUS_POINT_R2 ? 2 : 0;
     }
-    if (corner->kind == SALTUS_POINT_GR_GR)
-        return other_grazing(x, at, starts);
+    if (corner->kind == SALTUS_POINT_GR_GR) {
+        /* The curves of the other impact's grazing, with and without the first impact. */
+        const saltus_breach *touch = saltus_corner_touch(x, at);
+        const saltus_mark *first = &at->sequence.mark[x->mark];
+        saltus_sequence both;
+        const int other = touch ? saltus_locus_starts_grazing(&x->orbits, at, touch, &both) : -1,
+                  own = other < 0 ? -1 : mark_at(&both, first->face, first->time);
+        return own < 0 || both.periods != at->sequence.periods ? 0 : pieces(&both, other, own, starts);
+    }
     if (corner->kind == SALTUS_POINT_GH) {
         start->kind = SALTUS_POINT_HB;
         start->sequence = (saltus_sequence){.periods = 1,
@@ -303,7 +301,6 @@ static int curves_at(saltus_extended *x, const saltus_locus_test *corner, const 
         start->kind = x->kind != SALTUS_POINT_NS ? SALTUS_POINT_NS
                       : at_one                   ? SALTUS_POINT_LP
                                                  : SALTUS_POINT_PD;
-        start->sequence = at->sequence;
         start->theta = at_one ? 0 : M_PI;
         return 1;
     }

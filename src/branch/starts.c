@@ -54,20 +54,6 @@ void saltus_starts_clear(saltus_starts *starts) {
     *starts = (saltus_starts){.count = 0};
 }
 
-/* The unit vector in the null plane along which the new branch leaves: at flips and pitchforks the new
- * branch's tangent, along which the parameter is constant; otherwise orthogonal to the old tangent. */
-static void leaving(const double *plane, const double *old, int m, bool pitchfork, double *out) {
-    const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, old, m);
-    const double c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, old, m);
-    double size = 0;
-    for (int j = 0; j < m; j++) {
-        out[j] = c * plane[j] - a * plane[m + j];
-        size = hypot(size, out[j]);
-    }
-    for (int j = 0; j < m; j++)
-        out[j] /= size;
-}
-
 saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, saltus_point_kind kind,
                                   const saltus_branch_start *like, saltus_starts *starts,
                                   saltus_message *message) {
@@ -101,7 +87,18 @@ saltus_status saltus_starts_leave(saltus_orbits *o, const saltus_solution *at, s
     memcpy(start.state, at->state, sizeof start.state);
     start.unknowns = saltus_sequence_unknowns(&start.sequence, o->n) + 1;
     start.origin = kind;
-    leaving(plane, old, start.unknowns, pitchfork, start.tangent);
+    /* The new branch leaves along a unit vector in the null plane: at flips and pitchforks its own tangent,
+     * along which the parameter is constant; otherwise orthogonal to the old tangent. */
+    const int m = start.unknowns;
+    const double a = pitchfork ? plane[m - 1] : saltus_dot(plane, old, m),
+                 c = pitchfork ? plane[2 * m - 1] : saltus_dot(plane + m, old, m);
+    double size = 0;
+    for (int j = 0; j < m; j++) {
+        start.tangent[j] = c * plane[j] - a * plane[m + j];
+        size = hypot(size, start.tangent[j]);
+    }
+    for (int j = 0; j < m; j++)
+        start.tangent[j] /= size;
     /* At pitchforks and flips the other half of the branch is the image of this half. */
     return saltus_starts_add_ways(starts, &start, pitchfork, message);
 }
