@@ -631,7 +631,6 @@ static void changes_are_leapt_over(void **state) {
             const known_point *p = &known_points[k];
             family f;
             saltus_solution from = {0}, to = {0}, at = {0}, here = {0}, scratch = {0};
-            saltus_message message = {.text = ""};
             saltus_change change;
             if (p->kind != SALTUS_POINT_GR || p->example != closed_two_periods)
                 continue;

@@ -105,17 +105,17 @@ saltus_status saltus_extended_choose(saltus_extended *x, double theta, saltus_me
     if (!a)
         return saltus_branch_no_memory(message);
     x->folds = false;
-    fill_singular(x, theta, a, size);
-    saltus_status status = find_null(x, a, size, x->c, x->folding[0], &folds[0]);
-    fill_singular(x, theta, a, size);
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < i; j++) {
-            double swap = a[i * size + j];
-            a[i * size + j] = a[j * size + i];
-            a[j * size + i] = swap;
-        }
-    if (status == SALTUS_OK)
-        status = find_null(x, a, size, x->b, x->folding[1], &folds[1]);
+    saltus_status status = SALTUS_OK;
+    for (int side = 0; side < 2 && status == SALTUS_OK; side++) {
+        fill_singular(x, theta, a, size);
+        for (int i = 0; i < size && side; i++)
+            for (int j = 0; j < i; j++) {
+                const double swap = a[i * size + j];
+                a[i * size + j] = a[j * size + i];
+                a[j * size + i] = swap;
+            }
+        status = find_null(x, a, size, side ? x->b : x->c, x->folding[side], &folds[side]);
+    }
     x->folds = status == SALTUS_OK && folds[0] && folds[1];
     free(a);
     return status == SALTUS_OK

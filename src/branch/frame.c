@@ -29,38 +29,6 @@ saltus_status saltus_solution_state_at(saltus_orbits *o, const saltus_solution *
     return saltus_orbits_noted(o, status);
 }
 
-saltus_status saltus_solution_contact_force(saltus_orbits *o, const saltus_solution *s, double *force,
-                                            saltus_message *message) {
-    const saltus_sequence *sequence = &s->sequence;
-    const int faces = saltus_system_face_count(o->system);
-    double forces[SALTUS_FACES_MAX];
-    saltus_extreme extremes[SALTUS_FACES_MAX];
-    *force = NAN;
-    if (sequence->contacts == 0 || sequence->count > 0 || sequence->driven)
-        return SALTUS_OK;
-    for (int f = 0; f < SALTUS_FACES_MAX; f++)
-        extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
-    /* Forces at the end of the orbit, and at their minima on the way there. */
-    saltus_status status = saltus_orbits_tune(o, s->parameter, sequence->omega, message);
-    for (int k = -1; k < faces && status == SALTUS_OK; k++) {
-        if (k >= 0 && !(sequence->contacts >> k & 1 && extremes[k].value > -INFINITY))
-            continue;
-        const saltus_time time =
-            k < 0 ? saltus_time_of(sequence->base + sequence->periods) : extremes[k].time;
-        status = saltus_flow_place(o->flow, 0, saltus_time_of(sequence->base), s->state, sequence->contacts,
-                                   message);
-        if (status == SALTUS_OK)
-            status = saltus_flow_coast(o->flow, 0, time, k < 0 ? extremes : NULL, message);
-        if (status != SALTUS_OK)
-            break;
-        saltus_flow_forces(o->flow, 0, forces);
-        for (int f = 0; f < faces; f++)
-            if (sequence->contacts >> f & 1)
-                *force = fmin(*force, forces[f]);
-    }
-    return status;
-}
-
 /* Whether an orbit whose period is an unknown should begin at another *time: at a turning point (*turning,
  * with its `state` (n)) or, if all of these are near stops, elsewhere. */
 static bool better_section(saltus_orbits *o, const saltus_solution *s, bool leaves, double *time,

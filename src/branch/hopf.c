@@ -83,16 +83,6 @@ static bool resolve(expansion *x, double complex shift, double complex *right) {
     return sound;
 }
 
-/* The complex null vector of A - i omega, or with `left` of A' + i omega. */
-static saltus_status null_vector(expansion *x, double omega, bool left, double complex *out) {
-    const int c = x->count;
-    double value, *b = take_real_form(x, left, left ? -omega * I : omega * I);
-    saltus_status status = saltus_dense_null_vectors(x->real, 2 * c, 2 * c, 1, b, &value);
-    for (int i = 0; i < c && status == SALTUS_OK; i++)
-        out[i] = b[i] + I * b[c + i];
-    return status;
-}
-
 /* The coefficient, from the derivatives in `x` and the eigenvectors `left` and `right`. */
 static double coefficient_of(expansion *x, double omega, const double complex *left,
                              const double complex *right) {
@@ -131,11 +121,16 @@ static double coefficient_of(expansion *x, double omega, const double complex *l
 /* Eigenvectors with q*q = 1 and p*q = 1; q also goes to the expansion's parts and, as states, to `hopf`. */
 static saltus_status find_vectors(saltus_rests *r, expansion *x, double complex *left, double complex *right,
                                   saltus_hopf *hopf) {
-    saltus_status status = null_vector(x, hopf->omega, false, right);
-    if (status == SALTUS_OK)
-        status = null_vector(x, hopf->omega, true, left);
-    if (status != SALTUS_OK)
-        return status;
+    const int c = x->count;
+    /* The complex null vectors of A - i omega and of A' + i omega. */
+    for (int side = 0; side < 2; side++) {
+        double value, *b = take_real_form(x, side, side ? -hopf->omega * I : hopf->omega * I);
+        saltus_status status = saltus_dense_null_vectors(x->real, 2 * c, 2 * c, 1, b, &value);
+        if (status != SALTUS_OK)
+            return status;
+        for (int i = 0; i < c; i++)
+            (side ? left : right)[i] = b[i] + I * b[c + i];
+    }
     double complex scale = 0;
     for (int i = 0; i < x->count; i++)
         scale += conj(left[i]) * right[i];

@@ -148,6 +148,39 @@ static void prescribed_events(const saltus_orbits *o, const saltus_solution *s, 
     saltus_orbit_label(point->impacts, s->sequence.periods, point->label);
 }
 
+/* The smallest contact force, as the flow gives it, over an orbit that is in contact all the time; NAN for
+ * others. Errors: those of the flow. */
+static saltus_status find_contact_force(saltus_orbits *o, const saltus_solution *s, double *force) {
+    const saltus_sequence *sequence = &s->sequence;
+    const int faces = saltus_system_face_count(o->system);
+    double forces[SALTUS_FACES_MAX];
+    saltus_extreme extremes[SALTUS_FACES_MAX];
+    *force = NAN;
+    if (sequence->contacts == 0 || sequence->count > 0 || sequence->driven)
+        return SALTUS_OK;
+    for (int f = 0; f < SALTUS_FACES_MAX; f++)
+        extremes[f] = (saltus_extreme){.value = -INFINITY, .inner = -INFINITY};
+    /* Forces at the end of the orbit, and at their minima on the way there. */
+    saltus_status status = saltus_orbits_tune(o, s->parameter, sequence->omega, NULL);
+    for (int k = -1; k < faces && status == SALTUS_OK; k++) {
+        if (k >= 0 && !(sequence->contacts >> k & 1 && extremes[k].value > -INFINITY))
+            continue;
+        const saltus_time time =
+            k < 0 ? saltus_time_of(sequence->base + sequence->periods) : extremes[k].time;
+        status =
+            saltus_flow_place(o->flow, 0, saltus_time_of(sequence->base), s->state, sequence->contacts, NULL);
+        if (status == SALTUS_OK)
+            status = saltus_flow_coast(o->flow, 0, time, k < 0 ? extremes : NULL, NULL);
+        if (status != SALTUS_OK)
+            break;
+        saltus_flow_forces(o->flow, 0, forces);
+        for (int f = 0; f < faces; f++)
+            if (sequence->contacts >> f & 1)
+                *force = fmin(*force, forces[f]);
+    }
+    return status;
+}
+
 /* An orbit whose period is an unknown is reported from its highest maximum on. If the flow does not follow
  * it, it is reported as prescribed. */
 static saltus_status from_maximum(saltus_orbits *o, const saltus_solution *s, bool found,
@@ -202,7 +235,7 @@ saltus_status saltus_point_make(saltus_orbits *o, const saltus_solution *s, bool
      * state nearby. */
     if (found || saltus_solution_state_at(o, s, section, point->state, NULL) != SALTUS_OK)
         memcpy(point->state, survey->lap.points, state_bytes);
-    if (saltus_solution_contact_force(o, s, &point->contact_force, NULL) == SALTUS_NO_MEMORY) {
+    if (find_contact_force(o, s, &point->contact_force) == SALTUS_NO_MEMORY) {
         saltus_branch_point_clear(point);
         return saltus_branch_no_memory(message);
     }

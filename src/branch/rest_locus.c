@@ -21,19 +21,6 @@ static const struct {
     [SALTUS_POINT_LP] = {{SALTUS_POINT_CP, false}, {SALTUS_POINT_BT, false}},
 };
 
-/* The sum over the eigenvalues of the product of all others: zero where two eigenvalues are zero. */
-static double product_of_others(const saltus_rest *s) {
-    double sum = 0;
-    for (int k = 0; k < s->rate_count; k++) {
-        double complex product = 1;
-        for (int j = 0; j < s->rate_count; j++)
-            if (j != k)
-                product *= s->rates[j].re + I * s->rates[j].im;
-        sum += creal(product);
-    }
-    return sum;
-}
-
 /* All that a point's unknowns tell. Errors: SALTUS_NO_MEMORY, those of the evaluation. */
 static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *message) {
     saltus_rests *r = &l->rests;
@@ -45,7 +32,15 @@ static saltus_status look(saltus_rest_locus *l, saltus_rest *s, saltus_message *
     if (status == SALTUS_OK && l->rests.special.kind == SALTUS_POINT_LP) {
         const double *row = e->jacobian + (ptrdiff_t)(e->count - 1) * e->unknowns;
         s->tests[0] = saltus_dot(row, l->rests.special.right, r->size);
-        s->tests[1] = product_of_others(s);
+        /* The sum over the eigenvalues of the product of all others: zero where two eigenvalues are zero. */
+        s->tests[1] = 0;
+        for (int k = 0; k < s->rate_count; k++) {
+            double complex product = 1;
+            for (int j = 0; j < s->rate_count; j++)
+                if (j != k)
+                    product *= s->rates[j].re + I * s->rates[j].im;
+            s->tests[1] += creal(product);
+        }
     }
     if (status != SALTUS_OK || l->rests.special.kind != SALTUS_POINT_HB)
         return status;

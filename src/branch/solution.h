@@ -119,10 +119,6 @@ void saltus_solution_speeds(const saltus_orbits *orbits, const saltus_solution *
  * those of the flow, SALTUS_NO_MEMORY. */
 saltus_status saltus_solution_state_at(saltus_orbits *orbits, const saltus_solution *solution, double time,
                                        double *state, saltus_message *message);
-/* The smallest contact force, as the flow gives it, over an orbit that is in contact all the time; NAN for
- * others. Errors: those of the flow. */
-saltus_status saltus_solution_contact_force(saltus_orbits *orbits, const saltus_solution *solution,
-                                            double *force, saltus_message *message);
 /* Cut the orbit open elsewhere, into more segments, or with fewer marks (`trims`), if that is better
  * (sequence.h), or if it `leaves` a base that is about to touch a stop. `scratch` is overwritten. order
  * (SALTUS_MARKS_MAX entries; may be NULL): the former index of each mark. False: solution and shooting are as

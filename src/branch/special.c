@@ -249,42 +249,33 @@ static bool zero_around(saltus_orbits *o, saltus_test test, const saltus_breach 
 /* Two flows, or a few points, may by chance differ by less than their errors. */
 static const double cautious = 4;
 
-/* Orbits of a flow of another tolerance, at a solution of the shooting's sequence. Close both in any case. */
-static saltus_status open_other(const saltus_orbits *o, const saltus_solution *at, saltus_orbits *other,
-                                saltus_solution *there) {
-    *other = (saltus_orbits){.family = o->family, .origin = o->origin, .options = o->options};
-    *there = (saltus_solution){.value = 0};
-    double *rtol = &other->options.flow.rtol;
-    *rtol = *rtol < 1e-4 ? 10 * *rtol : *rtol / 10;
-    saltus_status status = saltus_orbits_open(other, NULL);
-    if (status == SALTUS_OK)
-        status = saltus_solution_place(other, &at->sequence, at->parameter, at->state, false, there, NULL);
-    if (status == SALTUS_OK && there->at.unknowns != at->at.unknowns)
-        status = SALTUS_NO_CONVERGENCE;
-    if (status != SALTUS_OK)
-        return status;
-    size_t size = (size_t)at->at.unknowns * sizeof *at->at.u;
-    memcpy(there->at.u, at->at.u, size);
-    memcpy(there->at.tangent, at->at.tangent, size);
-    /* Beside a crossing a less accurate prediction might lead to the other curve. */
-    there->at.bent = at->at.bent;
-    if (at->at.bent)
-        memcpy(there->at.bend, at->at.bend, 2 * size);
-    there->at.crossing = at->at.crossing;
-    there->flip = at->flip;
-    there->onward = at->onward;
-    return status;
-}
-
 /* The doubt of saltus_special_doubt or, with `reach`, the same for a crossing of curves near `ahead` of `at`,
  * found at parameter `value`. */
 static double doubt_of(saltus_orbits *o, saltus_test test, const saltus_solution *at, double ahead,
                        double reach, double value) {
-    saltus_orbits other;
-    saltus_solution there, scratch = {.value = 0};
+    /* Orbits of a flow of another tolerance, at a solution of the shooting's sequence. */
+    saltus_orbits other = {.family = o->family, .origin = o->origin, .options = o->options};
+    saltus_solution there = {.value = 0}, scratch = {.value = 0};
     const saltus_breach touch = *saltus_solution_touch(at);
-    double here, beyond, scatter[2], doubt = INFINITY;
-    saltus_status status = open_other(o, at, &other, &there);
+    const size_t size = (size_t)at->at.unknowns * sizeof *at->at.u;
+    double here, beyond, scatter[2], doubt = INFINITY, *rtol = &other.options.flow.rtol;
+    *rtol = *rtol < 1e-4 ? 10 * *rtol : *rtol / 10;
+    saltus_status status = saltus_orbits_open(&other, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_solution_place(&other, &at->sequence, at->parameter, at->state, false, &there, NULL);
+    if (status == SALTUS_OK && there.at.unknowns != at->at.unknowns)
+        status = SALTUS_NO_CONVERGENCE;
+    if (status == SALTUS_OK) {
+        memcpy(there.at.u, at->at.u, size);
+        memcpy(there.at.tangent, at->at.tangent, size);
+        /* Beside a crossing a less accurate prediction might lead to the other curve. */
+        there.at.bent = at->at.bent;
+        if (at->at.bent)
+            memcpy(there.at.bend, at->at.bend, 2 * size);
+        there.at.crossing = at->at.crossing;
+        there.flip = at->flip;
+        there.onward = at->onward;
+    }
     if (status == SALTUS_OK && reach > 0 &&
         saltus_solution_crossing(&other, test, &there, ahead, reach, &scratch).found)
         doubt = cautious * fabs(scratch.value - value);
