@@ -14,14 +14,14 @@
 const char saltus_range_ends[] = "end of the parameter's range";
 
 /* A special point that was given out. */
-typedef struct saltus_visited {
+typedef struct visited {
     saltus_point_kind kind;
     int branch, periods;
     char label[2][SALTUS_LABEL_MAX]; /* at it and beyond it */
     double value, period;            /* period 0: none */
     double accuracy;                 /* of the value; 0: not known */
-    double *state;
-    bool joined; /* a branch joins another one there, and has not been on it */
+    bool joined;                     /* a branch joins another one there, and has not been on it */
+    double state[SALTUS_STATE_MAX];
 } visited;
 
 static double period_of(const saltus_branch_point *point) {
@@ -36,9 +36,7 @@ void saltus_trail_drop(saltus_trail *t) {
 
 void saltus_trail_clear(saltus_trail *t) {
     saltus_trail_drop(t);
-    for (int k = 0; k < t->visited_count; k++)
-        free(t->visited[k].state);
-    free(t->visited);
+    free(t->visited.items);
     free(t->queue);
 }
 
@@ -94,8 +92,8 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
                         const saltus_branch_point *point) {
     const double unit = t->options->high[0] - t->options->low[0];
     const char *at = point->label, *after = point->label_after;
-    for (int k = 0; k < t->visited_count; k++) {
-        const visited *v = &t->visited[k];
+    for (int k = 0; k < t->visited.count; k++) {
+        const visited *v = (const visited *)t->visited.items + k;
         /* At both, the same two motions meet, in either order. */
         const bool same = (strcmp(v->label[0], at) == 0 && strcmp(v->label[1], after) == 0) ||
                           (strcmp(v->label[0], after) == 0 && strcmp(v->label[1], at) == 0);
@@ -114,28 +112,22 @@ static int find_visited(const saltus_trail *t, const saltus_system *system,
     return -1;
 }
 
-/* Add one of the present branch, with a copy of its state of n numbers. */
-static saltus_status add_visited(saltus_trail *t, visited fresh, const double *state, size_t n,
+/* Add one at a state of n numbers. */
+static saltus_status add_visited(saltus_trail *t, const visited *fresh, const double *state, int n,
                                  saltus_message *message) {
-    visited *grown = realloc(t->visited, ((size_t)t->visited_count + 1) * sizeof *grown);
-    if (grown)
-        t->visited = grown;
-    fresh.branch = t->number;
-    fresh.state = calloc(n, sizeof *fresh.state);
-    if (!grown || !fresh.state) {
-        free(fresh.state);
+    visited *own = saltus_list_add(&t->visited, sizeof *own);
+    if (!own)
         return saltus_branch_no_memory(message);
-    }
-    memcpy(fresh.state, state, n * sizeof *state);
-    grown[t->visited_count++] = fresh;
+    *own = *fresh;
+    memcpy(own->state, state, (size_t)n * sizeof *state);
     return SALTUS_OK;
 }
 
 int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus_point_kind kind, int periods,
                       double value, const double *points, int count, bool joined, int *branch) {
     const double close_value = 1e-7 * (t->options->high[0] - t->options->low[0]), close_state = 1e-5;
-    for (int k = 0; k < t->visited_count; k++) {
-        const visited *v = &t->visited[k];
+    for (int k = 0; k < t->visited.count; k++) {
+        const visited *v = (const visited *)t->visited.items + k;
         if (v->kind != kind || v->periods != periods || (joined && !v->joined) ||
             !(fabs(v->value - value) < close_value) ||
             !saltus_orbit_passes(system, points, count, v->state, close_state))
@@ -150,9 +142,10 @@ int saltus_trail_find(const saltus_trail *t, const saltus_system *system, saltus
 saltus_status saltus_trail_join(saltus_trail *t, const saltus_system *system, saltus_point_kind kind,
                                 int periods, double value, const double *state, int *place,
                                 saltus_message *message) {
-    const visited fresh = {.kind = kind, .periods = periods, .value = value, .joined = true};
-    saltus_status status = add_visited(t, fresh, state, (size_t)saltus_system_dimension(system), message);
-    *place = t->visited_count;
+    const visited fresh = {
+        .kind = kind, .branch = t->number, .periods = periods, .value = value, .joined = true};
+    saltus_status status = add_visited(t, &fresh, state, saltus_system_dimension(system), message);
+    *place = t->visited.count;
     return status;
 }
 
@@ -181,13 +174,14 @@ saltus_status saltus_trail_give(saltus_trail *t, const saltus_system *system, co
     const int earlier = kept ? find_visited(t, system, point) : -1;
     if ((kept && earlier < 0) || crosses) {
         visited fresh = {.kind = point->kind,
+                         .branch = t->number,
                          .periods = point->periods,
                          .value = point->value[0],
                          .period = period_of(point),
                          .accuracy = isfinite(point->accuracy) ? point->accuracy : 0};
         memcpy(fresh.label[0], point->label, SALTUS_LABEL_MAX);
         memcpy(fresh.label[1], point->label_after, SALTUS_LABEL_MAX);
-        status = add_visited(t, fresh, point->state, (size_t)point->dimension, message);
+        status = add_visited(t, &fresh, point->state, point->dimension, message);
     }
     if (earlier >= 0) {
         point->kind = SALTUS_POINT_EP;
@@ -240,9 +234,11 @@ bool saltus_trail_take(saltus_trail *t, saltus_branch_point *point) {
 
 void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
     enum { numbers_min = 9 }; /* per visited point */
-    t->visited = saltus_archive_list(a, t->visited, &t->visited_count, sizeof *t->visited, numbers_min);
-    for (int k = 0; k < t->visited_count; k++) {
-        visited *v = &t->visited[k];
+    t->visited.items =
+        saltus_archive_list(a, t->visited.items, &t->visited.count, sizeof(visited), numbers_min);
+    t->visited.room = a->reading ? t->visited.count : t->visited.room;
+    for (int k = 0; k < t->visited.count; k++) {
+        visited *v = (visited *)t->visited.items + k;
         v->kind = saltus_archive_kind(a, v->kind);
         v->branch = (int)saltus_archive_whole(a, v->branch, 0, INT_MAX);
         v->periods = (int)saltus_archive_whole(a, v->periods, 0, INT_MAX);
@@ -251,7 +247,7 @@ void saltus_trail_archive(saltus_trail *t, saltus_archive *a) {
         saltus_archive_finite(a, &v->value, 1);
         saltus_archive_finite(a, &v->period, 1);
         saltus_archive_finite(a, &v->accuracy, 1);
-        saltus_archive_array(a, &v->state, (size_t)a->n);
+        saltus_archive_finite(a, v->state, (size_t)a->n);
         v->joined = saltus_archive_flag(a, v->joined);
     }
     t->number = (int)saltus_archive_whole(a, t->number, 0, INT_MAX);

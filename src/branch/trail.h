@@ -4,6 +4,7 @@
 #ifndef SALTUS_BRANCH_TRAIL_H
 #define SALTUS_BRANCH_TRAIL_H
 
+#include "base/memory.h"
 #include "branch/archive.h"
 
 extern const char saltus_range_ends[]; /* a reason for a branch to end */
@@ -15,10 +16,9 @@ typedef struct saltus_trail {
     int made;                  /* all points of it so far */
     double arclength, shown;   /* present position; that of the last regular point */
     double step;
-    bool fresh;     /* no step made since the branch was switched to */
-    bool following; /* the branch has not ended */
-    struct saltus_visited *visited;
-    int visited_count;
+    bool fresh;                 /* no step made since the branch was switched to */
+    bool following;             /* the branch has not ended */
+    saltus_list visited;        /* special points that were given out */
     saltus_branch_point *queue; /* made but not yet given out */
     int count, next, room;
 } saltus_trail;
