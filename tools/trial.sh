@@ -1,14 +1,13 @@
 #!/bin/sh
 # Installs missing packages, builds, tests the claims of the 2020 paper, and writes data/paper.md with its tables and
 # figures: about ten minutes on two free cores. --quick writes a coarse page into build/trial/quick instead.
-# Finished surveys are kept in build/trial, so that an interrupted run can continue.
 # SPDX-License-Identifier: GPL-3.0-or-later
 set -eu
 cd "$(dirname "$0")/.."
 . tools/setup.sh
 cmake --preset release -DSALTUS_TESTS=OFF >/dev/null
 cmake --build --preset release --target saltus_trial >/dev/null
-trial="$PWD/build/saltus_trial --keep build/trial"
+trial="$PWD/build/saltus_trial"
 place=data
 if [ "${1:-}" = --quick ]; then
     trial="$trial --quick"

@@ -1,8 +1,6 @@
-/* The claims of the paper, row by row, with the conditions on trajectories that they make, and judging them.
+/* The claims of the paper, row by row, with the conditions on trajectories that they make, and the rule.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "claims.h"
-
-#include <stdlib.h>
+#include "trial.h"
 
 enum { long_period = 4, response_cycle = 2 };
 static const double seldom = 0.1; /* impacts per period */
@@ -130,10 +128,7 @@ int trial_clause_count(const trial_claim *claim) {
     return count;
 }
 
-const char *trial_verdict_word(trial_verdict verdict) {
-    static const char *const words[] = {"holds", "holds in part", "does not hold"};
-    return words[verdict];
-}
+const char *const trial_verdict_words[] = {"holds", "holds in part", "does not hold"};
 
 trial_verdict trial_verdict_of(const double *shares, int count) {
     const double all = 0.95, half = 0.5;
@@ -143,51 +138,4 @@ trial_verdict trial_verdict_of(const double *shares, int count) {
         some += shares[k] >= half;
     }
     return full == count ? TRIAL_HOLDS : some ? TRIAL_IN_PART : TRIAL_DOES_NOT_HOLD;
-}
-
-saltus_status trial_judge(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                          saltus_message *message) {
-    bool on_points = claim->judge == trial_judge_point;
-    *finding = (trial_finding){.verdict = TRIAL_DOES_NOT_HOLD};
-    finding->numbers = open_memstream(&finding->numbers_text, &finding->numbers_size);
-    finding->prose = open_memstream(&finding->prose_text, &finding->prose_size);
-    if (!finding->numbers || !finding->prose)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a finding");
-    /* A stored finding: its verdict, its numbers on one line, and its prose. */
-    FILE *kept = on_points ? trial_kept(&bench->request, claim->id) : NULL, *to = finding->numbers;
-    int verdict = 0;
-    const bool known = kept && fscanf(kept, "%d\n", &verdict) == 1;
-    for (int c; known && (c = fgetc(kept)) != EOF;)
-        if (c == '\n' && to == finding->numbers)
-            to = finding->prose;
-        else
-            fputc(c, to);
-    if (kept)
-        fclose(kept);
-    saltus_status status = SALTUS_OK;
-    if (known)
-        finding->verdict = (trial_verdict)verdict;
-    else
-        status = (claim->judge ? claim->judge : trial_judge_clauses)(claim, bench, finding, message);
-    if (fflush(finding->numbers) || fflush(finding->prose))
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a finding");
-    if (status != SALTUS_OK || !on_points || known || !bench->request.keep)
-        return status;
-    FILE *stream = tmpfile();
-    if (stream)
-        fprintf(stream, "%d\n%s\n%s", (int)finding->verdict, finding->numbers_text, finding->prose_text);
-    status = trial_keep(&bench->request, claim->id, stream, message);
-    if (stream)
-        fclose(stream);
-    return status;
-}
-
-void trial_finding_clear(trial_finding *finding) {
-    if (finding->numbers)
-        fclose(finding->numbers);
-    if (finding->prose)
-        fclose(finding->prose);
-    free(finding->numbers_text);
-    free(finding->prose_text);
-    *finding = (trial_finding){0};
 }

@@ -1,6 +1,6 @@
 /* Comparison of the naive method with the event-driven flow.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "claims.h"
+#include "trial.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,18 +19,15 @@ static bool same_class(const trial_cell *a, const trial_cell *b) {
     return same_label(a, b) || (impacts && a->impacts * b->periods == b->impacts * a->periods);
 }
 
-saltus_status trial_write_figures(FILE *table, trial_bench *bench, saltus_message *message) {
+void trial_write_figures(FILE *table, trial_bench *bench) {
     fprintf(table, "| figure | h | trajectories | another class than from the same start | a class that no "
                    "start has | another kind | deepest |\n| --- | --- | --- | --- | --- | --- | --- |\n");
-    for (int k = 0; k < trial_figures * trial_coarse_steps; k++) {
-        const char *figure = trial_figure_list[k / trial_coarse_steps].name;
-        const trial_survey *exact, *naive;
+    for (int k = 0; k < trial_figures * (trial_steps - 1); k++) {
+        const int step = 1 + k % (trial_steps - 1);
+        const char *figure = trial_figure_list[k / (trial_steps - 1)].name;
+        const trial_survey *exact = trial_survey_of(bench, figure, 0),
+                           *naive = trial_survey_of(bench, figure, step);
         double all = 0, class = 0, unknown = 0, kind = 0, depth = 0;
-        saltus_status status = trial_bench_survey(bench, figure, -1, &exact, message);
-        if (status == SALTUS_OK)
-            status = trial_bench_survey(bench, figure, k % trial_coarse_steps, &naive, message);
-        if (status != SALTUS_OK)
-            return status;
         /* The naive method's trajectories at the values in both surveys. */
         for (int v = 0; v < naive->values; v++) {
             const trial_cell *there = naive->cells + (size_t)v * trial_starts, *right = exact->cells;
@@ -50,38 +47,31 @@ saltus_status trial_write_figures(FILE *table, trial_bench *bench, saltus_messag
                 depth = fmax(depth, there[s].depth);
             }
         }
-        fprintf(table, "| %s | %g | %.0f | %.1f %% | %.1f %% | %.1f %% | %.1e |\n", figure, naive->h, all,
-                class / (all / 100), unknown / (all / 100), kind / (all / 100), depth);
+        fprintf(table, "| %s | %g | %.0f | %.1f %% | %.1f %% | %.1f %% | %.1e |\n", figure, trial_h[step],
+                all, class / (all / 100), unknown / (all / 100), kind / (all / 100), depth);
     }
-    return SALTUS_OK;
 }
 
-saltus_status trial_write_shares(FILE *table, trial_bench *bench, saltus_message *message) {
-    const trial_survey *survey;
+void trial_write_shares(FILE *table, trial_bench *bench) {
     fprintf(table, "| claim | clause | exact |");
-    for (int step = 0; step < trial_coarse_steps; step++)
-        fprintf(table, " h = %g |", trial_coarse[step]);
+    for (int step = 1; step < trial_steps; step++)
+        fprintf(table, " h = %g |", trial_h[step]);
     fprintf(table, "\n| --- | --- | --- |");
-    for (int step = 0; step < trial_coarse_steps; step++)
+    for (int step = 1; step < trial_steps; step++)
         fprintf(table, " --- |");
     fprintf(table, "\n");
-    saltus_status status = SALTUS_OK;
     for (int k = 0; trial_claim_at(k); k++)
         for (int c = 0; c < trial_clause_count(trial_claim_at(k)); c++) {
             const trial_clause *clause = &trial_claim_at(k)->clauses[c];
-            for (int step = -1; step < trial_coarse_steps; step++) {
-                status = trial_bench_survey(bench, clause->figure, step, &survey, message);
-                if (status != SALTUS_OK)
-                    return status;
-                if (step < 0)
-                    fprintf(table, "| %s | %s %g-%g: %s |", trial_claim_at(k)->id, survey->figure->key,
-                            clause->low, clause->high, clause->words);
+            const trial_figure *figure = trial_figure_find(clause->figure);
+            fprintf(table, "| %s | %s %g-%g: %s |", trial_claim_at(k)->id, figure->key, clause->low,
+                    clause->high, clause->words);
+            for (int step = 0; step < trial_steps; step++)
                 fprintf(table, " %.0f %% |",
-                        100 * trial_share(survey, clause, step < 0 ? survey->figure->sparse : 1));
-            }
+                        100 * trial_share(trial_survey_of(bench, clause->figure, step), clause,
+                                          step == 0 ? figure->sparse : 1));
             fprintf(table, "\n");
         }
-    return status;
 }
 
 /* The most frequent label among the starts at a value, and its count. */
@@ -117,22 +107,10 @@ static void write_ranges(FILE *rows, const trial_survey *survey) {
     }
 }
 
-/* Write the exact survey of every figure in turn. */
-static saltus_status write_each(FILE *rows, void write(FILE *rows, const trial_survey *survey),
-                                trial_bench *bench, saltus_message *message) {
-    saltus_status status = SALTUS_OK;
-    for (int k = 0; k < trial_figures && status == SALTUS_OK; k++) {
-        const trial_survey *survey;
-        status = trial_bench_survey(bench, trial_figure_list[k].name, -1, &survey, message);
-        if (status == SALTUS_OK)
-            write(rows, survey);
-    }
-    return status;
-}
-
-saltus_status trial_write_windows(FILE *rows, trial_bench *bench, saltus_message *message) {
+void trial_write_windows(FILE *rows, trial_bench *bench) {
     fprintf(rows, "figure,key,from,to,values,class,share,chaotic\n");
-    return write_each(rows, write_ranges, bench, message);
+    for (int k = 0; k < trial_figures; k++)
+        write_ranges(rows, trial_survey_of(bench, trial_figure_list[k].name, 0));
 }
 
 static void write_counts(FILE *rows, const trial_survey *survey) {
@@ -151,10 +129,11 @@ static void write_counts(FILE *rows, const trial_survey *survey) {
     }
 }
 
-saltus_status trial_write_classes(FILE *rows, trial_bench *bench, saltus_message *message) {
+void trial_write_classes(FILE *rows, trial_bench *bench) {
     fprintf(rows, "figure,value");
     for (int kind = 0; kind < TRIAL_KINDS; kind++)
         fprintf(rows, ",%s", trial_kind_words[kind]);
     fprintf(rows, ",reach\n");
-    return write_each(rows, write_counts, bench, message);
+    for (int k = 0; k < trial_figures; k++)
+        write_counts(rows, trial_survey_of(bench, trial_figure_list[k].name, 0));
 }

@@ -1,14 +1,30 @@
 /* The page of verdicts: rules, table, a section for each claim, and the results of the naive method.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "claims.h"
-
-#include <stdlib.h>
+#include "trial.h"
 
 enum { claims_max = 32 };
 
+trial_finding trial_judge(const trial_claim *claim, trial_bench *bench) {
+    trial_finding finding = {.numbers = NULL};
+    size_t size[2];
+    FILE *numbers = open_memstream(&finding.numbers, &size[0]);
+    FILE *prose = open_memstream(&finding.prose, &size[1]);
+    saltus_message message = {.text = ""};
+    if (numbers && prose)
+        finding.verdict = (claim->judge ? claim->judge : trial_judge_clauses)(claim, bench, numbers, prose);
+    if (!numbers || !prose || fclose(numbers) || fclose(prose))
+        must(saltus_fail(&message, SALTUS_NO_MEMORY, "no memory for a finding"), &message);
+    return finding;
+}
+
+void trial_finding_clear(trial_finding *finding) {
+    free(finding->numbers);
+    free(finding->prose);
+}
+
 void trial_write_row(FILE *file, const trial_claim *claim, const trial_finding *finding) {
     fprintf(file, "| %s | %s: %s | **%s** | %s | ", claim->id, claim->where, claim->says,
-            trial_verdict_word(finding->verdict), finding->numbers_text);
+            trial_verdict_words[finding->verdict], finding->numbers);
     if (claim->picture)
         fprintf(file, "[%s](%s) | ", claim->picture, claim->picture);
     else
@@ -17,24 +33,24 @@ void trial_write_row(FILE *file, const trial_claim *claim, const trial_finding *
 }
 
 void trial_write_section(FILE *file, const trial_claim *claim, const trial_finding *finding) {
-    fprintf(file, "### %s: %s\n\n%s: %s.\n\n", claim->id, trial_verdict_word(finding->verdict), claim->where,
+    fprintf(file, "### %s: %s\n\n%s: %s.\n\n", claim->id, trial_verdict_words[finding->verdict], claim->where,
             claim->says);
     bool fresh = true;
-    for (const char *c = finding->prose_text; *c; c++) {
+    for (const char *c = finding->prose; *c; c++) {
         fprintf(file, "%s%c", fresh ? "- " : "", *c);
         fresh = *c == '\n';
     }
     fprintf(file, "\n");
 }
 
-static void write_head(FILE *file, const trial_request *request) {
-    const int coarser = request->quick ? trial_figure_find("5")->quick : 1;
+static void write_head(FILE *file, bool quick) {
+    const int coarser = quick ? trial_figure_find("5")->quick : 1;
     fprintf(file,
             "# The 2020 paper on trial\n\nClaims of Wang et al. 2020, doi 10.6052/0459-1879-20-137, against "
             "what the same equations do when every impact is located. One command writes this page, its "
             "tables and its figures: `sh tools/trial.sh%s`. `build/saltus_trial F5b` computes one row anew "
             "and prints it with what it rests on.\n\n",
-            request->quick ? " --quick" : "");
+            quick ? " --quick" : "");
     fprintf(file,
             "**How.** Each figure's range is visited in steps of %g in omega (%g for Figure 8; %g in d)%s, "
             "at each value from %d initial states, ",
@@ -71,7 +87,7 @@ static void write_table(FILE *file, const trial_finding *findings, int count) {
                   "clearance](figures/trial-clearance.png)\n\n");
 }
 
-static saltus_status write_naive(FILE *file, FILE *rows, trial_bench *bench, saltus_message *message) {
+static void write_naive(FILE *file, FILE *rows, trial_bench *bench) {
     fputs("## How much is the method's doing\n\nThe paper integrates with a fixed fourth-order Runge-Kutta "
           "step and looks for contact at step ends; it does not give the step. `tests/naive` does the same, "
           "under the name of *the naive method* (not for use): a velocity that points into the stop is "
@@ -82,10 +98,8 @@ static saltus_status write_naive(FILE *file, FILE *rows, trial_bench *bench, sal
           "The column 4/5 counts starts that come to four impacts in five periods or a multiple of both. "
           "`build/saltus_trial naive` repeats the table.\n\n",
           file);
-    saltus_status status = trial_write_steps(file, rows, &bench->request, message);
-    if (status != SALTUS_OK)
-        return status;
-    int coarser = bench->request.quick ? trial_figure_find("5")->quick : 1;
+    trial_write_steps(file, rows, bench->quick);
+    int coarser = bench->quick ? trial_figure_find("5")->quick : 1;
     fprintf(file,
             "\n![Stroboscopic points and impacts per period of the naive method against its "
             "step](figures/naive.png)\n\n### Figure by figure\n\nAt values %g apart in omega (%g in d), from "
@@ -95,54 +109,50 @@ static saltus_status write_naive(FILE *file, FILE *rows, trial_bench *bench, sal
             "control. `build/saltus_trial naive-figures` repeats it.\n\n",
             coarser * trial_figure_find("5")->sparse * trial_figure_find("5")->step,
             coarser * trial_figure_find("4a")->sparse * trial_figure_find("4a")->step);
-    status = trial_write_figures(file, bench, message);
-    if (status != SALTUS_OK)
-        return status;
+    trial_write_figures(file, bench);
     fputs("\n### Clause by clause\n\nShares of the clauses by both methods, at the same values. Where the "
           "naive method agrees with the paper and the exact flow does not, the claim is the method's doing. "
           "`build/saltus_trial naive-claims` repeats it.\n\n",
           file);
-    return trial_write_shares(file, bench, message);
+    trial_write_shares(file, bench);
 }
 
-saltus_status trial_write_page(trial_bench *bench, const char *folder, saltus_message *message) {
+void trial_write_page(trial_bench *bench, const char *folder) {
     enum { page, windows, classes, steps, files };
     static const char *const names[files] = {"paper.md", "paper/windows.csv", "paper/classes.csv",
                                              "paper/naive-steps.csv"};
-    trial_finding findings[claims_max] = {{.verdict = TRIAL_DOES_NOT_HOLD}};
+    trial_finding findings[claims_max];
     FILE *file[files] = {NULL};
+    saltus_message message = {.text = ""};
     int count = 0;
-    saltus_status status = SALTUS_OK;
-    for (; trial_claim_at(count) && count < claims_max && status == SALTUS_OK; count++) {
-        fprintf(stderr, "saltus_trial: %s\n", trial_claim_at(count)->id);
-        status = trial_judge(trial_claim_at(count), bench, &findings[count], message);
-    }
     bool good = true;
-    for (int k = 0; k < files && status == SALTUS_OK; k++) {
+    for (; trial_claim_at(count) && count < claims_max; count++) {
+        fprintf(stderr, "saltus_trial: %s\n", trial_claim_at(count)->id);
+        findings[count] = trial_judge(trial_claim_at(count), bench);
+    }
+    for (int k = 0; k < files; k++) {
         char path[512];
         snprintf(path, sizeof path, "%s/%s", folder, names[k]);
         file[k] = fopen(path, "w");
         good = good && file[k];
     }
-    if (status == SALTUS_OK && good) {
-        write_head(file[page], &bench->request);
+    if (good) {
+        write_head(file[page], bench->quick);
         write_table(file[page], findings, count);
-        status = write_naive(file[page], file[steps], bench, message);
+        write_naive(file[page], file[steps], bench);
         fprintf(file[page], "\n## Claim by claim\n\n");
         for (int k = 0; k < count; k++)
             trial_write_section(file[page], trial_claim_at(k), &findings[k]);
-        if (status == SALTUS_OK)
-            status = trial_write_windows(file[windows], bench, message);
-        if (status == SALTUS_OK)
-            status = trial_write_classes(file[classes], bench, message);
+        trial_write_windows(file[windows], bench);
+        trial_write_classes(file[classes], bench);
     }
     for (int k = 0; k < files; k++) {
         good = good && !(file[k] && ferror(file[k]));
         good = !(file[k] && fclose(file[k])) && good;
     }
-    if (!good && status == SALTUS_OK)
-        status = saltus_fail(message, SALTUS_IO, "cannot write paper.md and paper/*.csv in %s", folder);
-    for (int k = 0; k < claims_max; k++)
+    if (!good)
+        must(saltus_fail(&message, SALTUS_IO, "cannot write paper.md and paper/*.csv in %s", folder),
+             &message);
+    for (int k = 0; k < count; k++)
         trial_finding_clear(&findings[k]);
-    return status;
 }

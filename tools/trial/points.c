@@ -1,6 +1,6 @@
 /* Claims about one motion: Figures 3 and 7, from many random initial states.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "claims.h"
+#include "trial.h"
 
 #include "bench/reference.h"
 
@@ -37,16 +37,14 @@ static double share_of(const saltus_attractors *attractors, const char *label) {
 }
 
 /* The orbit, beside the independent one. */
-static void tell_orbit(const point *p, const saltus_attractors *attractors, trial_finding *finding) {
+static void tell_orbit(const point *p, const saltus_attractors *attractors, FILE *numbers, FILE *prose) {
     const saltus_motion *first = &attractors->motions[0];
     reference r;
     if (first->multiplier_count)
-        fprintf(finding->numbers, ", stable, largest multiplier modulus %.4f",
-                exp(first->multipliers[0].log_modulus));
-    describe(attractors, finding->prose);
+        fprintf(numbers, ", stable, largest multiplier modulus %.4f", exp(first->multipliers[0].log_modulus));
+    describe(attractors, prose);
     if (!reference_read("data/reference", p->reference, &r))
-        fprintf(finding->prose, "The reference data/reference/%s.json is not here to compare with.\n",
-                p->reference);
+        fprintf(prose, "The reference data/reference/%s.json is not here to compare with.\n", p->reference);
     else if (first->multiplier_count && first->periods == r.periods) {
         /* From its first section point, or the mirror image of that, to the nearest one of the motion. */
         double nearest = INFINITY, state[16];
@@ -55,7 +53,7 @@ static void tell_orbit(const point *p, const saltus_attractors *attractors, tria
                 state[i] = (k % 2 ? -1 : 1) * first->section_states[k / 2 * first->dimension + i];
             nearest = fmin(nearest, reference_distance(&r, state, 0));
         }
-        fprintf(finding->prose,
+        fprintf(prose,
                 "Against the independent 128-bit orbit data/reference/%s.json (%s): section points agree "
                 "to %.1e, the largest multiplier's modulus is %.10f, there %.10f.\n",
                 p->reference, r.label, nearest, exp(first->multipliers[0].log_modulus),
@@ -65,20 +63,20 @@ static void tell_orbit(const point *p, const saltus_attractors *attractors, tria
     if (strcmp(p->claim, "F7b") == 0)
         fputs("What the paper's own method makes of this scene depends on its step: see the table of "
               "steps.\n",
-              finding->prose);
+              prose);
     if (strcmp(p->claim, "F3") == 0)
-        fprintf(finding->prose,
+        fprintf(prose,
                 "The paper counts in response cycles of 2 T: its 2/1 is 2/2 in forcing periods, %lld "
                 "impact on one stop and %lld on the other.\n",
                 first->impacts_by_face[0], first->impacts_by_face[1]);
 }
 
-static saltus_status tell_chaos(const saltus_system *system, const saltus_attractors *attractors, bool quick,
-                                trial_finding *finding, saltus_message *message) {
+static void tell_chaos(const saltus_system *system, const saltus_attractors *attractors, bool quick,
+                       FILE *numbers, FILE *prose) {
     const saltus_motion *first = &attractors->motions[0];
-    fprintf(finding->numbers, "; largest exponent %.4f +- %.4f", first->lyapunov, first->lyapunov_error);
-    describe(attractors, finding->prose);
-    fprintf(finding->prose,
+    fprintf(numbers, "; largest exponent %.4f +- %.4f", first->lyapunov, first->lyapunov_error);
+    describe(attractors, prose);
+    fprintf(prose,
             "The largest exponent is %.4f +- %.4f over %lld periods (halves %.4f and %.4f); "
             "correlation dimension of the section points %.2f +- %.2f; 0-1 test %.3f.",
             first->lyapunov, first->lyapunov_error, first->evidence.periods, first->evidence.half[0],
@@ -86,49 +84,43 @@ static saltus_status tell_chaos(const saltus_system *system, const saltus_attrac
             first->evidence.zero_one);
     /* All exponents, for the Kaplan-Yorke dimension in the section. */
     saltus_lyapunov_options options = saltus_lyapunov_defaults();
-    saltus_lyapunov lyapunov = {0};
+    saltus_lyapunov lyapunov;
+    saltus_message message = {.text = ""};
     options.exponents = 0;
     options.periods = quick ? 4000 : 16000;
-    saltus_status status = saltus_lyapunov_run(system, first->state, &options, &lyapunov, message);
-    if (status == SALTUS_OK)
-        fprintf(finding->prose,
-                " All exponents over %lld periods: largest %.4f +- %.4f, second %.3f, Kaplan-Yorke "
-                "dimension of the section %.3f; their sum %.5f against %.5f from trace and restitution.",
-                lyapunov.periods, lyapunov.exponents[0], lyapunov.standard_errors[0], lyapunov.exponents[1],
-                lyapunov.kaplan_yorke, lyapunov.sum, lyapunov.sum_rule);
+    must(saltus_lyapunov_run(system, first->state, &options, &lyapunov, &message), &message);
+    fprintf(prose,
+            " All exponents over %lld periods: largest %.4f +- %.4f, second %.3f, Kaplan-Yorke "
+            "dimension of the section %.3f; their sum %.5f against %.5f from trace and restitution.\n",
+            lyapunov.periods, lyapunov.exponents[0], lyapunov.standard_errors[0], lyapunov.exponents[1],
+            lyapunov.kaplan_yorke, lyapunov.sum, lyapunov.sum_rule);
     saltus_lyapunov_clear(&lyapunov);
-    fprintf(finding->prose, "\n");
-    return status;
 }
 
-saltus_status trial_judge_point(const trial_claim *claim, trial_bench *bench, trial_finding *finding,
-                                saltus_message *message) {
+trial_verdict trial_judge_point(const trial_claim *claim, trial_bench *bench, FILE *numbers, FILE *prose) {
     const point *p = points;
     saltus_scene scene;
     saltus_system *system = NULL;
-    saltus_attractors attractors = {0};
-    saltus_classify_options options = saltus_classify_defaults();
+    saltus_attractors attractors;
+    saltus_message message = {.text = ""};
+    const saltus_classify_options options = saltus_classify_defaults();
     while (strcmp(p->claim, claim->id) != 0)
         p++;
     /* All attractors reached from random initial states. */
-    saltus_status status = saltus_scene_load(p->scene, &scene, message);
-    if (status == SALTUS_OK)
-        status = saltus_system_new(&scene.spec, &system, message);
-    if (status == SALTUS_OK)
-        status = saltus_attractors_find(system, bench->request.quick ? p->quick : p->seeds, 1, &options,
-                                        &attractors, message);
-    if (status == SALTUS_OK) {
-        const char *label = attractors.motions[0].label;
-        double share = share_of(&attractors, p->label);
-        finding->verdict = trial_verdict_of(&share, 1);
-        fprintf(finding->numbers, "%s from %.0f %% of %d initial states", label,
-                100 * share_of(&attractors, label), attractors.seeds);
-        if (p->reference)
-            tell_orbit(p, &attractors, finding);
-        else
-            status = tell_chaos(system, &attractors, bench->request.quick, finding, message);
-    }
+    must(saltus_scene_load(p->scene, &scene, &message), &message);
+    must(saltus_system_new(&scene.spec, &system, &message), &message);
+    must(saltus_attractors_find(system, bench->quick ? p->quick : p->seeds, 1, &options, &attractors,
+                                &message),
+         &message);
+    const char *label = attractors.motions[0].label;
+    const double share = share_of(&attractors, p->label);
+    fprintf(numbers, "%s from %.0f %% of %d initial states", label, 100 * share_of(&attractors, label),
+            attractors.seeds);
+    if (p->reference)
+        tell_orbit(p, &attractors, numbers, prose);
+    else
+        tell_chaos(system, &attractors, bench->quick, numbers, prose);
     saltus_attractors_clear(&attractors);
     saltus_system_free(system);
-    return status;
+    return trial_verdict_of(&share, 1);
 }

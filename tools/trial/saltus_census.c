@@ -7,16 +7,18 @@
  * The k-th point depends only on the seed and k. A row is written as soon as it is known, and points already
  * in the table are skipped, so an interrupted census can continue.
  * SPDX-License-Identifier: GPL-3.0-or-later */
+#include "bench/clock.h"
+#include "bench/must.h"
 #include "saltus/saltus.h"
 
 #include <gsl/gsl_rng.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
+const char program_name[] = "saltus_census";
+
+enum { line_max = 512 };
 enum { followers = 8, times_as_long = 10, least_followed = 40000 };
 static const double apart = 1e-6; /* difference in a displacement between successive followers */
 
@@ -28,23 +30,11 @@ typedef struct witness {
     double exponent, error; /* for motions called quasi-periodic or long-period */
 } witness;
 
-/* A point of the table. */
-typedef struct row {
-    char scene[128], label[32], judgement[8];
-    double seconds, exponent, error, lifetime_at_least; /* as given by the classification */
-    witness seen;
-} row;
-
 typedef struct counts {
     int points, of[SALTUS_VERDICTS], wrong;
     int bounds, bounds_above; /* number of lifetime bounds, and of bounds that exceed the observed lifetime */
     double *chaotic_seconds;
 } counts;
-
-static void give_up(const char *what, const saltus_message *message) {
-    fprintf(stderr, "saltus_census: %s: %s\n", what, message->text);
-    exit(EXIT_FAILURE);
-}
 
 static saltus_scene draw(unsigned long seed, int k, char text[128]) {
     gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
@@ -56,13 +46,11 @@ static saltus_scene draw(unsigned long seed, int k, char text[128]) {
     int modes = 1 + (int)gsl_rng_uniform_int(rng, 5), both = (int)gsl_rng_uniform_int(rng, 2);
     snprintf(text, 128, "N=%d omega=%.6f d=%.6f r=%.4f sides=%s", modes, omega, d, r,
              both ? "both" : "upper");
-    if (saltus_scene_load("pipe", &scene, &message) != SALTUS_OK)
-        give_up("pipe", &message);
+    must(saltus_scene_load("pipe", &scene, &message), &message);
     char words[128];
     memcpy(words, text, sizeof words);
     for (char *rest = words, *word; (word = strtok_r(rest, " ", &rest));)
-        if (saltus_scene_set(&scene, word, &message) != SALTUS_OK)
-            give_up(word, &message);
+        must(saltus_scene_set(&scene, word, &message), &message);
     gsl_rng_free(rng);
     return scene;
 }
@@ -99,112 +87,87 @@ static witness follow(const saltus_scene *scene, const saltus_motion *motion, lo
     options.longest = 64;
     options.threads = 1;
     const saltus_sweep_feed feed = {.context = &seen, .take = take_row};
-    saltus_status status = saltus_sweep_new(&there, &axis, 1, &options, &sweep, &message);
-    if (status == SALTUS_OK)
-        status = saltus_sweep_run(sweep, &feed, &message);
-    if (status != SALTUS_OK)
-        give_up("followers", &message);
+    must(saltus_sweep_new(&there, &axis, 1, &options, &sweep, &message), &message);
+    must(saltus_sweep_run(sweep, &feed, &message), &message);
     saltus_sweep_free(sweep);
     return seen;
 }
 
 /* The verdict of a motion without a period; SALTUS_PERIODIC for any settled motion. */
-static saltus_verdict verdict_of(const row *r) {
+static saltus_verdict verdict_of(const char *label) {
     for (int v = 0; v < SALTUS_VERDICTS; v++)
         if (!saltus_verdict_settled((saltus_verdict)v) &&
-            strcmp(saltus_verdict_word((saltus_verdict)v), r->label) == 0)
+            strcmp(saltus_verdict_word((saltus_verdict)v), label) == 0)
             return (saltus_verdict)v;
     return SALTUS_PERIODIC;
-}
-
-static void count(counts *c, const row *r) {
-    saltus_verdict verdict = verdict_of(r);
-    if (verdict == SALTUS_CHAOTIC)
-        c->chaotic_seconds[c->of[SALTUS_CHAOTIC]] = r->seconds;
-    c->of[verdict]++;
-    c->points++;
-    c->wrong += r->judgement[0] != 0;
-    if (verdict == SALTUS_PERIODIC || isnan(r->lifetime_at_least))
-        return;
-    c->bounds++;
-    c->bounds_above += r->seen.settled && r->lifetime_at_least > r->seen.watched / r->seen.settled;
-}
-
-static row look(unsigned long seed, int k) {
-    row r = {.seen = {.exponent = NAN, .error = NAN}};
-    saltus_scene scene = draw(seed, k, r.scene);
-    saltus_message message = {.text = ""};
-    saltus_system *system;
-    saltus_motion motion;
-    double state[SALTUS_STATE_MAX];
-    saltus_classify_options options = saltus_classify_defaults();
-    if (saltus_system_new(&scene.spec, &system, &message) != SALTUS_OK ||
-        saltus_scene_state(&scene, system, state, &message) != SALTUS_OK)
-        give_up(r.scene, &message);
-    clock_t begin = clock();
-    if (saltus_classify(system, state, &options, &motion, &message) != SALTUS_OK)
-        give_up(r.scene, &message);
-    r.seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
-    if (!saltus_verdict_settled(motion.verdict)) {
-        long long each = motion.evidence.periods / followers * times_as_long;
-        each = each < least_followed ? least_followed : each;
-        r.seen = follow(&scene, &motion, each);
-        if (motion.verdict == SALTUS_QUASIPERIODIC || motion.verdict == SALTUS_LONG_PERIOD) {
-            saltus_lyapunov_options exactly = saltus_lyapunov_defaults();
-            saltus_lyapunov result;
-            exactly.periods = each * followers;
-            exactly.precision = 1e-9;
-            if (saltus_lyapunov_run(system, motion.state, &exactly, &result, &message) != SALTUS_OK)
-                give_up("exponent", &message);
-            r.seen.exponent = result.exponents[0];
-            r.seen.error = result.standard_errors[0];
-            saltus_lyapunov_clear(&result);
-        }
-    }
-    memcpy(r.label, motion.label, sizeof r.label);
-    r.exponent = motion.lyapunov;
-    r.error = motion.lyapunov_error;
-    r.lifetime_at_least = motion.evidence.lifetime_at_least;
-    saltus_motion_clear(&motion);
-    saltus_system_free(system);
-    const saltus_verdict verdict = verdict_of(&r);
-    const bool regular = r.seen.settled > 0;
-    const bool wrong = verdict == SALTUS_CHAOTIC ? regular
-                       : verdict == SALTUS_QUASIPERIODIC
-                           ? regular || !(fabs(r.seen.exponent) <= 3 * r.seen.error)
-                       : verdict == SALTUS_LONG_PERIOD ? r.seen.exponent > 3 * r.seen.error
-                                                       : false;
-    snprintf(r.judgement, sizeof r.judgement, "%s", wrong ? "wrong" : "");
-    return r;
 }
 
 static const char head[] = "point,scene,verdict,seconds,exponent,error,lifetime_at_least,followers_settled,"
                            "on,periods_followed,exponent_followed,error_followed,judgement\n";
 
-/* The number of the point in a table line, or -1 for other lines. */
-static int read_row(char *line, row *r) {
-    enum { columns = 13 };
+/* Count a line of the table. */
+static void count(counts *c, char *line) {
+    enum { label = 2, seconds = 3, lifetime = 6, settled = 7, watched = 9, judgement = 12, columns };
     char *cells[columns];
-    if (line[0] < '0' || line[0] > '9' || !strchr(line, '\n'))
-        return -1;
     line[strcspn(line, "\n")] = '\0';
     for (int k = 0; k < columns; k++) {
         char *cell = strsep(&line, ",");
         cells[k] = cell ? cell : "";
     }
-    *r = (row){.seconds = atof(cells[3]),
-               .exponent = atof(cells[4]),
-               .error = atof(cells[5]),
-               .lifetime_at_least = atof(cells[6]),
-               .seen = {.settled = atoi(cells[7]),
-                        .watched = atof(cells[9]),
-                        .exponent = atof(cells[10]),
-                        .error = atof(cells[11])}};
-    snprintf(r->scene, sizeof r->scene, "%s", cells[1]);
-    snprintf(r->label, sizeof r->label, "%s", cells[2]);
-    snprintf(r->seen.label, sizeof r->seen.label, "%s", cells[8]);
-    snprintf(r->judgement, sizeof r->judgement, "%s", cells[12]);
-    return atoi(cells[0]);
+    const saltus_verdict verdict = verdict_of(cells[label]);
+    const double bound = atof(cells[lifetime]);
+    if (verdict == SALTUS_CHAOTIC)
+        c->chaotic_seconds[c->of[SALTUS_CHAOTIC]] = atof(cells[seconds]);
+    c->of[verdict]++;
+    c->points++;
+    c->wrong += cells[judgement][0] != '\0';
+    if (verdict == SALTUS_PERIODIC || isnan(bound))
+        return;
+    const int ended = atoi(cells[settled]);
+    c->bounds++;
+    c->bounds_above += ended && bound > atof(cells[watched]) / ended;
+}
+
+/* Classify a point and write its line of the table. */
+static void look(unsigned long seed, int k, char line[line_max]) {
+    char text[128];
+    saltus_scene scene = draw(seed, k, text);
+    saltus_message message = {.text = ""};
+    saltus_system *system;
+    saltus_motion motion;
+    witness seen = {.exponent = NAN, .error = NAN};
+    double state[SALTUS_STATE_MAX];
+    saltus_classify_options options = saltus_classify_defaults();
+    must(saltus_system_new(&scene.spec, &system, &message), &message);
+    must(saltus_scene_state(&scene, system, state, &message), &message);
+    const double begin = processor_seconds();
+    must(saltus_classify(system, state, &options, &motion, &message), &message);
+    const double seconds = processor_seconds() - begin;
+    if (!saltus_verdict_settled(motion.verdict)) {
+        long long each = motion.evidence.periods / followers * times_as_long;
+        each = each < least_followed ? least_followed : each;
+        seen = follow(&scene, &motion, each);
+        if (motion.verdict == SALTUS_QUASIPERIODIC || motion.verdict == SALTUS_LONG_PERIOD) {
+            saltus_lyapunov_options exactly = saltus_lyapunov_defaults();
+            saltus_lyapunov result;
+            exactly.periods = each * followers;
+            exactly.precision = 1e-9;
+            must(saltus_lyapunov_run(system, motion.state, &exactly, &result, &message), &message);
+            seen.exponent = result.exponents[0];
+            seen.error = result.standard_errors[0];
+            saltus_lyapunov_clear(&result);
+        }
+    }
+    const bool regular = seen.settled > 0;
+    const bool wrong = motion.verdict == SALTUS_CHAOTIC ? regular
+                       : motion.verdict == SALTUS_QUASIPERIODIC
+                           ? regular || !(fabs(seen.exponent) <= 3 * seen.error)
+                           : motion.verdict == SALTUS_LONG_PERIOD && seen.exponent > 3 * seen.error;
+    snprintf(line, line_max, "%d,%s,%s,%.2f,%.6g,%.2g,%.0f,%d,%s,%.0f,%.6g,%.2g,%s\n", k, text, motion.label,
+             seconds, motion.lyapunov, motion.lyapunov_error, motion.evidence.lifetime_at_least, seen.settled,
+             seen.label, seen.watched, seen.exponent, seen.error, wrong ? "wrong" : "");
+    saltus_motion_clear(&motion);
+    saltus_system_free(system);
 }
 
 static void summarise(counts *c) {
@@ -222,41 +185,37 @@ static void summarise(counts *c) {
 
 int main(int argc, char **argv) {
     int points = argc == 4 ? atoi(argv[1]) : 0;
-    char line[512];
-    row r;
+    char line[line_max];
     if (points < 1) {
         fputs("usage: saltus_census POINTS SEED TABLE.csv\n", stderr);
         return 2;
     }
     unsigned long seed = strtoul(argv[2], NULL, 10);
     FILE *table = fopen(argv[3], "a+");
-    bool *known = calloc((size_t)points, sizeof *known);
-    counts c = {.chaotic_seconds = calloc((size_t)points, sizeof *c.chaotic_seconds)};
-    if (!table || !known || !c.chaotic_seconds) {
+    if (!table) {
         perror(argv[3]);
         return EXIT_FAILURE;
     }
+    bool *known = must_allocate((size_t)points, sizeof *known), empty = true, broken = false;
+    counts c = {.chaotic_seconds = must_allocate((size_t)points, sizeof *c.chaotic_seconds)};
     rewind(table);
-    bool empty = true, broken = false;
     while (fgets(line, sizeof line, table)) {
         empty = false;
         broken = !strchr(line, '\n');
-        int k = read_row(line, &r);
+        const int k = broken || line[0] < '0' || line[0] > '9' ? -1 : atoi(line);
         if (k < 0 || k >= points || known[k])
             continue;
         known[k] = true;
-        count(&c, &r);
+        count(&c, line);
     }
     if (empty || broken)
         fputs(empty ? head : "\n", table);
     for (int k = 0; k < points; k++)
         if (!known[k]) {
-            r = look(seed, k);
-            fprintf(table, "%d,%s,%s,%.2f,%.6g,%.2g,%.0f,%d,%s,%.0f,%.6g,%.2g,%s\n", k, r.scene, r.label,
-                    r.seconds, r.exponent, r.error, r.lifetime_at_least, r.seen.settled, r.seen.label,
-                    r.seen.watched, r.seen.exponent, r.seen.error, r.judgement);
+            look(seed, k, line);
+            fputs(line, table);
             fflush(table);
-            count(&c, &r);
+            count(&c, line);
         }
     summarise(&c);
     free(c.chaotic_seconds);

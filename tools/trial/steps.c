@@ -1,10 +1,10 @@
 /* The naive method at d = 0.03, omega = 43, where the only attractor is a stable 3/5 orbit: NOT FOR USE.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "claims.h"
+#include "trial.h"
+
 #include "naive/naive_class.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { batches = 3, starts = batches * naive_lanes, warm = 300, warm_of_points = 150, per_decade = 30 };
@@ -22,29 +22,26 @@ typedef struct stage {
     double period;
 } stage;
 
-static saltus_status set_stage(stage *s, saltus_message *message) {
-    saltus_classify_options options = saltus_classify_defaults();
+static stage set_stage(void) {
+    const saltus_classify_options options = saltus_classify_defaults();
     saltus_scene scene;
     saltus_system *system = NULL;
-    *s = (stage){0};
-    saltus_status status = saltus_scene_load(scene_name, &scene, message);
-    if (status == SALTUS_OK && !naive_pipe_from(&scene.spec, &s->pipe))
-        status = saltus_fail(message, SALTUS_BAD_INPUT, "the naive method cannot describe %s", scene_name);
-    if (status == SALTUS_OK)
-        status = saltus_system_new(&scene.spec, &system, message);
-    if (status == SALTUS_OK) {
-        s->dimension = saltus_system_dimension(system);
-        s->period = saltus_system_period(system);
-        s->states = calloc((size_t)(starts * s->dimension), sizeof *s->states);
-        status = s->states ? SALTUS_OK : saltus_fail(message, SALTUS_NO_MEMORY, "no memory for starts");
-    }
-    for (int b = 0; b < batches && status == SALTUS_OK; b++)
-        status = trial_draw_starts(&scene, scene.spec.stops[0].d, (unsigned long)b + 1,
-                                   s->states + b * naive_lanes * s->dimension, message);
-    if (status == SALTUS_OK)
-        status = saltus_classify(system, s->states, &options, &s->orbit, message);
+    saltus_message message = {.text = ""};
+    stage s;
+    must(saltus_scene_load(scene_name, &scene, &message), &message);
+    if (!naive_pipe_from(&scene.spec, &s.pipe))
+        must(saltus_fail(&message, SALTUS_BAD_INPUT, "the naive method cannot describe %s", scene_name),
+             &message);
+    must(saltus_system_new(&scene.spec, &system, &message), &message);
+    s.dimension = saltus_system_dimension(system);
+    s.period = saltus_system_period(system);
+    s.states = must_allocate((size_t)(starts * s.dimension), sizeof *s.states);
+    for (int b = 0; b < batches; b++)
+        trial_draw_starts(&scene, scene.spec.stops[0].d, (unsigned long)b + 1,
+                          s.states + b * naive_lanes * s.dimension);
+    must(saltus_classify(system, s.states, &options, &s.orbit, &message), &message);
     saltus_system_free(system);
-    return status;
+    return s;
 }
 
 static void clear_stage(stage *s) {
@@ -61,15 +58,13 @@ static double exact_point(const stage *s, int k) {
 
 /* Results over all starts: labels by frequency, and ranges of measures. */
 typedef struct outcome {
-    char labels[starts][trial_label_max];
-    int counts[starts], kinds, right,
-        claimed; /* exact: as the exact orbit; claimed: four impacts in five periods or a multiple */
+    trial_tally labels;
+    int right, claimed; /* exact: as the exact orbit; claimed: four impacts in five periods or a multiple */
     double least_rate, most_rate, deepest, distance;
 } outcome;
 
 static void count(const stage *s, const naive_class *class, outcome *o) {
     char label[trial_label_max];
-    int k = 0;
     if (!class->finite)
         snprintf(label, sizeof label, "grows without bound");
     else if (class->periods == 0)
@@ -78,20 +73,7 @@ static void count(const stage *s, const naive_class *class, outcome *o) {
         snprintf(label, sizeof label, "chatter/%d", class->periods);
     else
         snprintf(label, sizeof label, "%d/%d", class->impacts, class->periods);
-    while (k < o->kinds && strcmp(o->labels[k], label) != 0)
-        k++;
-    if (k == o->kinds)
-        memcpy(o->labels[o->kinds++], label, sizeof label);
-    o->counts[k]++;
-    for (; k > 0 && o->counts[k] > o->counts[k - 1]; k--) {
-        char moved[trial_label_max];
-        int number = o->counts[k];
-        memcpy(moved, o->labels[k], sizeof moved);
-        memcpy(o->labels[k], o->labels[k - 1], sizeof moved);
-        memcpy(o->labels[k - 1], moved, sizeof moved);
-        o->counts[k] = o->counts[k - 1];
-        o->counts[k - 1] = number;
-    }
+    trial_tally_add(&o->labels, label);
     o->right += strcmp(label, s->orbit.label) == 0;
     o->claimed += class->periods > 0 && claimed_periods * class->impacts == claimed_impacts * class->periods;
     o->least_rate = fmin(o->least_rate, class->rate);
@@ -109,106 +91,76 @@ static void count(const stage *s, const naive_class *class, outcome *o) {
 }
 
 static void write_names(FILE *file, const outcome *o, const char *between, int most) {
-    for (int k = 0; k < o->kinds && k < most; k++)
-        fprintf(file, "%s%s (%d)", k ? between : "", o->labels[k], o->counts[k]);
-    if (o->kinds > most)
-        fprintf(file, "%s%d others", between, o->kinds - most);
+    for (int k = 0; k < o->labels.kinds && k < most; k++)
+        fprintf(file, "%s%s (%d)", k ? between : "", o->labels.of[k].label, o->labels.of[k].count);
+    if (o->labels.kinds > most)
+        fprintf(file, "%s%d others", between, o->labels.kinds - most);
 }
 
-/* The table's line and the rows of one step, stored or computed, in this order. */
-static saltus_status write_step(FILE *table, FILE *rows, const stage *s, double h,
-                                const trial_request *request, saltus_message *message) {
-    char kept_name[64];
-    snprintf(kept_name, sizeof kept_name, "naive-step-%g", h);
-    FILE *lines = trial_kept(request, kept_name), *made = lines ? NULL : tmpfile(), *to = table;
-    if (made) {
+void trial_write_steps(FILE *table, FILE *rows, bool quick) {
+    enum { step_count = sizeof steps / sizeof steps[0] };
+    static outcome all[step_count][2]; /* fractions of 1, of the period */
+    stage s = set_stage();
+    int count_of_steps = 0;
+    fprintf(table,
+            "| step h | steps per T | 3/5 | 4/5 | classes (of %d starts) | impacts per period | "
+            "deepest / d | section points off / d | classes, h dividing T |\n| --- | --- | --- | --- "
+            "| --- | --- | --- | --- | --- |\n",
+            (int)starts);
+    for (; count_of_steps < step_count && !(quick && steps[count_of_steps] < finest_quick);
+         count_of_steps++) {
+        const double h = steps[count_of_steps];
+        outcome *plain = &all[count_of_steps][0], *dividing = &all[count_of_steps][1];
         naive_class classes[2 * starts];
-        outcome plain = {.least_rate = INFINITY}, dividing = plain;
+        plain->least_rate = dividing->least_rate = INFINITY;
 #ifdef _OPENMP
 #pragma omp parallel for
 #endif
         for (int b = 0; b < 2 * batches; b++)
-            naive_classify(&s->pipe, h, b >= batches, s->states + b % batches * naive_lanes * s->dimension,
-                           warm, s->pipe.d, classes + b * naive_lanes);
+            naive_classify(&s.pipe, h, b >= batches, s.states + b % batches * naive_lanes * s.dimension, warm,
+                           s.pipe.d, classes + b * naive_lanes);
         for (int k = 0; k < 2 * starts; k++)
-            count(s, &classes[k], k < starts ? &plain : &dividing);
-        fprintf(made, "| %g | %.0f | %d | %d | ", h, s->period / h, plain.right, plain.claimed);
-        write_names(made, &plain, ", ", names_shown);
-        fprintf(made, " | %.2f to %.2f | %.1e | %.1e | ", plain.least_rate, plain.most_rate,
-                plain.deepest / s->pipe.d, plain.distance / s->pipe.d);
-        write_names(made, &dividing, ", ", names_shown);
-        fprintf(made, " |\n");
-        for (int d = 0; d < 2; d++) {
-            const outcome *o = d ? &dividing : &plain;
-            fprintf(made, "%g,%s,%d,%d,%d,%g,%g,%g,%g,", h, d ? "divides T" : "fraction of 1", (int)starts,
-                    o->right, o->claimed, o->least_rate, o->most_rate, o->deepest, o->distance);
-            write_names(made, o, " ", starts);
-            fprintf(made, "\n");
-        }
-        lines = made;
+            count(&s, &classes[k], k < starts ? plain : dividing);
+        fprintf(table, "| %g | %.0f | %d | %d | ", h, s.period / h, plain->right, plain->claimed);
+        write_names(table, plain, ", ", names_shown);
+        fprintf(table, " | %.2f to %.2f | %.1e | %.1e | ", plain->least_rate, plain->most_rate,
+                plain->deepest / s.pipe.d, plain->distance / s.pipe.d);
+        write_names(table, dividing, ", ", names_shown);
+        fprintf(table, " |\n");
+        fflush(table);
     }
-    if (!lines || (made && trial_keep(request, kept_name, made, NULL) != SALTUS_OK)) {
-        if (lines)
-            fclose(lines);
-        return saltus_fail(message, SALTUS_IO, "cannot keep the step %g", h);
+    fprintf(table, "| exact | - | all | 0 | %s | %.2f | 0 | 0 | |\n", s.orbit.label,
+            (double)s.orbit.impacts / s.orbit.periods);
+    fprintf(rows, "%sh,step,starts,right,claimed,least_rate,most_rate,deepest,distance,classes\n",
+            rows == table ? "\n" : "");
+    for (int k = 0; k < 2 * count_of_steps; k++) {
+        const outcome *o = &all[k / 2][k % 2];
+        fprintf(rows, "%g,%s,%d,%d,%d,%g,%g,%g,%g,", steps[k / 2], k % 2 ? "divides T" : "fraction of 1",
+                (int)starts, o->right, o->claimed, o->least_rate, o->most_rate, o->deepest, o->distance);
+        write_names(rows, o, " ", starts);
+        fprintf(rows, "\n");
     }
-    for (int c; (c = fgetc(lines)) != EOF;) {
-        fputc(c, to);
-        to = c == '\n' ? rows : to;
-    }
-    fclose(lines);
-    fflush(table);
-    return SALTUS_OK;
-}
-
-saltus_status trial_write_steps(FILE *table, FILE *rows, const trial_request *request,
-                                saltus_message *message) {
-    stage s;
-    saltus_status status = set_stage(&s, message);
-    if (status == SALTUS_OK) {
-        fprintf(table,
-                "| step h | steps per T | 3/5 | 4/5 | classes (of %d starts) | impacts per period | "
-                "deepest / d | section points off / d | classes, h dividing T |\n| --- | --- | --- | --- "
-                "| --- | --- | --- | --- | --- |\n",
-                (int)starts);
-        fprintf(rows, "h,step,starts,right,claimed,least_rate,most_rate,deepest,distance,classes\n");
-    }
-    for (int k = 0; k < (int)(sizeof steps / sizeof steps[0]) && status == SALTUS_OK; k++) {
-        if (request->quick && steps[k] < finest_quick)
-            break;
-        status = write_step(table, rows, &s, steps[k], request, message);
-    }
-    if (status == SALTUS_OK)
-        fprintf(table, "| exact | - | all | 0 | %s | %.2f | 0 | 0 | |\n", s.orbit.label,
-                (double)s.orbit.impacts / s.orbit.periods);
     clear_stage(&s);
-    return status;
 }
 
-saltus_status trial_write_step_points(FILE *file, bool quick, saltus_message *message) {
-    stage s;
-    saltus_status status = set_stage(&s, message);
-    int count = (int)ceil(per_decade * log10(coarsest / (quick ? finest_quick : finest)));
-    naive_class *classes = calloc((size_t)(count + 1) * naive_lanes, sizeof *classes);
-    if (status == SALTUS_OK && !classes)
-        status = saltus_fail(message, SALTUS_NO_MEMORY, "no memory for section points");
-    if (status == SALTUS_OK) {
+void trial_write_step_points(FILE *file, bool quick) {
+    stage s = set_stage();
+    const int count = (int)ceil(per_decade * log10(coarsest / (quick ? finest_quick : finest)));
+    naive_class *classes = must_allocate((size_t)(count + 1) * naive_lanes, sizeof *classes);
 #ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic)
 #endif
-        for (int k = count; k >= 0; k--)
-            naive_classify(&s.pipe, coarsest * pow(10, -(double)k / per_decade), false, s.states,
-                           warm_of_points, s.pipe.d, classes + (size_t)k * naive_lanes);
-        fprintf(file, "# step, displacement at the stop at phase 0, impacts per period\n");
-        for (int k = 0; k < (count + 1) * naive_lanes; k++)
-            for (int p = 0; p <= naive_watched && classes[k].finite; p++)
-                fprintf(file, "%.6g %.6g %.6g\n", coarsest * pow(10, -(double)(k / naive_lanes) / per_decade),
-                        classes[k].points[p][0], classes[k].rate);
-        fprintf(file, "\n\n# the exact orbit\n");
-        for (int k = 0; k < s.orbit.periods; k++)
-            fprintf(file, "0 %.6g %.6g\n", exact_point(&s, k), (double)s.orbit.impacts / s.orbit.periods);
-    }
+    for (int k = count; k >= 0; k--)
+        naive_classify(&s.pipe, coarsest * pow(10, -(double)k / per_decade), false, s.states, warm_of_points,
+                       s.pipe.d, classes + (size_t)k * naive_lanes);
+    fprintf(file, "# step, displacement at the stop at phase 0, impacts per period\n");
+    for (int k = 0; k < (count + 1) * naive_lanes; k++)
+        for (int p = 0; p <= naive_watched && classes[k].finite; p++)
+            fprintf(file, "%.6g %.6g %.6g\n", coarsest * pow(10, -(double)(k / naive_lanes) / per_decade),
+                    classes[k].points[p][0], classes[k].rate);
+    fprintf(file, "\n\n# the exact orbit\n");
+    for (int k = 0; k < s.orbit.periods; k++)
+        fprintf(file, "0 %.6g %.6g\n", exact_point(&s, k), (double)s.orbit.impacts / s.orbit.periods);
     free(classes);
     clear_stage(&s);
-    return status;
 }

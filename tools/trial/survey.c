@@ -1,15 +1,42 @@
-/* Surveys: labels, files, making a survey unless it is stored, and those shared by several claims.
+/* Surveys: the ranges of the figures, initial states that do not depend on the parameter varied, and the
+ * trajectories from them by the event-driven flow, or, for comparison, by the naive method: NOT FOR USE.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "claims.h"
+#include "trial.h"
 
+#include "naive/naive_class.h"
+
+#include <gsl/gsl_randist.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
+enum { periods_at_most = 500, periods_measured = 2000 };
+/* Of the naive method; regular transients decay in time, at the damping rate of the first mode, chaotic ones
+ * in periods. */
+enum { settling_periods = 50 };
+static const double settling_time = 40;
+static const double displacement_unit = 0.03; /* unit for distances between section points */
+
+const double trial_h[trial_steps] = {0, 0.01, 0.005, 0.001, 0.0002};
 const char *const trial_kind_words[TRIAL_KINDS] = {"free", "impacts",   "chatter",
                                                    "held", "irregular", "failed"};
-static const char columns[] =
-    "value,start,kind,impacts,periods,chaotic,lyapunov,rate,speed,contact,reach,depth";
+
+const trial_figure trial_figure_list[trial_figures] = {
+    {"2", "fig2", NULL, "omega", 0.1, 550, 5, 10, NAN},
+    {"4a", "fig4a", NULL, "d", 0.0002, 230, 5, 10, 0},
+    {"4b", "fig4b", NULL, "d", 0.0002, 230, 5, 10, 0},
+    {"5", "fig5", NULL, "omega", 0.1, 550, 5, 10, 0.03},
+    {"6", "fig6", NULL, "omega", 0.1, 550, 5, 10, 0.035},
+    {"8a", "fig8", "r=0.8", "omega", 0.2, 275, 5, 5, 0.035},
+    {"8b", "fig8", "r=0.7", "omega", 0.2, 275, 5, 5, 0.035},
+    {"8c", "fig8", "r=0.6", "omega", 0.2, 275, 5, 5, 0.035},
+};
+
+const trial_figure *trial_figure_find(const char *name) {
+    const trial_figure *figure = trial_figure_list;
+    while (strcmp(figure->name, name) != 0)
+        figure++;
+    return figure;
+}
 
 void trial_label(const trial_cell *cell, char label[trial_label_max]) {
     if (cell->kind == TRIAL_CHATTER)
@@ -20,139 +47,177 @@ void trial_label(const trial_cell *cell, char label[trial_label_max]) {
         snprintf(label, trial_label_max, "%s", trial_kind_words[cell->kind]);
 }
 
-/* Whether the file holds this survey. */
-static bool read_survey(trial_survey *survey, FILE *file) {
-    char names[sizeof columns + 1], word[16];
-    int values = 0, chaotic, kind = 0;
-    bool read = fscanf(file, "%d values\n", &values) == 1 && fgets(names, sizeof names, file) &&
-                values == survey->values && strncmp(names, columns, sizeof columns - 1) == 0;
-    for (int k = 0; k < values * trial_starts && read; k++) {
-        trial_cell *c = &survey->cells[k];
-        read = fscanf(file, "%lf,%d,%15[a-z],%d,%d,%d,%lf,%lf,%lf,%lf,%lf,%lf\n", &c->value, &c->start, word,
-                      &c->impacts, &c->periods, &chaotic, &c->lyapunov, &c->rate, &c->speed, &c->contact,
-                      &c->reach, &c->depth) == 12;
-        for (kind = 0; read && kind < TRIAL_KINDS && strcmp(word, trial_kind_words[kind]) != 0;)
-            kind++;
-        read = read && kind < TRIAL_KINDS;
-        c->chaotic = read && chaotic;
-        c->kind = (trial_kind)kind;
+void trial_tally_add(trial_tally *tally, const char *label) {
+    struct trial_count *of = tally->of;
+    int k = 0;
+    while (k < tally->kinds && strcmp(of[k].label, label) != 0)
+        k++;
+    if (k == (int)(sizeof tally->of / sizeof *tally->of))
+        return;
+    if (k == tally->kinds)
+        snprintf(of[tally->kinds++].label, sizeof of->label, "%s", label);
+    of[k].count++;
+    tally->all++;
+    for (; k > 0 && of[k].count > of[k - 1].count; k--) {
+        const struct trial_count more = of[k];
+        of[k] = of[k - 1];
+        of[k - 1] = more;
     }
-    fclose(file);
-    return read;
 }
 
-static void clear_survey(trial_survey *survey) {
-    free(survey->cells);
-    *survey = (trial_survey){0};
+/* A random state within the clearance on the side of the stops. */
+static void draw(const saltus_system *system, gsl_rng *rng, double clearance, bool both, double *state) {
+    const double *scale = saltus_system_scale(system), *observer = saltus_system_observer(system);
+    double g;
+    do {
+        g = 0;
+        for (int i = 0; i < saltus_system_dimension(system); i++)
+            state[i] = gsl_ran_gaussian(rng, scale[i]);
+        for (int i = 0; i < saltus_system_dof(system); i++)
+            g += observer[i] * state[i];
+    } while (g > clearance || (both && -g > clearance));
 }
 
-static saltus_status open_survey(const trial_figure *figure, double h, const trial_request *request,
-                                 trial_survey *survey, saltus_message *message) {
-    int stride = (request->quick ? figure->quick : 1) * (h > 0 ? figure->sparse : 1);
-    *survey = (trial_survey){.figure = figure, .h = h, .values = figure->count / stride};
-    survey->cells = calloc((size_t)survey->values * trial_starts, sizeof *survey->cells);
-    if (!survey->cells)
-        return saltus_fail(message, SALTUS_NO_MEMORY, "no memory for a survey");
-    for (int k = 0; k < survey->values * trial_starts; k++) {
-        survey->cells[k].value = (double)(stride * (k / trial_starts + 1)) / round(1 / figure->step);
-        survey->cells[k].start = k % trial_starts;
+void trial_draw_starts(const saltus_scene *scene, double clearance, unsigned long seed, double *states) {
+    const bool both = scene->spec.stop_count && scene->spec.stops[0].sides == SALTUS_BOTH;
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937); /* ends the program without memory */
+    saltus_system *system = NULL;
+    saltus_message message = {.text = ""};
+    must(saltus_system_new(&scene->spec, &system, &message), &message);
+    must(saltus_system_default_state(system, states, &message), &message);
+    gsl_rng_set(rng, seed);
+    for (int k = 1; k < trial_starts; k++)
+        draw(system, rng, isnan(clearance) ? INFINITY : clearance, both,
+             states + k * saltus_system_dimension(system));
+    /* A default state pressed onto the stop would not be admissible at all clearances. */
+    if (clearance <= 0)
+        draw(system, rng, clearance, both, states);
+    gsl_rng_free(rng);
+    saltus_system_free(system);
+}
+
+static trial_kind kind_of(bool failed, bool held, bool settled, bool chatter, int impacts) {
+    return failed     ? TRIAL_FAILED
+           : held     ? TRIAL_HELD
+           : !settled ? TRIAL_IRREGULAR
+           : chatter  ? TRIAL_CHATTER
+           : impacts  ? TRIAL_IMPACTS
+                      : TRIAL_FREE;
+}
+
+/* `context` is the first value's cell of the sweep's start. */
+static saltus_status take(void *context, const saltus_sweep_result *result, saltus_message *message) {
+    const saltus_sweep_row *row = result->rows;
+    const bool settled = row->verdict == SALTUS_PERIODIC || row->verdict == SALTUS_EQUILIBRIUM;
+    trial_cell *cell = (trial_cell *)context + result->place * trial_starts;
+    (void)message;
+    cell->kind = kind_of(saltus_verdict_nothing((saltus_verdict)row->verdict), row->verdict == SALTUS_HELD,
+                         settled, row->impacts < 0 || row->sticking > 0, row->impacts);
+    cell->impacts = row->impacts;
+    cell->periods = row->periods;
+    cell->chaotic = row->verdict == SALTUS_CHAOTIC;
+    cell->lyapunov = row->lyapunov;
+    cell->rate = row->impact_rate;
+    cell->contact = cell->kind == TRIAL_HELD ? 1 : row->contact_fraction;
+    cell->reach = fmax(fabs(row->largest), fabs(row->smallest));
+    return SALTUS_OK;
+}
+
+/* One sweep for each start. */
+static void survey_exact(trial_survey *survey, saltus_scene *scene, const double *states) {
+    double *values = must_allocate((size_t)survey->values, sizeof *values);
+    saltus_message message = {.text = ""};
+    saltus_sweep_options options = saltus_sweep_defaults();
+    for (int k = 0; k < survey->values; k++)
+        values[k] = survey->cells[k * trial_starts].value;
+    saltus_axis axis = {.spacing = SALTUS_LIST,
+                        .count = survey->values,
+                        .low = values[0],
+                        .high = values[survey->values - 1],
+                        .list = values};
+    snprintf(axis.key, sizeof axis.key, "%s", survey->figure->key);
+    options.keep = SALTUS_KEEP_LYAPUNOV;
+    options.transient = periods_at_most;
+    options.measure = periods_measured;
+    scene->initial_count = 2 * (int)saltus_spec_get(&scene->spec, "N");
+    for (int start = 0; start < trial_starts; start++) {
+        const saltus_sweep_feed feed = {.context = survey->cells + start, .take = take};
+        saltus_sweep *sweep = NULL;
+        memcpy(scene->initial, states + start * scene->initial_count,
+               (size_t)scene->initial_count * sizeof *states);
+        must(saltus_sweep_new(scene, &axis, 1, &options, &sweep, &message), &message);
+        must(saltus_sweep_run(sweep, &feed, &message), &message);
+        saltus_sweep_free(sweep);
+    }
+    free(values);
+}
+
+_Static_assert((int)naive_lanes == (int)trial_starts, "a pack of lanes is a value's starts");
+
+/* All starts at one value by the naive method. */
+static saltus_status run_naive(trial_cell *cells, const saltus_scene *scene, const char *key, double h,
+                               const double *states, saltus_message *message) {
+    saltus_scene there = *scene;
+    naive_pipe pipe;
+    naive_class classes[naive_lanes];
+    char assignment[64];
+    snprintf(assignment, sizeof assignment, "%s=%.17g", key, cells->value);
+    saltus_status status = saltus_scene_set(&there, assignment, message);
+    if (status != SALTUS_OK)
+        return status;
+    if (!naive_pipe_from(&there.spec, &pipe))
+        return saltus_fail(message, SALTUS_BAD_INPUT, "the naive method cannot describe %s", scene->name);
+    int warm = (int)fmax(settling_periods, ceil(settling_time * pipe.omega / (2 * acos(-1))));
+    naive_classify(&pipe, h, false, states, warm, displacement_unit, classes);
+    for (int l = 0; l < trial_starts; l++, cells++) {
+        const naive_class *class = &classes[l];
+        cells->kind =
+            kind_of(!class->finite, class->held, class->periods > 0, class->impacts < 0, class->impacts);
+        cells->impacts = class->impacts;
+        cells->periods = class->periods;
+        cells->lyapunov = NAN;
+        cells->rate = class->rate;
+        cells->contact = class->contact;
+        cells->depth = class->deepest;
+        for (int w = 0; w <= naive_watched; w++)
+            cells->reach = fmax(cells->reach, fabs(class->points[w][0]));
     }
     return SALTUS_OK;
 }
 
-static void keep_path(const trial_request *request, const char *name, char *path, size_t size) {
-    snprintf(path, size, "%s/%s%s.txt", request->keep, name, request->quick ? "-quick" : "");
-}
-
-FILE *trial_kept(const trial_request *request, const char *name) {
-    char path[512], version[32] = "";
-    if (!request->keep)
-        return NULL;
-    keep_path(request, name, path, sizeof path);
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return NULL;
-    if (fscanf(file, "saltus %31[^\n]", version) == 1 && fgetc(file) == '\n' &&
-        strcmp(version, SALTUS_VERSION) == 0)
-        return file;
-    fclose(file);
-    return NULL;
-}
-
-saltus_status trial_keep(const trial_request *request, const char *name, FILE *stream,
-                         saltus_message *message) {
-    bool good = stream && !ferror(stream);
-    if (good)
-        rewind(stream);
-    if (good && request->keep) {
-        char path[512];
-        keep_path(request, name, path, sizeof path);
-        FILE *file = fopen(path, "w");
-        good = file && fprintf(file, "saltus %s\n", SALTUS_VERSION) > 0;
-        for (int c; good && (c = fgetc(stream)) != EOF;)
-            fputc(c, file);
-        good = good && !ferror(stream) && !ferror(file);
-        good = !(file && fclose(file)) && good;
-        rewind(stream);
+const trial_survey *trial_survey_of(trial_bench *bench, const char *name, int step) {
+    const trial_figure *figure = trial_figure_find(name);
+    trial_survey *survey = &bench->surveys[figure - trial_figure_list][step];
+    const int stride = (bench->quick ? figure->quick : 1) * (step > 0 ? figure->sparse : 1);
+    double states[trial_starts * SALTUS_SCENE_STATE_MAX];
+    saltus_scene scene;
+    saltus_message message = {.text = ""};
+    if (survey->cells)
+        return survey;
+    *survey = (trial_survey){.figure = figure, .values = figure->count / stride};
+    survey->cells = must_allocate((size_t)survey->values * trial_starts, sizeof *survey->cells);
+    for (int k = 0; k < survey->values * trial_starts; k++)
+        survey->cells[k].value = (double)(stride * (k / trial_starts + 1)) / round(1 / figure->step);
+    must(saltus_scene_load(figure->scene, &scene, &message), &message);
+    if (figure->setting)
+        must(saltus_scene_set(&scene, figure->setting, &message), &message);
+    trial_draw_starts(&scene, figure->admissible, 1, states);
+    if (step == 0) {
+        survey_exact(survey, &scene, states);
+        return survey;
     }
-    return good ? SALTUS_OK
-                : saltus_fail(message, SALTUS_IO, "cannot keep %s in %s", name,
-                              request->keep ? request->keep : "a temporary file");
-}
-
-/* Read a survey from the folder, or make and store it. h = 0: the event-driven flow. */
-static saltus_status get_survey(const trial_figure *figure, double h, const trial_request *request,
-                                trial_survey *survey, saltus_message *message) {
-    char name[64];
-    snprintf(name, sizeof name, h > 0 ? "figure%s-naive-%g" : "figure%s-exact", figure->name, h);
-    saltus_status status = open_survey(figure, h, request, survey, message);
-    FILE *kept = status == SALTUS_OK ? trial_kept(request, name) : NULL;
-    if (kept && read_survey(survey, kept))
-        return SALTUS_OK;
-    if (kept) {
-        clear_survey(survey);
-        status = open_survey(figure, h, request, survey, message);
+#ifdef _OPENMP
+#pragma omp parallel for schedule(dynamic)
+#endif
+    for (int k = 0; k < survey->values; k++) {
+        saltus_message reason = {.text = ""};
+        must(run_naive(survey->cells + k * trial_starts, &scene, figure->key, trial_h[step], states, &reason),
+             &reason);
     }
-    if (status == SALTUS_OK)
-        status = h > 0 ? trial_survey_naive(survey, message) : trial_survey_exact(survey, message);
-    if (status == SALTUS_OK && request->keep) {
-        FILE *stream = tmpfile();
-        if (stream)
-            fprintf(stream, "%d values\n%s\n", survey->values, columns);
-        for (int k = 0; k < survey->values * trial_starts && stream; k++) {
-            const trial_cell *c = &survey->cells[k];
-            fprintf(stream, "%.17g,%d,%s,%d,%d,%d,%.8g,%.8g,%.8g,%.8g,%.8g,%.8g\n", c->value, c->start,
-                    trial_kind_words[c->kind], c->impacts, c->periods, c->chaotic, c->lyapunov, c->rate,
-                    c->speed, c->contact, c->reach, c->depth);
-        }
-        status = trial_keep(request, name, stream, message);
-        if (stream)
-            fclose(stream);
-    }
-    if (status != SALTUS_OK)
-        clear_survey(survey);
-    return status;
-}
-
-const double trial_coarse[trial_coarse_steps] = {0.01, 0.005, 0.001, 0.0002};
-
-saltus_status trial_bench_survey(trial_bench *bench, const char *figure, int step,
-                                 const trial_survey **survey, saltus_message *message) {
-    const trial_figure *there = trial_figure_find(figure);
-    if (!there)
-        return saltus_fail(message, SALTUS_BAD_INPUT, "no figure %s", figure);
-    const long k = there - trial_figure_list;
-    trial_survey *wanted = step < 0 ? &bench->exact[k] : &bench->naive[k][step];
-    *survey = wanted;
-    return wanted->cells
-               ? SALTUS_OK
-               : get_survey(there, step < 0 ? 0 : trial_coarse[step], &bench->request, wanted, message);
+    return survey;
 }
 
 void trial_bench_clear(trial_bench *bench) {
-    for (int k = 0; k < trial_figures; k++) {
-        clear_survey(&bench->exact[k]);
-        for (int s = 0; s < trial_coarse_steps; s++)
-            clear_survey(&bench->naive[k][s]);
-    }
+    for (int k = 0; k < trial_figures * trial_steps; k++)
+        free(bench->surveys[k / trial_steps][k % trial_steps].cells);
 }
