@@ -51,7 +51,6 @@ class Place:
     """The state of the walk down a syntax tree."""
 
     constant: bool = False  # only constants may stand here
-    function: str = ""
     result_void: bool = False
     statements: bool = False  # the node stands among the statements of a block
 
@@ -85,7 +84,7 @@ class Finder:
             if mark in self.seen:
                 continue
             self.seen.add(mark)
-            place = Place(function=cursor.spelling, result_void=cursor.result_type.kind == TypeKind.VOID)
+            place = Place(result_void=cursor.result_type.kind == TypeKind.VOID)
             for child in cursor.get_children():
                 if child.kind == Kind.COMPOUND_STMT:
                     self.walk(child, file, place)
@@ -110,11 +109,11 @@ class Finder:
             return  # a list that lives in another file
         children = list(cursor.get_children())
         if not place.constant:
-            self.look(cursor, children, file, place)
+            self.look(cursor, children, file)
         if place.statements:
-            self.statement(cursor, children, file, place)
+            self.statement(cursor, file, place)
         for number, child in enumerate(children):
-            below = Place(place.constant, place.function, place.result_void, kind == Kind.COMPOUND_STMT)
+            below = Place(place.constant, place.result_void, kind == Kind.COMPOUND_STMT)
             if kind == Kind.CASE_STMT and number == 0:
                 below.constant = True
             if kind == Kind.VAR_DECL:
@@ -125,7 +124,7 @@ class Finder:
                 below.constant = True
             self.walk(child, file, below)
 
-    def look(self, cursor, children, file, place):
+    def look(self, cursor, children, file):
         kind = cursor.kind
         start, end = cursor.extent.start.offset, cursor.extent.end.offset
         text = self.text(file, start, end)
@@ -205,7 +204,7 @@ class Finder:
                        + self.text(file, second.extent.end.offset, end))
             self.choose(file, cursor, "swapped arguments", swapped)
 
-    def statement(self, cursor, children, file, place):
+    def statement(self, cursor, file, place):
         """A statement of a block that can be left out."""
         start, end = cursor.extent.start.offset, cursor.extent.end.offset
         text = self.text(file, start, end)

@@ -101,27 +101,29 @@ void trial_write_steps(FILE *table, FILE *rows, bool quick) {
     enum { step_count = sizeof steps / sizeof steps[0] };
     static outcome all[step_count][2]; /* fractions of 1, of the period */
     stage s = set_stage();
-    int count_of_steps = 0;
+    int made = 0;
+    while (made < step_count && !(quick && steps[made] < finest_quick))
+        made++;
     fprintf(table,
             "| step h | steps per T | 3/5 | 4/5 | classes (of %d starts) | impacts per period | "
             "deepest / d | section points off / d | classes, h dividing T |\n| --- | --- | --- | --- "
             "| --- | --- | --- | --- | --- |\n",
             (int)starts);
-    for (; count_of_steps < step_count && !(quick && steps[count_of_steps] < finest_quick);
-         count_of_steps++) {
-        const double h = steps[count_of_steps];
-        outcome *plain = &all[count_of_steps][0], *dividing = &all[count_of_steps][1];
+    for (int k = 0; k < made; k++) {
+        outcome *plain = &all[k][0], *dividing = &all[k][1];
         naive_class classes[2 * starts];
         plain->least_rate = dividing->least_rate = INFINITY;
 #ifdef _OPENMP
 #pragma omp parallel for
 #endif
         for (int b = 0; b < 2 * batches; b++)
-            naive_classify(&s.pipe, h, b >= batches, s.states + b % batches * naive_lanes * s.dimension, warm,
-                           s.pipe.d, classes + b * naive_lanes);
-        for (int k = 0; k < 2 * starts; k++)
-            count(&s, &classes[k], k < starts ? plain : dividing);
-        fprintf(table, "| %g | %.0f | %d | %d | ", h, s.period / h, plain->right, plain->claimed);
+            naive_classify(&s.pipe, steps[k], b >= batches,
+                           s.states + b % batches * naive_lanes * s.dimension, warm, s.pipe.d,
+                           classes + b * naive_lanes);
+        for (int c = 0; c < 2 * starts; c++)
+            count(&s, &classes[c], c < starts ? plain : dividing);
+        fprintf(table, "| %g | %.0f | %d | %d | ", steps[k], s.period / steps[k], plain->right,
+                plain->claimed);
         write_names(table, plain, ", ", names_shown);
         fprintf(table, " | %.2f to %.2f | %.1e | %.1e | ", plain->least_rate, plain->most_rate,
                 plain->deepest / s.pipe.d, plain->distance / s.pipe.d);
@@ -133,7 +135,7 @@ void trial_write_steps(FILE *table, FILE *rows, bool quick) {
             (double)s.orbit.impacts / s.orbit.periods);
     fprintf(rows, "%sh,step,starts,right,claimed,least_rate,most_rate,deepest,distance,classes\n",
             rows == table ? "\n" : "");
-    for (int k = 0; k < 2 * count_of_steps; k++) {
+    for (int k = 0; k < 2 * made; k++) {
         const outcome *o = &all[k / 2][k % 2];
         fprintf(rows, "%g,%s,%d,%d,%d,%g,%g,%g,%g,", steps[k / 2], k % 2 ? "divides T" : "fraction of 1",
                 (int)starts, o->right, o->claimed, o->least_rate, o->most_rate, o->deepest, o->distance);
