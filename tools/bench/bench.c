@@ -10,8 +10,9 @@
  * Tables go to `folder` (work-precision.csv, cost.csv, README.md), a summary to the standard output. With
  * --modes the only output is a table of pipes with few to many modes (modes.c).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "cost.h"
-#include "report.h"
+#include "bench.h"
+
+const char program_name[] = "saltus_bench";
 
 typedef struct request {
     const char *references, *to, *only;
@@ -32,27 +33,27 @@ static const char *const known[][2] = {
 static void measure_all(const request *q, results *r) {
     for (int p = 0; p < r->problem_count; p++)
         for (int t = 0; t < r->tolerance_count; t++)
-            r->conditions[p][t] = measure_condition(r->problems[p], r->tolerances[t]);
+            r->conditions[p][t] = measure_condition(&r->problems[p], r->tolerances[t]);
     for (int p = 0; p < r->problem_count; p++)
         for (int m = 0; m < r->method_count; m++) {
-            const rival *rival = r->methods[m].rival;
-            const problem *problem = r->problems[p];
+            const method *method = r->methods[m];
+            const problem *problem = &r->problems[p];
             const double before = processor_seconds();
             for (int t = 0; t < r->tolerance_count; t++) {
                 const double rtol = r->tolerances[t];
                 const int digits = (int)lround(-log10(rtol));
-                const bool below_their_range = rival && rtol < 0.5e-14;
-                if (below_their_range || (rival && rival->stiff && !problem->stiff))
+                const bool below_their_range = !method->own && rtol < 0.5e-14;
+                if (below_their_range || (method->stiff && !problem->stiff))
                     continue;
                 /* Where a rival's variational equations would take minutes, only a few tolerances are
                  * measured. The implicit rival has none and uses differences. */
-                const derivative how = rival && problem->orbit.n > 20 && digits % 4 != 0 ? derivative_none
-                                       : !rival || rival->tangents                       ? derivative_tangents
-                                                                   : derivative_differences;
-                r->measures[p][m][t] = measure_method(problem, &r->methods[m], rtol, how, &q->effort);
+                const derivative how = !method->own && problem->orbit.n > 20 && digits % 4 != 0
+                                           ? derivative_none
+                                       : method->tangents ? derivative_tangents
+                                                          : derivative_differences;
+                r->measures[p][m][t] = measure_method(problem, method, rtol, how, &q->effort);
             }
-            fprintf(stderr, "%s, %s: %.1f s\n", problem->name, r->methods[m].name,
-                    processor_seconds() - before);
+            fprintf(stderr, "%s, %s: %.1f s\n", problem->name, method->name, processor_seconds() - before);
         }
 }
 
@@ -61,9 +62,8 @@ static void write_page(FILE *page, const results *r, const cost_table *costs) {
     report_machine(page, "- ");
     fprintf(page, "\nRuns start on a reference orbit of `../reference` and go once around it. Problems:\n\n");
     for (int p = 0; p < r->problem_count; p++)
-        fprintf(page, "- %s: %s; %s, %d T, integrator chosen: %s\n", r->problems[p]->name,
-                r->problems[p]->what, r->problems[p]->orbit.label, r->problems[p]->orbit.periods,
-                saltus_system_integrator(r->problems[p]->system));
+        fprintf(page, "- %s: %s; %s, %d T, integrator chosen: %s\n", r->problems[p].name, r->problems[p].what,
+                r->problems[p].orbit.label, r->problems[p].orbit.periods, r->problems[p].integrator);
     fprintf(page,
             "\nOne problem alone, without touching this folder: `mkdir -p /tmp/bench && build/saltus_bench "
             "--only fig7d --to /tmp/bench data/reference`; the costs alone: `--cost-only`.\n\nEvery "
@@ -130,41 +130,44 @@ static bool read_arguments(int count, char **arguments, request *q) {
 }
 
 int main(int count, char **arguments) {
-    static problem places[problems_max];
     static cost_table costs;
-    static results r = {.methods = {{"Saltus Taylor", "taylor", SALTUS_TAYLOR, NULL},
-                                    {"Saltus Radau", "radau", SALTUS_RADAU, NULL},
-                                    {"Saltus mixed", "mixed", SALTUS_MIXED, NULL}},
-                        .method_count = 3};
+    static results r;
     request q;
     if (!read_arguments(count, arguments, &q)) {
         fprintf(stderr, "usage: saltus_bench [--quick] [--only problem] [--cost-only] [--modes] "
                         "[--to folder] [folder of references]\n");
         return 2;
     }
+    for (int k = 0; k < own_method_count; k++)
+        r.methods[r.method_count++] = &own_methods[k];
     for (int k = 0; k < saltus_rival_count && r.method_count < methods_max; k++)
-        r.methods[r.method_count++] =
-            (method){saltus_rivals[k].name, saltus_rivals[k].key, SALTUS_AUTOMATIC, &saltus_rivals[k]};
-    if (q.modes)
-        return !modes_print(&r);
+        r.methods[r.method_count++] = &saltus_rivals[k];
+    if (q.modes) {
+        modes_print(r.methods, r.method_count);
+        return 0;
+    }
     for (int digits = 3; digits <= 15; digits += q.quick ? 3 : 1)
         r.tolerances[r.tolerance_count++] = pow(10, -digits);
     for (size_t k = 0; k < sizeof known / sizeof known[0] && !q.cost_only; k++) {
-        problem *p = &places[r.problem_count];
+        problem *p = &r.problems[r.problem_count];
         if (q.only && strcmp(q.only, known[k][0]) != 0)
             continue;
         if (problem_open(q.references, known[k][0], known[k][1], p))
-            r.problems[r.problem_count++] = p;
-        else
+            r.problem_count++;
+        else {
             fprintf(stderr, "saltus_bench: %s/%s.json cannot be read: left out\n", q.references, known[k][0]);
+            free(p->orbit.text);
+        }
     }
     measure_all(&q, &r);
-    const bool done = (q.only || cost_measure(&costs, q.quick)) && write_all(&q, &r, &costs);
+    if (!q.only)
+        cost_measure(&costs, q.quick);
+    const bool done = write_all(&q, &r, &costs);
     printf("\n");
     report_summary(stdout, &r);
     report_worst(stdout, &r);
     cost_print(stdout, &costs);
     for (int p = 0; p < r.problem_count; p++)
-        problem_close(r.problems[p]);
+        free(r.problems[p].orbit.text);
     return done ? 0 : 1;
 }

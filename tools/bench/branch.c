@@ -6,12 +6,15 @@
  * are from the same runs. An argument names the folder of the reference.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "clock.h"
+#include "must.h"
 #include "reference.h"
 
 #include "saltus/branch.h"
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics.h>
+
+const char program_name[] = "saltus_branch_bench";
 
 enum { repeats = 3 };
 
@@ -29,28 +32,27 @@ static void count_iteration(void *context, int iteration, double residual, const
 }
 
 /* Print the line of a largest step. */
-static bool measure(const reference *r, double step_max) {
+static void measure(const reference *r, double step_max) {
     saltus_branch_options options = saltus_branch_defaults();
     saltus_message message = {.text = ""};
     effort spent;
     double seconds[repeats], residual = 0, sum_rule = 0;
     long points = 0, special = 0, ruled = 0; /* ruled: with all multipliers resolved */
-    saltus_status status = SALTUS_OK;
     snprintf(options.key[0], sizeof options.key[0], "omega");
     options.low[0] = 35;
     options.high[0] = 56;
     options.step_max = step_max;
     options.orbit.history = count_iteration;
     options.orbit.context = &spent;
-    for (int k = 0; k < repeats && status == SALTUS_OK; k++) {
+    for (int k = 0; k < repeats; k++) {
         saltus_branch *branch = NULL;
         const saltus_branch_point *point = NULL;
         const double begin = processor_seconds();
         spent = (effort){0, 0};
         points = special = ruled = 0;
-        status = saltus_branch_new(&r->spec, r->periods, r->states[0], &options, &branch, &message);
-        while (status == SALTUS_OK) {
-            status = saltus_branch_step(branch, &point, &message);
+        must(saltus_branch_new(&r->spec, r->periods, r->states[0], &options, &branch, &message), &message);
+        for (;;) {
+            must(saltus_branch_step(branch, &point, &message), &message);
             if (!point)
                 break;
             points++;
@@ -66,16 +68,11 @@ static bool measure(const reference *r, double step_max) {
         seconds[k] = processor_seconds() - begin;
         saltus_branch_free(branch);
     }
-    if (status != SALTUS_OK) {
-        fprintf(stderr, "saltus_branch_bench: %s\n", message.text);
-        return false;
-    }
     gsl_sort(seconds, 1, repeats);
     const double total = gsl_stats_median_from_sorted_data(seconds, 1, repeats), each = (double)points;
     printf("| %g | %ld | %ld | %.2f | %.2f | %.1f | %.1f | %.1e | %.1e (%ld) |\n", step_max, points, special,
            total, 1e3 * total / each, (double)spent.iterations / each, (double)spent.evaluations / each,
            residual, sum_rule, ruled);
-    return true;
 }
 
 int main(int count, char **arguments) {
@@ -88,7 +85,8 @@ int main(int count, char **arguments) {
            "| largest step | points | special | total, s | per point, ms | Newton steps per point | orbits "
            "computed per point | largest residual | largest error of the sum rule (points) |\n"
            "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-    bool measured_all = measure(&r, 0.02) && measure(&r, 0.006);
+    measure(&r, 0.02);
+    measure(&r, 0.006);
     free(r.text);
-    return measured_all ? 0 : 1;
+    return 0;
 }

@@ -4,9 +4,7 @@
  * per step (for Taylor series: orders expanded), are counted by the library and free of noise; a scene that
  * does not use a feature should need no more of either.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "cost.h"
-
-#include "measure.h"
+#include "bench.h"
 
 enum { stretches = 9 };
 
@@ -29,7 +27,7 @@ static void add_row(cost_table *costs, const char *table, const char *what, cost
     row.table = table;
     row.ratio = row.us / base;
     snprintf(row.what, sizeof row.what, "%s", what);
-    costs->rows[costs->count < cost_rows_max - 1 ? costs->count++ : cost_rows_max - 1] = row;
+    costs->rows[costs->count++] = row;
 }
 
 static saltus_spec pipe_of(const asked *a, int modes) {
@@ -50,23 +48,22 @@ static saltus_spec pipe_of(const asked *a, int modes) {
 }
 
 /* Advance lane 0 to a period, stopping at the requested events. */
-static bool advance(saltus_flow *flow, const asked *a, long long until) {
-    const saltus_time end = {until, 0};
+static void advance(saltus_flow *flow, const asked *a, long long until) {
     double state[SALTUS_SCENE_STATE_MAX];
     saltus_event event;
+    saltus_message message = {.text = ""};
     do {
-        if (saltus_flow_advance(flow, end, a->watch | (a->dense ? SALTUS_WATCH_STEP : 0), &event, NULL) !=
-            SALTUS_OK)
-            return false;
+        must(saltus_flow_advance(flow, (saltus_time){until, 0}, a->watch | (a->dense ? SALTUS_WATCH_STEP : 0),
+                                 &event, &message),
+             &message);
         if (a->dense && event.kind == SALTUS_STEP)
             saltus_flow_dense(flow, 0, 0.5 * saltus_flow_step_length(flow, 0), state);
     } while (event.kind != SALTUS_REACHED);
-    return true;
 }
 
 /* Run, settle, and measure stretches of `length` periods. The tangent vectors restart in each: over a long
  * run they would grow or shrink too far. */
-static bool measure_run(const asked *a, int modes, int settle, int length, cost_row *s) {
+static cost_row measure_run(const asked *a, int modes, int settle, int length) {
     const saltus_spec spec = pipe_of(a, modes);
     saltus_flow_options options = saltus_flow_defaults();
     saltus_system *system = NULL;
@@ -74,8 +71,8 @@ static bool measure_run(const asked *a, int modes, int settle, int length, cost_
     saltus_direction direction;
     saltus_message message = {.text = ""};
     double state[SALTUS_SCENE_STATE_MAX], seconds[stretches];
-    double *tangents = calloc((size_t)(2 * modes * a->columns) + 1, sizeof *tangents);
-    for (int c = 0; c < a->columns && tangents; c++)
+    double *tangents = must_allocate((size_t)(2 * modes * a->columns) + 1, sizeof *tangents);
+    for (int c = 0; c < a->columns; c++)
         tangents[c * 2 * modes + c % (2 * modes)] = 1;
     options.columns = a->columns;
     options.directions = a->directions;
@@ -84,41 +81,39 @@ static bool measure_run(const asked *a, int modes, int settle, int length, cost_
         options.rtol = a->rtol;
         options.atol = 1e-3 * a->rtol;
     }
-    bool done = tangents && saltus_system_new(&spec, &system, &message) == SALTUS_OK &&
-                saltus_system_default_state(system, state, &message) == SALTUS_OK &&
-                saltus_flow_new(&(const saltus_system *){system}, 1, &options, &flow, NULL) == SALTUS_OK;
+    must(saltus_system_new(&spec, &system, &message), &message);
+    must(saltus_system_default_state(system, state, &message), &message);
+    must(saltus_flow_new(&(const saltus_system *){system}, 1, &options, &flow, &message), &message);
     if (a->undamped)
         memcpy(state, (const double[10]){0.01, 0.002}, 10 * sizeof *state);
-    if (done && a->directions > 0 &&
-        saltus_spec_direction(saltus_system_spec(system), "omega", &direction, NULL, NULL) == SALTUS_OK)
+    if (a->directions > 0) {
+        must(saltus_spec_direction(saltus_system_spec(system), "omega", &direction, NULL, &message),
+             &message);
         saltus_flow_set_directions(flow, &direction);
-    done = done && saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message) == SALTUS_OK &&
-           advance(flow, &(asked){.what = ""}, settle);
-    const saltus_flow_info before = done ? saltus_flow_information(flow, 0) : (saltus_flow_info){0};
-    for (int k = 0; k < stretches && done; k++) {
+    }
+    must(saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, &message), &message);
+    advance(flow, &(asked){.what = ""}, settle);
+    const saltus_flow_info before = saltus_flow_information(flow, 0);
+    for (int k = 0; k < stretches; k++) {
         if (a->columns > 0)
             saltus_flow_set_tangents(flow, 0, tangents);
         const double start = processor_seconds();
-        done = advance(flow, a, settle + (k + 1LL) * length);
+        advance(flow, a, settle + (k + 1LL) * length);
         seconds[k] = (processor_seconds() - start) / length;
     }
-    if (done) {
-        const saltus_flow_info after = saltus_flow_information(flow, 0);
-        const double periods = (double)stretches * length, steps = (double)(after.steps - before.steps);
-        *s = (cost_row){.us = 1e6 * median(seconds, stretches),
-                        .steps = steps / periods,
-                        .impacts = (double)(after.impacts - before.impacts) / periods,
-                        .evaluations = (double)(after.field_evaluations - before.field_evaluations) / steps};
-    } else
-        fprintf(stderr, "saltus_bench: %s: %s\n", a->what, message.text);
+    const saltus_flow_info after = saltus_flow_information(flow, 0);
+    const double periods = (double)stretches * length, steps = (double)(after.steps - before.steps);
     saltus_flow_free(flow);
     saltus_system_free(system);
     free(tangents);
-    return done;
+    return (cost_row){.us = 1e6 * median(seconds, stretches),
+                      .steps = steps / periods,
+                      .impacts = (double)(after.impacts - before.impacts) / periods,
+                      .evaluations = (double)(after.field_evaluations - before.field_evaluations) / steps};
 }
 
 /* Features, and terms of the field: these by the step. */
-static bool cost_of_features(cost_table *costs, int settle, int length) {
+static void cost_of_features(cost_table *costs, int settle, int length) {
     static const char features[] = "features", terms[] = "terms";
     static const asked runs[] = {
         {.table = features, .what = "no stop"},
@@ -144,19 +139,16 @@ static bool cost_of_features(cost_table *costs, int settle, int length) {
     double base = NAN;
     for (size_t k = 0; k < sizeof runs / sizeof runs[0]; k++) {
         const asked *a = &runs[k];
-        cost_row s;
-        if (!measure_run(a, 5, a->undamped ? 0 : settle, a->undamped ? length / 20 : length, &s))
-            return false;
+        cost_row s = measure_run(a, 5, a->undamped ? 0 : settle, a->undamped ? length / 20 : length);
         s.us /= a->undamped ? s.steps : 1;
         base = k == 0 || a->table != a[-1].table ? s.us : base;
         add_row(costs, a->table, a->what, s, base);
     }
-    return true;
 }
 
 /* The automatically chosen integrator compared with the other one; the ratio should be about one where the
  * choice changes. */
-static bool cost_of_choice(cost_table *costs, int settle, int length) {
+static void cost_of_choice(cost_table *costs, int settle, int length) {
     static const int modes[] = {8, 9, 10, 11, 12, 13, 14, 16};
     for (int kind = 0; kind < 3; kind++)
         for (size_t k = 0; k < sizeof modes / sizeof modes[0]; k++) {
@@ -167,69 +159,56 @@ static bool cost_of_choice(cost_table *costs, int settle, int length) {
                        .columns = tangents ? 2 * modes[k] : 0};
             const saltus_spec spec = pipe_of(&a, modes[k]);
             saltus_system *system = NULL;
+            saltus_message message = {.text = ""};
             char what[96];
-            cost_row s, other;
-            if (saltus_system_new(&spec, &system, NULL) != SALTUS_OK)
-                return false;
+            must(saltus_system_new(&spec, &system, &message), &message);
             const bool stiff = strcmp(saltus_system_integrator(system), "mixed") == 0;
             saltus_system_free(system);
             snprintf(what, sizeof what, "N = %d, %s%s: %s", modes[k], a.what,
                      tangents ? ", 2 N tangent vectors" : "", stiff ? "mixed" : "Taylor");
-            bool done = measure_run(&a, modes[k], settle, tangents ? length / 4 : length, &s);
+            const cost_row row = measure_run(&a, modes[k], settle, tangents ? length / 4 : length);
             a.integrator = stiff ? SALTUS_TAYLOR : SALTUS_MIXED;
-            if (!done || !measure_run(&a, modes[k], settle, tangents ? length / 4 : length, &other))
-                return false;
-            add_row(costs, "choice", what, s, other.us);
+            add_row(costs, "choice", what, row,
+                    measure_run(&a, modes[k], settle, tangents ? length / 4 : length).us);
         }
-    return true;
 }
 
 /* Classification compared with the flow over the same periods until it settles. */
-static bool cost_of_classification(cost_table *costs) {
+static void cost_of_classification(cost_table *costs) {
     enum { repeats = 5 };
     const saltus_spec spec = pipe_of(&(asked){.d = 0.035}, 5);
     saltus_system *system = NULL;
     saltus_classify_options options = saltus_classify_defaults();
+    saltus_message message = {.text = ""};
     double state[SALTUS_SCENE_STATE_MAX], end[SALTUS_SCENE_STATE_MAX], seconds[2][repeats];
-    cost_row plain = {.steps = NAN, .impacts = NAN, .evaluations = NAN}, classified = plain;
     options.measure = 0;
-    bool done = saltus_system_new(&spec, &system, NULL) == SALTUS_OK &&
-                saltus_system_default_state(system, state, NULL) == SALTUS_OK;
-    for (int k = 0; k < repeats && done; k++) {
-        saltus_motion motion = {0};
+    must(saltus_system_new(&spec, &system, &message), &message);
+    must(saltus_system_default_state(system, state, &message), &message);
+    for (int k = 0; k < repeats; k++) {
+        saltus_motion motion;
         double start = processor_seconds();
-        done = saltus_classify(system, state, &options, &motion, NULL) == SALTUS_OK;
-        if (!done)
-            break;
+        must(saltus_classify(system, state, &options, &motion, &message), &message);
         seconds[1][k] = (processor_seconds() - start) / (double)motion.transient;
         memcpy(end, state, (size_t)saltus_system_dimension(system) * sizeof *end);
         start = processor_seconds();
-        done = saltus_motion_settle(system, &options.flow, motion.transient, end, NULL) == SALTUS_OK;
+        must(saltus_motion_settle(system, &options.flow, motion.transient, end, &message), &message);
         seconds[0][k] = (processor_seconds() - start) / (double)motion.transient;
         saltus_motion_clear(&motion);
     }
-    if (done) {
-        plain.us = 1e6 * median(seconds[0], repeats);
-        classified.us = 1e6 * median(seconds[1], repeats);
-        add_row(costs, "classification", "flow alone until it has settled", plain, plain.us);
-        add_row(costs, "classification", "classified: period found, orbit polished, multipliers", classified,
-                plain.us);
-    }
+    cost_row row = {.steps = NAN, .impacts = NAN, .evaluations = NAN};
+    const double plain = 1e6 * median(seconds[0], repeats);
+    row.us = plain;
+    add_row(costs, "classification", "flow alone until it has settled", row, plain);
+    row.us = 1e6 * median(seconds[1], repeats);
+    add_row(costs, "classification", "classified: period found, orbit polished, multipliers", row, plain);
     saltus_system_free(system);
-    return done;
 }
 
-bool cost_measure(cost_table *costs, bool quick) {
+void cost_measure(cost_table *costs, bool quick) {
     const int settle = quick ? 50 : 100, length = quick ? 20 : 100;
-    return cost_of_features(costs, settle, 4 * length) && cost_of_classification(costs) &&
-           cost_of_choice(costs, settle, length / 2);
-}
-
-/* A number, and what follows it; without the number if that does not apply. */
-static void put(FILE *file, const char *format, double value, const char *after) {
-    if (!isnan(value))
-        fprintf(file, format, value);
-    fputs(after, file);
+    cost_of_features(costs, settle, 4 * length);
+    cost_of_classification(costs);
+    cost_of_choice(costs, settle, length / 2);
 }
 
 void cost_csv(FILE *file, const cost_table *costs) {
@@ -237,10 +216,10 @@ void cost_csv(FILE *file, const cost_table *costs) {
     for (int k = 0; k < costs->count; k++) {
         const cost_row *row = &costs->rows[k];
         fprintf(file, "%s,\"%s\",%.4g,", row->table, row->what, row->us);
-        put(file, "%.4g", row->steps, ",");
-        put(file, "%.4g", row->evaluations, ",");
-        put(file, "%.4g", row->impacts, ",");
-        put(file, "%.3f", row->ratio, "\n");
+        report_number(file, "%.4g", row->steps, ",");
+        report_number(file, "%.4g", row->evaluations, ",");
+        report_number(file, "%.4g", row->impacts, ",");
+        report_number(file, "%.3f", row->ratio, "\n");
     }
 }
 
@@ -265,10 +244,10 @@ void cost_print(FILE *file, const cost_table *costs) {
             if (strcmp(row->table, tables[t].table) != 0)
                 continue;
             fprintf(file, "| %s | %.4g | ", row->what, row->us);
-            put(file, "%.2f", row->ratio, " | ");
-            put(file, "%.1f", row->steps, " | ");
-            put(file, "%.4g", row->evaluations, " | ");
-            put(file, "%.1f", row->impacts, " |\n");
+            report_number(file, "%.2f", row->ratio, " | ");
+            report_number(file, "%.1f", row->steps, " | ");
+            report_number(file, "%.4g", row->evaluations, " | ");
+            report_number(file, "%.1f", row->impacts, " |\n");
         }
         fprintf(file, "\n");
     }

@@ -3,7 +3,7 @@
  * Times at equal error are interpolated logarithmically between neighbouring tolerances, and the smallest one
  * counts. A method that is more accurate than required at every tolerance counts with its cheapest run.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "report.h"
+#include "bench.h"
 
 #include <gsl/gsl_version.h>
 #include <sys/utsname.h>
@@ -57,7 +57,7 @@ static double time_at(const results *r, int p, int m, double error, quantity q) 
 static double best_of_ours(const results *r, int p, double error, quantity q) {
     double best = NAN;
     for (int m = 0; m < r->method_count; m++)
-        if (!r->methods[m].rival)
+        if (r->methods[m]->own)
             best = fmin(best, time_at(r, p, m, error, q));
     return best;
 }
@@ -87,10 +87,10 @@ void report_machine(FILE *file, const char *mark) {
             mark, mark, day, mark, versions);
 }
 
-static void print_number(FILE *file, const char *format, double value) {
-    fprintf(file, ",");
+void report_number(FILE *file, const char *format, double value, const char *after) {
     if (!isnan(value))
         fprintf(file, format, value);
+    fputs(after, file);
 }
 
 void report_csv(FILE *file, const results *r) {
@@ -103,16 +103,15 @@ void report_csv(FILE *file, const results *r) {
                 const double none = m->how == derivative_none ? NAN : 0;
                 if (!m->done)
                     continue;
-                fprintf(file, "%s,%s,%.0e", r->problems[p]->name, r->methods[k].key, m->rtol);
-                print_number(file, "%.3e", m->event_error);
-                print_number(file, "%.3e", m->state_error);
-                print_number(file, "%.4g", 1e6 * m->seconds);
-                print_number(file, "%.0f", m->evaluations);
-                fprintf(file, ",%s", (const char *[]){"", "tangents", "differences"}[m->how]);
-                print_number(file, "%.3e", m->multiplier_error + none);
-                print_number(file, "%.4g", 1e6 * m->derivative_seconds + none);
-                print_number(file, "%.0f", m->derivative_evaluations + none);
-                fprintf(file, "\n");
+                fprintf(file, "%s,%s,%.0e,", r->problems[p].name, r->methods[k]->key, m->rtol);
+                report_number(file, "%.3e", m->event_error, ",");
+                report_number(file, "%.3e", m->state_error, ",");
+                report_number(file, "%.4g", 1e6 * m->seconds, ",");
+                report_number(file, "%.0f", m->evaluations, ",");
+                fprintf(file, "%s,", (const char *[]){"", "tangents", "differences"}[m->how]);
+                report_number(file, "%.3e", m->multiplier_error + none, ",");
+                report_number(file, "%.4g", 1e6 * m->derivative_seconds + none, ",");
+                report_number(file, "%.0f", m->derivative_evaluations + none, "\n");
             }
 }
 
@@ -123,7 +122,7 @@ static void print_ratios(FILE *file, const results *r, quantity q, const char *c
         return;
     fprintf(file, "| %s |", corner);
     for (int p = 0; p < r->problem_count; p++)
-        fprintf(file, " %s |", r->problems[p]->name);
+        fprintf(file, " %s |", r->problems[p].name);
     fprintf(file, "\n| --- |");
     for (int p = 0; p < r->problem_count; p++)
         fprintf(file, " --- |");
@@ -136,7 +135,7 @@ static void print_ratios(FILE *file, const results *r, quantity q, const char *c
         }
         if (!any)
             continue;
-        fprintf(file, "\n| %s |", m < 0 ? "**our best, µs**" : r->methods[m].name);
+        fprintf(file, "\n| %s |", m < 0 ? "**our best, µs**" : r->methods[m]->name);
         for (int p = 0; p < r->problem_count; p++) {
             for (int e = 0; e < levels && (m < 0 || known[p]); e++) {
                 const double best = best_of_ours(r, p, errors[e], q),
@@ -168,12 +167,12 @@ void report_details(FILE *file, const results *r) {
             const quantity q = k / levels < r->problem_count ? of_motion : of_multipliers;
             const int p = k / levels % r->problem_count, e = k % levels;
             const double time = time_at(r, p, m, errors[e], q), ours = best_of_ours(r, p, errors[e], q);
-            if (!r->methods[m].rival || isnan(time) || time >= ours)
+            if (r->methods[m]->own || isnan(time) || time >= ours)
                 continue;
             defeats++;
-            of_one_mode += r->problems[p]->orbit.n == 2;
-            fprintf(file, "- %s, %s %.0e: %s takes %.4g µs, ours ", r->problems[p]->name,
-                    q == of_motion ? "error" : "multipliers' error", errors[e], r->methods[m].name,
+            of_one_mode += r->problems[p].orbit.n == 2;
+            fprintf(file, "- %s, %s %.0e: %s takes %.4g µs, ours ", r->problems[p].name,
+                    q == of_motion ? "error" : "multipliers' error", errors[e], r->methods[m]->name,
                     1e6 * time);
             fprintf(file, isnan(ours) ? "does not reach it\n" : "%.4g µs\n", 1e6 * ours);
         }
@@ -212,11 +211,11 @@ static void print_asked(FILE *file, const results *r, bool events, yardstick by)
     fprintf(file, "\n");
     for (int p = 0; p < r->problem_count; p++)
         for (int m = 0; m < r->method_count; m++) {
-            const saltus_integrator chosen = r->problems[p]->stiff ? SALTUS_MIXED : SALTUS_TAYLOR;
-            if (r->methods[m].rival || (events && r->problems[p]->impacts == 0))
+            const saltus_integrator chosen = r->problems[p].stiff ? SALTUS_MIXED : SALTUS_TAYLOR;
+            if (!r->methods[m]->own || (events && r->problems[p].impacts == 0))
                 continue;
-            fprintf(file, "| %s, %s%s |", r->problems[p]->name, r->methods[m].name,
-                    r->methods[m].own == chosen ? " (chosen)" : "");
+            fprintf(file, "| %s, %s%s |", r->problems[p].name, r->methods[m]->name,
+                    r->methods[m]->which == (int)chosen ? " (chosen)" : "");
             for (int t = 0; t < r->tolerance_count; t++)
                 if (r->measures[p][m][t].done)
                     fprintf(file, " %.2g |", factor_of(r, p, m, t, events, by));
@@ -246,13 +245,13 @@ static void print_worst(FILE *file, const results *r, yardstick by) {
     for (int p = 0; p < r->problem_count; p++)
         for (int m = 0; m < r->method_count; m++)
             for (int t = 0; t < r->tolerance_count; t++) {
-                if (r->methods[m].rival || !r->measures[p][m][t].done)
+                if (!r->methods[m]->own || !r->measures[p][m][t].done)
                     continue;
                 const double factor = fmax(factor_of(r, p, m, t, true, by), factor_of(r, p, m, t, false, by));
                 if (factor > worst)
                     worst = factor, at[0] = p, at[1] = m, at[2] = t;
             }
-    fprintf(file, "%.2g (%s, %s, rtol %.0e)", worst, r->problems[at[0]]->name, r->methods[at[1]].name,
+    fprintf(file, "%.2g (%s, %s, rtol %.0e)", worst, r->problems[at[0]].name, r->methods[at[1]]->name,
             r->tolerances[at[2]]);
 }
 
@@ -261,9 +260,9 @@ void report_worst(FILE *file, const results *r) {
     if (r->problem_count == 0)
         return;
     for (int p = 0; p < r->problem_count; p++)
-        for (int m = 0; m < r->method_count && strcmp(r->problems[p]->name, "fig7d") == 0; m++)
+        for (int m = 0; m < r->method_count && strcmp(r->problems[p].name, "fig7d") == 0; m++)
             for (int t = 0; t < r->tolerance_count; t++)
-                if (!r->methods[m].rival && r->measures[p][m][t].done)
+                if (r->methods[m]->own && r->measures[p][m][t].done)
                     least = fmin(least, r->measures[p][m][t].event_error);
     fprintf(
         file,

@@ -88,12 +88,11 @@ static inline void polish_contact(struct scene_field *field, int face, double *t
     }
 }
 
-static inline void record(const struct scene_field *field, rival_result *result, double tau, double speed,
+static inline void record(const struct scene_field *field, rival_result *result, double tau,
                           rival_event_kind kind) {
     if (result->count < result->capacity) {
         rival_event *event = &result->events[result->count];
         event->time_over_T = tau * field->omega / (2 * pi);
-        event->normal_velocity = speed;
         event->kind = kind;
     }
     result->count++;
@@ -108,7 +107,7 @@ static inline bool stick(struct scene_field *field, int face, double tau, double
     const double invisible = 2 * load * least_height * DBL_EPSILON * field->length;
     if (settling <= 0 || outgoing * outgoing >= (tolerable > invisible ? tolerable : invisible))
         return false;
-    record(field, result, outgoing > 0 ? tau + 2 * outgoing / settling : tau, 0, RIVAL_STICK);
+    record(field, result, outgoing > 0 ? tau + 2 * outgoing / settling : tau, RIVAL_STICK);
     place_on_stop(field, face, state);
     remove_normal_speed(field, state);
     field->sticking = true;
@@ -136,9 +135,9 @@ static inline void leap_tangents(struct scene_field *field, double r, double *ve
  */
 static inline double rebound(struct scene_field *field, int face, double tau, double *vector,
                              rival_result *result) {
-    const double incoming = normal_speed(field, face, vector), outgoing = field->r * incoming;
+    const double outgoing = field->r * normal_speed(field, face, vector);
     double due = INFINITY;
-    record(field, result, tau, incoming, RIVAL_IMPACT);
+    record(field, result, tau, RIVAL_IMPACT);
     place_on_stop(field, face, vector);
     if (field->columns > 0)
         state_rate(field, tau, vector, field->before);
@@ -160,7 +159,7 @@ static inline double rebound(struct scene_field *field, int face, double tau, do
 }
 
 static inline void release(struct scene_field *field, double tau, double *state, rival_result *result) {
-    record(field, result, tau, 0, RIVAL_RELEASE);
+    record(field, result, tau, RIVAL_RELEASE);
     place_on_stop(field, field->contact_face, state);
     remove_normal_speed(field, state);
     field->sticking = false;
@@ -200,18 +199,12 @@ static inline struct scene_field *begin(const saltus_spec *spec, const double *s
     return field;
 }
 
-static inline void hand_out(const struct scene_field *field, const double *vector, rival_result *result) {
-    const size_t length = 2 * (size_t)field->modes;
-    memcpy(result->state, vector, length * sizeof *vector);
-    if (result->tangents)
-        memcpy(result->tangents, vector + length, length * length * sizeof *vector);
-    result->field_evaluations = field->evaluations;
-}
-
-/* The run as often as asked for, each time from the start, and the mean time that it takes. */
+/* The run as often as asked for, each time from the start; `integrate` leaves the end in the field's vector.
+ * The result receives it and the mean time of a run. */
 static inline bool run_repeatedly(struct scene_field *field, int periods, rival_result *result,
                                   bool integrate(void *run, double end, rival_result *result), void *run) {
     const int repeats = result->repeats > 1 ? result->repeats : 1;
+    const size_t length = 2 * (size_t)field->modes;
     const double before = processor_seconds();
     bool done = true;
     for (int k = 0; k < repeats && done; k++) {
@@ -219,6 +212,10 @@ static inline bool run_repeatedly(struct scene_field *field, int periods, rival_
         done = integrate(run, periods * (2 * pi / field->omega), result);
     }
     result->cpu_seconds = (processor_seconds() - before) / repeats;
+    result->field_evaluations = field->evaluations;
+    memcpy(result->state, field->vector, length * sizeof *result->state);
+    if (result->tangents)
+        memcpy(result->tangents, field->vector + length, length * length * sizeof *result->tangents);
     return done;
 }
 

@@ -1,7 +1,7 @@
 /* The integrators of Boost.Odeint on a structure with rigid stops.
  *
  * A state is an array of fixed size, for which the library unrolls its sums, and the derivative at a step's
- * end is handed to the next step; with tangent vectors it is a vector. Steps, the search for events and the
+ * end is handed to the next step; with tangent vectors it is a vector. Runs, the search for events and the
  * impact law are those of the other libraries' integrators (rival_step.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "rival_step.h"
@@ -17,6 +17,10 @@ namespace {
 
 namespace odeint = boost::numeric::odeint;
 
+/* Dormand and Prince's method of order five, Fehlberg's of order eight. */
+template <class vector> using dopri5 = odeint::runge_kutta_dopri5<vector>;
+template <class vector> using fehlberg78 = odeint::runge_kutta_fehlberg78<vector>;
+
 template <class vector> struct rate {
     scene_field *field;
     void operator()(const vector &state, vector &derivative, double tau) const {
@@ -29,192 +33,132 @@ void make_room(std::vector<double> &v, size_t count) {
     v.resize(count);
 }
 
-/* What both methods share: the step's two ends, of which `now` is the index of the later one. */
-template <class vector> struct trajectory {
-    scene_field *field;
+/* A run; `now` is the index of the last step's later end. */
+template <class stepper, class vector> struct run {
+    typename odeint::result_of::make_controlled<stepper>::type control;
+    rate<vector> field;
     vector state[2], derivative[2], trial, trial_rate;
     int now = 0;
-    double start = 0, tau = 0;
+    double tau = 0; /* at the later end */
+    rival_step step{};
 
-    explicit trajectory(scene_field *f) : field(f) {
-        for (int k = 0; k < 2; k++) {
-            make_room(state[k], f->count);
-            make_room(derivative[k], f->count);
-        }
-        make_room(trial, f->count);
-        make_room(trial_rate, f->count);
+    run(scene_field *f, double tolerance)
+        : control(odeint::make_controlled(tolerance, tolerance, stepper())), field{f} {
+        for (vector *v : {&state[0], &state[1], &derivative[0], &derivative[1], &trial, &trial_rate})
+            make_room(*v, f->count);
+        step.field = f;
+        step.trial = trial.data();
+        step.trial_rate = trial_rate.data();
+        step.end = state[now].data();
     }
 };
 
-/* Dormand and Prince's method of order five: the derivative at a step's end comes with the step, the state
- * within it from the dense output. */
-template <class vector> class dopri5 {
-    using stepper = odeint::runge_kutta_dopri5<vector>;
-    using controlled = typename odeint::result_of::make_controlled<stepper>::type;
-    controlled control;
+/* One attempt at a step. The derivative at its end comes with the step of dopri5. */
+template <class vector> bool attempt(run<dopri5<vector>, vector> &r, double *tau, double *length) {
+    const int old = 1 - r.now;
+    return r.control.try_step(r.field, r.state[old], r.derivative[old], *tau, r.state[r.now],
+                              r.derivative[r.now], *length) == odeint::success;
+}
 
-  public:
-    explicit dopri5(double tolerance) : control(odeint::make_controlled(tolerance, tolerance, stepper())) {}
-
-    bool attempt(trajectory<vector> &t, double &length) {
-        const int old = 1 - t.now;
-        return control.try_step(rate<vector>{t.field}, t.state[old], t.derivative[old], t.tau, t.state[t.now],
-                                t.derivative[t.now], length) == odeint::success;
-    }
-
-    void within(trajectory<vector> &t, double length) {
-        const int old = 1 - t.now;
-        control.stepper().calc_state(t.start + length, t.trial, t.state[old], t.derivative[old], t.start,
-                                     t.state[t.now], t.derivative[t.now], t.tau);
-    }
-};
-
-/* Fehlberg's method of order eight. */
-template <class vector> class fehlberg78 {
-    using stepper = odeint::runge_kutta_fehlberg78<vector>;
-    using controlled = typename odeint::result_of::make_controlled<stepper>::type;
-    controlled control;
-
-  public:
-    explicit fehlberg78(double tolerance)
-        : control(odeint::make_controlled(tolerance, tolerance, stepper())) {}
-
-    bool attempt(trajectory<vector> &t, double &length) {
-        const int old = 1 - t.now;
-        if (control.try_step(rate<vector>{t.field}, t.state[old], t.derivative[old], t.tau, t.state[t.now],
-                             length) != odeint::success)
-            return false;
-        rate<vector>{t.field}(t.state[t.now], t.derivative[t.now], t.tau);
-        return true;
-    }
-
-    void within(trajectory<vector> &t, double length) {
-        const int old = 1 - t.now;
-        control.stepper().do_step(rate<vector>{t.field}, t.state[old], t.derivative[old], t.start, t.trial,
-                                  length);
-    }
-};
-
-template <template <class> class method, class vector> struct run {
-    method<vector> steps;
-    trajectory<vector> path;
-};
-
-template <template <class> class method, class vector> bool again(void *stepper, double length) {
-    auto *r = static_cast<run<method, vector> *>(stepper);
-    r->steps.within(r->path, length);
-    rate<vector>{r->path.field}(r->path.trial, r->path.trial_rate, r->path.start + length);
+template <class vector> bool attempt(run<fehlberg78<vector>, vector> &r, double *tau, double *length) {
+    const int old = 1 - r.now;
+    if (r.control.try_step(r.field, r.state[old], r.derivative[old], *tau, r.state[r.now], *length) !=
+        odeint::success)
+        return false;
+    r.field(r.state[r.now], r.derivative[r.now], *tau);
     return true;
 }
 
-template <template <class> class method, class vector> rival_step last_step(run<method, vector> &r) {
-    trajectory<vector> &t = r.path;
-    const int old = 1 - t.now;
-    rival_step step;
-    step.field = t.field;
-    step.start = t.start;
-    step.length = t.tau - t.start;
-    step.begin = t.state[old].data();
-    step.begin_rate = t.derivative[old].data();
-    step.end = t.state[t.now].data();
-    step.end_rate = t.derivative[t.now].data();
-    step.trial = t.trial.data();
-    step.trial_rate = t.trial_rate.data();
-    step.again = again<method, vector>;
-    step.stepper = &r;
-    return step;
+/* The state within the last step: from the dense output of dopri5, or by a shorter step. */
+template <class vector> void within(run<dopri5<vector>, vector> &r, double length) {
+    const int old = 1 - r.now;
+    r.control.stepper().calc_state(r.step.start + length, r.trial, r.state[old], r.derivative[old],
+                                   r.step.start, r.state[r.now], r.derivative[r.now], r.tau);
+}
+
+template <class vector> void within(run<fehlberg78<vector>, vector> &r, double length) {
+    const int old = 1 - r.now;
+    r.control.stepper().do_step(r.field, r.state[old], r.derivative[old], r.step.start, r.trial, length);
+}
+
+template <class any_run> void restart(void *stepper, double tau) {
+    auto &r = *static_cast<any_run *>(stepper);
+    r.field(r.state[r.now], r.derivative[r.now], tau);
 }
 
 /* One step, shorter than wanted where the error asks for it; false when no length is short enough. */
-template <template <class> class method, class vector>
-bool take_step(run<method, vector> &r, double end, double wanted, bool shortened, double &usual) {
-    trajectory<vector> &t = r.path;
-    const bool last = t.tau + wanted >= end;
-    double length = last ? end - t.tau : wanted;
-    t.start = t.tau;
-    t.now = 1 - t.now;
+template <class any_run> bool take(void *stepper, double *tau, double end, double *length) {
+    auto &r = *static_cast<any_run *>(stepper);
+    const double wanted = *length;
+    const bool last = *tau + wanted >= end;
     bool whole = last;
-    for (int failures = 0; !r.steps.attempt(t, length); failures++, whole = false)
+    if (last)
+        *length = end - *tau;
+    const int old = r.now;
+    r.now = 1 - old;
+    for (int failures = 0; !attempt(r, tau, length); failures++, whole = false)
         if (failures == 500)
             return false;
     if (whole)
-        t.tau = end;
-    usual = (shortened || last) && length < usual ? usual : length;
+        *tau = end;
+    if (last)
+        *length = std::max(*length, wanted);
+    r.tau = *tau;
+    r.step.length = *tau - r.step.start;
+    r.step.begin = r.state[old].data();
+    r.step.begin_rate = r.derivative[old].data();
+    r.step.end = r.state[r.now].data();
+    r.step.end_rate = r.derivative[r.now].data();
     return true;
 }
 
-template <template <class> class method, class vector>
-bool integrate(run<method, vector> &r, double end, rival_result *result) {
-    trajectory<vector> &t = r.path;
-    double usual = t.field->first_step, due = INFINITY;
-    t.tau = 0;
-    std::copy(t.field->vector, t.field->vector + t.field->count, t.state[t.now].begin());
-    rate<vector>{t.field}(t.state[t.now], t.derivative[t.now], t.tau);
-    while (t.tau < end) {
-        const bool shortened = flight_allowance * due < usual;
-        if (!take_step(r, end, shortened ? flight_allowance * due : usual, shortened, usual))
-            return false;
-        result->steps++;
-        rival_step step = last_step(r);
-        const int event = step_events(&step, &t.tau, &due, result);
-        if (event < 0)
-            return false;
-        if (event > 0)
-            rate<vector>{t.field}(t.state[t.now], t.derivative[t.now], t.tau);
-    }
+template <class any_run> bool again(void *stepper, double length) {
+    auto &r = *static_cast<any_run *>(stepper);
+    within(r, length);
+    r.field(r.trial, r.trial_rate, r.step.start + length);
     return true;
 }
 
 template <template <class> class method, class vector>
 bool repeat(scene_field *field, int periods, double tolerance, rival_result *result) {
-    run<method, vector> r{method<vector>(tolerance), trajectory<vector>(field)};
-    const bool done = run_repeatedly(
-        field, periods, result,
-        [](void *it, double end, rival_result *found) {
-            return integrate(*static_cast<run<method, vector> *>(it), end, found);
-        },
-        &r);
-    hand_out(field, r.path.state[r.path.now].data(), result);
-    return done;
+    using this_run = run<method<vector>, vector>;
+    this_run r(field, tolerance);
+    r.step.stepper = &r;
+    r.step.restart = restart<this_run>;
+    r.step.take = take<this_run>;
+    r.step.again = again<this_run>;
+    return run_repeatedly(field, periods, result, take_steps, &r.step);
 }
 
 template <template <class> class method>
-bool run_odeint(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                rival_result *result) {
+bool run_any_size(scene_field *field, int periods, double tolerance, rival_result *result) {
+    switch (field->count) {
+    case 2:
+        return repeat<method, std::array<double, 2>>(field, periods, tolerance, result);
+    case 10:
+        return repeat<method, std::array<double, 10>>(field, periods, tolerance, result);
+    case 40:
+        return repeat<method, std::array<double, 40>>(field, periods, tolerance, result);
+    default:
+        return repeat<method, std::vector<double>>(field, periods, tolerance, result);
+    }
+}
+
+} // namespace
+
+extern "C" bool rival_odeint(int which, const saltus_spec *spec, const double *state0, int periods,
+                             double tolerance, rival_result *result) {
     scene_field *field = begin(spec, state0, tolerance, result);
     bool done = false;
     if (!field)
         return false;
     try {
-        switch (field->count) {
-        case 2:
-            done = repeat<method, std::array<double, 2>>(field, periods, tolerance, result);
-            break;
-        case 10:
-            done = repeat<method, std::array<double, 10>>(field, periods, tolerance, result);
-            break;
-        case 40:
-            done = repeat<method, std::array<double, 40>>(field, periods, tolerance, result);
-            break;
-        default:
-            done = repeat<method, std::vector<double>>(field, periods, tolerance, result);
-        }
+        done = which == odeint_dopri5 ? run_any_size<dopri5>(field, periods, tolerance, result)
+                                      : run_any_size<fehlberg78>(field, periods, tolerance, result);
     } catch (const std::bad_alloc &) {
     }
     free(field);
     return done;
-}
-
-} // namespace
-
-extern "C" bool rival_odeint_dopri5(const saltus_spec *spec, const double *state0, int periods,
-                                    double tolerance, rival_result *result) {
-    return run_odeint<dopri5>(spec, state0, periods, tolerance, result);
-}
-
-extern "C" bool rival_odeint_fehlberg78(const saltus_spec *spec, const double *state0, int periods,
-                                        double tolerance, rival_result *result) {
-    return run_odeint<fehlberg78>(spec, state0, periods, tolerance, result);
 }
 
 extern "C" const char *rival_odeint_version(void) {

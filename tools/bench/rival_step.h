@@ -1,5 +1,5 @@
-/* Events within a step of a one-step method: finding where the gap may reach zero, and repeating the step up
- * to there. Shared by the integrators that take single steps (C and C++).
+/* Runs by steps of a one-step method, and the events within a step: finding where the gap may reach zero, and
+ * repeating the step up to there. Shared by the integrators that take single steps (C and C++).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SALTUS_BENCH_RIVAL_STEP_H
 #define SALTUS_BENCH_RIVAL_STEP_H
@@ -61,7 +61,7 @@ static inline double suspected_contact(int degree, const double *gap) {
     return 0;
 }
 
-/* The last accepted step, and a way to repeat it with another length into `trial` and `trial_rate`. */
+/* The last accepted step of a library's stepper, which can be asked for the next one. */
 struct rival_step {
     struct scene_field *field;
     double start, length;
@@ -69,8 +69,14 @@ struct rival_step {
     double *end;                      /* state at its end, replaced by that at an event */
     const double *end_rate;
     double *trial, *trial_rate;
-    bool (*again)(void *stepper, double length);
     void *stepper;
+    /* Begin at a time, with the state in `end`. */
+    void (*restart)(void *stepper, double tau);
+    /* Take one step from *tau, at most to `end`, and set all that comes before `trial`; *length is the first
+     * one to try and becomes that which comes next. */
+    bool (*take)(void *stepper, double *tau, double end, double *length);
+    /* Repeat the step with another length into `trial` and `trial_rate`. */
+    bool (*again)(void *stepper, double length);
 };
 
 /* Whether the quintic stays below zero by more than suspected_contact allows: its Bernstein coefficients
@@ -231,6 +237,30 @@ static inline int step_events(struct rival_step *step, double *tau, double *due,
     if (found == 1)
         *due = rebound(field, face, *tau, step->end, result);
     return found;
+}
+
+/* The whole run, from the field's vector and back into it. */
+static inline bool take_steps(void *it, double end, rival_result *result) {
+    struct rival_step *step = (struct rival_step *)it;
+    struct scene_field *field = step->field;
+    double tau = 0, usual = field->first_step, due = INFINITY;
+    int event = 0;
+    memmove(step->end, field->vector, field->count * sizeof *step->end);
+    step->restart(step->stepper, tau);
+    while (tau < end && event >= 0) {
+        const bool shortened = flight_allowance * due < usual;
+        double length = shortened ? flight_allowance * due : usual;
+        step->start = tau;
+        if (!step->take(step->stepper, &tau, end, &length))
+            return false;
+        result->steps++;
+        usual = shortened && length < usual ? usual : length;
+        event = step_events(step, &tau, &due, result);
+        if (event > 0)
+            step->restart(step->stepper, tau);
+    }
+    memmove(field->vector, step->end, field->count * sizeof *step->end);
+    return event >= 0;
 }
 
 #endif

@@ -1,7 +1,5 @@
 /* The integrators of GSL and of SUNDIALS on a structure with rigid stops, and the list of all rivals.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#define _POSIX_C_SOURCE 200809L
-
 #include "rival_step.h"
 
 #include <gsl/gsl_errno.h>
@@ -19,18 +17,30 @@
 #endif
 
 struct gsl_run {
-    struct scene_field *field;
     gsl_odeiv2_system system;
     gsl_odeiv2_step *stepper;
     gsl_odeiv2_control *control;
     gsl_odeiv2_evolve *evolve;
     double *error;
-    struct rival_step last; /* accepted step */
+    struct rival_step last;
 };
 
 static int gsl_rate(double tau, const double state[], double rate[], void *field) {
     scene_rate(field, tau, state, rate);
     return GSL_SUCCESS;
+}
+
+static void gsl_restart(void *stepper, double tau) {
+    (void)tau;
+    gsl_odeiv2_evolve_reset(((struct gsl_run *)stepper)->evolve);
+}
+
+static bool gsl_take(void *stepper, double *tau, double end, double *length) {
+    struct gsl_run *run = stepper;
+    const bool done = gsl_odeiv2_evolve_apply(run->evolve, run->control, run->stepper, &run->system, tau, end,
+                                              length, run->last.end) == GSL_SUCCESS;
+    run->last.length = run->evolve->last_step;
+    return done;
 }
 
 static bool gsl_again(void *stepper, double length) {
@@ -41,54 +51,33 @@ static bool gsl_again(void *stepper, double length) {
                                  evolve->dydt_in, run->last.trial_rate, &run->system) == GSL_SUCCESS;
 }
 
-static bool gsl_integrate(void *it, double end, rival_result *result) {
-    struct gsl_run *run = it;
-    double tau = 0, usual = run->field->first_step, due = INFINITY;
-    gsl_odeiv2_evolve_reset(run->evolve);
-    while (tau < end) {
-        const bool shortened = flight_allowance * due < usual;
-        double step = shortened ? flight_allowance * due : usual;
-        run->last.start = tau;
-        if (gsl_odeiv2_evolve_apply(run->evolve, run->control, run->stepper, &run->system, &tau, end, &step,
-                                    run->field->vector) != GSL_SUCCESS)
-            return false;
-        run->last.length = run->evolve->last_step;
-        result->steps++;
-        usual = shortened && step < usual ? usual : step;
-        const int event = step_events(&run->last, &tau, &due, result);
-        if (event < 0)
-            return false;
-        if (event > 0)
-            gsl_odeiv2_evolve_reset(run->evolve);
-    }
-    return true;
-}
-
-static bool run_gsl_rk8pd(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                          rival_result *result) {
-    struct gsl_run run = {.field = begin(spec, state0, tolerance, result)};
+static bool run_gsl(int which, const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                    rival_result *result) {
+    struct scene_field *field = begin(spec, state0, tolerance, result);
     bool done = false;
-    if (!run.field)
+    (void)which;
+    if (!field)
         return false;
     gsl_error_handler_t *const handler = gsl_set_error_handler_off();
-    const size_t dimension = run.field->count;
-    run.system = (gsl_odeiv2_system){gsl_rate, NULL, dimension, run.field};
-    run.stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, dimension);
-    run.control = gsl_odeiv2_control_standard_new(tolerance, tolerance, 1, 0);
-    run.evolve = gsl_odeiv2_evolve_alloc(dimension);
-    run.error = malloc(3 * dimension * sizeof *run.error);
+    const size_t dimension = field->count;
+    struct gsl_run run = {.system = {gsl_rate, NULL, dimension, field},
+                          .stepper = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, dimension),
+                          .control = gsl_odeiv2_control_standard_new(tolerance, tolerance, 1, 0),
+                          .evolve = gsl_odeiv2_evolve_alloc(dimension),
+                          .error = malloc(3 * dimension * sizeof *run.error)};
     if (run.stepper && run.control && run.evolve && run.error) {
-        run.last = (struct rival_step){.field = run.field,
+        run.last = (struct rival_step){.field = field,
                                        .begin = run.evolve->y0,
                                        .begin_rate = run.evolve->dydt_in,
-                                       .end = run.field->vector,
+                                       .end = field->vector,
                                        .end_rate = run.evolve->dydt_out,
                                        .trial = run.error + dimension,
                                        .trial_rate = run.error + 2 * dimension,
-                                       .again = gsl_again,
-                                       .stepper = &run};
-        done = run_repeatedly(run.field, periods, result, gsl_integrate, &run);
-        hand_out(run.field, run.field->vector, result);
+                                       .stepper = &run,
+                                       .restart = gsl_restart,
+                                       .take = gsl_take,
+                                       .again = gsl_again};
+        done = run_repeatedly(field, periods, result, take_steps, &run.last);
     }
     free(run.error);
     if (run.evolve)
@@ -97,7 +86,7 @@ static bool run_gsl_rk8pd(const saltus_spec *spec, const double *state0, int per
         gsl_odeiv2_control_free(run.control);
     if (run.stepper)
         gsl_odeiv2_step_free(run.stepper);
-    free(run.field);
+    free(field);
     gsl_set_error_handler(handler);
     return done;
 }
@@ -331,11 +320,11 @@ static bool cvode_set_up(struct sundials_run *run, int method, double tolerance)
             !CVodeSetRootDirection(run->memory, rising) && !CVodeSetNoInactiveRootWarn(run->memory));
 }
 
-/* ARKODE, if `method` is none of CVODE's. CVODE resets its count of steps when it restarts. */
-static bool run_sundials(int method, const saltus_spec *spec, const double *state0, int periods,
+/* ARKODE, if `which` is none of CVODE's. CVODE resets its count of steps when it restarts. */
+static bool run_sundials(int which, const saltus_spec *spec, const double *state0, int periods,
                          double tolerance, rival_result *result) {
-    const bool arkode = method == 0;
-    if (result->tangents && method == CV_BDF)
+    const bool arkode = which == 0;
+    if (result->tangents && which == CV_BDF)
         return false;
     struct sundials_run run = {.field = begin(spec, state0, tolerance, result)};
     bool done = false;
@@ -349,12 +338,11 @@ static bool run_sundials(int method, const saltus_spec *spec, const double *stat
     if (run.state)
         run.state->ops->nvlinearcombination = linear_combination;
     if (run.state && run.start &&
-        (arkode ? arkode_set_up(&run, tolerance) : cvode_set_up(&run, method, tolerance))) {
+        (arkode ? arkode_set_up(&run, tolerance) : cvode_set_up(&run, which, tolerance))) {
         done = run_repeatedly(run.field, periods, result, arkode ? arkode_integrate : cvode_integrate, &run);
         if (arkode && ARKStepGetNumSteps(run.memory, &result->steps))
             done = false;
         result->steps /= result->repeats > 1 ? result->repeats : 1;
-        hand_out(run.field, values(run.state), result);
     }
     if (run.memory)
         (arkode ? ARKStepFree : CVodeFree)(&run.memory);
@@ -375,33 +363,18 @@ static bool run_sundials(int method, const saltus_spec *spec, const double *stat
     return done;
 }
 
-static bool run_arkode(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                       rival_result *result) {
-    return run_sundials(0, spec, state0, periods, tolerance, result);
-}
-
-static bool run_cvode_adams(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                            rival_result *result) {
-    return run_sundials(CV_ADAMS, spec, state0, periods, tolerance, result);
-}
-
-static bool run_cvode_bdf(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                          rival_result *result) {
-    return run_sundials(CV_BDF, spec, state0, periods, tolerance, result);
-}
-
 #endif
 
-const rival saltus_rivals[] = {
-    {"GSL rk8pd", "gsl", run_gsl_rk8pd, .tangents = true},
+const method saltus_rivals[] = {
+    {"GSL rk8pd", "gsl", run_gsl, .tangents = true},
 #ifdef SALTUS_WITH_SUNDIALS
-    {"SUNDIALS ARKODE 8(7)", "arkode", run_arkode, .tangents = true},
-    {"SUNDIALS CVODE Adams", "adams", run_cvode_adams, .tangents = true},
-    {"SUNDIALS CVODE BDF", "bdf", run_cvode_bdf, .stiff = true},
+    {"SUNDIALS ARKODE 8(7)", "arkode", run_sundials, .tangents = true},
+    {"SUNDIALS CVODE Adams", "adams", run_sundials, CV_ADAMS, .tangents = true},
+    {"SUNDIALS CVODE BDF", "bdf", run_sundials, CV_BDF, .stiff = true},
 #endif
 #ifdef SALTUS_WITH_ODEINT
-    {"Boost.Odeint dopri5", "dopri5", rival_odeint_dopri5, .tangents = true},
-    {"Boost.Odeint Fehlberg 7(8)", "fehlberg78", rival_odeint_fehlberg78, .tangents = true},
+    {"Boost.Odeint dopri5", "dopri5", rival_odeint, odeint_dopri5, .tangents = true},
+    {"Boost.Odeint Fehlberg 7(8)", "fehlberg78", rival_odeint, odeint_fehlberg78, .tangents = true},
 #endif
 };
 const int saltus_rival_count = sizeof saltus_rivals / sizeof saltus_rivals[0];

@@ -19,8 +19,7 @@ extern "C" {
 typedef enum { RIVAL_IMPACT = 0, RIVAL_STICK = 1, RIVAL_RELEASE = 2 } rival_event_kind;
 
 typedef struct {
-    double time_over_T;     /* time in forcing periods; for a stick, the point where the impacts accumulate */
-    double normal_velocity; /* speed towards the stop just before an impact, positive; otherwise 0 */
+    double time_over_T; /* time in forcing periods; for a stick, the point where the impacts accumulate */
     rival_event_kind kind;
 } rival_event;
 
@@ -39,36 +38,37 @@ typedef struct {
 } rival_result;
 
 /* Integrates a pipe or an oscillator, with its first stop if it has one, from tau = 0 and `state0` (2 N
- * values: q then q', on the free side of the stop or at rest on it) to exactly tau = periods * T. `tolerance`
- * (positive) is the library's local one, relative and absolute, on every component of the state, those of
- * the variational equations included. Thread-safe except where its table entry says otherwise. False if the
- * start lies beyond the stop, memory was lacking, the library gave up or an event was not located: the result
- * then ends there. */
-typedef bool (*rival_run)(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                          rival_result *result);
+ * values: q then q', on the free side of the stop or at rest on it) to exactly tau = periods * T. `which` is
+ * that of the table's entry. `tolerance` (positive) is the library's local one, relative and absolute, on
+ * every component of the state, those of the variational equations included. False if the start lies beyond
+ * the stop, memory was lacking, the library gave up or an event was not located: the result then ends
+ * there. */
+typedef bool (*method_run)(int which, const saltus_spec *spec, const double *state0, int periods,
+                           double tolerance, rival_result *result);
 
 typedef struct {
     const char *name; /* library and method; static storage */
     const char *key;  /* one word, for files */
-    rival_run run;
+    method_run run;
+    int which;     /* one of those that `run` knows */
+    bool own;      /* one of Saltus */
     bool tangents; /* whether it carries the variational equations */
     bool stiff;    /* meant for stiff problems */
-} rival;
+} method;
 
 /* All rivals built in, `saltus_rival_count` of them; those of SUNDIALS only where SALTUS_WITH_SUNDIALS was
  * defined, those of Boost.Odeint where SALTUS_WITH_ODEINT was. The ones of GSL switch GSL's process-wide
  * error handler off while they run. */
-extern const rival saltus_rivals[];
+extern const method saltus_rivals[];
 extern const int saltus_rival_count;
 /* ", NAME VERSION" of each library but GSL. */
 void saltus_rivals_versions(char *text, size_t size);
 
 /* Boost.Odeint: events are located on the dense output of dopri5; Fehlberg 7(8) has none, so its steps are
  * repeated. */
-bool rival_odeint_dopri5(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                         rival_result *result);
-bool rival_odeint_fehlberg78(const saltus_spec *spec, const double *state0, int periods, double tolerance,
-                             rival_result *result);
+enum { odeint_dopri5, odeint_fehlberg78 };
+bool rival_odeint(int which, const saltus_spec *spec, const double *state0, int periods, double tolerance,
+                  rival_result *result);
 const char *rival_odeint_version(void);
 
 #ifdef __cplusplus

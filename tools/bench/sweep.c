@@ -20,12 +20,12 @@
  * scaled by the simulated time); --check compares all counts with runs at rtol 1e-13 with steps of at most
  * 1e-3, on every k-th omega; --calibrate, with --rivals also for the other libraries.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep_measure.h"
+#include "sweep.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+
+const char program_name[] = "saltus_sweep_bench";
 
 enum { own_repeats = 3, rows_max = 16 };
 
@@ -58,7 +58,8 @@ static void print_row(const row *r, measures unit) {
            r->cost.wall, r->cost.seconds / unit.flow, r->cost.seconds / unit.engine);
     print_judgement(r);
     if (r->cost.steps > 0)
-        printf(" %.3g | %.3g |\n", (double)r->cost.steps / r->share, (double)r->cost.evaluations / r->share);
+        printf(" %.3g | %.3g |\n", (double)r->cost.steps / r->cost.share,
+               (double)r->cost.evaluations / r->cost.share);
     else
         printf(" - | - |\n");
     fflush(stdout);
@@ -79,7 +80,7 @@ static int list_rivals(program *list) {
         for (int k = 0; k < saltus_rival_count; k++)
             if (strcmp(saltus_rivals[k].key, chosen[c].key) == 0)
                 list[count++] =
-                    (program){chosen[c].name, program_rival, chosen[c].rtol, .run = saltus_rivals[k].run};
+                    (program){chosen[c].name, program_rival, chosen[c].rtol, .rival = &saltus_rivals[k]};
     return count;
 }
 
@@ -102,7 +103,7 @@ static const program engines[] = {
 enum { engine_count = sizeof engines / sizeof engines[0] };
 
 /* Every program at several tolerances. */
-static bool calibrate(sweep *s, bool rivals) {
+static void calibrate(sweep *s, bool rivals) {
     static const int orders[] = {0, 8, 9, 10, 12};
     enum { own = sizeof orders / sizeof *orders };
     program list[own + rows_max];
@@ -119,12 +120,10 @@ static bool calibrate(sweep *s, bool rivals) {
         for (double digits = first; digits < first + 2.01; digits += spacing) {
             row r;
             list[k].rtol = pow(10, -digits);
-            if (!sweep_measure(s, &list[k], 1, k < own ? own_repeats : 1, &r))
-                return false;
+            sweep_measure(s, &list[k], 1, k < own ? own_repeats : 1, &r);
             print_row(&r, (measures){1, 1});
         }
     }
-    return true;
 }
 
 /* Compare every count of impacts at the benchmark's tolerance with runs whose steps are too short to miss an
@@ -134,18 +133,12 @@ static bool check(sweep *s) {
     const program capped = {.rtol = exact, .lanes = lanes, .step_max = capped_step};
     program list[] = {{"flow", program_flow, OWN_TOLERANCE, .lanes = lanes}, engines[0]};
     const bool all = s->count == omegas_max;
-    saltus_message message = {.text = ""};
-    sweep_cost cost;
     int wrong = 0;
-    if (own_sweep(s->stopped, s->count, &capped, s->reference, &cost, &message) != SALTUS_OK) {
-        fprintf(stderr, "saltus_sweep_bench: steps of at most %g: %s\n", capped_step, message.text);
-        return false;
-    }
+    own_sweep(s->stopped, s->count, &capped, s->reference);
     list[1].name = "sweep";
     for (int k = 0; k < (all ? 2 : 1); k++) {
         row r;
-        if (!sweep_measure(s, &list[k], 1, 1, &r))
-            return false;
+        sweep_measure(s, &list[k], 1, 1, &r);
         printf("Counts of impacts, %s at rtol %.1e against rtol %.0e with steps of at most %g: of %d "
                "periodic omegas %d right, %d on another motion with every impact confirmed, %d wrong.\n",
                list[k].name, OWN_TOLERANCE, exact, capped_step, r.judged, r.right, r.elsewhere, r.wrong);
@@ -155,7 +148,7 @@ static bool check(sweep *s) {
 }
 
 /* The first table. Ratios refer to the first rows of the flow and of the sweeps. */
-static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows, int flow_count,
+static void table_of_programs(sweep *s, bool rivals, int lanes, const row *flows, int flow_count,
                               const row *sweeps) {
     program others[rows_max], own = *sweeps->program;
     row other[rows_max], beside = *sweeps;
@@ -169,8 +162,7 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
         print_row(&flows[k], unit);
     print_row(&beside, unit);
     for (int k = 0; k < count; k++) {
-        if (!sweep_measure(s, &others[k], 1, 1, &other[k]))
-            return false;
+        sweep_measure(s, &others[k], 1, 1, &other[k]);
         print_row(&other[k], unit);
         best = other[k].cost.seconds < best->cost.seconds ? &other[k] : best;
     }
@@ -187,10 +179,9 @@ static bool table_of_programs(sweep *s, bool rivals, int lanes, const row *flows
                (double)cost->evaluations / (double)cost->steps,
                1e9 * cost->seconds / (double)cost->evaluations);
     }
-    return true;
 }
 
-static bool compare(sweep *s, bool rivals) {
+static void compare(sweep *s, bool rivals) {
     const int lanes = saltus_flow_width(s->stopped[0], SALTUS_AUTOMATIC), flows = 3;
     program list[2 * rows_max] = {
         {"Saltus flow, all lanes", program_flow, OWN_TOLERANCE, .lanes = lanes},
@@ -198,9 +189,8 @@ static bool compare(sweep *s, bool rivals) {
         {"Saltus flow, all lanes, no stop", program_flow, OWN_TOLERANCE, .unstopped = true, .lanes = lanes}};
     row rows[2 * rows_max], *sweeps = rows + flows;
     memcpy(list + flows, engines, sizeof engines);
-    if (!sweep_measure(s, list, flows + engine_count, own_repeats, rows) ||
-        !table_of_programs(s, rivals, lanes, rows, flows, sweeps))
-        return false;
+    sweep_measure(s, list, flows + engine_count, own_repeats, rows);
+    table_of_programs(s, rivals, lanes, rows, flows, sweeps);
     printf("\n| sweep | rtol | CPU s | wall s | ratio | trajectories/s | event error / T: median | 90 %% | "
            "max | right counts | elsewhere | wrong | right n/p |\n"
            "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
@@ -219,14 +209,12 @@ static bool compare(sweep *s, bool rivals) {
     printf("\nSweep: %d lanes take 1/%.2f of the time of one lane, two threads 1/%.2f of the wall time of "
            "one.\n",
            lanes, sweeps[1].cost.seconds / sweeps->cost.seconds, sweeps->cost.wall / sweeps[2].cost.wall);
-    return true;
 }
 
 int main(int count, char **arguments) {
     static sweep s;
-    saltus_message message = {.text = ""};
     int part = 4;
-    bool rivals = false, checking = false, calibrating = false;
+    bool done = true, rivals = false, checking = false, calibrating = false;
     for (int k = 1; k < count; k++)
         if (strcmp(arguments[k], "--part") == 0 && k + 1 < count && atoi(arguments[k + 1]) > 0)
             part = atoi(arguments[++k]);
@@ -241,20 +229,19 @@ int main(int count, char **arguments) {
             return 2;
         }
     s.part = checking ? 1 : part;
-    saltus_status status = sweep_build(&s, checking ? part : 1, &message);
-    if (status == SALTUS_OK)
-        status = sweep_make_reference(&s, &message);
-    if (status != SALTUS_OK) {
-        fprintf(stderr, "saltus_sweep_bench: %s\n", message.text);
-        sweep_tear_down(&s);
-        return 1;
-    }
+    sweep_build(&s, checking ? part : 1);
+    sweep_make_reference(&s);
     printf("%d of %d omegas, %d of them with a periodic motion", s.count, omegas_max, s.periodic);
     if (s.part > 1 && rivals)
         printf("; other libraries on every %dth, times and counts of work scaled by the time simulated",
                s.part);
     printf(".\n\n");
-    const bool done = calibrating ? calibrate(&s, rivals) : checking ? check(&s) : compare(&s, rivals);
+    if (calibrating)
+        calibrate(&s, rivals);
+    else if (checking)
+        done = check(&s);
+    else
+        compare(&s, rivals);
     sweep_tear_down(&s);
     return done ? 0 : 1;
 }

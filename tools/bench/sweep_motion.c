@@ -1,11 +1,10 @@
 /* Records of motions and their comparison.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep_measure.h"
+#include "sweep.h"
 
 #include <gsl/gsl_sort.h>
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* With a multiplier near a root of unity, a motion slowly approaching an orbit of one period nearly repeats
@@ -26,10 +25,10 @@ void motion_free(motion *m) {
     *m = (motion){0};
 }
 
-void motion_add_impact(motion *m, double time, double speed) {
+void motion_add_impact(motion *m, double time) {
     if (m->count == m->room) {
         int room = m->room ? 2 * m->room : 256;
-        impact *impacts = realloc(m->impacts, (size_t)room * sizeof *impacts);
+        double *impacts = realloc(m->impacts, (size_t)room * sizeof *impacts);
         if (!impacts) {
             m->failed = true;
             return;
@@ -37,7 +36,7 @@ void motion_add_impact(motion *m, double time, double speed) {
         m->impacts = impacts;
         m->room = room;
     }
-    m->impacts[m->count++] = (impact){time, speed};
+    m->impacts[m->count++] = time;
 }
 
 static bool recurs(const motion *m, const double *scale, int period, double tolerance) {
@@ -61,13 +60,11 @@ int motion_period(const motion *m, const double *scale, double tolerance) {
 
 /* The phase farthest from any impact; windows of whole periods that begin there do not depend on rounding. */
 static double quiet_phase(const motion *m, double from) {
-    double *phase = malloc((size_t)(m->count + 1) * sizeof *phase), quiet = 0;
+    double *phase = must_allocate((size_t)m->count + 1, sizeof *phase), quiet = 0;
     int count = 0;
-    if (!phase)
-        return 0;
     for (int k = 0; k < m->count; k++)
-        if (m->impacts[k].time >= from)
-            phase[count++] = m->impacts[k].time - floor(m->impacts[k].time);
+        if (m->impacts[k] >= from)
+            phase[count++] = m->impacts[k] - floor(m->impacts[k]);
     gsl_sort(phase, 1, (size_t)count);
     double widest = 0;
     for (int k = 0; k < count; k++) {
@@ -84,10 +81,10 @@ static double quiet_phase(const motion *m, double from) {
 /* The number of impacts in [begin, end), and the index of the first. */
 static int window(const motion *m, double begin, double end, int *first) {
     int k = 0;
-    while (k < m->count && m->impacts[k].time < begin)
+    while (k < m->count && m->impacts[k] < begin)
         k++;
     *first = k;
-    while (k < m->count && m->impacts[k].time < end)
+    while (k < m->count && m->impacts[k] < end)
         k++;
     return k - *first;
 }
@@ -108,8 +105,8 @@ int motion_orbit_impacts(const motion *m, int period) {
 static bool counts_in_all(const motion *m, int period, int count) {
     int all = 0, per_cycle[recorded_periods] = {0}, low = INT_MAX, high = 0;
     for (int k = 0; k < m->count; k++) {
-        const int cycle = (int)m->impacts[k].time - (recorded_periods - period);
-        if (m->impacts[k].time >= recorded_periods - period && cycle < period) {
+        const int cycle = (int)m->impacts[k] - (recorded_periods - period);
+        if (m->impacts[k] >= recorded_periods - period && cycle < period) {
             per_cycle[cycle]++;
             all++;
         }
@@ -126,15 +123,15 @@ static bool counts_in_all(const motion *m, int period, int count) {
 
 /* Largest difference between two sequences of impacts, minimised over order and shift: of their times, within
  * one period, or with period 0 of their phases. */
-static double sequence_error(const impact *a, const impact *b, int count, int period) {
+static double sequence_error(const double *a, const double *b, int count, int period) {
     double least = INFINITY;
     for (int turn = 0; turn < count; turn++) {
-        const double shift = rint(b[turn].time - a[0].time);
+        const double shift = rint(b[turn] - a[0]);
         double worst = 0;
         for (int k = 0; k < count && worst < least; k++) {
             const int other = turn + k;
-            const double time = other < count ? b[other].time : b[other - count].time + period,
-                         difference = time - a[k].time;
+            const double time = other < count ? b[other] : b[other - count] + period,
+                         difference = time - a[k];
             worst = fmax(worst, fabs(difference - (period ? shift : rint(difference))));
         }
         least = fmin(least, worst);

@@ -9,13 +9,14 @@
 #include "saltus/saltus.h"
 
 #include "clock.h"
+#include "must.h"
 
 #include "flow/flow.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+
+const char program_name[] = "saltus_text_bench";
 
 enum { repeats = 15, lanes_max = 16, dimension_max = 16, periods_checked = 3, periods_timed = 30 };
 
@@ -57,13 +58,6 @@ static const problem problems[] = {
      "  forcing: omega\n"
      "stop: {coordinate: x1, d: 0.8, r: 0.9}\n"},
 };
-
-static void must(saltus_status status, const saltus_message *message) {
-    if (status == SALTUS_OK)
-        return;
-    fprintf(stderr, "saltus_text_bench: %s\n", message->text);
-    exit(1);
-}
 
 static saltus_system *build(const char *text, const char *name, bool stops) {
     saltus_scene scene = {.title = ""};

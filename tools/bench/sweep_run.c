@@ -1,7 +1,7 @@
-/* The sweep with Saltus: on a flow whose lanes are refilled as soon as they are free, and with the library's
- * own sweeps.
+/* The sweep by each kind of program: on a flow of Saltus whose lanes are refilled as soon as they are free,
+ * by the library's own sweeps, and with the other libraries' integrators.
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#include "sweep_measure.h"
+#include "sweep.h"
 
 #include "clock.h"
 
@@ -25,8 +25,7 @@ typedef struct worker {
     motion *motions;
     saltus_flow *flow;
     lane_task tasks[lanes_max];
-    sweep_cost *cost;
-    saltus_message *message;
+    sweep_cost cost;
 } worker;
 
 /* The next target time: the end of a stage, of a recorded period, or of a piece of a period. */
@@ -44,47 +43,40 @@ static void aim(worker *w, int lane) {
     saltus_flow_aim(w->flow, lane, target, recorded ? SALTUS_WATCH_IMPACT : 0);
 }
 
-static saltus_status fill(worker *w, int lane) {
+/* Give a lane the next system. */
+static void fill(worker *w, int lane) {
     lane_task *task = &w->tasks[lane];
     double state[SALTUS_SCENE_STATE_MAX];
+    saltus_message message = {.text = ""};
     const int index = w->next++;
     *task = (lane_task){.index = -1};
     if (index >= w->count)
-        return SALTUS_OK;
+        return;
     const saltus_system *system = w->systems[index];
-    saltus_status status = saltus_flow_retune(w->flow, lane, system, w->message);
-    if (status == SALTUS_OK)
-        status = saltus_system_default_state(system, state, w->message);
-    if (status == SALTUS_OK)
-        status = saltus_flow_start(w->flow, lane, (saltus_time){0, 0}, state, w->message);
-    if (status != SALTUS_OK)
-        return status;
+    must(saltus_flow_retune(w->flow, lane, system, &message), &message);
+    must(saltus_system_default_state(system, state, &message), &message);
+    must(saltus_flow_start(w->flow, lane, (saltus_time){0, 0}, state, &message), &message);
     task->index = index;
     if (w->program->step_max > 0)
         task->pieces = (long)ceil(saltus_system_period(system) / w->program->step_max);
     motion_clear(&w->motions[index]);
     aim(w, lane);
-    return SALTUS_OK;
 }
 
-static saltus_status run_lanes(worker *w) {
-    int lane;
+static void run_lanes(worker *w) {
+    int lane, live = 0;
     saltus_event event;
-    saltus_status status = SALTUS_OK;
-    int live = 0;
-    for (int l = 0; l < w->program->lanes && status == SALTUS_OK; l++) {
-        status = fill(w, l);
+    saltus_message message = {.text = ""};
+    for (int l = 0; l < w->program->lanes; l++) {
+        fill(w, l);
         live += w->tasks[l].index >= 0;
     }
-    while (live > 0 && status == SALTUS_OK) {
-        status = saltus_flow_run(w->flow, &lane, &event, w->message);
-        if (status != SALTUS_OK)
-            return status;
+    while (live > 0) {
+        must(saltus_flow_run(w->flow, &lane, &event, &message), &message);
         lane_task *task = &w->tasks[lane];
         motion *m = &w->motions[task->index];
         if (event.kind != SALTUS_REACHED) {
-            const double time = (double)(event.time.cycle - settling_periods) + event.time.phase;
-            motion_add_impact(m, time, event.velocity_before);
+            motion_add_impact(m, (double)(event.time.cycle - settling_periods) + event.time.phase);
             aim(w, lane);
             continue;
         }
@@ -99,16 +91,15 @@ static saltus_status run_lanes(worker *w) {
         }
         if (now.cycle == settling_periods + recorded_periods) {
             m->sticks = (int)(info.sticks - task->settled);
-            w->cost->steps += info.steps;
-            w->cost->evaluations += info.field_evaluations;
-            status = fill(w, lane);
+            w->cost.steps += info.steps;
+            w->cost.evaluations += info.field_evaluations;
+            fill(w, lane);
             live -= task->index < 0;
         } else {
             task->target++;
             aim(w, lane);
         }
     }
-    return status;
 }
 
 static saltus_flow_options options_of(const program *p) {
@@ -119,54 +110,41 @@ static saltus_flow_options options_of(const program *p) {
     return options;
 }
 
-saltus_status own_sweep(saltus_system *const *systems, int count, const program *p, motion *motions,
-                        sweep_cost *cost, saltus_message *message) {
-    worker w = {.systems = systems,
-                .count = count,
-                .program = p,
-                .motions = motions,
-                .cost = cost,
-                .message = message};
+sweep_cost own_sweep(saltus_system *const *systems, int count, const program *p, motion *motions) {
+    worker w = {.systems = systems, .count = count, .program = p, .motions = motions, .cost = {.share = 1}};
     const saltus_system *first[lanes_max];
     const saltus_flow_options options = options_of(p);
-    *cost = (sweep_cost){0};
+    saltus_message message = {.text = ""};
     for (int l = 0; l < p->lanes && l < lanes_max; l++)
         first[l] = systems[0];
     const double cpu = processor_seconds(), wall = clock_seconds(CLOCK_MONOTONIC);
-    saltus_status status = saltus_flow_new(first, p->lanes, &options, &w.flow, message);
-    if (status == SALTUS_OK)
-        status = run_lanes(&w);
+    must(saltus_flow_new(first, p->lanes, &options, &w.flow, &message), &message);
+    run_lanes(&w);
     saltus_flow_free(w.flow);
-    cost->seconds = processor_seconds() - cpu;
-    cost->wall = clock_seconds(CLOCK_MONOTONIC) - wall;
-    return status;
+    w.cost.seconds = processor_seconds() - cpu;
+    w.cost.wall = clock_seconds(CLOCK_MONOTONIC) - wall;
+    return w.cost;
 }
 
 saltus_status own_period(const saltus_system *system, const program *p, const double *state, double *end,
-                         int *impacts, saltus_message *message) {
+                         int *impacts) {
     const saltus_flow_options options = options_of(p);
     const double period = saltus_system_period(system);
     const long pieces = p->step_max > 0 ? (long)ceil(period / p->step_max) : 1;
     saltus_flow *flow = NULL;
     saltus_event event;
-    saltus_status status = saltus_flow_single(system, 0, &options, &flow, message);
+    saltus_status status = saltus_flow_single(system, 0, &options, &flow, NULL);
     if (status == SALTUS_OK)
-        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, message);
+        status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, NULL);
     for (long k = 1; k <= pieces && status == SALTUS_OK; k++)
         status = saltus_flow_advance(flow, (saltus_time){k / pieces, (double)(k % pieces) / (double)pieces},
-                                     0, &event, message);
+                                     0, &event, NULL);
     if (status == SALTUS_OK) {
         saltus_flow_state(flow, 0, end);
         *impacts = (int)saltus_flow_information(flow, 0).impacts;
     }
     saltus_flow_free(flow);
     return status;
-}
-
-/* The library's own sweeps. */
-
-saltus_axis engine_axis(void) {
-    return (saltus_axis){.key = "omega", .spacing = SALTUS_LINEAR, .count = 1000, .low = 0.5, .high = 55};
 }
 
 static saltus_status take(void *context, const saltus_sweep_result *result, saltus_message *message) {
@@ -177,7 +155,7 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     m->failed = saltus_verdict_nothing((saltus_verdict)row->verdict);
     memcpy(m->settled, result->states, sizeof m->settled);
     for (long long k = 0; k < result->impact_counts[0]; k++)
-        motion_add_impact(m, result->impacts[k].phase, result->impacts[k].speed);
+        motion_add_impact(m, result->impacts[k].phase);
     if (row->verdict == SALTUS_PERIODIC) {
         m->sticks = row->sticking * recorded_periods / row->periods;
         m->orbit_impacts = row->impacts < 0 ? orbit_chatters : row->impacts;
@@ -186,11 +164,13 @@ static saltus_status take(void *context, const saltus_sweep_result *result, salt
     return SALTUS_OK;
 }
 
-saltus_status engine_sweep(const program *p, motion *motions, sweep_cost *cost, saltus_message *message) {
+/* The library's own sweeps. */
+static sweep_cost engine_sweep(const program *p, motion *motions) {
+    const saltus_sweep_feed feed = {.context = motions, .take = take};
     saltus_scene scene;
     saltus_sweep *sweep = NULL;
-    const saltus_axis axis = engine_axis();
     saltus_sweep_options options = saltus_sweep_defaults();
+    saltus_message message = {.text = ""};
     options.flow.rtol = p->rtol;
     options.flow.atol = 1e-3 * p->rtol;
     options.keep = p->keep;
@@ -199,19 +179,61 @@ saltus_status engine_sweep(const program *p, motion *motions, sweep_cost *cost, 
     options.record = recorded_periods;
     options.lanes = p->lanes;
     options.threads = p->threads;
-    *cost = (sweep_cost){0};
-    saltus_status status = saltus_scene_load("fig6", &scene, message);
+    must(saltus_scene_load("fig6", &scene, &message), &message);
     if (p->unstopped)
         scene.spec.stop_count = 0;
-    if (status == SALTUS_OK)
-        status = saltus_sweep_new(&scene, &axis, 1, &options, &sweep, message);
-    if (status == SALTUS_OK) {
-        const saltus_sweep_feed feed = {.context = motions, .take = take};
-        const double cpu = processor_seconds(), wall = clock_seconds(CLOCK_MONOTONIC);
-        status = saltus_sweep_run(sweep, &feed, message);
-        cost->seconds = processor_seconds() - cpu;
-        cost->wall = clock_seconds(CLOCK_MONOTONIC) - wall;
-    }
+    must(saltus_sweep_new(&scene, &sweep_axis, 1, &options, &sweep, &message), &message);
+    const double cpu = processor_seconds(), wall = clock_seconds(CLOCK_MONOTONIC);
+    must(saltus_sweep_run(sweep, &feed, &message), &message);
+    const sweep_cost cost = {
+        .seconds = processor_seconds() - cpu, .wall = clock_seconds(CLOCK_MONOTONIC) - wall, .share = 1};
     saltus_sweep_free(sweep);
-    return status;
+    return cost;
+}
+
+/* The forcing is periodic, so the recorded periods may begin at time 0 again. */
+static sweep_cost rival_sweep(sweep *s, const program *p) {
+    const int periods[2] = {settling_periods, recorded_periods};
+    double start[SALTUS_SCENE_STATE_MAX], end[motion_dimension], simulated = 0, all = 0;
+    sweep_cost cost = {.seconds = 0};
+    for (int k = 0; k < s->count; k++)
+        all += saltus_system_period(s->stopped[k]);
+    for (int k = 0; k < s->count; k += s->part) {
+        const saltus_spec *spec = saltus_system_spec(s->stopped[k]);
+        motion *m = &s->found[k];
+        simulated += saltus_system_period(s->stopped[k]);
+        motion_clear(m);
+        saltus_system_default_state(s->stopped[k], start, NULL);
+        memcpy(m->settled, start, sizeof m->settled);
+        for (int stage = 0; stage < 2; stage++) {
+            rival_result result = {
+                .events = s->events, .capacity = stage ? rival_events_max : 0, .state = stage ? end : start};
+            memcpy(end, m->settled, sizeof end);
+            m->failed |= !p->rival->run(p->rival->which, spec, end, periods[stage], p->rtol, &result);
+            for (int e = 0; e < result.count && e < result.capacity; e++) {
+                const rival_event *event = &result.events[e];
+                if (event->kind == RIVAL_IMPACT)
+                    motion_add_impact(m, event->time_over_T);
+                m->sticks += event->kind == RIVAL_STICK;
+            }
+            m->failed |= stage && result.count > result.capacity;
+            if (!stage)
+                memcpy(m->settled, start, sizeof m->settled);
+            cost.seconds += result.cpu_seconds;
+            cost.steps += result.steps;
+            cost.evaluations += result.field_evaluations;
+        }
+    }
+    cost.share = simulated / all;
+    cost.seconds /= cost.share;
+    cost.wall = cost.seconds;
+    return cost;
+}
+
+sweep_cost program_run(sweep *s, const program *p) {
+    if (p->kind == program_rival)
+        return rival_sweep(s, p);
+    if (p->kind == program_engine)
+        return engine_sweep(p, s->found);
+    return own_sweep(p->unstopped ? s->unstopped : s->stopped, s->count, p, s->found);
 }

@@ -1,26 +1,22 @@
 /* The sweep's benchmark: one program's run of the sweep, its cost, and how far its motions deviate from exact
- * integration.
+ * integration. What Saltus cannot do ends the program (must.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
-#ifndef SALTUS_BENCH_SWEEP_MEASURE_H
-#define SALTUS_BENCH_SWEEP_MEASURE_H
+#ifndef SALTUS_BENCH_SWEEP_H
+#define SALTUS_BENCH_SWEEP_H
 
+#include "must.h"
 #include "rivals.h"
 #include "saltus/saltus.h"
 
 /* sweep_motion.c: records of motions, and their comparison. */
 enum { settling_periods = 300, recorded_periods = 100, motion_dimension = 10 };
 
-typedef struct impact {
-    double time; /* in forcing periods after settling */
-    double speed;
-} impact;
-
 /* Replaces n if an orbit has infinitely many impacts. */
 enum { orbit_chatters = -1 };
 
 /* The recorded periods of one motion. */
 typedef struct motion {
-    impact *impacts;
+    double *impacts; /* their times in forcing periods after settling */
     int count, room, sticks;
     double settled[motion_dimension];   /* the state at the beginning of the recorded periods */
     double (*strobe)[motion_dimension]; /* states at the end of each recorded period, and at the beginning of
@@ -32,7 +28,7 @@ typedef struct motion {
 /* Discard the records but keep the memory. */
 void motion_clear(motion *m);
 void motion_free(motion *m);
-void motion_add_impact(motion *m, double time, double speed);
+void motion_add_impact(motion *m, double time);
 
 /* Least period, in forcing periods, with which the recorded stroboscopic states repeat to within `tolerance`
  * of the scale; 0 if there is none up to half of the record. */
@@ -69,33 +65,21 @@ typedef struct program {
     unsigned keep; /* bits SALTUS_KEEP_... */
     bool adaptive; /* record as soon as the period is certain, at the latest after as many periods as
                       otherwise */
-    rival_run run;
+    const method *rival;
 } program;
 
 /* What a sweep cost. */
 typedef struct sweep_cost {
-    double seconds, wall;
+    double seconds, wall; /* scaled to all omegas */
+    double share;         /* fraction of the simulated time that was measured */
     long long steps, evaluations;
 } sweep_cost;
 
-/* sweep_own.c: Saltus' side. */
-/* Advance one forcing period from `state` (both states have motion_dimension entries) and count the impacts,
- * without lanes and records. */
-saltus_status own_period(const saltus_system *system, const program *p, const double *state, double *end,
-                         int *impacts, saltus_message *message);
-
-/* Run every system from its default state and fill `motions` (length `count`). Errors: those of the flow. */
-saltus_status own_sweep(saltus_system *const *systems, int count, const program *p, motion *motions,
-                        sweep_cost *cost, saltus_message *message);
+enum { omegas_max = 1000, rival_events_max = 1 << 20 };
 
 /* The axis of all programs. */
-saltus_axis engine_axis(void);
-
-/* Sweep the whole axis and fill `motions` (length of the axis), with phases as times of impacts. Errors:
- * those of the sweep. */
-saltus_status engine_sweep(const program *p, motion *motions, sweep_cost *cost, saltus_message *message);
-
-enum { omegas_max = 1000, rival_events_max = 1 << 20 };
+static const saltus_axis sweep_axis = {
+    .key = "omega", .spacing = SALTUS_LINEAR, .count = omegas_max, .low = 0.5, .high = 55};
 
 /* Tolerance of the reference motions. */
 static const double exact = 1e-13;
@@ -111,25 +95,35 @@ typedef struct sweep {
     rival_event *events; /* storage for a rival's events */
 } sweep;
 
+/* sweep_run.c: the programs. */
+/* Advance one forcing period from `state` (both states have motion_dimension entries) with Saltus' flow and
+ * count the impacts, without lanes and records. */
+saltus_status own_period(const saltus_system *system, const program *p, const double *state, double *end,
+                         int *impacts);
+/* Run every system from its default state with Saltus' flow and fill `motions` (length `count`). */
+sweep_cost own_sweep(saltus_system *const *systems, int count, const program *p, motion *motions);
+/* Run any program and fill the motions found. A sweep of Saltus takes the whole axis and has phases as times
+ * of impacts. */
+sweep_cost program_run(sweep *s, const program *p);
+
 /* A line of a table. */
 typedef struct row {
     const program *program;
     sweep_cost cost;
-    double share;                        /* fraction of the simulated time that was measured */
     double median, high, worst;          /* quantiles of the event error in T; NAN if there is none */
     int right, elsewhere, wrong, judged; /* number of omegas by their count of impacts; judged = -1: not
                                             judged */
     int labels; /* periodic omegas for which the program itself reports the right n/p */
 } row;
 
-/* Build the systems of every part-th omega. Errors: those of the scene and the system. */
-saltus_status sweep_build(sweep *s, int part, saltus_message *message);
+/* sweep_measure.c */
+/* Build the systems of every part-th omega. */
+void sweep_build(sweep *s, int part);
 void sweep_tear_down(sweep *s);
 /* Compute the reference motions, and which of them are periodic. */
-saltus_status sweep_make_reference(sweep *s, saltus_message *message);
+void sweep_make_reference(sweep *s);
 /* Run all programs `repeats` times in turn, so that other load on the machine affects all alike; keep the
- * shortest times and judge the last motions. Other libraries' programs should run once. False, with a message
- * on stderr, if a program of Saltus fails. */
-bool sweep_measure(sweep *s, const program *list, int count, int repeats, row *rows);
+ * shortest times and judge the last motions. Other libraries' programs should run once. */
+void sweep_measure(sweep *s, const program *list, int count, int repeats, row *rows);
 
 #endif
