@@ -59,7 +59,7 @@ typedef struct program {
     /* Saltus */
     int lanes;       /* 0: all, of sweeps only */
     int order;       /* 0: automatic */
-    double step_max; /* of the flow: longest step in units of time; 0: no limit */
+    double step_max; /* of sweeps of the flow: longest step in units of time; 0: no limit */
     bool strobe;     /* of the flow: record stroboscopic states */
     int threads;
     unsigned keep; /* bits SALTUS_KEEP_... */

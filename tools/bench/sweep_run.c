@@ -129,16 +129,13 @@ sweep_cost own_sweep(saltus_system *const *systems, int count, const program *p,
 saltus_status own_period(const saltus_system *system, const program *p, const double *state, double *end,
                          int *impacts) {
     const saltus_flow_options options = options_of(p);
-    const double period = saltus_system_period(system);
-    const long pieces = p->step_max > 0 ? (long)ceil(period / p->step_max) : 1;
     saltus_flow *flow = NULL;
     saltus_event event;
     saltus_status status = saltus_flow_single(system, 0, &options, &flow, NULL);
     if (status == SALTUS_OK)
         status = saltus_flow_start(flow, 0, (saltus_time){0, 0}, state, NULL);
-    for (long k = 1; k <= pieces && status == SALTUS_OK; k++)
-        status = saltus_flow_advance(flow, (saltus_time){k / pieces, (double)(k % pieces) / (double)pieces},
-                                     0, &event, NULL);
+    if (status == SALTUS_OK)
+        status = saltus_flow_advance(flow, (saltus_time){1, 0}, 0, &event, NULL);
     if (status == SALTUS_OK) {
         saltus_flow_state(flow, 0, end);
         *impacts = (int)saltus_flow_information(flow, 0).impacts;
