@@ -612,9 +612,7 @@ static void pair_of_orbits(void **unused) {
 
 static branch_record run_reference(const char *name, int section, const saltus_branch_options *options) {
     reference r = read_reference(name);
-    branch_record record = branch_run(&r.spec, r.periods, r.states[section], options);
-    free(r.text);
-    return record;
+    return branch_run(&r.spec, r.periods, r.states[section], options);
 }
 
 static double scaled_distance(const saltus_system *system, const double *a, const double *b) {
@@ -869,7 +867,6 @@ static void window_of_two_periods(void **unused) {
     check_pipe_branch(&record, "omega", 1e-4, 6);
     branch_forget(&record);
     saltus_motion_clear(&motion);
-    free(r.text);
 }
 
 /* On the orbit at a clearance: the smallest distance of a free maximum from the stop. */
@@ -977,7 +974,6 @@ static void an_impact_of_the_pipe_is_born(void **unused) {
             settled++;
         }
     assert_true(settled > 0);
-    free(r.text);
     branch_forget(&record);
 }
 
@@ -1092,7 +1088,6 @@ static void any_section_point_of_the_pipe(void **unused) {
         branch_record other = branch_run(&r.spec, r.periods, r.states[section], &options);
         branch_check_same(&record, &other, 1e-9);
         branch_forget(&other);
-        free(r.text);
     }
     options.step_max /= 2;
     branch_record other = run_reference("fig7d", 0, &options);
@@ -1353,7 +1348,6 @@ static void resumed_through_chatter_and_switches(void **unused) {
     options.switches = 1;
     reference r = read_reference("fig7d");
     assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, long_version() ? 5 : 40) > 1);
-    free(r.text);
 }
 
 /* The same if the branch ends at a flip of orbits of half the period. */

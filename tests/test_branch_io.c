@@ -121,7 +121,6 @@ static int close_fixture(void **state) {
     folder_files(f->folder, true);
     rmdir(f->folder);
     saltus_system_free(f->system);
-    free(f->reference.text);
     free(f);
     return 0;
 }

@@ -49,7 +49,6 @@ static int close_fixture(void **state) {
     saltus_trajectory_clear(&f->record);
     saltus_motion_clear(&f->motion);
     saltus_system_free(f->system);
-    free(f->reference.text);
     free(f);
     return 0;
 }
@@ -215,7 +214,6 @@ static void contacts_are_recorded(void **state) {
     assert_int_equal(r.strobes, 2);
     saltus_trajectory_clear(&r);
     saltus_system_free(system);
-    free(c.text);
 }
 
 /* A request that cannot be recorded is refused by name and leaves the record empty. */

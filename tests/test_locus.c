@@ -276,7 +276,6 @@ static void an_interrupted_curve_of_the_pipe_goes_on(void **unused) {
         options.direction = -1;
         assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, 8) > 1);
     }
-    free(r.text);
 }
 
 /* One damped degree of freedom has no complex pair on the unit circle: the search reports that none was
@@ -458,7 +457,6 @@ static int make_network(void **state) {
 static int drop_network(void **state) {
     pipe_flips_network *made = *state;
     branch_forget(&made->record);
-    free(made->reference.text);
     return 0;
 }
 
@@ -1572,7 +1570,6 @@ static void an_interrupted_network_goes_on(void **unused) {
     options = locus_options(SALTUS_POINT_PD, key, from, to);
     options.switches = 1;
     assert_true(branch_check_resumed(&r.spec, r.periods, r.states[0], &options, 120) > 1);
-    free(r.text);
 }
 
 /* Grazing of orbits that branch off from mirror symmetric ones: such an orbit touches one of the stops once,
@@ -1797,7 +1794,6 @@ static void check_pipe_curve(saltus_point_kind kind, const double *low, const do
     saltus_branch_options options = locus_options(kind, key, low, high);
     options.step_max = 0.04;
     check_curve_anew(&r.spec, r.periods, r.states[0], &options, least, false);
-    free(r.text);
 }
 
 static const double pipe_low[2] = {35, 0.03}, pipe_high[2] = {56, 0.04};

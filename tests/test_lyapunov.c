@@ -133,7 +133,6 @@ static void reference_orbits(void **unused) {
             check_near(l.kaplan_yorke, 0, 0);
             saltus_lyapunov_clear(&l);
             saltus_system_free(system);
-            free(r.text);
         }
 }
 

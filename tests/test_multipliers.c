@@ -411,7 +411,6 @@ static void orbits_in_quadruple_precision(void **unused) {
         }
         saltus_cocycle_close(&cocycle);
         saltus_system_free(system);
-        free(r.text);
     }
 }
 
@@ -466,7 +465,6 @@ static void left_by_shooting(void **unused) {
         saltus_cocycle_close(&left);
         saltus_cocycle_close(&cocycle);
         saltus_system_free(system);
-        free(r.text);
     }
 }
 
@@ -489,7 +487,6 @@ static void sticking_orbit(void **unused) {
         assert_true(mu[k].re == 0 && mu[k].im == 0 && mu[k].log_modulus == -INFINITY);
     saltus_cocycle_close(&cocycle);
     saltus_system_free(system);
-    free(r.text);
 }
 
 /* beta = 0 at rest: uncoupled modes with known pairs, exp of the roots of s^2 + alpha lambda^4 s + lambda^4 -

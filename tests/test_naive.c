@@ -46,7 +46,6 @@ static void impacts_make_it_first_order(void **unused) {
     naive_pipe pipe = pipe_of(&r.spec);
     double coarse = mean_error(&r, &pipe, 4e-5), fine = mean_error(&r, &pipe, 1e-5);
     check_near(log(coarse / fine) / log(4), 1, 0.15);
-    free(r.text);
 }
 
 /* Without a stop, against the library's flow at its tightest. */
@@ -102,7 +101,6 @@ static void its_class_depends_on_its_step(void **unused) {
     class_of_steps(&r, 0.02, classes);
     for (int l = 0; l < naive_lanes; l++)
         assert_false(classes[l].finite);
-    free(r.text);
 }
 
 static void it_refuses_what_it_cannot_describe(void **unused) {

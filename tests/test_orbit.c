@@ -99,7 +99,6 @@ static void quadratic_convergence(void **unused) {
             saltus_orbit_clear(&orbit);
         }
         saltus_system_free(system);
-        free(r.text);
     }
     gsl_rng_free(random);
 }
@@ -131,7 +130,6 @@ static void multipliers_as_wanted(void **unused) {
         saltus_orbit_clear(&none);
         saltus_orbit_clear(&all);
         saltus_system_free(system);
-        free(r.text);
     }
     assert_true(alone > 0);
 }
@@ -176,7 +174,6 @@ static void same_orbit_any_way(void **unused) {
             options.flow.rtol = k ? 1e-12 : 1e-14;
             check_variant(&r, random, &options, 1e-11);
         }
-        free(r.text);
     }
     gsl_rng_free(random);
 }
@@ -205,7 +202,6 @@ static void sticking_orbit(void **unused) {
     }
     gsl_rng_free(random);
     saltus_system_free(system);
-    free(r.text);
 }
 
 /* Textbook Newton's method on the stroboscopic map, with full steps only. */

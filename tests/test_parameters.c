@@ -129,7 +129,6 @@ static motion reference_motion(const char *name, double start, double end) {
     reference r = read_reference(name);
     motion m = {.spec = r.spec, .start = start, .end = end, .step = 1e-3};
     memcpy(m.state, r.states[0], (size_t)r.n * sizeof(double));
-    free(r.text);
     return m;
 }
 

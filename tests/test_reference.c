@@ -22,7 +22,6 @@ static void flow_closes(void **unused) {
         }
         saltus_flow_free(flow);
         saltus_system_free(system);
-        free(r.text);
     }
 }
 
@@ -47,7 +46,6 @@ static void flow_events(void **unused) {
         }
         saltus_flow_free(flow);
         saltus_system_free(system);
-        free(r.text);
     }
 }
 
@@ -88,7 +86,6 @@ static void shooting_converges(void **unused) {
                 assert_true(orbit.multipliers[r.n - 1 - k].re == 0 && orbit.multipliers[r.n - 1 - k].im == 0);
         saltus_orbit_clear(&orbit);
         saltus_system_free(system);
-        free(r.text);
     }
 }
 
@@ -118,7 +115,6 @@ static void classification_agrees(void **unused) {
         check_near(closest, 0, 1e-14);
         saltus_motion_clear(&motion);
         saltus_system_free(system);
-        free(r.text);
     }
 }
 
@@ -140,7 +136,6 @@ static void tolerance_is_kept(void **unused) {
             saltus_flow_free(flow);
         }
         saltus_system_free(system);
-        free(r.text);
     }
 }
 

@@ -154,10 +154,8 @@ int main(int count, char **arguments) {
             continue;
         if (problem_open(q.references, known[k][0], known[k][1], p))
             r.problem_count++;
-        else {
+        else
             fprintf(stderr, "saltus_bench: %s/%s.json cannot be read: left out\n", q.references, known[k][0]);
-            free(p->orbit.text);
-        }
     }
     measure_all(&q, &r);
     if (!q.only)
@@ -167,7 +165,5 @@ int main(int count, char **arguments) {
     report_summary(stdout, &r);
     report_worst(stdout, &r);
     cost_print(stdout, &costs);
-    for (int p = 0; p < r.problem_count; p++)
-        free(r.problems[p].orbit.text);
     return done ? 0 : 1;
 }

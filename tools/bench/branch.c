@@ -87,6 +87,5 @@ int main(int count, char **arguments) {
            "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
     measure(&r, 0.02);
     measure(&r, 0.006);
-    free(r.text);
     return 0;
 }

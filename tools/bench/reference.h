@@ -14,7 +14,6 @@
 enum { reference_events = 512, reference_periods = 16, reference_dimension = 128 };
 
 typedef struct reference {
-    char *text;
     saltus_spec spec;
     char label[32];
     int periods, sticking, n, event_count;
@@ -42,16 +41,17 @@ static inline int reference_matrix(const saltus_node *list, int rows, int column
     return count;
 }
 
-/* Read folder/name.json; false if it cannot be read. Free `text` afterwards. */
+/* Read folder/name.json; false if it cannot be read. */
 static inline bool reference_read(const char *folder, const char *name, reference *r) {
     char path[1024];
     saltus_source source = {.origin = path, .language = "JSON"};
     saltus_document document = {.root = NULL};
     saltus_scene scene;
-    *r = (reference){.text = NULL};
+    char *text;
+    *r = (reference){.periods = 0};
     snprintf(path, sizeof path, "%s/%s.json", folder, name);
-    bool read = saltus_read_file(path, &r->text, &source.length, NULL) == SALTUS_OK;
-    source.text = r->text;
+    bool read = saltus_read_file(path, &text, &source.length, NULL) == SALTUS_OK;
+    source.text = text;
     read = read && saltus_document_read(&source, &document) == SALTUS_OK;
     const saltus_node *root = document.root, *described = saltus_node_member(root, "scene");
     read = read && described && saltus_scene_read(&source, described, false, &scene) == SALTUS_OK;
@@ -79,6 +79,7 @@ static inline bool reference_read(const char *folder, const char *name, referenc
         }
     }
     saltus_document_close(&document);
+    free(text);
     return read;
 }
 

@@ -59,7 +59,6 @@ static void tell_orbit(const point *p, const saltus_attractors *attractors, FILE
                 p->reference, r.label, nearest, exp(first->multipliers[0].log_modulus),
                 hypot(r.multipliers[0][0], r.multipliers[0][1]));
     }
-    free(r.text);
     if (strcmp(p->claim, "F7b") == 0)
         fputs("What the paper's own method makes of this scene depends on its step: see the table of "
               "steps.\n",
