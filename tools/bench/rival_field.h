@@ -193,9 +193,10 @@ static inline double common_load(const struct scene_field *field, int modes, con
     return field->kappa * stretch - field->drive * field->drive - 0.5 * surge;
 }
 
-/* The field where all modes fit into registers; `load` comes from common_load. */
-static inline void couple_few(const struct scene_field *field, double load, const double *velocity,
-                              const double *curvature, double *__restrict__ acceleration) {
+/* The field where all modes fit into registers, which a call would empty; `load` comes from common_load. */
+__attribute__((always_inline)) static inline void couple_few(const struct scene_field *field, double load,
+                                                             const double *velocity, const double *curvature,
+                                                             double *__restrict__ acceleration) {
     enum { modes = modes_of_paper };
     const double coriolis = 2 * field->root_beta * field->drive, surge = field->root_beta * field->drive_rate;
     const double *__restrict__ gyroscopic = field->gyroscopic, *__restrict__ pulsating = field->pulsating;

@@ -54,18 +54,18 @@ template <class stepper, class vector> struct run {
 };
 
 /* One attempt at a step. The derivative at its end comes with the step of dopri5. */
-template <class vector> bool attempt(run<dopri5<vector>, vector> &r, double *tau, double *length) {
+template <class vector> bool attempt(run<dopri5<vector>, vector> &r, double &tau, double &length) {
     const int old = 1 - r.now;
-    return r.control.try_step(r.field, r.state[old], r.derivative[old], *tau, r.state[r.now],
-                              r.derivative[r.now], *length) == odeint::success;
+    return r.control.try_step(r.field, r.state[old], r.derivative[old], tau, r.state[r.now],
+                              r.derivative[r.now], length) == odeint::success;
 }
 
-template <class vector> bool attempt(run<fehlberg78<vector>, vector> &r, double *tau, double *length) {
+template <class vector> bool attempt(run<fehlberg78<vector>, vector> &r, double &tau, double &length) {
     const int old = 1 - r.now;
-    if (r.control.try_step(r.field, r.state[old], r.derivative[old], *tau, r.state[r.now], *length) !=
+    if (r.control.try_step(r.field, r.state[old], r.derivative[old], tau, r.state[r.now], length) !=
         odeint::success)
         return false;
-    r.field(r.state[r.now], r.derivative[r.now], *tau);
+    r.field(r.state[r.now], r.derivative[r.now], tau);
     return true;
 }
 
@@ -86,25 +86,21 @@ template <class any_run> void restart(void *stepper, double tau) {
     r.field(r.state[r.now], r.derivative[r.now], tau);
 }
 
-/* One step, shorter than wanted where the error asks for it; false when no length is short enough. */
+/* One step, shorter than wanted where the error asks for it; false when no length is short enough. Time and
+ * length are copies, so that the compiler knows that no write to a state changes them. */
 template <class any_run> bool take(void *stepper, double *tau, double end, double *length) {
     auto &r = *static_cast<any_run *>(stepper);
-    const double wanted = *length;
-    const bool last = *tau + wanted >= end;
-    bool whole = last;
-    if (last)
-        *length = end - *tau;
+    const bool last = *tau + *length >= end;
     const int old = r.now;
+    double time = *tau, tried = last ? end - time : *length;
+    bool whole = last;
     r.now = 1 - old;
-    for (int failures = 0; !attempt(r, tau, length); failures++, whole = false)
+    for (int failures = 0; !attempt(r, time, tried); failures++, whole = false)
         if (failures == 500)
             return false;
-    if (whole)
-        *tau = end;
-    if (last)
-        *length = std::max(*length, wanted);
-    r.tau = *tau;
-    r.step.length = *tau - r.step.start;
+    *tau = r.tau = whole ? end : time;
+    *length = last ? std::max(tried, *length) : tried;
+    r.step.length = r.tau - r.step.start;
     r.step.begin = r.state[old].data();
     r.step.begin_rate = r.derivative[old].data();
     r.step.end = r.state[r.now].data();
