@@ -266,7 +266,7 @@ void report_worst(FILE *file, const results *r) {
                     least = fmin(least, r->measures[p][m][t].event_error);
     fprintf(
         file,
-        "Asked and got: over all problems, both our integrators and rtol from %.0e to %.0e, the largest "
+        "Asked and got: over all problems, our three integrators and rtol from %.0e to %.0e, the largest "
         "ratio of the error to rtol, or to what a change of the start by rtol does where this is more, is ",
         r->tolerances[0], r->tolerances[r->tolerance_count - 1]);
     print_worst(file, r, tolerance_amplified);
